@@ -1,0 +1,13 @@
+# Every third-party package in one place. The same file is used by the installed package
+# (cmake/sonarcalConfig.cmake.in), so a consumer finds what the build found.
+include(CMakeFindDependencyMacro)
+
+find_dependency(Threads)
+find_dependency(Eigen3 3.4)
+find_dependency(fmt)
+find_dependency(nlohmann_json 3.11)
+find_dependency(OpenCV COMPONENTS core imgproc imgcodecs)
+find_dependency(TinyGLTF)
+find_dependency(TBB)
+find_dependency(embree 3)
+find_dependency(Ceres 2.1)

@@ -1,0 +1,42 @@
+# sonarcal_add_library(NAME SOURCES ... PUBLIC_LINKS ... PRIVATE_LINKS ...)
+#
+# A room of the house: target sonarcal_NAME, alias sonarcal::NAME, headers included as
+# "NAME/header.h" in the tree and, once installed, from the same root under include/sonarcal.
+function(sonarcal_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC_LINKS;PRIVATE_LINKS" ${ARGN})
+  set(target sonarcal_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(sonarcal::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sonarcal>)
+  target_link_libraries(${target} PUBLIC ${ARG_PUBLIC_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  sonarcal_compile_options(${target})
+  set_property(GLOBAL APPEND PROPERTY SONARCAL_LIBRARIES ${target})
+endfunction()
+
+# The habits every target of the project shares.
+function(sonarcal_compile_options target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+    -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual)
+  if(SONARCAL_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(SONARCAL_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=address,undefined -fno-sanitize-recover=undefined
+      -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  endif()
+endfunction()
+
+# sonarcal_add_test(NAME SOURCES ... LINKS ...): one GoogleTest program for one folder of tests.
+function(sonarcal_add_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} sonarcal_test_support GTest::gmock GTest::gtest_main)
+  sonarcal_compile_options(${name})
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()

@@ -1,0 +1,105 @@
+// The physical parameters that a fit may change, as plain values. Their formulas live in sim/physics, their
+// JSON form in data_io/parameters_io.h. Names in comments are those of `fit.json`.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "data_io/types/sonar_model.h"
+
+namespace sonarcal {
+
+// Generic Seafloor Acoustic Backscatter model, Park 2024 Eq. (20) and Table 3; evaluated by
+// sim/physics/gsab.h. Default values: the paper's Table 4.
+template <typename T>
+struct GsabParameters {
+  T a = T(90.0);     // specular amplitude, power ratio
+  T b_deg = T(4.0);  // half-width of the specular peak
+  T c = T(100.0);    // level at oblique incidence, power ratio
+  T d = T(1.0);      // exponent of the cosine: 1 Lommel-Seeliger, 2 Lambert
+  T e = T(90.0);     // transitional amplitude, power ratio
+  T f_deg = T(8.0);  // half-width of the transition
+
+  bool operator==(const GsabParameters&) const = default;
+};
+
+struct MaterialParameters {
+  GsabParameters<double> gsab;
+
+  bool operator==(const MaterialParameters&) const = default;
+};
+
+// Levels shown as 0 and as full scale.
+template <typename T>
+struct DisplayParameters {
+  T db_min = T(0.0);
+  T db_max = T(255.0);
+
+  bool operator==(const DisplayParameters&) const = default;
+};
+
+// How the range and azimuth errors grow with range (Park 2024 Eqs. 27-28 lost their roots in print).
+enum class JitterGrowth {
+  kRoot,    // sigma0 sqrt(1 + R^2/R0^2)
+  kLinear,  // sigma0 (1 + R^2/R0^2)
+};
+
+// Range and azimuth errors of a ray, Park 2024 Section 3.4; evaluated by sim/physics/jitter.h.
+template <typename T>
+struct JitterParameters {
+  T sigma_range_m = T(0.0);               // at the reference frequency, at short range
+  T sigma_azimuth_deg = T(0.0);           // likewise
+  T reference_range_m = T(10.0);          // R0
+  double reference_frequency_hz = 900e3;  // f0
+  JitterGrowth growth = JitterGrowth::kRoot;
+
+  bool operator==(const JitterParameters&) const = default;
+};
+
+// Receiver of the acoustic model: a noise floor added in power, and speckle.
+struct ReceiverParameters {
+  double gain_db = 0.0;
+  std::optional<double> noise_db;  // level of the floor; absent = no noise
+  double looks = 1.0;              // independent looks averaged in a pixel (1: exponential power)
+
+  bool operator==(const ReceiverParameters&) const = default;
+};
+
+// Half-power widths of the beam; 0 = take the sonar's own.
+struct BeamParameters {
+  double azimuth_width_deg = 0.0;
+  double elevation_width_deg = 0.0;
+
+  bool operator==(const BeamParameters&) const = default;
+};
+
+// Range response: half-power length of the pulse; 0 = one range bin.
+struct PulseParameters {
+  double length_m = 0.0;
+
+  bool operator==(const PulseParameters&) const = default;
+};
+
+enum class EchoModel { kPaper, kAcoustic };
+
+struct ParameterSet {
+  EchoModel model = EchoModel::kPaper;
+  double source_level_db = 200.0;
+  double noise_level_db = 0.0;  // NL of Park 2024 Eq. (10), paper model only
+  double array_gain_db = 0.0;   // AG of Park 2024 Eq. (10), paper model only
+  DisplayParameters<double> display;
+  std::map<std::string, MaterialParameters> materials;  // "default" serves names that are absent
+  JitterParameters<double> jitter;
+  ReceiverParameters receiver;
+  BeamParameters beam;
+  PulseParameters pulse;
+  std::optional<Water> water;  // wins over the recording's, and that is said
+
+  // The parameters of a scene's material, or those of "default"; throws DataError where neither is given.
+  const MaterialParameters& Material(const std::string& name) const;
+
+  bool operator==(const ParameterSet&) const = default;
+};
+
+}  // namespace sonarcal

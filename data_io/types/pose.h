@@ -1,0 +1,45 @@
+// A rigid transform. Named for what it does: `world_from_sonar` takes sonar coordinates to world coordinates.
+//
+// World: metres, Z up. Sonar frame: X right, Y forward (bore-sight), Z up.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace sonarcal {
+
+struct Pose {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // unit length
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point_m) const { return rotation * point_m + position_m; }
+
+  Pose operator*(const Pose& other) const {
+    return {rotation * other.rotation, rotation * other.position_m + position_m};
+  }
+
+  Pose Inverse() const {
+    const Eigen::Quaterniond inverse = rotation.conjugate();
+    return {inverse, -(inverse * position_m)};
+  }
+};
+
+// Turns about the sonar's own axes, in this order: yaw about Z (positive to the left), then pitch about the
+// new X (positive looks up), then roll about the new Y (positive lowers the right side).
+inline Eigen::Quaterniond RotationFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {
+  return Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()) *
+         Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitY());
+}
+
+// The inverse of RotationFromYawPitchRoll: (yaw, pitch, roll), pitch within +-90 degrees.
+inline Eigen::Vector3d YawPitchRollFromRotation(const Eigen::Quaterniond& rotation) {
+  const Eigen::Matrix3d r = rotation.toRotationMatrix();
+  // R = Rz(yaw) Rx(pitch) Ry(roll): its third row is (-cos p sin r, sin p, cos p cos r) and its second
+  // column (-sin y cos p, cos y cos p, sin p).
+  return {std::atan2(-r(0, 1), r(1, 1)), std::asin(std::clamp(r(2, 1), -1.0, 1.0)),
+          std::atan2(-r(2, 0), r(2, 2))};
+}
+
+}  // namespace sonarcal

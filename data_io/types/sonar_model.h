@@ -1,0 +1,29 @@
+// What is known of a sonar before anything is fitted: its image geometry and its beams.
+#pragma once
+
+#include <string>
+
+#include "data_io/types/image.h"
+
+namespace sonarcal {
+
+struct SonarModel {
+  std::string name;
+  double frequency_hz = 0.0;
+  PolarAxes axes;
+  double azimuth_beam_width_deg = 0.0;    // half-power width of one beam; 0 = unknown
+  double elevation_beam_width_deg = 0.0;  // vertical field of view
+  double sound_speed_m_per_s = 0.0;
+};
+
+// Temperature, salinity, acidity and depth, for the absorption of sound.
+struct Water {
+  double temperature_c = 15.0;
+  double salinity_ppt = 0.0;
+  double ph = 7.0;
+  double depth_m = 1.0;
+
+  bool operator==(const Water&) const = default;
+};
+
+}  // namespace sonarcal
