@@ -1,0 +1,167 @@
+#include "apps/command.h"
+
+#include <pthread.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <new>
+#include <thread>
+
+#include "apps/help_formatter.h"
+#include "apps/output_folder.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+// Sentences may quote what the user typed; a line break in it would make two sentences of one.
+std::string OneLine(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+int Fail(ExitStatus status, std::string_view sentence) {
+  PrintError(sentence);
+  return static_cast<int>(status);
+}
+
+// Ends the program by the signal, as a shell expects it, but tidies up first. Removing folders is nothing a
+// signal handler may do, so a thread of its own waits for the signal, which all others block.
+void TidyUpOnSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals] {
+    int signal = 0;
+    if (sigwait(&signals, &signal) != 0) return;
+    RemoveUnfinishedOutputs();
+    std::cerr << "\nsonarcal: interrupted, nothing was written" << std::endl;
+    std::signal(signal, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    std::raise(signal);
+  }).detach();
+}
+
+// An exception that leaves a thread no one waits for can't be caught: say one sentence all the same.
+[[noreturn]] void Terminate() {
+  Fail(ExitStatus::kFailed, "internal error: an exception left its thread; please report this");
+  RemoveUnfinishedOutputs();
+  std::_Exit(static_cast<int>(ExitStatus::kFailed));
+}
+
+int ParseFailure(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string path = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    path += ' ' + command->get_name();
+  }
+  if (dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr) {
+    // Options of a command come first on its page; those of the root would only repeat themselves.
+    std::cout << command->help(path);
+    return static_cast<int>(ExitStatus::kDone);
+  }
+  if (dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr) {
+    std::cout << error.what() << '\n';
+    return static_cast<int>(ExitStatus::kDone);
+  }
+  return Fail(ExitStatus::kUsage, fmt::format("{} (see '{} --help')", OneLine(error.what()), path));
+}
+
+int ParseAndRun(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) throw DataError("cannot write the results to standard output: is the disk full?");
+    return static_cast<int>(ExitStatus::kDone);
+  } catch (const CLI::RuntimeError& error) {  // how OnRun hands over a status
+    std::cout.flush();
+    return error.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    return ParseFailure(app, error);
+  } catch (const UsageError& error) {
+    return Fail(ExitStatus::kUsage, error.what());
+  } catch (const DataError& error) {
+    return Fail(ExitStatus::kFailed, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    const std::filesystem::path& path = error.path2().empty() ? error.path1() : error.path2();
+    return Fail(ExitStatus::kFailed, fmt::format("{}: {}", path.string(), error.code().message()));
+  } catch (const std::bad_alloc&) {
+    return Fail(ExitStatus::kFailed, "not enough memory for this run");
+  } catch (const std::exception& error) {
+    return Fail(ExitStatus::kFailed, fmt::format("internal error: {}; please report this", error.what()));
+  } catch (...) {
+    return Fail(ExitStatus::kFailed, "internal error: an unknown exception; please report this");
+  }
+}
+
+std::vector<std::string>& MutableCommandLine() {
+  static std::vector<std::string> words;
+  return words;
+}
+
+}  // namespace
+
+CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
+                     CommonOptions& common) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->add_flag("--json", common.json, "Print the results as JSON");
+  command->add_flag("-q,--quiet", common.quiet, "Print nothing but results and errors");
+  return command;
+}
+
+void OnRun(CLI::App* command, std::function<ExitStatus()> run) {
+  command->final_callback([run = std::move(run)] {
+    const ExitStatus status = run();
+    if (status != ExitStatus::kDone) throw CLI::RuntimeError(static_cast<int>(status));
+  });
+}
+
+void SetUpRoot(CLI::App& app) {
+  app.name("sonarcal");
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "Print this help");
+  app.set_version_flag("--version", "sonarcal " SONARCAL_VERSION, "Print the version");
+  app.option_defaults()->always_capture_default();
+  app.require_subcommand(1);
+}
+
+int RunApp(CLI::App& app, int argc, const char* const* argv) {
+  TidyUpOnSignals();
+  std::set_terminate(Terminate);
+  MutableCommandLine().assign(argv, argv + argc);
+  return ParseAndRun(app, argc, argv);
+}
+
+const std::vector<std::string>& CommandLine() {
+  return MutableCommandLine();
+}
+
+void PrintNote(const CommonOptions& common, std::string_view sentence) {
+  if (!common.quiet) std::cerr << "sonarcal: " << sentence << std::endl;
+}
+
+void PrintError(std::string_view sentence) {
+  std::cout.flush();  // so that results and errors keep their order where both go to one terminal
+  std::cerr << "sonarcal: " << OneLine(std::string(sentence)) << std::endl;
+}
+
+void PrintResult(std::string_view text) {
+  std::cout << text;
+}
+
+void PrintResult(const nlohmann::ordered_json& json) {
+  // File names need not be UTF-8; JSON must be.
+  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+}
+
+}  // namespace sonarcal
