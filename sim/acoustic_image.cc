@@ -1,0 +1,221 @@
+#include "sim/acoustic_image.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "sim/physics/beam_pattern.h"
+#include "sim/physics/gsab.h"
+#include "sim/physics/propagation.h"
+#include "sim/physics/receiver.h"
+#include "sim/random.h"
+
+namespace sonarcal {
+namespace {
+
+// Responses are cut where they fall below 2^-36, about -108 dB.
+constexpr double kReachInWidths = 3.0;
+
+double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) {
+  const double width_deg = parameters.beam.azimuth_width_deg > 0.0 ? parameters.beam.azimuth_width_deg
+                                                                   : sonar.azimuth_beam_width_deg;
+  if (!(width_deg > 0.0)) {
+    throw DataError("{}: azimuth beam width unknown; give it in the sonar or as beam.azimuth_width_deg",
+                    sonar.name);
+  }
+  return RadFromDeg(width_deg);
+}
+
+double ElevationWidthRad(const SonarModel& sonar, const ParameterSet& parameters) {
+  return RadFromDeg(parameters.beam.elevation_width_deg > 0.0 ? parameters.beam.elevation_width_deg
+                                                              : sonar.elevation_beam_width_deg);
+}
+
+double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters) {
+  return parameters.pulse.length_m > 0.0 ? parameters.pulse.length_m : sonar.axes.range_bin_m();
+}
+
+// Weights of a response at the points of a row of samples, those within reach only.
+struct Window {
+  int first = 0;
+  std::vector<double> weight;
+};
+
+// Azimuth response of each beam to the columns of the fan.
+std::vector<Window> AzimuthWindows(const std::vector<double>& column_azimuth_rad, const PolarAxes& axes,
+                                   double width_rad) {
+  std::vector<Window> windows(axes.beam_count());
+  for (int beam = 0; beam < axes.beam_count(); ++beam) {
+    const double centre = axes.beam_azimuth_rad[beam];
+    const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(),
+                                        centre - kReachInWidths * width_rad);
+    windows[beam].first = static_cast<int>(first - column_azimuth_rad.begin());
+    for (auto it = first; it != column_azimuth_rad.end() && *it <= centre + kReachInWidths * width_rad;
+         ++it) {
+      windows[beam].weight.push_back(GaussianResponse(*it - centre, width_rad));
+    }
+  }
+  return windows;
+}
+
+// Pulse response of a range bin's centre to the fine rows; rows are relative to the bin's first one.
+Window PulseWindow(const PolarAxes& axes, int range_steps, double length_m) {
+  const double step_m = axes.range_bin_m() / range_steps;
+  const int reach = static_cast<int>(std::ceil(kReachInWidths * length_m / step_m)) + range_steps;
+  Window window{.first = -reach, .weight = {}};
+  for (int row = -reach; row <= reach + range_steps; ++row) {
+    const double offset_m = (row + 0.5) * step_m - 0.5 * axes.range_bin_m();
+    window.weight.push_back(GaussianResponse(offset_m, length_m));
+  }
+  return window;
+}
+
+// Sums `fine` (fine rows x columns) through both responses to bins x beams. With `amplitude` the weights are
+// the roots of the power responses.
+template <typename T>
+Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters, const ScatterMap& scatter, bool amplitude) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  std::vector<Window> azimuth =
+      AzimuthWindows(scatter.column_azimuth_rad, axes, AzimuthWidthRad(geometry.sonar, parameters));
+  Window pulse = PulseWindow(axes, scatter.range_steps, PulseLengthM(geometry.sonar, parameters));
+  if (amplitude) {
+    for (Window& window : azimuth) {
+      for (double& weight : window.weight) weight = std::sqrt(weight);
+    }
+    for (double& weight : pulse.weight) weight = std::sqrt(weight);
+  }
+
+  Grid<T> by_beam(fine.rows(), axes.beam_count());
+  tbb::parallel_for(tbb::blocked_range<int>(0, fine.rows(), 8), [&](const tbb::blocked_range<int>& rows) {
+    for (int row = rows.begin(); row != rows.end(); ++row) {
+      const auto in = fine.row(row);
+      if (std::all_of(in.begin(), in.end(), [](const T& value) { return value == T(0.0); })) continue;
+      for (int beam = 0; beam < axes.beam_count(); ++beam) {
+        T sum(0.0);
+        for (std::size_t i = 0; i < azimuth[beam].weight.size(); ++i) {
+          sum += azimuth[beam].weight[i] * in[azimuth[beam].first + i];
+        }
+        by_beam(row, beam) = sum;
+      }
+    }
+  });
+  Grid<T> out(axes.range_bins, axes.beam_count());
+  tbb::parallel_for(tbb::blocked_range<int>(0, axes.range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
+    for (int bin = bins.begin(); bin != bins.end(); ++bin) {
+      for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
+        const int row = bin * scatter.range_steps + pulse.first + static_cast<int>(i);
+        if (row < 0 || row >= by_beam.rows()) continue;
+        for (int beam = 0; beam < axes.beam_count(); ++beam)
+          out(bin, beam) += pulse.weight[i] * by_beam(row, beam);
+      }
+    }
+  });
+  return out;
+}
+
+double NoisePower(const ParameterSet& parameters) {
+  return parameters.receiver.noise_db ? PowerFromDb(*parameters.receiver.noise_db) : 0.0;
+}
+
+PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const ParameterSet& parameters,
+                     double full_scale, double offset_db) {
+  PolarImage image{axes,
+                   {.quantity = Quantity::kGrey,
+                    .full_scale = full_scale,
+                    .db_min = parameters.display.db_min,
+                    .db_max = parameters.display.db_max,
+                    .db_span = {}},
+                   Grid<float>(power.rows(), power.cols())};
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    const double level_db = DbFromPower(std::max(power.values()[i], kSilencePower)) + offset_db;
+    image.value.values()[i] =
+        static_cast<float>(full_scale * std::clamp(LogDisplay(parameters.display, level_db), 0.0, 1.0));
+  }
+  return image;
+}
+
+}  // namespace
+
+ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  ScatterMap scatter;
+  for (int col = 0; col < fan.cols(); ++col) scatter.column_azimuth_rad.push_back(fan.AzimuthRad(col));
+  scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
+  const double step_m = axes.range_bin_m() / scatter.range_steps;
+  const double elevation_width_rad = ElevationWidthRad(geometry.sonar, parameters);
+  std::vector<GsabParameters<double>> materials;
+  for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
+
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+    const double range_m = echoes.range_m[echo];
+    const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
+                            2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
+    const double incidence_rad = echoes.incidence_rad[echo];
+    const double area_m2 =
+        range_m * range_m * echoes.solid_angle_sr[echo] / std::max(std::cos(incidence_rad), kSmallestCosine);
+    const double power = PowerFromDb(level_db) *
+                         GsabPower(materials[echoes.material[echo]], DegFromRad(incidence_rad)) * area_m2 *
+                         GaussianResponse<double>(echoes.elevation_rad[echo], elevation_width_rad);
+    const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
+    // Shared between the two nearest fine rows, so that the image changes smoothly with range.
+    const double position = (range_m - axes.range_min_m) / step_m - 0.5;
+    const int row = static_cast<int>(std::floor(position));
+    const double fraction = position - row;
+    if (row >= 0 && row < scatter.power.rows()) scatter.power(row, col) += (1.0 - fraction) * power;
+    if (row + 1 >= 0 && row + 1 < scatter.power.rows()) scatter.power(row + 1, col) += fraction * power;
+  }
+  return scatter;
+}
+
+PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters) {
+  PolarImage image{
+      geometry.sonar.axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count())};
+  const Grid<double> power = ThroughResponses(scatter.power, geometry, parameters, scatter, false);
+  const double noise = NoisePower(parameters);
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    image.value.values()[i] = static_cast<float>(power.values()[i] + noise);
+  }
+  return image;
+}
+
+PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
+  Grid<double> values(power.value.rows(), power.value.cols());
+  std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
+  return Displayed(values, power.axes, parameters, full_scale, MeanLogSpeckleDb(parameters.receiver.looks));
+}
+
+PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                               const ParameterSet& parameters, double full_scale, std::uint64_t seed) {
+  using Complex = std::complex<double>;
+  const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
+  const double noise_amplitude = std::sqrt(0.5 * NoisePower(parameters));
+  Grid<double> power(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count());
+  const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
+  for (int look = 0; look < looks; ++look) {
+    const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
+    const CounterRandom scatterers(seed, static_cast<std::uint32_t>(2 * look));
+    const CounterRandom receiver(seed, static_cast<std::uint32_t>(2 * look + 1));
+    Grid<Complex> field(scatter.power.rows(), scatter.power.cols());
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      if (scatter.power.values()[i] == 0.0) continue;
+      const auto [re, im] = scatterers.Normal2(i);
+      field.values()[i] = std::sqrt(0.5 * scatter.power.values()[i]) * Complex(re, im);
+    }
+    const Grid<Complex> received = ThroughResponses(field, geometry, parameters, scatter, true);
+    for (std::size_t i = 0; i < power.size(); ++i) {
+      const auto [re, im] = receiver.Normal2(i);
+      power.values()[i] += weight * std::norm(received.values()[i] + noise_amplitude * Complex(re, im));
+    }
+  }
+  return Displayed(power, geometry.sonar.axes, parameters, full_scale, 0.0);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,52 @@
+// The acoustic model: power summed over echoes, through the responses of beam and pulse, over a noise floor.
+//
+//   P(r, b) = sum_k 10^((SL + G - 40 log10 R_k - 2 alpha R_k) / 10) sigma_m(delta_k) a_k
+//                   el(phi_k) az(theta_k - theta_b) pulse(R_k - R_r)  +  N
+//
+// sigma_m is GSAB as backscatter per unit area; a_k = R_k^2 dOmega_k / cos(delta_k) is the patch a ray stands
+// for (its cosine bounded at kSmallestCosine), so the level does not depend on the number of rays. The
+// responses are those of sim/physics/beam_pattern.h.
+//
+// `SampleAcousticImage` draws one ping: each patch scatters with a random phase, the field is summed
+// coherently through the same responses, receiver noise is added, and the power goes through the display. Its
+// mean power is P exactly, its speckle has the grain of beam and pulse, and it is not the image formation the
+// paper model fits.
+#pragma once
+
+#include <cstdint>
+
+#include "data_io/types/parameters.h"
+#include "sim/trace.h"
+
+namespace sonarcal {
+
+inline constexpr double kSmallestCosine = 0.02;
+
+// Power that the scene's patches scatter, before beam and pulse: `range_steps` rows a range bin, one column
+// for each column of the ray fan.
+struct ScatterMap {
+  Grid<double> power;
+  int range_steps = 4;
+  std::vector<double> column_azimuth_rad;
+};
+
+struct AcousticGeometry {
+  const SonarModel& sonar;
+  double absorption_db_per_m = 0.0;
+};
+
+ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters);
+
+// P(r, b), range_bins x beams; Quantity::kPower.
+PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters);
+
+// The mean displayed level of P: 10 log10 P + MeanLogSpeckleDb(looks), through the display, not rounded.
+PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale);
+
+// One draw, through the display, not rounded. The same seed gives the same image on any number of threads.
+PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                               const ParameterSet& parameters, double full_scale, std::uint64_t seed);
+
+}  // namespace sonarcal

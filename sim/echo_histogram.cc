@@ -1,0 +1,81 @@
+#include "sim/echo_histogram.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+
+EchoHistogram GatherByPixel(const EchoList& echoes, const PolarAxes& axes) {
+  EchoHistogram histogram;
+  histogram.bins = axes.range_bins;
+  histogram.beams = axes.beam_count();
+  histogram.materials = static_cast<int>(echoes.material_names.size());
+  const std::size_t pixels = static_cast<std::size_t>(histogram.bins) * histogram.beams;
+
+  // Counting sort of echoes by pixel.
+  std::vector<std::uint32_t> pixel_of_echo(echoes.size());
+  std::vector<std::uint32_t> start(pixels + 1, 0);
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+    const int bin =
+        std::clamp(static_cast<int>((echoes.range_m[echo] - axes.range_min_m) / axes.range_bin_m()), 0,
+                   histogram.bins - 1);
+    pixel_of_echo[echo] = static_cast<std::uint32_t>(bin * histogram.beams + echoes.Beam(echo));
+    ++start[pixel_of_echo[echo] + 1];
+  }
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel) start[pixel + 1] += start[pixel];
+  std::vector<std::uint32_t> order(echoes.size());
+  {
+    std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
+    for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+      order[next[pixel_of_echo[echo]]++] = static_cast<std::uint32_t>(echo);
+    }
+  }
+
+  // Dense weights of one pixel, cleared through the list of nodes it touched.
+  std::vector<double> node_weight(static_cast<std::size_t>(histogram.materials) * kIncidenceNodes, 0.0);
+  std::vector<std::uint32_t> touched;
+  const auto add = [&](std::uint32_t node, double weight) {
+    if (weight == 0.0) return;
+    if (node_weight[node] == 0.0) touched.push_back(node);
+    node_weight[node] += weight;
+  };
+
+  for (int row = 0; row < histogram.bins; ++row) {
+    histogram.row_start.push_back(static_cast<std::uint32_t>(histogram.cells.size()));
+    for (int col = 0; col < histogram.beams; ++col) {
+      const std::size_t pixel = static_cast<std::size_t>(row) * histogram.beams + col;
+      if (start[pixel] == start[pixel + 1]) continue;
+      EchoHistogram::Cell cell{.row = row, .col = col};
+      const double weight = 1.0 / echoes.rays_per_beam[col];
+      for (std::uint32_t i = start[pixel]; i < start[pixel + 1]; ++i) {
+        const std::uint32_t echo = order[i];
+        const double range_m = echoes.range_m[echo];
+        cell.weight += weight;
+        cell.log_range += weight * 40.0 * std::log10(range_m);
+        cell.two_way_range_m += weight * 2.0 * range_m;
+        const double position = DegFromRad<double>(echoes.incidence_rad[echo]) / kIncidenceStepDeg;
+        const int node = std::clamp(static_cast<int>(position), 0, kIncidenceNodes - 2);
+        const double fraction = std::clamp(position - node, 0.0, 1.0);
+        const auto first = static_cast<std::uint32_t>(echoes.material[echo] * kIncidenceNodes + node);
+        add(first, weight * (1.0 - fraction));
+        add(first + 1, weight * fraction);
+      }
+      std::sort(touched.begin(), touched.end());
+      cell.first_entry = static_cast<std::uint32_t>(histogram.entries.size());
+      for (const std::uint32_t node : touched) {
+        histogram.entries.push_back({node, static_cast<float>(node_weight[node])});
+        node_weight[node] = 0.0;
+      }
+      cell.last_entry = static_cast<std::uint32_t>(histogram.entries.size());
+      touched.clear();
+      histogram.cells.push_back(cell);
+    }
+  }
+  histogram.row_start.push_back(static_cast<std::uint32_t>(histogram.cells.size()));
+  return histogram;
+}
+
+}  // namespace sonarcal

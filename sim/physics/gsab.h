@@ -1,0 +1,61 @@
+// Generic Seafloor Acoustic Backscatter model (Park 2024 Eqs. 20-21; APL-UW TR 9407 lineage):
+//
+//   GSAB(delta) = A exp(-delta^2 / 2 B^2) + C cos(delta)^D + E exp(-delta^2 / 2 F^2)
+//
+// delta is the angle between the ray and the surface normal, 0..90 degrees. A, C and E are ratios of power,
+// B and F half-widths in degrees, D an exponent (the paper prints it where a factor could be read).
+// The paper model uses 10 log10 GSAB as the target strength of one ray; the acoustic model as backscattering
+// strength of a unit of area.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "data_io/types/parameters.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+
+// A parameter as a fit sees it.
+struct ParameterTraits {
+  std::string_view name;  // as in `fit.json`, after its group
+  std::string_view unit;
+  double lower;
+  double upper;
+};
+
+// In the order of the members of GsabParameters. Widths below a tenth of a degree cannot be told from a
+// mirror, above 60 degrees they cannot be told from the cosine.
+inline constexpr std::array<ParameterTraits, 6> kGsabTraits = {{
+    {"A", "power ratio", 1e-6, 1e6},
+    {"B_deg", "deg", 0.1, 60.0},
+    {"C", "power ratio", 1e-6, 1e6},
+    {"D", "1", 0.0, 8.0},
+    {"E", "power ratio", 1e-6, 1e6},
+    {"F_deg", "deg", 0.1, 60.0},
+}};
+
+// Below this a surface is taken to be silent; it keeps the logarithm finite at 90 degrees.
+inline constexpr double kGsabFloor = 1e-12;
+
+template <typename T>
+T GsabPower(const GsabParameters<T>& p, double incidence_deg) {
+  using std::exp;
+  using std::pow;
+  const double square = incidence_deg * incidence_deg;
+  T power =
+      p.a * exp(T(-0.5 * square) / (p.b_deg * p.b_deg)) + p.e * exp(T(-0.5 * square) / (p.f_deg * p.f_deg));
+  const double cosine = std::cos(RadFromDeg(incidence_deg));
+  if (cosine > std::numeric_limits<double>::epsilon()) power += p.c * pow(T(cosine), p.d);
+  return power;
+}
+
+template <typename T>
+T GsabDb(const GsabParameters<T>& p, double incidence_deg) {
+  const T power = GsabPower(p, incidence_deg);
+  return DbFromPower(power > T(kGsabFloor) ? power : T(kGsabFloor));
+}
+
+}  // namespace sonarcal

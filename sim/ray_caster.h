@@ -1,0 +1,50 @@
+// The one place that casts rays: Embree behind a wall.
+//
+// A caster is built once for a scene and used from any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "data_io/types/pose.h"
+#include "data_io/types/scene.h"
+#include "sim/ray_fan.h"
+
+namespace sonarcal {
+
+// What each ray of a fan met, in the order of the fan's rays.
+struct FanHits {
+  std::vector<float> range_m;          // infinity for a miss
+  std::vector<std::int32_t> triangle;  // index into Scene::triangles; -1 for a miss
+};
+
+class RayCaster {
+ public:
+  // The scene is copied into Embree's acceleration structure; triangle normals are kept.
+  // Throws DataError for an invalid scene, std::runtime_error where Embree cannot start.
+  explicit RayCaster(const Scene& scene);
+  ~RayCaster();
+  RayCaster(const RayCaster&) = delete;
+  RayCaster& operator=(const RayCaster&) = delete;
+
+  // Casts every ray of the fan from `world_from_sonar` on all cores; nothing beyond max_range_m is met.
+  FanHits Cast(const RayFan& fan, const Pose& world_from_sonar, double max_range_m) const;
+
+  // Unit normal of a triangle in world coordinates.
+  const Eigen::Vector3f& TriangleNormal(int triangle) const { return normals_[triangle]; }
+  std::uint16_t TriangleMaterial(int triangle) const { return materials_[triangle]; }
+  const std::vector<std::string>& material_names() const { return material_names_; }
+
+  // Rays cast so far. A fit of materials adds nothing to it.
+  std::int64_t rays_cast() const;
+
+ private:
+  struct Embree;
+  std::unique_ptr<Embree> embree_;
+  std::vector<Eigen::Vector3f> normals_;
+  std::vector<std::uint16_t> materials_;
+  std::vector<std::string> material_names_;
+};
+
+}  // namespace sonarcal

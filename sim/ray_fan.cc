@@ -1,0 +1,109 @@
+#include "sim/ray_fan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kWidestPinholeDeg = 85.0;
+
+}  // namespace
+
+void RayFanOptions::Check() const {
+  if (cols < 1 || cols > 100'000) throw DataError("rays: {} columns, expected 1 .. 100000", cols);
+  if (rows < 1 || rows > 100'000) throw DataError("rays: {} rows, expected 1 .. 100000", rows);
+  if (static_cast<long>(cols) * rows > 200'000'000) {
+    throw DataError("rays: {} x {} is more than 200 million", cols, rows);
+  }
+  if (!(elevation_span_deg >= 0.0 && elevation_span_deg <= 180.0)) {
+    throw DataError("rays: elevation span {} degrees, expected 0 (the sonar's own) .. 180",
+                    elevation_span_deg);
+  }
+}
+
+RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
+    : sampling_(options.sampling), rows_(options.rows) {
+  options.Check();
+  sonar.axes.Validate(sonar.name);
+  beam_edges_rad_ = sonar.axes.BeamEdgesRad();
+  const int beams = sonar.axes.beam_count();
+  const double span_rad = RadFromDeg(options.elevation_span_deg > 0.0 ? options.elevation_span_deg
+                                                                      : sonar.elevation_beam_width_deg);
+  if (!(span_rad > 0.0)) {
+    throw DataError("{}: elevation beam width {} degrees, expected a positive one", sonar.name,
+                    sonar.elevation_beam_width_deg);
+  }
+
+  if (sampling_ == Sampling::kFrustum) {
+    const double limit_rad = RadFromDeg(kWidestPinholeDeg);
+    if (beam_edges_rad_.front() < -limit_rad || beam_edges_rad_.back() > limit_rad ||
+        span_rad > 2.0 * limit_rad) {
+      throw DataError("{}: a pinhole sees at most +-{} degrees; use the sampling 'beams'", sonar.name,
+                      kWidestPinholeDeg);
+    }
+    cols_ = options.cols;
+    const double left = std::tan(beam_edges_rad_.front());
+    const double right = std::tan(beam_edges_rad_.back());
+    const double top = std::tan(0.5 * span_rad);
+    for (int col = 0; col < cols_; ++col) {
+      azimuth_rad_.push_back(std::atan(left + (col + 0.5) * (right - left) / cols_));
+    }
+    for (int row = 0; row < rows_; ++row) row_slope_.push_back(top - (row + 0.5) * 2.0 * top / rows_);
+    slope_cell_ = (right - left) / cols_ * (2.0 * top / rows_);
+  } else {
+    const int cols_per_beam = (options.cols + beams - 1) / beams;
+    cols_ = cols_per_beam * beams;
+    for (int beam = 0; beam < beams; ++beam) {
+      const double width = (beam_edges_rad_[beam + 1] - beam_edges_rad_[beam]) / cols_per_beam;
+      for (int i = 0; i < cols_per_beam; ++i) {
+        azimuth_rad_.push_back(beam_edges_rad_[beam] + (i + 0.5) * width);
+        column_width_rad_.push_back(width);
+      }
+    }
+    row_height_rad_ = span_rad / rows_;
+    for (int row = 0; row < rows_; ++row)
+      row_elevation_rad_.push_back(0.5 * span_rad - (row + 0.5) * row_height_rad_);
+  }
+
+  rays_per_beam_.assign(beams, 0);
+  for (int col = 0; col < cols_; ++col) {
+    const auto above = std::upper_bound(beam_edges_rad_.begin(), beam_edges_rad_.end(), azimuth_rad_[col]);
+    const int beam = std::clamp(static_cast<int>(above - beam_edges_rad_.begin()) - 1, 0, beams - 1);
+    beam_of_column_.push_back(beam);
+    rays_per_beam_[beam] += rows_;
+  }
+}
+
+Eigen::Vector3f RayFan::Direction(int row, int col) const {
+  if (sampling_ == Sampling::kFrustum) {
+    return Eigen::Vector3d(std::tan(azimuth_rad_[col]), 1.0, row_slope_[row]).normalized().cast<float>();
+  }
+  const double elevation = row_elevation_rad_[row];
+  const double azimuth = azimuth_rad_[col];
+  return Eigen::Vector3d(std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
+                         std::sin(elevation))
+      .cast<float>();
+}
+
+double RayFan::ElevationRad(int row, int col) const {
+  if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row];
+  return std::atan(row_slope_[row] * std::cos(azimuth_rad_[col]));
+}
+
+double RayFan::SolidAngleSr(int row, int col) const {
+  if (sampling_ == Sampling::kFrustum) {
+    // A cell of the plane at unit distance, seen along a ray of length l: area x (1 / l) / l^2.
+    const double tangent = std::tan(azimuth_rad_[col]);
+    const double length = std::sqrt(1.0 + tangent * tangent + row_slope_[row] * row_slope_[row]);
+    return slope_cell_ / (length * length * length);
+  }
+  const double elevation = row_elevation_rad_[row];
+  return column_width_rad_[col] *
+         (std::sin(elevation + 0.5 * row_height_rad_) - std::sin(elevation - 0.5 * row_height_rad_));
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,71 @@
+// The rays that stand for a sonar's beams: a regular grid of directions in the sonar frame.
+//
+//   frustum  the paper's depth camera (Park 2024 Section 3.1): a pinhole grid over the field of view, pixel
+//            centres at half-integers. Horizontally from the outer edge of the first beam to that of the
+//            last.
+//   beams    equal angles over each beam's azimuth interval and over elevation: what an array does; fewer
+//   rays
+//            for the same image, and the default for calibration.
+//
+// In both, every ray of a grid column has the same azimuth. Ray index = row * cols + col; row 0 looks
+// highest.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "data_io/types/sonar_model.h"
+
+namespace sonarcal {
+
+enum class Sampling { kFrustum, kBeams };
+
+struct RayFanOptions {
+  Sampling sampling = Sampling::kFrustum;
+  int cols = 1500;  // over the horizontal field of view; for kBeams rounded up to whole columns a beam
+  int rows = 1200;  // over the vertical field of view
+  double elevation_span_deg = 0.0;  // vertical field of view; 0 = the sonar's elevation beam width
+
+  // Throws DataError naming field, value and limit.
+  void Check() const;
+};
+
+class RayFan {
+ public:
+  // Throws DataError where the sonar's field of view cannot be covered (a pinhole needs less than +-85
+  // degrees).
+  RayFan(const SonarModel& sonar, const RayFanOptions& options);
+
+  int rows() const { return rows_; }
+  int cols() const { return cols_; }
+  int size() const { return rows_ * cols_; }
+  Sampling sampling() const { return sampling_; }
+
+  // Unit vector in the sonar frame (X right, Y forward, Z up).
+  Eigen::Vector3f Direction(int row, int col) const;
+  double AzimuthRad(int col) const { return azimuth_rad_[col]; }
+  double ElevationRad(int row, int col) const;
+  double SolidAngleSr(int row, int col) const;
+
+  // The beam whose interval holds the column's azimuth, and how many rays each beam has in all.
+  int BeamOfColumn(int col) const { return beam_of_column_[col]; }
+  const std::vector<int>& rays_per_beam() const { return rays_per_beam_; }
+  const std::vector<double>& beam_edges_rad() const { return beam_edges_rad_; }
+
+ private:
+  Sampling sampling_;
+  int rows_;
+  int cols_;
+  std::vector<double> beam_edges_rad_;
+  std::vector<double> azimuth_rad_;       // one a column
+  std::vector<double> column_width_rad_;  // kBeams: azimuth interval of a column
+  std::vector<int> beam_of_column_;
+  std::vector<int> rays_per_beam_;
+  // kFrustum: slopes, tan(azimuth) of each column and the vertical slope of each row; kBeams: elevations.
+  std::vector<double> row_slope_;
+  double slope_cell_ = 0.0;  // kFrustum: area of a pixel on the plane at unit distance
+  std::vector<double> row_elevation_rad_;
+  double row_height_rad_ = 0.0;
+};
+
+}  // namespace sonarcal

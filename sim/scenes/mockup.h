@@ -1,0 +1,56 @@
+// The scaled subsea well that Park 2024 (Section 6, Fig. 9) put into a tank: a block "with a unique pattern
+// on each side". The paper prints its size twice and differently, and neither drawing nor depth of the
+// patterns; the reliefs below are ours.
+//
+// Object frame: origin in the middle of the footprint on the floor, x along the length, y along the width,
+// z up. The mesh is a union of closed solids, partly sunk into one another, so that a ray from outside
+// always meets an outside; nothing lies beyond the nominal size. One material.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "data_io/types/scene.h"
+
+namespace sonarcal {
+
+// Sizes printed in the text (Section 6) and in Table 5 contradict each other.
+enum class PaperSize { kTable5, kText };
+
+enum class MockupPattern {
+  kCross,  // a square rim around a raised upright cross
+  kPipes,  // five vertical pipes
+  kPorts,  // a flange with a stub in its middle, four small ports around it
+  kRibs,   // horizontal ribs
+};
+
+inline constexpr std::array<MockupPattern, 4> kMockupPatterns = {
+    MockupPattern::kCross, MockupPattern::kPipes, MockupPattern::kPorts, MockupPattern::kRibs};
+
+std::string_view ToString(MockupPattern pattern);
+
+struct MockupOptions {
+  double length_m = 1.0;  // along x
+  double width_m = 1.0;   // along y
+  double height_m = 1.5;
+  double relief_m = 0.08;                                    // how far the core lies behind the nominal faces
+  std::array<MockupPattern, 4> patterns = kMockupPatterns;   // on the sides facing -y, +x, +y, -x
+  double max_edge_m = 0.25;                                  // longest side of the mesh's quadrilaterals
+  std::string material = "mockup";
+
+  // Throws DataError naming the field, its value and the limit.
+  void Validate() const;
+};
+
+// 1 x 1 x 1.5 m (Table 5, the default), or the 1 m cube of the text.
+MockupOptions MockupOfPaper(PaperSize size);
+
+Scene MakeMockup(const MockupOptions& options = {});
+
+// The options with max_edge_m such that MakeMockup makes at least `triangles` triangles (and, the mesh being
+// divided in whole pieces, seldom more than half as many again). Throws DataError beyond
+// kMaxPrimitiveTriangles.
+MockupOptions RefinedTo(MockupOptions options, int triangles);
+
+}  // namespace sonarcal

@@ -1,0 +1,67 @@
+// A scene, a sonar and a pose in; an image out.
+//
+// A Simulator holds what does not change from frame to frame: the ray tracer's structure and the fan of rays.
+//
+//   Simulator simulator(scene, sonar, options);
+//   PolarImage image = simulator.Render(world_from_sonar, parameters, frame_idx);
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "data_io/types/parameters.h"
+#include "sim/acoustic_image.h"
+#include "sim/expected_paper_image.h"
+#include "sim/paper_image.h"
+#include "sim/physics/absorption.h"
+#include "sim/trace.h"
+
+namespace sonarcal {
+
+struct SimulationOptions {
+  RayFanOptions fan;
+  TraceOptions trace;
+  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;  // the paper's
+  Water water;
+  int bits = 8;            // 8, 12 or 16: the image's full scale is 2^bits - 1
+  bool noise = false;      // paper: range and azimuth errors; acoustic: speckle and receiver noise
+  std::uint64_t seed = 1;  // of the noise; frame i uses seed + i
+
+  void Check() const;
+  double full_scale() const { return static_cast<double>((1 << bits) - 1); }
+};
+
+class Simulator {
+ public:
+  // Throws DataError for options, a scene or a sonar that cannot be used.
+  Simulator(const Scene& scene, SonarModel sonar, SimulationOptions options);
+
+  // The echoes of a pose: geometry only.
+  EchoList TraceEchoes(const Pose& world_from_sonar) const;
+
+  // The image of a pose by the model that the parameters name, in whole grey levels.
+  PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
+
+  // The same from echoes that were traced before.
+  PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx = 0) const;
+
+  // What every pixel would show on average, over range and azimuth errors (paper) or speckle (acoustic);
+  // not rounded.
+  PolarImage RenderExpected(const EchoList& echoes, const ParameterSet& parameters) const;
+
+  const SonarModel& sonar() const { return sonar_; }
+  const SimulationOptions& options() const { return options_; }
+  const RayFan& fan() const { return fan_; }
+  const RayCaster& caster() const { return caster_; }
+  double absorption_db_per_m() const { return absorption_db_per_m_; }
+
+ private:
+  SonarModel sonar_;
+  SimulationOptions options_;
+  RayCaster caster_;
+  RayFan fan_;
+  double absorption_db_per_m_;
+};
+
+}  // namespace sonarcal
