@@ -1,0 +1,130 @@
+#include "data_io/atomic_output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A name that no other process and no other thread of this one uses. Not mkstemp, which makes files that only
+// their owner may read: outputs follow the user's umask.
+std::string UniqueName(const std::string& stem) {
+  static std::atomic<unsigned> counter{0};
+  return fmt::format(".{}.partial-{}-{}", stem, getpid(), counter++);
+}
+
+[[noreturn]] void FailToWrite(const fs::path& path, const std::error_code& error) {
+  throw DataError("{}: cannot be written: {}", path.string(), error.message());
+}
+
+std::error_code LastError() {
+  const int number = errno;
+  return std::error_code(number != 0 ? number : EIO, std::generic_category());
+}
+
+void RefuseWhatIsNoFile(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw DataError("{}: cannot be written: there is a {} of this name, expected a file or nothing",
+                    path.string(), fs::is_directory(status) ? "directory" : "device");
+  }
+}
+
+bool IsJson(const fs::path& path) {
+  return path.extension() == ".json";
+}
+
+}  // namespace
+
+void WriteFileWhole(const fs::path& file, std::string_view bytes) {
+  RefuseWhatIsNoFile(file);
+  const fs::path aside = file.parent_path() / UniqueName(file.filename().string());
+  errno = 0;
+  std::ofstream stream(aside, std::ios::binary);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  std::error_code error;
+  if (!stream) {
+    error = LastError();
+  } else {
+    fs::rename(aside, file, error);
+  }
+  if (error) {
+    std::error_code ignored;
+    fs::remove(aside, ignored);
+    FailToWrite(file, error);
+  }
+}
+
+OutputDirectory::OutputDirectory(const fs::path& directory)
+    : final_((fs::absolute(directory) / "").lexically_normal().parent_path()) {
+  std::error_code error;
+  const fs::file_status status = fs::status(final_, error);
+  const bool exists = fs::exists(status);
+  if (exists && !fs::is_directory(status)) {
+    throw DataError("{}: cannot be the output directory: it is a file", directory.string());
+  }
+  // Aside means inside a directory that exists (its parent may lie on another disk, or forbid writing), and
+  // beside one that does not.
+  for (fs::path parent = final_.parent_path(); !exists && !fs::exists(parent, error);
+       parent = parent.parent_path()) {
+    made_parents_.insert(made_parents_.begin(), parent);
+  }
+  for (const fs::path& parent : made_parents_) {
+    if (!fs::create_directory(parent, error) && error) FailToWrite(directory, error);
+  }
+  staging_ = (exists ? final_ : final_.parent_path()) / UniqueName(final_.filename().string());
+  if (!fs::create_directory(staging_, error)) {
+    FailToWrite(directory, error ? error : std::make_error_code(std::errc::file_exists));
+  }
+}
+
+OutputDirectory::~OutputDirectory() {
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  for (auto parent = made_parents_.rbegin(); parent != made_parents_.rend(); ++parent) {
+    fs::remove(*parent, ignored);  // fails, as it should, where something lies in it
+  }
+}
+
+void OutputDirectory::Commit() {
+  std::error_code error;
+  if (fs::exists(final_, error)) {
+    MoveFilesIntoPlace();
+    return;
+  }
+  fs::rename(staging_, final_, error);
+  if (error) FailToWrite(final_, error);
+}
+
+void OutputDirectory::MoveFilesIntoPlace() const {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging_)) {
+    const fs::path name = entry.path().lexically_relative(staging_);
+    if (!entry.is_directory()) {
+      files.push_back(name);
+      RefuseWhatIsNoFile(final_ / name);
+    }
+  }
+  std::sort(files.begin(), files.end(),
+            [](const fs::path& a, const fs::path& b) { return IsJson(a) != IsJson(b) ? IsJson(b) : a < b; });
+  for (const fs::path& name : files) {
+    std::error_code error;
+    fs::create_directories((final_ / name).parent_path(), error);
+    fs::rename(staging_ / name, final_ / name, error);
+    if (error) FailToWrite(final_ / name, error);
+  }
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,50 @@
+// Outputs that appear whole or not at all: written aside, then renamed.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace sonarcal {
+
+// Replaces `file` by `bytes`. On failure throws DataError and leaves what was there. The directory must
+// exist; `file` may not be a directory or device.
+void WriteFileWhole(const std::filesystem::path& file, std::string_view bytes);
+
+// The outputs of one run, gathered aside until all of them are complete:
+//
+//   OutputDirectory output("out");
+//   WriteJson(output / "metrics.json", metrics);
+//   output.Commit();  // now, and only now, out/metrics.json appears
+//
+// A directory that did not exist appears in one step. Into one that did, the files are moved one by one
+// (JSON files last, as they name the others): files of the same name are replaced, others are left alone.
+// Without Commit(), as when an exception passes, nothing appears and the files aside are removed.
+//
+// Throws DataError where the directory cannot be made or written, or where a file would replace a directory.
+class OutputDirectory {
+ public:
+  explicit OutputDirectory(const std::filesystem::path& directory);
+  ~OutputDirectory();
+  OutputDirectory(const OutputDirectory&) = delete;
+  OutputDirectory& operator=(const OutputDirectory&) = delete;
+
+  // Where to write until Commit(). Subdirectories are the caller's to make.
+  const std::filesystem::path& staging() const { return staging_; }
+  std::filesystem::path operator/(const std::filesystem::path& name) const { return staging_ / name; }
+
+  // Where the outputs will be, absolute.
+  const std::filesystem::path& final_path() const { return final_; }
+
+  void Commit();
+
+ private:
+  void MoveFilesIntoPlace() const;
+
+  std::filesystem::path final_;
+  std::filesystem::path staging_;
+  std::vector<std::filesystem::path>
+      made_parents_;  // outermost first; removed if nothing comes to lie in them
+};
+
+}  // namespace sonarcal
