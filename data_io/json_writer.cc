@@ -49,15 +49,23 @@ void Append(const Json& json, int indent, std::size_t column, std::string& text)
     text += line;
     return;
   }
+  const auto begin_line = [&text](int margin) {
+    text += '\n';
+    text.append(static_cast<std::size_t>(margin), ' ');
+  };
   text += json.is_object() ? '{' : '[';
-  const std::string margin(static_cast<std::size_t>(indent) + 2, ' ');
   ForEachElement(
-      json, [&](bool first) { text += (first ? "\n" : ",\n") + margin; },
+      json,
+      [&](bool first) {
+        if (!first) text += ',';
+        begin_line(indent + 2);
+      },
       [&](const std::string& key, const Json& value) {
         text += key;
-        Append(value, indent + 2, margin.size() + key.size(), text);
+        Append(value, indent + 2, static_cast<std::size_t>(indent) + 2 + key.size(), text);
       });
-  text += "\n" + std::string(static_cast<std::size_t>(indent), ' ') + (json.is_object() ? '}' : ']');
+  begin_line(indent);
+  text += json.is_object() ? '}' : ']';
 }
 
 }  // namespace
