@@ -23,6 +23,11 @@ struct RecordingInfo {
   std::optional<double> source_level_db;
   std::optional<std::string> scene_path;  // absolute, or relative to the working directory
   bool synthetic = false;                 // made by a simulation: said wherever the recording is named
+  // What the recorder says of its own beams and display, where it says it (data_io/README.md has the meaning
+  // for each format).
+  std::vector<double> azimuth_psf;      // beam response by offset in beams; offset 0 at index size() / 2
+  std::vector<double> beam_taper;       // level of each column, relative
+  std::optional<double> display_gamma;  // grey value ~ amplitude^display_gamma
   // Whatever else the file says, for people: (name, value with unit).
   std::vector<std::pair<std::string, std::string>> details;
   // Quirks met while reading, one sentence each: fields that disagree, garbage, interpolated samples.

@@ -1,0 +1,207 @@
+#include "data_io/aris3000_frames_io.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <regex>
+#include <sstream>
+#include <string_view>
+
+#include "data_io/aris_beam_tables.h"
+#include "data_io/file_bytes.h"
+#include "data_io/grey_png.h"
+#include "data_io/printable.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBeams = 128;
+constexpr int kRangeBins = 780;
+constexpr double kRangeMinM = 0.690;
+constexpr double kRangeMaxM = 2.998;
+// What a sample period of 4 us makes of the bin length.
+constexpr double kSoundSpeedMPerS = 1479.5;
+constexpr double kDbPerCount = 80.0 / 255.0;
+constexpr double kStretchedCounts = 97.0;
+constexpr const char* kBeamTableName = "beam_table_ARIS3000_128.csv";
+constexpr std::size_t kMostBeamTableBytes = 64 << 10;
+
+// other_pose_fan.png, in pixels: centre of the arcs, nearest and farthest arc.
+constexpr int kFanRows = 1079;
+constexpr int kFanCols = 726;
+constexpr double kFanApexXPx = 361.9;
+constexpr double kFanApexYPx = 1343.0;
+constexpr double kFanRadiusMinPx = 309.0;
+constexpr double kFanRadiusMaxPx = 1340.0;
+
+std::vector<fs::path> FrameFiles(const fs::path& folder) {
+  static const std::regex kName("frame_[0-9]{1,9}_128x780\\.png");
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (std::regex_match(entry.path().filename().string(), kName)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool IsFanPicture(const fs::path& file) {
+  const std::optional<PngHeader> header = SniffPng(file);
+  return header && *header == PngHeader{.width = kFanCols, .height = kFanRows, .bit_depth = 8};
+}
+
+// "beam,center_deg,..." of one line; nothing where it is not that.
+std::optional<std::pair<int, double>> ParseBeam(std::string_view line) {
+  int beam = 0;
+  double centre_deg = 0.0;
+  const char* end = line.data() + line.size();
+  const auto beam_end = std::from_chars(line.data(), end, beam);
+  if (beam_end.ec != std::errc() || beam_end.ptr == end || *beam_end.ptr != ',') return std::nullopt;
+  const auto centre_end = std::from_chars(beam_end.ptr + 1, end, centre_deg);
+  if (centre_end.ec != std::errc() || !std::isfinite(centre_deg)) return std::nullopt;
+  return std::pair(beam, centre_deg);
+}
+
+// Centres of a table "beam,center_deg,left_deg,right_deg" whose beams count up from 0.
+std::vector<double> ReadBeamTable(const fs::path& file) {
+  std::istringstream text(ReadFileBytes(file, kMostBeamTableBytes));
+  std::vector<double> centre_deg;
+  std::string line;
+  std::getline(text, line);  // names of the columns
+  for (int number = 2; std::getline(text, line); ++number) {
+    const std::optional<std::pair<int, double>> beam = ParseBeam(line);
+    if (!beam || beam->first != static_cast<int>(centre_deg.size())) {
+      throw DataError("{}:{}: '{}', expected 'beam,center_deg,...' of beam {}", file.string(), number,
+                      Printable(line), centre_deg.size());
+    }
+    centre_deg.push_back(beam->second);
+  }
+  if (centre_deg.size() != kBeams) {
+    throw DataError("{}: {} beams, expected {}", file.string(), centre_deg.size(), kBeams);
+  }
+  return centre_deg;
+}
+
+RecordingInfo CommonInfo(const fs::path& path, std::span<const double> centre_deg) {
+  RecordingInfo info;
+  info.source = path.string();
+  info.sonar.name = "ARIS Explorer 3000";
+  info.sonar.frequency_hz = 3.0e6;
+  info.sonar.axes.range_min_m = kRangeMinM;
+  info.sonar.axes.range_max_m = kRangeMaxM;
+  info.sonar.axes.range_bins = kRangeBins;
+  for (const double centre : centre_deg) info.sonar.axes.beam_azimuth_rad.push_back(RadFromDeg(centre));
+  info.sonar.axes.Validate(path.string());
+  info.sonar.elevation_beam_width_deg = 15.0;
+  info.sonar.sound_speed_m_per_s = kSoundSpeedMPerS;
+  info.scale.full_scale = 255.0;
+  info.details = {{"source", "dfki-ric/uxo-dataset2024"},
+                  {"licence", "none stated: evaluation only"},
+                  {"object", "100 lb bomb, body of revolution, length 737 mm, diameter 208 mm, ogive nose"}};
+  info.notes = {
+      "The range window 0.690..2.998 m and the sound speed are inferred from the sensor's timing, "
+      "not recorded.",
+      "No pose is recorded, nor time, gain or water."};
+  return info;
+}
+
+class FrameFolder final : public RecordingSource {
+ public:
+  explicit FrameFolder(const fs::path& folder) : files_(FrameFiles(folder)) {
+    const fs::path table = folder / kBeamTableName;
+    std::error_code error;
+    const bool has_table = fs::exists(table, error);
+    const std::span<const double> compiled =
+        ArisBeamCentresDeg(ArisSystem::kAris3000, kBeams, ArisLens::kStandard);
+    info_ = CommonInfo(
+        folder, has_table ? ReadBeamTable(table) : std::vector<double>(compiled.begin(), compiled.end()));
+    info_.format = "ARIS 3000 frames, recovered from fan pictures";
+    info_.scale.db_span = kStretchedCounts * kDbPerCount;
+    info_.details.emplace_back("beam table",
+                               has_table ? kBeamTableName : "ARIS File SDK, ARIS 3000, 128 beams");
+    info_.notes.emplace_back(
+        "Grey values were stretched, frame by frame: grey = floor(count * 255 / 97), a count being 80/255 "
+        "dB.");
+    info_.notes.emplace_back(
+        "0.95 % of the samples are interpolated: the frames were recovered from published fan pictures.");
+    info_.notes.emplace_back(
+        "The frames are of one static scene, their speckle frozen: a second frame tests receiver noise "
+        "only.");
+    info_.notes.emplace_back(
+        "Left and right are probably exchanged: column 0 is ARIS beam 0, which the maker calls the "
+        "right-most.");
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(files_.size()); }
+  FrameInfo frame_info(int index) const override { return {files_.at(index).filename().string(), {}, {}}; }
+
+  Frame ReadFrame(int index) const override {
+    const Grid<std::uint8_t> grey = ReadGreyPng(files_.at(index), kRangeBins, kBeams);
+    Frame frame{frame_info(index), {info_.sonar.axes, info_.scale, Grid<float>(kRangeBins, kBeams)}};
+    std::copy(grey.values().begin(), grey.values().end(), frame.image.value.values().begin());
+    return frame;
+  }
+
+ private:
+  std::vector<fs::path> files_;
+  RecordingInfo info_;
+};
+
+class FanPicture final : public RecordingSource {
+ public:
+  explicit FanPicture(fs::path file)
+      : file_(std::move(file)),
+        info_(CommonInfo(file_, ArisBeamCentresDeg(ArisSystem::kAris3000, kBeams, ArisLens::kStandard))) {
+    info_.format = "ARIS 3000 fan picture";
+    info_.scale.db_span = 255.0 * kDbPerCount;
+    info_.notes.emplace_back(
+        "The fan picture, itself resized and colour-mapped, was resampled to 128 beams x 780 ranges by "
+        "nearest neighbour: neighbouring samples repeat.");
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return 1; }
+  FrameInfo frame_info(int) const override { return {file_.filename().string(), {}, {}}; }
+
+  Frame ReadFrame(int index) const override {
+    const Grid<std::uint8_t> fan = ReadGreyPng(file_, kFanRows, kFanCols);
+    Frame frame{frame_info(index), {info_.sonar.axes, info_.scale, Grid<float>(kRangeBins, kBeams)}};
+    const double px_per_m = (kFanRadiusMaxPx - kFanRadiusMinPx) / (kRangeMaxM - kRangeMinM);
+    for (int beam = 0; beam < kBeams; ++beam) {
+      const double azimuth_rad = info_.sonar.axes.beam_azimuth_rad[beam];
+      for (int bin = 0; bin < kRangeBins; ++bin) {
+        const double radius_px =
+            kFanRadiusMinPx + (info_.sonar.axes.range_centre_m(bin) - kRangeMinM) * px_per_m;
+        // The whole sector lies inside the picture.
+        const int row = static_cast<int>(std::lround(kFanApexYPx - radius_px * std::cos(azimuth_rad)));
+        const int col = static_cast<int>(std::lround(kFanApexXPx + radius_px * std::sin(azimuth_rad)));
+        frame.image.value(bin, beam) = fan(row, col);
+      }
+    }
+    return frame;
+  }
+
+ private:
+  fs::path file_;
+  RecordingInfo info_;
+};
+
+}  // namespace
+
+bool IsAris3000Frames(const fs::path& path) {
+  return IsFanPicture(path) || !FrameFiles(path).empty();
+}
+
+std::unique_ptr<RecordingSource> OpenAris3000Frames(const fs::path& path) {
+  if (IsFanPicture(path)) return std::make_unique<FanPicture>(path);
+  if (!FrameFiles(path).empty()) return std::make_unique<FrameFolder>(path);
+  throw DataError("{}: expected a folder of frame_NNNN_128x780.png, or a grey fan picture of {} x {} pixels",
+                  path.string(), kFanCols, kFanRows);
+}
+
+}  // namespace sonarcal

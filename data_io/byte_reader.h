@@ -1,0 +1,68 @@
+// Little-endian binary data, read by offset with every access checked.
+//
+// A format's layout is a list of offsets, so a field is asked for by its offset and its name; where it does
+// not lie wholly inside the data, a DataError names file, byte and field:
+//
+//   const ByteReader header(bytes, "sample.aris", 1024);
+//   const std::uint32_t ping_mode = header.U32(436, "PingMode");
+//
+// Byte order and alignment of the machine do not matter: values are put together byte by byte.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonarcal {
+
+class ByteReader {
+ public:
+  // `bytes` must outlive the reader. `file` and `file_offset` (where `bytes` begin in it) are for messages.
+  ByteReader(std::span<const std::byte> bytes, std::string file, std::uint64_t file_offset = 0)
+      : bytes_(bytes), file_(std::move(file)), file_offset_(file_offset) {}
+
+  std::size_t size() const { return bytes_.size(); }
+  const std::string& file() const { return file_; }
+  std::uint64_t file_offset() const { return file_offset_; }
+
+  std::uint8_t U8(std::uint64_t offset, std::string_view field) const;
+  std::uint16_t U16(std::uint64_t offset, std::string_view field) const;
+  std::uint32_t U32(std::uint64_t offset, std::string_view field) const;
+  std::uint64_t U64(std::uint64_t offset, std::string_view field) const;
+  std::int16_t I16(std::uint64_t offset, std::string_view field) const;
+  float F32(std::uint64_t offset, std::string_view field) const;   // any bit pattern, NaN included
+  double F64(std::uint64_t offset, std::string_view field) const;  // likewise
+
+  // `count` bytes from `offset`.
+  std::span<const std::byte> Bytes(std::uint64_t offset, std::uint64_t count, std::string_view field) const;
+
+  // "file: byte N: field": how a message about a field begins.
+  std::string Where(std::uint64_t offset, std::string_view field) const;
+
+ private:
+  template <typename T>
+  T Integer(std::uint64_t offset, std::string_view field) const;
+
+  std::span<const std::byte> bytes_;
+  std::string file_;
+  std::uint64_t file_offset_;
+};
+
+// Unsigned little-endian integer of 1 to 4 bytes.
+std::uint32_t LittleEndian(std::span<const std::byte> bytes);
+
+// Length of a regular file in bytes; throws DataError where there is none, or it is no regular file.
+std::uint64_t RegularFileSize(const std::filesystem::path& file);
+
+// `count` bytes of a file from `offset`, the caller having checked `count` against the file's size; throws
+// DataError naming `what` where they cannot be read. Opens the file anew each time, so that any number of
+// threads may read one file.
+std::vector<std::byte> ReadFileRange(const std::filesystem::path& file, std::uint64_t offset,
+                                     std::size_t count, std::string_view what);
+
+}  // namespace sonarcal

@@ -1,0 +1,33 @@
+#include "data_io/open_recording.h"
+
+#include "data_io/aris3000_frames_io.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+struct Format {
+  const char* description;  // for the list of formats understood
+  bool (*is)(const std::filesystem::path&);
+  std::unique_ptr<RecordingSource> (*open)(const std::filesystem::path&);
+};
+
+// The first that knows the path opens it.
+constexpr Format kFormats[] = {
+    {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
+};
+
+}  // namespace
+
+std::unique_ptr<RecordingSource> OpenRecording(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw DataError("{}: no such file or folder", path.string());
+  std::string understood;
+  for (const Format& format : kFormats) {
+    if (format.is(path)) return format.open(path);
+    understood += understood.empty() ? format.description : std::string("; ") + format.description;
+  }
+  throw DataError("{}: not a recording of a known format, expected one of: {}", path.string(), understood);
+}
+
+}  // namespace sonarcal
