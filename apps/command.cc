@@ -11,7 +11,9 @@
 #include <thread>
 
 #include "apps/help_formatter.h"
-#include "apps/output_folder.h"
+#include "apps/run_output.h"
+#include "data_io/json_writer.h"
+#include "data_io/printable.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -58,23 +60,48 @@ void TidyUpOnSignals() {
   std::_Exit(static_cast<int>(ExitStatus::kFailed));
 }
 
-int ParseFailure(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App* command = &app;
-  std::string path = app.get_name();
-  while (!command->get_subcommands().empty()) {
-    command = command->get_subcommands().front();
-    path += ' ' + command->get_name();
+// "sonarcal inspect" where that command was chosen, "sonarcal" where none was.
+struct ChosenCommand {
+  const CLI::App* app;
+  std::string parent;  // what stands before its name on a command line
+
+  std::string path() const { return parent.empty() ? app->get_name() : parent + ' ' + app->get_name(); }
+};
+
+ChosenCommand Chosen(const CLI::App& root) {
+  ChosenCommand chosen{&root, ""};
+  while (!chosen.app->get_subcommands().empty()) {
+    chosen.parent = chosen.path();
+    chosen.app = chosen.app->get_subcommands().front();
   }
+  return chosen;
+}
+
+std::string UsageMistake(const CLI::App& root, const ChosenCommand& chosen, const CLI::ParseError& error) {
+  const std::vector<std::string> unknown = root.remaining();
+  if (chosen.app != &root) return error.what();
+  std::string commands;
+  for (const CLI::App* command : root.get_subcommands({})) {
+    commands += (commands.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::string expected = commands.empty() ? "" : ", expected one of " + commands;
+  if (unknown.empty()) return "no command given" + expected;
+  const char* what = unknown.front().starts_with('-') ? "option" : "command";
+  return fmt::format("unknown {} '{}'{}", what, Printable(unknown.front()), expected);
+}
+
+int ParseFailure(const CLI::App& root, const CLI::ParseError& error) {
+  const ChosenCommand chosen = Chosen(root);
   if (dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr) {
-    // Options of a command come first on its page; those of the root would only repeat themselves.
-    std::cout << command->help(path);
+    std::cout << chosen.app->help(chosen.parent);
     return static_cast<int>(ExitStatus::kDone);
   }
   if (dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr) {
     std::cout << error.what() << '\n';
     return static_cast<int>(ExitStatus::kDone);
   }
-  return Fail(ExitStatus::kUsage, fmt::format("{} (see '{} --help')", OneLine(error.what()), path));
+  return Fail(ExitStatus::kUsage,
+              fmt::format("{} (see '{} --help')", UsageMistake(root, chosen, error), chosen.path()));
 }
 
 int ParseAndRun(CLI::App& app, int argc, const char* const* argv) {
@@ -113,7 +140,7 @@ std::vector<std::string>& MutableCommandLine() {
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
                      CommonOptions& common) {
-  CLI::App* command = app.add_subcommand(name, description);
+  CLI::App* command = app.add_subcommand(name, description)->group("Commands");
   command->add_flag("--json", common.json, "Print the results as JSON");
   command->add_flag("-q,--quiet", common.quiet, "Print nothing but results and errors");
   return command;
@@ -159,9 +186,8 @@ void PrintResult(std::string_view text) {
   std::cout << text;
 }
 
-void PrintResult(const nlohmann::ordered_json& json) {
-  // File names need not be UTF-8; JSON must be.
-  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+void PrintJson(const nlohmann::ordered_json& json) {
+  std::cout << JsonText(json);
 }
 
 }  // namespace sonarcal

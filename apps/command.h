@@ -51,7 +51,7 @@ void OnRun(CLI::App* command, std::function<ExitStatus()> run);
 void SetUpRoot(CLI::App& app);
 
 // Parses, runs the chosen command, and turns every way of failing into one sentence and an exit status.
-// SIGINT and SIGTERM end the program after unfinished outputs have been removed (apps/output_folder.h).
+// SIGINT and SIGTERM end the program after unfinished outputs have been removed (apps/run_output.h).
 int RunApp(CLI::App& app, int argc, const char* const* argv);
 
 // The words of the command line, as RunApp was given them. For provenance.
@@ -65,6 +65,6 @@ void PrintError(std::string_view sentence);
 
 // Results on stdout.
 void PrintResult(std::string_view text);
-void PrintResult(const nlohmann::ordered_json& json);
+void PrintJson(const nlohmann::ordered_json& json);
 
 }  // namespace sonarcal

@@ -34,7 +34,6 @@ void AppendWrapped(std::string& out, const std::string& text, std::size_t column
 HelpFormatter::HelpFormatter() {
   column_width(kColumnWidth);
   label("Positionals", "Arguments");
-  label("Subcommands", "Commands");
   label("SUBCOMMAND", "COMMAND");
 }
 
@@ -56,8 +55,8 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
   std::string description = option->get_description();
   if (option->get_required() && !is_positional) {
     description += " (required)";
-  } else if (takes_value && !option->get_default_str().empty()) {
-    description += " (default: " + option->get_default_str() + ")";
+  } else if (const std::string value = option->get_default_str(); takes_value && !value.empty()) {
+    if (value != "[]") description += " (default: " + value + ")";  // an empty list is no default
   }
   const std::size_t column = line.size();
   AppendWrapped(line, description, column);
@@ -65,10 +64,7 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
 }
 
 std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) const {
-  std::string usage = CLI::Formatter::make_usage(app, "");
-  usage.erase(0, std::string("Usage:").size());
-  // Given the whole path ("sonarcal inspect") for a command, and the program's name for the root.
-  return "\nUsage: " + name + usage;
+  return '\n' + CLI::Formatter::make_usage(app, std::move(name));
 }
 
 std::string HelpFormatter::make_description(const CLI::App* app) const {

@@ -1,0 +1,11 @@
+// The commands of `sonarcal`, each described to the command line by its Setup function. In the order of
+// --help.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace sonarcal {
+
+void SetupInspect(CLI::App& app);  // apps/inspect_command.h
+
+}  // namespace sonarcal

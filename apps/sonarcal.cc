@@ -1,0 +1,10 @@
+// The program `sonarcal`: one binary, one file a command.
+#include "apps/command.h"
+#include "apps/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes a simulated imaging sonar agree with a real one.");
+  sonarcal::SetUpRoot(app);
+  sonarcal::SetupInspect(app);
+  return sonarcal::RunApp(app, argc, argv);
+}
