@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "data_io/types/error.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
@@ -17,6 +16,13 @@ void RequireWithin(const char* owner, const char* field, double value, double lo
   if (!(value >= low && value <= high)) {
     throw DataError("{}: {} is {}, expected {}..{}", owner, field, value, low, high);
   }
+}
+
+// Radius of the arc that draws a tangent ogive; its centre lies abreast of the nose's base.
+double OgiveRadiusM(const BodyOptions& options) {
+  const double radius_m = 0.5 * options.diameter_m;
+  const double nose_m = options.nose_length_m;
+  return (radius_m * radius_m + nose_m * nose_m) / (2.0 * radius_m);
 }
 
 }  // namespace
@@ -50,10 +56,10 @@ Scene MakeTank(const TankOptions& options) {
     scene.Append(MakePatch(corner_m, z_m, side_m, options.max_edge_m, options.wall_material));
   };
   // Each wall runs so that up x along points into the water.
-  wall(x_m, -x_m);
-  wall(x_m + y_m, -y_m);
-  wall(y_m, x_m);
-  wall(origin_m, y_m);
+  wall(origin_m, x_m);
+  wall(x_m, y_m);
+  wall(x_m + y_m, -x_m);
+  wall(y_m, -y_m);
   if (options.surface) {
     scene.Append(MakePatch(z_m, y_m, x_m, options.max_edge_m, options.surface_material));
   }
@@ -87,10 +93,10 @@ std::vector<Pose> PaperTankPoses(int dataset) {
     double right_m;
     double ahead_m;
   };
-  static constexpr std::array<Offset, 4> kOneMockup = {
-      Offset{0.0, 3.2}, Offset{-0.6, 4.0}, Offset{0.9, 4.8}, Offset{0.3, 5.6}};
-  static constexpr std::array<Offset, 4> kBothMockups = {
-      Offset{0.0, 5.0}, Offset{0.3, 5.4}, Offset{-0.3, 5.4}, Offset{0.0, 5.7}};
+  static constexpr std::array<Offset, 4> kOneMockup = {Offset{0.0, 3.2}, Offset{-0.6, 4.0}, Offset{0.9, 4.8},
+                                                       Offset{0.3, 5.6}};
+  static constexpr std::array<Offset, 4> kBothMockups = {Offset{0.0, 5.0}, Offset{0.3, 5.4},
+                                                         Offset{-0.3, 5.4}, Offset{0.0, 5.7}};
   if (dataset < 1 || dataset > 3) throw DataError("data set {}, expected 1, 2 or 3", dataset);
 
   const std::array<Place, 2> places = PaperTankOptions{}.places;
@@ -120,10 +126,8 @@ void BodyOptions::Validate() const {
 double BodyRadiusM(const BodyOptions& options, double from_tip_m) {
   const double radius_m = 0.5 * options.diameter_m;
   if (from_tip_m < options.nose_length_m) {
-    // Tangent ogive: an arc whose centre lies abreast of the nose's base.
-    const double nose_m = options.nose_length_m;
-    const double arc_radius_m = (radius_m * radius_m + nose_m * nose_m) / (2.0 * radius_m);
-    const double from_base_m = nose_m - from_tip_m;
+    const double arc_radius_m = OgiveRadiusM(options);
+    const double from_base_m = options.nose_length_m - from_tip_m;
     return std::sqrt(arc_radius_m * arc_radius_m - from_base_m * from_base_m) + radius_m - arc_radius_m;
   }
   const double tail_m = options.length_m - from_tip_m;
@@ -138,14 +142,18 @@ Scene MakeBody(const BodyOptions& options) {
   const auto point = [&](double from_tip_m) {
     return ProfilePoint{0.5 * options.length_m - from_tip_m, BodyRadiusM(options, from_tip_m)};
   };
-  std::vector<ProfilePoint> outline = {{-0.5 * options.length_m, 0.0},
-                                       point(options.length_m),
-                                       point(options.length_m - options.tail_length_m),
-                                       point(options.nose_length_m)};
+  const std::vector<ProfilePoint> outline = {{-0.5 * options.length_m, 0.0},
+                                             point(options.length_m),
+                                             point(options.length_m - options.tail_length_m),
+                                             point(options.nose_length_m)};
   std::vector<ProfilePoint> profile = RefineProfile(outline, options.max_edge_m);
-  const int nose_rings = static_cast<int>(std::ceil(options.nose_length_m / options.max_edge_m)) + 1;
-  for (int ring = nose_rings - 1; ring >= 1; --ring) {
-    profile.push_back(point(options.nose_length_m * ring / nose_rings));
+  // Equal steps along the arc of the nose, so that the steep tip is as finely divided as the rest.
+  const double arc_radius_m = OgiveRadiusM(options);
+  const double arc_rad = std::asin(options.nose_length_m / arc_radius_m);
+  const int steps = static_cast<int>(std::ceil(arc_radius_m * arc_rad / options.max_edge_m));
+  for (int step = 1; step < steps; ++step) {
+    const double from_base_m = arc_radius_m * std::sin(arc_rad * step / steps);
+    profile.push_back(point(options.nose_length_m - from_base_m));
   }
   profile.push_back({0.5 * options.length_m, 0.0});
   return MakeRevolution(profile, SectorsFor(0.5 * options.diameter_m, options.max_edge_m, 24), false,

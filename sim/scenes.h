@@ -11,17 +11,18 @@
 
 #include "data_io/types/pose.h"
 #include "data_io/types/scene.h"
+#include "data_io/types/units.h"
 #include "sim/scene_primitives.h"
 #include "sim/scenes/mockup.h"
 
 namespace sonarcal {
 
 struct TankOptions {
-  double length_m = 12.0;           // along x
-  double width_m = 10.0;            // along y
-  double depth_m = 1.5;             // of the water, along z
-  bool surface = false;             // add the water's surface, which the paper's scene does not have
-  double max_edge_m = kUndivided;   // longest side of the mesh's quadrilaterals
+  double length_m = 12.0;          // along x
+  double width_m = 10.0;           // along y
+  double depth_m = 1.5;            // of the water, along z
+  bool surface = false;            // add the water's surface, which the paper's scene does not have
+  double max_edge_m = kUndivided;  // longest side of the mesh's quadrilaterals
   std::string floor_material = "floor";
   std::string wall_material = "wall";
   std::string surface_material = "surface";
@@ -51,7 +52,7 @@ Eigen::Isometry3d WorldFromObject(const Place& place);
 struct PaperTankOptions {
   TankOptions tank;
   MockupOptions mockup;
-  std::array<Place, 2> places = {Place{4.6, 6.4, 12.0 * kRadPerDeg}, Place{7.4, 6.2, -75.0 * kRadPerDeg}};
+  std::array<Place, 2> places = {Place{4.8, 6.4, 12.0 * kRadPerDeg}, Place{7.2, 6.2, -75.0 * kRadPerDeg}};
 };
 
 PaperTankOptions PaperTankOfPaper(PaperSize size);

@@ -84,8 +84,8 @@ Scene PortsPattern(const Panel& panel) {
   scene.Append(panel.Stub(0.0, 0.0, 0.35 * radius_m, 0.95));
   for (const double x_sign : {-1.0, 1.0}) {
     for (const double y_sign : {-1.0, 1.0}) {
-      scene.Append(panel.Flange(x_sign * 0.35 * panel.width_m, y_sign * 0.36 * panel.height_m,
-                                0.2 * radius_m, 0.4 * radius_m, 0.6));
+      scene.Append(panel.Flange(x_sign * 0.35 * panel.width_m, y_sign * 0.36 * panel.height_m, 0.2 * radius_m,
+                                0.4 * radius_m, 0.6));
     }
   }
   return scene;
@@ -230,10 +230,13 @@ Scene MakeMockup(const MockupOptions& options) {
 }
 
 MockupOptions RefinedTo(MockupOptions options, int triangles) {
+  if (triangles > kMaxMockupTriangles) {
+    throw DataError("mock-up: {} triangles asked for, expected at most {}", triangles, kMaxMockupTriangles);
+  }
   options.max_edge_m = kUndivided;
   Scene mesh = MakeMockup(options);
   double edge_m = std::max({options.length_m, options.width_m, options.height_m});
-  while (static_cast<double>(mesh.triangles.size()) < triangles) {
+  while (static_cast<int>(mesh.triangles.size()) < triangles) {
     // Triangles grow as one over the square of their size, once all shapes are divided.
     const double lacking = triangles / static_cast<double>(mesh.triangles.size());
     edge_m *= std::clamp(0.98 / std::sqrt(lacking), 0.5, 0.95);

@@ -25,8 +25,8 @@ enum class MockupPattern {
   kRibs,   // horizontal ribs
 };
 
-inline constexpr std::array<MockupPattern, 4> kMockupPatterns = {
-    MockupPattern::kCross, MockupPattern::kPipes, MockupPattern::kPorts, MockupPattern::kRibs};
+inline constexpr std::array<MockupPattern, 4> kMockupPatterns = {MockupPattern::kCross, MockupPattern::kPipes,
+                                                                 MockupPattern::kPorts, MockupPattern::kRibs};
 
 std::string_view ToString(MockupPattern pattern);
 
@@ -34,9 +34,9 @@ struct MockupOptions {
   double length_m = 1.0;  // along x
   double width_m = 1.0;   // along y
   double height_m = 1.5;
-  double relief_m = 0.08;                                    // how far the core lies behind the nominal faces
-  std::array<MockupPattern, 4> patterns = kMockupPatterns;   // on the sides facing -y, +x, +y, -x
-  double max_edge_m = 0.25;                                  // longest side of the mesh's quadrilaterals
+  double relief_m = 0.08;                                   // how far the core lies behind the nominal faces
+  std::array<MockupPattern, 4> patterns = kMockupPatterns;  // on the sides facing -y, +x, +y, -x
+  double max_edge_m = 0.25;                                 // longest side of the mesh's quadrilaterals
   std::string material = "mockup";
 
   // Throws DataError naming the field, its value and the limit.
@@ -48,9 +48,10 @@ MockupOptions MockupOfPaper(PaperSize size);
 
 Scene MakeMockup(const MockupOptions& options = {});
 
+inline constexpr int kMaxMockupTriangles = 5'000'000;
+
 // The options with max_edge_m such that MakeMockup makes at least `triangles` triangles (and, the mesh being
-// divided in whole pieces, seldom more than half as many again). Throws DataError beyond
-// kMaxPrimitiveTriangles.
+// divided in whole pieces, at most half as many again). Throws DataError beyond kMaxMockupTriangles.
 MockupOptions RefinedTo(MockupOptions options, int triangles);
 
 }  // namespace sonarcal
