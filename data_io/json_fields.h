@@ -1,0 +1,24 @@
+// The JSON forms that several files share: a pose and the water.
+//
+//   {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}
+//   {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "data_io/json_reader.h"
+#include "data_io/types/pose.h"
+#include "data_io/types/sonar_model.h"
+
+namespace sonarcal {
+
+// A quaternion within 1e-3 of unit length is normalised; any other is refused.
+Pose ReadPose(const JsonReader& json);
+nlohmann::ordered_json PoseJson(const Pose& pose);
+
+// All four values are required and must be those of natural waters: -4..100 C, 0..350 ppt, pH 0..14,
+// 0..12000 m.
+Water ReadWater(const JsonReader& json);
+nlohmann::ordered_json WaterJson(const Water& water);
+
+}  // namespace sonarcal

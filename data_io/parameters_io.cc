@@ -1,0 +1,170 @@
+#include "data_io/parameters_io.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/atomic_output.h"
+#include "data_io/json_fields.h"
+#include "data_io/json_reader.h"
+#include "data_io/json_writer.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kFormat = "sonar-parameters/1";
+constexpr JsonWords<EchoModel, 2> kModels = {
+    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}}};
+constexpr JsonWords<JitterGrowth, 2> kGrowths = {
+    {{"root", JitterGrowth::kRoot}, {"linear", JitterGrowth::kLinear}}};
+
+// Levels and power ratios that are not absurd: a misplaced decimal point shows, and no formula overflows.
+const NumberRange kLevelDb = NumberRange::Between(-500.0, 500.0);
+const NumberRange kPowerRatio = NumberRange::Between(0.0, 1e30);
+const NumberRange kExponent = NumberRange::Between(0.0, 100.0);
+const NumberRange kPeakWidthDeg = NumberRange::AboveUpTo(0.0, 1000.0);
+const NumberRange kSpreadM = NumberRange::Between(0.0, 100.0);
+const NumberRange kSpreadDeg = NumberRange::Between(0.0, 360.0);
+const NumberRange kLooks = NumberRange::AboveUpTo(0.0, 1e6);
+const NumberRange kPositive = NumberRange::AboveUpTo(0.0, 1e12);
+
+DisplayParameters<double> ReadDisplay(const JsonReader& json) {
+  const JsonReader db_max_json = json.At("db_max");
+  const DisplayParameters<double> display{.db_min = json.At("db_min").Number(kLevelDb),
+                                          .db_max = db_max_json.Number(kLevelDb)};
+  if (!(display.db_max > display.db_min)) {
+    db_max_json.Fail(fmt::format("is {}, expected more than db_min, {}", display.db_max, display.db_min));
+  }
+  return display;
+}
+
+MaterialParameters ReadMaterial(const JsonReader& json) {
+  const JsonReader gsab = json.At("gsab");
+  return {.gsab = {.a = gsab.At("A").Number(kPowerRatio),
+                   .b_deg = gsab.At("B_deg").Number(kPeakWidthDeg),
+                   .c = gsab.At("C").Number(kPowerRatio),
+                   .d = gsab.At("D").Number(kExponent),
+                   .e = gsab.At("E").Number(kPowerRatio),
+                   .f_deg = gsab.At("F_deg").Number(kPeakWidthDeg)}};
+}
+
+JitterParameters<double> ReadJitter(const JsonReader& json) {
+  JitterParameters<double> jitter;
+  json.Update("sigma_range_m", jitter.sigma_range_m, kSpreadM);
+  json.Update("sigma_azimuth_deg", jitter.sigma_azimuth_deg, kSpreadDeg);
+  json.Update("reference_range_m", jitter.reference_range_m, kPositive);
+  json.Update("reference_frequency_hz", jitter.reference_frequency_hz, kPositive);
+  if (const auto growth = json.Find("growth")) jitter.growth = growth->Word(kGrowths);
+  return jitter;
+}
+
+ReceiverParameters ReadReceiver(const JsonReader& json) {
+  ReceiverParameters receiver;
+  json.Update("gain_db", receiver.gain_db, kLevelDb);
+  receiver.noise_db = json.FindNumber("noise_db", kLevelDb);
+  json.Update("looks", receiver.looks, kLooks);
+  return receiver;
+}
+
+BeamParameters ReadBeam(const JsonReader& json) {
+  BeamParameters beam;
+  json.Update("azimuth_width_deg", beam.azimuth_width_deg, kSpreadDeg);
+  json.Update("elevation_width_deg", beam.elevation_width_deg, kSpreadDeg);
+  return beam;
+}
+
+PulseParameters ReadPulse(const JsonReader& json) {
+  PulseParameters pulse;
+  json.Update("length_m", pulse.length_m, kSpreadM);
+  return pulse;
+}
+
+ParameterSet Read(const JsonReader& json) {
+  json.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
+  ParameterSet parameters;
+  parameters.model = json.At("model").Word(kModels);
+  json.Update("source_level_db", parameters.source_level_db, kLevelDb);
+  json.Update("noise_level_db", parameters.noise_level_db, kLevelDb);
+  json.Update("array_gain_db", parameters.array_gain_db, kLevelDb);
+  if (const auto display = json.Find("display")) parameters.display = ReadDisplay(*display);
+  const JsonReader materials = json.At("materials");
+  for (const auto& [name, material] : materials.Members()) {
+    parameters.materials.emplace(name, ReadMaterial(material));
+  }
+  if (const auto jitter = json.Find("jitter")) parameters.jitter = ReadJitter(*jitter);
+  if (const auto receiver = json.Find("receiver")) parameters.receiver = ReadReceiver(*receiver);
+  if (const auto beam = json.Find("beam")) parameters.beam = ReadBeam(*beam);
+  if (const auto pulse = json.Find("pulse")) parameters.pulse = ReadPulse(*pulse);
+  if (const auto water = json.Find("water")) parameters.water = ReadWater(*water);
+  json.Finish();
+  if (parameters.materials.empty()) materials.Fail("is empty, expected at least one material");
+  return parameters;
+}
+
+Json MaterialJson(const MaterialParameters& material) {
+  const GsabParameters<double>& gsab = material.gsab;
+  return {{"gsab",
+           {{"A", gsab.a},
+            {"B_deg", gsab.b_deg},
+            {"C", gsab.c},
+            {"D", gsab.d},
+            {"E", gsab.e},
+            {"F_deg", gsab.f_deg}}}};
+}
+
+Json JitterJson(const JitterParameters<double>& jitter) {
+  return {{"sigma_range_m", jitter.sigma_range_m},
+          {"sigma_azimuth_deg", jitter.sigma_azimuth_deg},
+          {"reference_range_m", jitter.reference_range_m},
+          {"reference_frequency_hz", jitter.reference_frequency_hz},
+          {"growth", JsonWord(kGrowths, jitter.growth)}};
+}
+
+Json ReceiverJson(const ReceiverParameters& receiver) {
+  Json json = {{"gain_db", receiver.gain_db}};
+  if (receiver.noise_db) json["noise_db"] = *receiver.noise_db;
+  json["looks"] = receiver.looks;
+  return json;
+}
+
+}  // namespace
+
+ParameterSet ReadParameters(const std::filesystem::path& file) {
+  return Read(JsonReader::FromFile(file));
+}
+
+ParameterSet ParseParameters(std::string_view text, const std::string& file) {
+  return Read(JsonReader::FromText(text, file));
+}
+
+Json ParametersJson(const ParameterSet& parameters) {
+  Json json = {{"format", kFormat},
+               {"model", ToString(parameters.model)},
+               {"source_level_db", parameters.source_level_db},
+               {"noise_level_db", parameters.noise_level_db},
+               {"array_gain_db", parameters.array_gain_db},
+               {"display", {{"db_min", parameters.display.db_min}, {"db_max", parameters.display.db_max}}},
+               {"materials", Json::object()}};
+  for (const auto& [name, material] : parameters.materials) json["materials"][name] = MaterialJson(material);
+  json["jitter"] = JitterJson(parameters.jitter);
+  json["receiver"] = ReceiverJson(parameters.receiver);
+  json["beam"] = {{"azimuth_width_deg", parameters.beam.azimuth_width_deg},
+                  {"elevation_width_deg", parameters.beam.elevation_width_deg}};
+  json["pulse"] = {{"length_m", parameters.pulse.length_m}};
+  if (parameters.water) json["water"] = WaterJson(*parameters.water);
+  return json;
+}
+
+void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters) {
+  const std::string text = JsonText(ParametersJson(parameters));
+  ParseParameters(text, file.string());  // a fit must not leave behind what the next command refuses
+  WriteFileWhole(file, text);
+}
+
+std::string_view ToString(EchoModel model) {
+  return JsonWord(kModels, model);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,44 @@
+// params.json: the physical parameters of a simulation (types/parameters.h) as a file.
+//
+//   {"format": "sonar-parameters/1", "model": "paper" | "acoustic", "source_level_db": 200,
+//    "noise_level_db": 0, "array_gain_db": 0,
+//    "display": {"db_min": 80, "db_max": 190},
+//    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...},
+//    "jitter": {"sigma_range_m", "sigma_azimuth_deg", "reference_range_m", "reference_frequency_hz",
+//               "growth": "root" | "linear"},
+//    "receiver": {"gain_db", "noise_db", "looks"},
+//    "beam": {"azimuth_width_deg", "elevation_width_deg"},
+//    "pulse": {"length_m"},
+//    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
+//
+// `format`, `model`, `materials` (one at least, all six numbers of each) are required, and of `display` and
+// `water` all or nothing; what else is absent keeps the default of types/parameters.h. Throws DataError with
+// file, line and key for anything out of range and for every unknown key.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "data_io/types/parameters.h"
+
+namespace sonarcal {
+
+ParameterSet ReadParameters(const std::filesystem::path& file);
+
+// As ReadParameters; `file` is the name for messages.
+ParameterSet ParseParameters(std::string_view text, const std::string& file);
+
+// Reads back as the same set, to the last bit. All groups are written, those of defaults too: a file of
+// parameters explains itself.
+nlohmann::ordered_json ParametersJson(const ParameterSet& parameters);
+
+// Whole or not at all. Throws DataError where the file cannot be written, or the set could not be read back.
+void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters);
+
+// "paper" and "acoustic".
+std::string_view ToString(EchoModel model);
+
+}  // namespace sonarcal
