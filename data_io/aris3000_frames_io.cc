@@ -10,7 +10,7 @@
 
 #include "data_io/aris_beam_tables.h"
 #include "data_io/file_bytes.h"
-#include "data_io/grey_png.h"
+#include "data_io/grey_frame.h"
 #include "data_io/printable.h"
 #include "data_io/types/units.h"
 
@@ -50,8 +50,9 @@ std::vector<fs::path> FrameFiles(const fs::path& folder) {
 }
 
 bool IsFanPicture(const fs::path& file) {
-  const std::optional<PngHeader> header = SniffPng(file);
-  return header && *header == PngHeader{.width = kFanCols, .height = kFanRows, .bit_depth = 8};
+  const std::optional<ImageHeader> header = SniffPng(file);
+  return header && header->rows == kFanRows && header->cols == kFanCols && header->channels == 1 &&
+         header->bits == 8;
 }
 
 // "beam,center_deg,..." of one line; nothing where it is not that.
@@ -141,10 +142,8 @@ class FrameFolder final : public RecordingSource {
   FrameInfo frame_info(int index) const override { return {files_.at(index).filename().string(), {}, {}}; }
 
   Frame ReadFrame(int index) const override {
-    const Grid<std::uint8_t> grey = ReadGreyPng(files_.at(index), kRangeBins, kBeams);
-    Frame frame{frame_info(index), {info_.sonar.axes, info_.scale, Grid<float>(kRangeBins, kBeams)}};
-    std::copy(grey.values().begin(), grey.values().end(), frame.image.value.values().begin());
-    return frame;
+    return {frame_info(index),
+            {info_.sonar.axes, info_.scale, ReadGreyFrame(files_.at(index), kRangeBins, kBeams)}};
   }
 
  private:
@@ -169,7 +168,7 @@ class FanPicture final : public RecordingSource {
   FrameInfo frame_info(int) const override { return {file_.filename().string(), {}, {}}; }
 
   Frame ReadFrame(int index) const override {
-    const Grid<std::uint8_t> fan = ReadGreyPng(file_, kFanRows, kFanCols);
+    const Grid<float> fan = ReadGreyFrame(file_, kFanRows, kFanCols);
     Frame frame{frame_info(index), {info_.sonar.axes, info_.scale, Grid<float>(kRangeBins, kBeams)}};
     const double px_per_m = (kFanRadiusMaxPx - kFanRadiusMinPx) / (kRangeMaxM - kRangeMinM);
     for (int beam = 0; beam < kBeams; ++beam) {

@@ -1,6 +1,7 @@
 #include "data_io/open_recording.h"
 
 #include "data_io/aris3000_frames_io.h"
+#include "data_io/aris_io.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -14,6 +15,7 @@ struct Format {
 
 // The first that knows the path opens it.
 constexpr Format kFormats[] = {
+    {"ARIS v5 (.aris)", IsAris, OpenAris},
     {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
 };
 
