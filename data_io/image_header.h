@@ -17,6 +17,8 @@ struct ImageHeader {
   int bits = 0;           // of one sample
   bool is_float = false;  // IEEE samples, otherwise unsigned integers
 
+  bool operator==(const ImageHeader&) const = default;
+
   std::int64_t pixels() const { return std::int64_t{rows} * cols; }
   std::size_t row_bytes() const { return (std::size_t(cols) * channels * bits + 7) / 8; }
   std::string Describe() const;  // "16-bit grey, 660 x 256 pixels (rows x columns)"

@@ -1,0 +1,143 @@
+#include "data_io/recording_io.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/image_io.h"
+#include "data_io/json_writer.h"
+#include "data_io/recording_json.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Throws where a pixel is not finite or, if grey, beyond 0 .. full_scale.
+void CheckValues(const PolarImage& image, const std::string& what) {
+  const bool is_grey = image.scale.quantity == Quantity::kGrey;
+  const auto full_scale = static_cast<float>(image.scale.full_scale);
+  const auto is_good = [&](float v) { return is_grey ? v >= 0.0F && v <= full_scale : std::isfinite(v); };
+  const std::span<const float> values = image.value.values();
+  const auto bad = std::find_if_not(values.begin(), values.end(), is_good);
+  if (bad == values.end()) return;
+  const auto index = static_cast<int>(bad - values.begin());
+  throw DataError("{}: the pixel in row {}, column {} is {}, expected {}", what, index / image.value.cols(),
+                  index % image.value.cols(), *bad,
+                  is_grey ? fmt::format("0 .. full_scale, {}", full_scale) : "a finite number");
+}
+
+class RecordingFolder final : public RecordingSource {
+ public:
+  explicit RecordingFolder(const fs::path& folder) : folder_(folder), header_(ReadRecordingHeader(folder)) {}
+
+  const RecordingInfo& info() const override { return header_.info; }
+  int frame_count() const override { return static_cast<int>(header_.frames.size()); }
+  FrameInfo frame_info(int index) const override { return header_.frames.at(index); }
+
+  Frame ReadFrame(int index) const override {
+    Frame frame;
+    frame.info = frame_info(index);
+    const fs::path file = folder_ / frame.info.name;
+    const ImageFile image(file);
+    const PolarAxes& axes = header_.info.sonar.axes;
+    const ImageHeader expected{.rows = axes.range_bins,
+                               .cols = axes.beam_count(),
+                               .channels = 1,
+                               .bits = header_.bits,
+                               .is_float = header_.bits == 32};
+    if (image.header() != expected) {
+      throw DataError("{}: {}, expected {} as in {}", file.string(), image.header().Describe(),
+                      expected.Describe(), kRecordingFile);
+    }
+    frame.image = {axes, header_.info.scale, image.DecodeGrey()};
+    CheckValues(frame.image, file.string());
+    return frame;
+  }
+
+ private:
+  fs::path folder_;
+  RecordingHeader header_;
+};
+
+int ChooseBits(const RecordingSource& recording, int asked) {
+  const ImageScale& scale = recording.info().scale;
+  SONARCAL_CHECK(asked == 0 || asked == 8 || asked == 16 || asked == 32, "{} bits", asked);
+  const bool is_whole = scale.quantity == Quantity::kGrey && scale.full_scale == std::floor(scale.full_scale);
+  const int fewest = !is_whole || scale.full_scale > 65535.0 ? 32 : scale.full_scale > 255.0 ? 16 : 8;
+  if (asked == 0) return fewest;
+  if (asked < fewest) {
+    throw DataError("{}: {} images with full scale {} do not fit {} bits, expected {}",
+                    recording.info().source, ToString(scale.quantity), scale.full_scale, asked, fewest);
+  }
+  return asked;
+}
+
+template <typename T>
+Grid<T> Rounded(const Grid<float>& value) {
+  Grid<T> rounded(value.rows(), value.cols());
+  std::transform(value.values().begin(), value.values().end(), rounded.values().begin(),
+                 [](float v) { return static_cast<T>(std::lround(v)); });
+  return rounded;
+}
+
+void WriteImage(const fs::path& file, const Grid<float>& value, int bits) {
+  if (bits == 8) return WritePng(file, Rounded<std::uint8_t>(value));
+  if (bits == 16) return WritePng(file, Rounded<std::uint16_t>(value));
+  WriteTiff(file, value);
+}
+
+// A folder has one window, one table of beams and one scale.
+void CheckSameAsFirst(const RecordingInfo& info, const Frame& frame, int index) {
+  std::string why;
+  if (!info.sonar.axes.Matches(frame.image.axes, &why)) {
+    throw DataError("{}: frame {} differs from the first: {}; a recording folder holds one geometry",
+                    info.source, index, why);
+  }
+  if (frame.image.scale != info.scale) {
+    throw DataError(
+        "{}: frame {} differs from the first in the scale of its values; a recording folder holds one",
+        info.source, index);
+  }
+}
+
+}  // namespace
+
+bool IsRecordingFolder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path.filename() == kRecordingFile ? path : path / kRecordingFile, error);
+}
+
+std::unique_ptr<RecordingSource> OpenRecordingFolder(const fs::path& path) {
+  if (path.filename() != kRecordingFile) return std::make_unique<RecordingFolder>(path);
+  const fs::path folder = path.parent_path();
+  return std::make_unique<RecordingFolder>(folder.empty() ? "." : folder);
+}
+
+void WriteRecording(const RecordingSource& recording, const fs::path& folder,
+                    const WriteRecordingOptions& options) {
+  OutputDirectory output(folder);
+  WriteRecording(recording, output, options);
+  output.Commit();
+}
+
+void WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
+                    const WriteRecordingOptions& options) {
+  const int frame_count = recording.frame_count();
+  if (frame_count == 0) throw DataError("{}: no frames, expected at least one", recording.info().source);
+  RecordingHeader header{recording.info(), ChooseBits(recording, options.bits), {}};
+  header.info.sonar.axes.Validate(header.info.source);
+  for (int index = 0; index < frame_count; ++index) {
+    const Frame frame = recording.ReadFrame(index);
+    CheckSameAsFirst(header.info, frame, index);
+    CheckValues(frame.image, fmt::format("{}: frame {}", header.info.source, index));
+    header.frames.push_back(frame.info);
+    header.frames.back().name = fmt::format("frame_{:04}.{}", index, header.bits == 32 ? "tiff" : "png");
+    WriteImage(output / header.frames.back().name, frame.image.value, header.bits);
+    if (options.progress) options.progress(index + 1, frame_count);
+  }
+  WriteJson(output / kRecordingFile, RecordingJson(header, output.final_path()));
+}
+
+}  // namespace sonarcal
