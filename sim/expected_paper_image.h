@@ -25,12 +25,19 @@ struct ImageGeometry {
       : axes(sonar.axes),
         beam_edges_rad(sonar.axes.BeamEdgesRad()),
         frequency_hz(sonar.frequency_hz),
-        absorption_db_per_m(absorption_db_per_m_) {}
+        absorption_db_per_m(absorption_db_per_m_) {
+    const double width = beam_edges_rad[1] - beam_edges_rad[0];
+    for (std::size_t i = 1; i < beam_edges_rad.size(); ++i) {
+      beams_are_even =
+          beams_are_even && std::abs(beam_edges_rad[i] - beam_edges_rad[i - 1] - width) < 1e-6 * width;
+    }
+  }
 
   PolarAxes axes;
   std::vector<double> beam_edges_rad;
   double frequency_hz;
   double absorption_db_per_m;
+  bool beams_are_even = true;  // one blur kernel serves every beam of a row
 };
 
 namespace internal {
@@ -53,6 +60,39 @@ inline std::pair<int, int> IntervalsWithin(const std::vector<double>& edges, dou
   const int last = static_cast<int>(std::lower_bound(edges.begin(), edges.end(), high) - edges.begin());
   return {std::clamp(first, 0, count), std::clamp(last, 0, count)};
 }
+
+// Blur along azimuth at one range, from any beam to any other; on even beams it depends on their distance
+// only.
+class AzimuthBlur {
+ public:
+  AzimuthBlur(const ImageGeometry& geometry, double sigma_rad)
+      : edges_(geometry.beam_edges_rad), even_(geometry.beams_are_even), sigma_rad_(sigma_rad) {
+    if (!even_) return;
+    const double width = edges_[1] - edges_[0];
+    const int reach = static_cast<int>(std::ceil(kBlurReach * sigma_rad / width)) + 1;
+    for (int distance = 0; distance <= reach; ++distance) {
+      by_distance_.push_back(
+          GaussianBlurWeight(0.0, width, distance * width, (distance + 1) * width, sigma_rad));
+    }
+  }
+
+  std::pair<int, int> Targets(int from) const {
+    const double reach_rad = kBlurReach * sigma_rad_;
+    return IntervalsWithin(edges_, edges_[from] - reach_rad, edges_[from + 1] + reach_rad);
+  }
+
+  BlurWeight Weight(int from, int to) const {
+    const auto distance = static_cast<std::size_t>(std::abs(to - from));
+    if (even_ && distance < by_distance_.size()) return by_distance_[distance];
+    return GaussianBlurWeight(edges_[from], edges_[from + 1], edges_[to], edges_[to + 1], sigma_rad_);
+  }
+
+ private:
+  const std::vector<double>& edges_;
+  bool even_;
+  double sigma_rad_;
+  std::vector<BlurWeight> by_distance_;
+};
 
 // Sum of normalised echoes of each cell, without errors.
 template <typename T>
@@ -105,18 +145,19 @@ std::vector<T> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeo
     T* out = &spread[static_cast<std::size_t>(row) * beams];
     const T sigma =
         JitterSigmaAzimuthRad(parameters.jitter, geometry.axes.range_centre_m(row), geometry.frequency_hz);
-    const double reach = internal::kBlurReach * ScalarPart(sigma);
-    const std::vector<double>& edges = geometry.beam_edges_rad;
+    const double sigma_rad = ScalarPart(sigma);
+    if (!(sigma_rad > 0.0)) {
+      for (std::uint32_t i = histogram.row_start[row]; i < histogram.row_start[row + 1]; ++i) {
+        out[histogram.cells[i].col] += cell_values[i];
+      }
+      return;
+    }
+    const internal::AzimuthBlur blur(geometry, sigma_rad);
     for (std::uint32_t i = histogram.row_start[row]; i < histogram.row_start[row + 1]; ++i) {
-      const int col = histogram.cells[i].col;
-      if (!(reach > 0.0)) {
-        out[col] += cell_values[i];
-        continue;
-      }
-      const auto [first, last] = internal::IntervalsWithin(edges, edges[col] - reach, edges[col + 1] + reach);
-      for (int to = first; to < last; ++to) {
-        out[to] += cell_values[i] * BlurWeight(edges[col], edges[col + 1], edges[to], edges[to + 1], sigma);
-      }
+      const int from = histogram.cells[i].col;
+      const auto [first, last] = blur.Targets(from);
+      for (int to = first; to < last; ++to)
+        out[to] += cell_values[i] * blur.Weight(from, to).At(sigma, sigma_rad);
     }
   });
 
@@ -142,8 +183,10 @@ std::vector<T> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeo
         }
         continue;
       }
+      const double sigma_m = ScalarPart(sigma_range[from]);
       const T weight =
-          BlurWeight(from * bin_m, (from + 1) * bin_m, row * bin_m, (row + 1) * bin_m, sigma_range[from]);
+          GaussianBlurWeight(from * bin_m, (from + 1) * bin_m, row * bin_m, (row + 1) * bin_m, sigma_m)
+              .At(sigma_range[from], sigma_m);
       for (int col = 0; col < beams; ++col) out[col] += weight * in[col];
     }
     for (int col = 0; col < beams; ++col) {

@@ -3,8 +3,8 @@
 //   sigma(R) = sigma0 g(R) / sqrt(f / f0),   g = sqrt(1 + R^2/R0^2) (default) or 1 + R^2/R0^2
 //
 // The printed equations lost their roots and brackets; the growth law is therefore an option. The expected
-// image under these errors is the image blurred by a Gaussian: `BlurWeight` is that blur, exactly, for echoes
-// spread evenly over the interval they start in.
+// image under these errors is the image blurred by a Gaussian: `GaussianBlurWeight` is that blur, exactly,
+// for echoes spread evenly over the interval they start in.
 #pragma once
 
 #include <array>
@@ -17,9 +17,11 @@
 
 namespace sonarcal {
 
+// Bounds of a fit: far below any bin the errors cannot be seen. A value of exactly 0 means no error and is
+// not fitted.
 inline constexpr std::array<ParameterTraits, 3> kJitterTraits = {{
-    {"sigma_range_m", "m", 0.0, 1.0},
-    {"sigma_azimuth_deg", "deg", 0.0, 10.0},
+    {"sigma_range_m", "m", 1e-4, 1.0},
+    {"sigma_azimuth_deg", "deg", 1e-3, 10.0},
     {"reference_range_m", "m", 0.1, 1000.0},
 }};
 
@@ -42,24 +44,40 @@ T JitterSigmaAzimuthRad(const JitterParameters<T>& jitter, double range_m, doubl
   return RadFromDeg(jitter.sigma_azimuth_deg) * JitterGrowthFactor(jitter, range_m, frequency_hz);
 }
 
-// x Phi(x) + phi(x): the integral of the standard normal distribution from -infinity to x.
-template <typename T>
-T IntegratedNormalCdf(const T& x) {
-  using std::erfc;
-  using std::exp;
-  return T(0.5) * x * erfc(x * T(-1.0 / std::numbers::sqrt2)) +
-         exp(T(-0.5) * x * x) * T(0.5 * std::numbers::inv_sqrtpi * std::numbers::sqrt2);
-}
+// Probability that a point spread evenly over one interval lands in another after a zero-mean Gaussian error,
+// and its derivative with respect to the error's standard deviation.
+struct BlurWeight {
+  double value = 0.0;
+  double slope = 0.0;  // d value / d sigma
 
-// Probability that a point spread evenly over [from_low, from_high] lands in [to_low, to_high] after a
-// zero-mean Gaussian error of standard deviation sigma > 0. All in one unit.
-template <typename T>
-T BlurWeight(double from_low, double from_high, double to_low, double to_high, const T& sigma) {
-  const T weight = IntegratedNormalCdf(T(to_high - from_low) / sigma) -
-                   IntegratedNormalCdf(T(to_high - from_high) / sigma) -
-                   IntegratedNormalCdf(T(to_low - from_low) / sigma) +
-                   IntegratedNormalCdf(T(to_low - from_high) / sigma);
-  return weight * sigma / T(from_high - from_low);
+  // The value for a sigma that a solver differentiates.
+  template <typename T>
+  T At(const T& sigma, double sigma_value) const {
+    return T(value) + T(slope) * (sigma - T(sigma_value));
+  }
+};
+
+// From [from_low, from_high] into [to_low, to_high], all in the unit of sigma > 0. With
+// H(x) = x Phi(x / sigma) + sigma phi(x / sigma), the integral of the normal distribution function,
+//   weight = (H(to_high - from_low) - H(to_high - from_high) - H(to_low - from_low) + H(to_low - from_high))
+//   / width
+// and dH / dsigma = phi(x / sigma).
+inline BlurWeight GaussianBlurWeight(double from_low, double from_high, double to_low, double to_high,
+                                     double sigma) {
+  BlurWeight weight;
+  const auto add = [&](double sign, double x) {
+    const double z = x / sigma;
+    const double density = std::exp(-0.5 * z * z) * std::numbers::inv_sqrtpi / std::numbers::sqrt2;
+    weight.value += sign * (0.5 * x * std::erfc(-z / std::numbers::sqrt2) + sigma * density);
+    weight.slope += sign * density;
+  };
+  add(1.0, to_high - from_low);
+  add(-1.0, to_high - from_high);
+  add(-1.0, to_low - from_low);
+  add(1.0, to_low - from_high);
+  weight.value /= from_high - from_low;
+  weight.slope /= from_high - from_low;
+  return weight;
 }
 
 }  // namespace sonarcal

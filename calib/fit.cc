@@ -1,0 +1,410 @@
+#include "calib/fit.h"
+
+#include <ceres/solver.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "calib/identifiability.h"
+#include "calib/problem_builder.h"
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+// Curves to start from besides the one given, relative to C = 1: narrow, middling and wide peaks.
+struct StartShape {
+  double a;
+  double b_deg;
+  double e;
+  double f_deg;
+  double d;
+};
+constexpr std::array<StartShape, 3> kStartShapes = {
+    {{100.0, 2.0, 10.0, 10.0, 1.0}, {30.0, 5.0, 5.0, 16.0, 1.5}, {10.0, 8.0, 3.0, 30.0, 2.0}}};
+
+// Relative change of cost at which a trial start is told from another.
+constexpr double kRoughTolerance = 1e-5;
+
+// The state of a fit while it runs: what is still free, and why the rest is not.
+class Fitter {
+ public:
+  Fitter(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+         const std::vector<std::string>& material_names, const ParameterSet& initial, const FitConfig& config,
+         const FitOptions& options)
+      : frames_(frames),
+        geometry_(geometry),
+        material_names_(material_names),
+        options_(options),
+        catalog_(BuildCatalog(material_names)),
+        initial_parameters_(initial),
+        initial_(PaperParametersFor(initial, material_names)) {
+    const std::vector<bool> free = ApplyFitConfig(config, catalog_);
+    state_.values = initial_;
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      status_.push_back(free[i] ? ParameterStatus::kFree : ParameterStatus::kFixed);
+      if (free[i]) MoveInsideBounds(catalog_[i]);
+    }
+    if (std::none_of(free.begin(), free.end(), [](bool value) { return value; })) {
+      throw DataError("fit: no parameter is free");
+    }
+    report_.cost_initial = CostAt(frames_, geometry_, initial_);
+  }
+
+  FitResult Run() {
+    FreezeUnseenMaterials();
+    FreezeAbsentJitter();
+    const auto start = std::chrono::steady_clock::now();
+    SolveFromSeveralStarts();
+    bool usable = false;
+    // Each round freezes one parameter that the data leave open, so there are at most as many as parameters.
+    for (std::size_t round = 0; round <= catalog_.size(); ++round) {
+      Activate();
+      if (state_.active.empty()) break;
+      usable = Solve(options_.function_tolerance);
+      if (!usable) break;
+      OrderGaussians();
+      if (!FreezeLeastDetermined()) break;
+    }
+    report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    Finish();
+    FitResult result{.parameters = initial_parameters_, .report = std::move(report_), .usable = usable};
+    StorePaperParameters(state_.values, material_names_, result.parameters);
+    return result;
+  }
+
+ private:
+  void Say(const std::string& line) const {
+    if (options_.progress) options_.progress(line);
+  }
+
+  double& Value(const CatalogEntry& entry) { return PaperSlot(state_.values, entry); }
+  double Initial(const CatalogEntry& entry) { return PaperSlot(initial_, entry); }
+
+  void MoveInsideBounds(const CatalogEntry& entry) {
+    Value(entry) = std::clamp(Value(entry), entry.lower, entry.upper);
+  }
+
+  void Freeze(std::size_t index, const std::string& why) {
+    status_[index] = ParameterStatus::kUnidentifiable;
+    Value(catalog_[index]) = Initial(catalog_[index]);
+    report_.unidentifiable_directions.push_back(why);
+  }
+
+  void FreezeUnseenMaterials() {
+    std::vector<double> weight(material_names_.size(), 0.0);
+    for (const FitFrame& frame : frames_) {
+      for (const EchoHistogram::Entry& entry : frame.echoes.entries)
+        weight[entry.node / kIncidenceNodes] += entry.weight;
+    }
+    std::vector<bool> said(material_names_.size(), false);
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      const int material = catalog_[i].material;
+      if (material < 0 || status_[i] != ParameterStatus::kFree || weight[material] > 0.0) continue;
+      status_[i] = ParameterStatus::kUnidentifiable;
+      if (!said[material]) {
+        report_.unidentifiable_directions.push_back(
+            fmt::format("material.{}: no echo of it in the frames used", material_names_[material]));
+        said[material] = true;
+      }
+    }
+  }
+
+  // A jitter whose sigmas are both 0 and fixed leaves its reference range without effect.
+  void FreezeAbsentJitter() {
+    const auto& jitter = state_.values.jitter;
+    if (jitter.sigma_range_m > 0.0 || jitter.sigma_azimuth_deg > 0.0) return;
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (catalog_[i].name == "jitter.reference_range_m" && status_[i] == ParameterStatus::kFree) {
+        Freeze(i, "jitter.reference_range_m: there are no range and azimuth errors");
+      }
+    }
+  }
+
+  bool IsFree(const std::string& name) const {
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (catalog_[i].name == name) return status_[i] == ParameterStatus::kFree;
+    }
+    return false;
+  }
+
+  // Levels far from the recorded ones leave every pixel at a clamp, where nothing has a slope: tries dB
+  // ranges and common level offsets on the first frame and starts from the best.
+  void SearchLevel() {
+    bool amplitudes_free = true;
+    for (const CatalogEntry& entry : catalog_) {
+      if (entry.group == ParameterGroup::kGsab &&
+          (entry.index == 0 || entry.index == 2 || entry.index == 4)) {
+        const bool unseen = status_[&entry - catalog_.data()] == ParameterStatus::kUnidentifiable;
+        amplitudes_free = amplitudes_free && (unseen || IsFree(entry.name));
+      }
+    }
+    const bool span_free = IsFree("display.db_max");
+    if (!span_free && !amplitudes_free) return;
+    Say("looking for a starting level and dB range");
+    const std::vector<FitFrame> first = {frames_.front()};
+    const PaperParameters<double> start = state_.values;
+    PaperParameters<double> best = start;
+    double best_cost = CostAt(first, geometry_, start);
+    const auto try_level = [&](double span_db, double offset_db) {
+      PaperParameters<double> trial = start;
+      trial.display.db_max = trial.display.db_min + span_db;
+      for (auto& gsab : trial.materials) {
+        for (double* amplitude : {&gsab.a, &gsab.c, &gsab.e}) *amplitude *= PowerFromDb(offset_db);
+      }
+      const double cost = CostAt(first, geometry_, trial);
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = trial;
+      }
+    };
+    const double start_span_db = start.display.db_max - start.display.db_min;
+    std::vector<double> spans = {start_span_db};
+    if (span_free) spans.insert(spans.end(), {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0});
+    for (const double span_db : spans) {
+      for (double offset_db = -60.0; offset_db <= 60.0; offset_db += 10.0) {
+        if (amplitudes_free || offset_db == 0.0) try_level(span_db, offset_db);
+      }
+    }
+    state_.values = best;
+    for (const CatalogEntry& entry : catalog_) {
+      if (IsFree(entry.name)) MoveInsideBounds(entry);
+    }
+  }
+
+  void Activate() {
+    state_.active.clear();
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (status_[i] == ParameterStatus::kFree) state_.active.push_back(catalog_[i]);
+    }
+  }
+
+  // A backscatter curve has more than one valley: narrow and wide Gaussians can trade places. Solves roughly
+  // from the given curve and from others, and goes on from the best.
+  void SolveFromSeveralStarts() {
+    const PaperParameters<double> given = state_.values;
+    PaperParameters<double> best = given;
+    double best_cost = std::numeric_limits<double>::infinity();
+    for (int start = 0; start < options_.starts; ++start) {
+      state_.values = given;
+      if (start > 0) SetCurveShapes(kStartShapes[(start - 1) % kStartShapes.size()]);
+      if (options_.search_level) SearchLevel();
+      Activate();
+      if (state_.active.empty()) return;
+      Say(fmt::format("start {} of {}", start + 1, options_.starts));
+      if (!Solve(kRoughTolerance)) continue;
+      report_.start_costs.push_back(report_.cost_final);
+      if (report_.cost_final < best_cost) {
+        best_cost = report_.cost_final;
+        best = state_.values;
+      }
+    }
+    state_.values = best;
+  }
+
+  void SetCurveShapes(const StartShape& shape) {
+    for (const CatalogEntry& entry : catalog_) {
+      if (entry.group != ParameterGroup::kGsab || !IsFree(entry.name)) continue;
+      const GsabParameters<double> start = {
+          .a = shape.a, .b_deg = shape.b_deg, .c = 1.0, .d = shape.d, .e = shape.e, .f_deg = shape.f_deg};
+      PaperParameters<double> shaped = state_.values;
+      shaped.materials[entry.material] = start;
+      Value(entry) = std::clamp(PaperSlot(shaped, entry), entry.lower, entry.upper);
+    }
+  }
+
+  bool Solve(double function_tolerance) {
+    Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), frames_.size(),
+                    frames_.size() == 1 ? "" : "s"));
+    std::vector<double> coordinates = state_.Coordinates();
+    const auto problem = BuildProblem(frames_, geometry_, state_, coordinates);
+    ceres::Solver::Options solver;
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = function_tolerance;
+    solver.num_threads =
+        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
+    solver.logging_type = ceres::SILENT;
+    // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
+    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, problem.get(), &summary);
+    report_.iterations += static_cast<int>(summary.iterations.size());
+    report_.termination = summary.message;
+    if (!summary.IsSolutionUsable()) return false;
+    report_.cost_final = summary.final_cost;
+    state_.SetCoordinates(coordinates);
+    return true;
+  }
+
+  // B < F by convention: the two Gaussians of a curve may be exchanged without changing it.
+  void OrderGaussians() {
+    for (auto& g : state_.values.materials) {
+      if (g.b_deg > g.f_deg) {
+        std::swap(g.a, g.e);
+        std::swap(g.b_deg, g.f_deg);
+      }
+    }
+  }
+
+  bool AtBound(const CatalogEntry& entry) {
+    const double coordinate = entry.CoordinateFromValue(Value(entry));
+    const double lower = entry.CoordinateFromValue(entry.lower);
+    const double upper = entry.CoordinateFromValue(entry.upper);
+    const double tolerance = 1e-6 * (upper - lower);
+    return coordinate <= lower + tolerance || coordinate >= upper - tolerance;
+  }
+
+  // Sums for the parameters that are free and not at a bound; `interior_` says which those are.
+  NormalEquations AccumulateInterior() {
+    interior_.clear();
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (status_[i] == ParameterStatus::kFree && !AtBound(catalog_[i]))
+        interior_.push_back(static_cast<int>(i));
+    }
+    FitState interior{.active = {}, .values = state_.values};
+    for (const int i : interior_) interior.active.push_back(catalog_[i]);
+    if (interior_.empty()) return {};
+    std::vector<double> coordinates = interior.Coordinates();
+    const auto problem = BuildProblem(frames_, geometry_, interior, coordinates);
+    return Accumulate(*problem, geometry_, static_cast<int>(frames_.size()), options_, &report_.raw);
+  }
+
+  // Freezes one parameter and returns true, or returns false where all are determined.
+  bool FreezeLeastDetermined() {
+    const NormalEquations equations = AccumulateInterior();
+    if (interior_.empty()) return false;
+    Eigen::VectorXd steps(interior_.size());
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < interior_.size(); ++i) {
+      steps(static_cast<Eigen::Index>(i)) = catalog_[interior_[i]].typical_step;
+      names.push_back(catalog_[interior_[i]].name);
+    }
+    if (const auto open = LeastDetermined(equations, steps, names)) {
+      Freeze(interior_[open->parameter],
+             fmt::format("{} (held: {})", open->description, names[open->parameter]));
+      return true;
+    }
+    covariance_ = SandwichCovariance(equations);
+    const Eigen::VectorXd sigma_in_steps = covariance_.diagonal().cwiseSqrt().cwiseQuotient(steps);
+    Eigen::Index worst = 0;
+    if (sigma_in_steps.maxCoeff(&worst) <= 1.0) return false;
+    Freeze(interior_[worst], fmt::format("{} (held: its sigma is {:.1f} times a surprising step)",
+                                         names[worst], sigma_in_steps(worst)));
+    return true;
+  }
+
+  void Finish() {
+    report_.whitened = {.mean = report_.raw.spread > 0.0 ? report_.raw.mean / report_.raw.spread : 0.0,
+                        .spread = report_.raw.spread > 0.0 ? 1.0 : 0.0};
+    std::vector<std::optional<double>> sigma(catalog_.size());
+    if (covariance_.rows() == static_cast<Eigen::Index>(interior_.size())) {
+      for (std::size_t i = 0; i < interior_.size(); ++i) {
+        const CatalogEntry& entry = catalog_[interior_[i]];
+        const auto k = static_cast<Eigen::Index>(i);
+        sigma[interior_[i]] = std::sqrt(covariance_(k, k)) * entry.ValueSlope(Value(entry));
+        report_.correlation_names.push_back(entry.name);
+      }
+      report_.correlation = CorrelationFromCovariance(covariance_);
+    }
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      const CatalogEntry& entry = catalog_[i];
+      ParameterStatus status = status_[i];
+      if (status == ParameterStatus::kFree && AtBound(entry)) status = ParameterStatus::kAtBound;
+      report_.parameters.push_back({.name = entry.name,
+                                    .unit = entry.unit,
+                                    .value = Value(entry),
+                                    .sigma = status == ParameterStatus::kFree ? sigma[i] : std::nullopt,
+                                    .initial = Initial(entry),
+                                    .lower = entry.lower,
+                                    .upper = entry.upper,
+                                    .status = status});
+    }
+    DescribeGauge();
+    for (const FitFrame& frame : frames_) report_.frames_used.push_back(frame.index);
+  }
+
+  // SL, db_min and the common factor of all A, C and E shift the same number.
+  void DescribeGauge() {
+    std::vector<std::string> held;
+    for (const char* name : {"source_level_db", "display.db_min"}) {
+      if (!IsFree(name)) held.emplace_back(name);
+    }
+    if (held.empty()) {
+      report_.gauge.emplace_back(
+          "source_level_db and display.db_min are both free: they shift one number with the materials' "
+          "amplitudes, "
+          "and what of them is reported is one of many equal answers");
+      return;
+    }
+    report_.gauge.push_back(
+        fmt::format("held {} at the values given: source level minus db_min and a common factor on A, C and "
+                    "E of all materials "
+                    "are one number, carried by the materials",
+                    fmt::join(held, " and ")));
+  }
+
+  const std::vector<FitFrame>& frames_;
+  const ImageGeometry& geometry_;
+  const std::vector<std::string>& material_names_;
+  const FitOptions& options_;
+  std::vector<CatalogEntry> catalog_;
+  ParameterSet initial_parameters_;
+  PaperParameters<double> initial_;
+  std::vector<ParameterStatus> status_;
+  FitState state_;
+  std::vector<int> interior_;
+  Eigen::MatrixXd covariance_;
+  FitReport report_;
+};
+
+}  // namespace
+
+void FitOptions::Check() const {
+  if (max_iterations < 1) throw DataError("fit: max_iterations {}, expected at least 1", max_iterations);
+  if (!(function_tolerance > 0.0)) {
+    throw DataError("fit: function_tolerance {}, expected a positive one", function_tolerance);
+  }
+  if (starts < 1) throw DataError("fit: starts {}, expected at least 1", starts);
+  if (threads < 0) throw DataError("fit: threads {}, expected 0 (all cores) or more", threads);
+  if (block_bins < 1 || block_beams < 1) {
+    throw DataError("fit: covariance blocks of {} x {} pixels, expected at least 1 x 1", block_bins,
+                    block_beams);
+  }
+}
+
+std::vector<double> MeasuredForFit(const PolarImage& image) {
+  if (image.scale.quantity != Quantity::kGrey) {
+    throw DataError("fit: the recorded image holds {}, expected grey levels", ToString(image.scale.quantity));
+  }
+  std::vector<double> measured;
+  measured.reserve(image.value.size());
+  for (const float value : image.value.values()) {
+    if (!std::isfinite(value)) throw DataError("fit: a recorded pixel is not finite");
+    measured.push_back(std::clamp(value / image.scale.full_scale, 0.0, 1.0));
+  }
+  return measured;
+}
+
+FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+                        const std::vector<std::string>& material_names, const ParameterSet& initial,
+                        const FitConfig& config, const FitOptions& options) {
+  options.Check();
+  if (frames.empty()) throw DataError("fit: no frames");
+  const std::size_t pixels = static_cast<std::size_t>(geometry.axes.range_bins) * geometry.axes.beam_count();
+  for (const FitFrame& frame : frames) {
+    if (frame.measured.size() != pixels ||
+        frame.echoes.materials != static_cast<int>(material_names.size())) {
+      throw DataError("fit: frame {} has {} pixels and {} materials, expected {} and {}", frame.index,
+                      frame.measured.size(), frame.echoes.materials, pixels, material_names.size());
+    }
+  }
+  return Fitter(frames, geometry, material_names, initial, config, options).Run();
+}
+
+}  // namespace sonarcal

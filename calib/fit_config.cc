@@ -1,0 +1,122 @@
+#include "calib/fit_config.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "data_io/json_reader.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+bool Matches(const std::string& pattern, const CatalogEntry& entry) {
+  if (pattern == "materials") return entry.group == ParameterGroup::kGsab;
+  if (pattern == "display") return entry.group == ParameterGroup::kDisplay;
+  if (pattern == "jitter") return entry.group == ParameterGroup::kJitter;
+  if (pattern == "source_level") return entry.group == ParameterGroup::kSourceLevel;
+  return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
+}
+
+// Calls `act` with the index of every entry that a pattern means; a pattern that means none is a mistake.
+template <typename Act>
+void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& catalog, Act&& act) {
+  bool any = false;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (!Matches(pattern, catalog[i])) continue;
+    any = true;
+    act(i);
+  }
+  if (any) return;
+  std::string names;
+  for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
+  throw DataError(
+      "fit: no parameter is called '{}'; expected a group (materials, display, jitter, source_level), or a "
+      "name or "
+      "pattern among {}",
+      pattern, names);
+}
+
+}  // namespace
+
+FitConfig ReadFitConfig(const std::filesystem::path& path) {
+  const JsonReader root = JsonReader::FromFile(path);
+  if (const auto format = root.At("format"); format.String() != "sonar-fit-config/1") {
+    format.Fail(fmt::format("is '{}', expected 'sonar-fit-config/1'", format.String()));
+  }
+  FitConfig config;
+  const auto read_names = [&](const char* key, std::vector<std::string>& names) {
+    const auto list = root.Find(key);
+    if (!list) return;
+    names.clear();
+    for (const JsonReader& item : list->Items()) names.push_back(item.String());
+  };
+  read_names("free", config.free);
+  read_names("fixed", config.fixed);
+  if (const auto bounds = root.Find("bounds")) {
+    for (const auto& [name, range] : bounds->Members()) {
+      const std::vector<double> limits = range.Numbers();
+      if (limits.size() != 2 || !(limits[0] < limits[1]))
+        range.Fail("is not [lower, upper] with lower < upper");
+      config.bounds[name] = {limits[0], limits[1]};
+    }
+  }
+  if (const auto held_out = root.Find("held_out")) {
+    config.held_out.emplace();
+    for (const JsonReader& item : held_out->Items()) {
+      config.held_out->push_back(static_cast<int>(item.Integer(0, std::numeric_limits<int>::max())));
+    }
+  }
+  root.Finish();
+  return config;
+}
+
+std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog) {
+  std::vector<bool> free(catalog.size(), false);
+  for (const std::string& pattern : config.free) {
+    ForMatches(pattern, catalog, [&](std::size_t i) { free[i] = true; });
+  }
+  for (const std::string& pattern : config.fixed) {
+    ForMatches(pattern, catalog, [&](std::size_t i) { free[i] = false; });
+  }
+  for (const auto& [pattern, limits] : config.bounds) {
+    ForMatches(pattern, catalog, [&, &range = limits](std::size_t i) {
+      CatalogEntry& entry = catalog[i];
+      if (entry.logarithmic && !(range.first > 0.0)) {
+        throw DataError("fit: lower bound {} of {}, expected a positive one", range.first, entry.name);
+      }
+      entry.lower = range.first;
+      entry.upper = range.second;
+    });
+  }
+  return free;
+}
+
+FrameSplit SplitFrames(const FitConfig& config, int frame_count) {
+  FrameSplit split;
+  if (config.held_out) {
+    for (const int frame : *config.held_out) {
+      if (frame < 0 || frame >= frame_count) {
+        throw DataError("fit: held-out frame {} of a recording of {} frames (0 .. {})", frame, frame_count,
+                        frame_count - 1);
+      }
+      split.held_out.push_back(frame);
+    }
+    std::sort(split.held_out.begin(), split.held_out.end());
+    split.held_out.erase(std::unique(split.held_out.begin(), split.held_out.end()), split.held_out.end());
+  } else if (frame_count >= 2) {
+    for (int frame = frame_count - std::max(1, frame_count / 3); frame < frame_count; ++frame) {
+      split.held_out.push_back(frame);
+    }
+  }
+  for (int frame = 0; frame < frame_count; ++frame) {
+    if (!std::binary_search(split.held_out.begin(), split.held_out.end(), frame)) split.used.push_back(frame);
+  }
+  if (split.used.empty())
+    throw DataError("fit: all {} frames are held out, none is left to fit", frame_count);
+  return split;
+}
+
+}  // namespace sonarcal

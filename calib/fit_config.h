@@ -1,0 +1,50 @@
+// What a fit is allowed to change, and on which frames: the user's side of a fit. How it is solved is in
+// fit_options.h.
+//
+// As a file (`--config fit.json`; an unknown key is refused with its line):
+//   {"format": "sonar-fit-config/1",
+//    "free":  ["materials", "display.db_max", "jitter.*"],
+//    "fixed": ["material.wall.gsab.*"],
+//    "bounds": {"material.floor.gsab.D": [0.5, 3.0]},
+//    "held_out": [2, 5]}
+//
+// Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
+// display, jitter, source_level. `fixed` wins over `free`.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calib/parameter_catalog.h"
+
+namespace sonarcal {
+
+struct FitConfig {
+  // The default gauge: source level and db_min stay, so that the level is carried by the materials.
+  std::vector<std::string> free = {"materials", "display.db_max", "jitter.sigma_range_m",
+                                   "jitter.sigma_azimuth_deg"};
+  std::vector<std::string> fixed;
+  std::map<std::string, std::pair<double, double>> bounds;
+  // Frames the fit does not see; absent: the last third, at least one where there are two.
+  std::optional<std::vector<int>> held_out;
+};
+
+FitConfig ReadFitConfig(const std::filesystem::path& path);
+
+// Which entries of a catalogue are free; also narrows the entries' bounds. Throws DataError for a name or
+// pattern that matches nothing.
+std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog);
+
+struct FrameSplit {
+  std::vector<int> used;
+  std::vector<int> held_out;
+};
+
+// Throws DataError where a held-out frame does not exist or none is left to fit.
+FrameSplit SplitFrames(const FitConfig& config, int frame_count);
+
+}  // namespace sonarcal

@@ -1,0 +1,86 @@
+#include "calib/fit_report.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json FiniteOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+}  // namespace
+
+std::string_view ToString(ParameterStatus status) {
+  switch (status) {
+    case ParameterStatus::kFree:
+      return "free";
+    case ParameterStatus::kFixed:
+      return "fixed";
+    case ParameterStatus::kUnidentifiable:
+      return "unidentifiable";
+    case ParameterStatus::kAtBound:
+      return "at_bound";
+  }
+  return "unknown";
+}
+
+const FittedParameter* FitReport::Find(const std::string& name) const {
+  for (const FittedParameter& parameter : parameters) {
+    if (parameter.name == name) return &parameter;
+  }
+  return nullptr;
+}
+
+std::string FitReportJson(const FitReport& report, const std::string& extra_members) {
+  Json json;
+  json["format"] = "sonar-fit/1";
+  json["parameters"] = Json::array();
+  for (const FittedParameter& p : report.parameters) {
+    json["parameters"].push_back({{"name", p.name},
+                                  {"value", FiniteOrNull(p.value)},
+                                  {"sigma", p.sigma ? FiniteOrNull(*p.sigma) : Json(nullptr)},
+                                  {"unit", p.unit},
+                                  {"initial", FiniteOrNull(p.initial)},
+                                  {"lower", p.lower},
+                                  {"upper", p.upper},
+                                  {"status", ToString(p.status)}});
+  }
+  json["gauge"] = report.gauge;
+  json["unidentifiable_directions"] = report.unidentifiable_directions;
+  Json matrix = Json::array();
+  for (Eigen::Index row = 0; row < report.correlation.rows(); ++row) {
+    Json values = Json::array();
+    for (Eigen::Index col = 0; col < report.correlation.cols(); ++col) {
+      values.push_back(FiniteOrNull(report.correlation(row, col)));
+    }
+    matrix.push_back(std::move(values));
+  }
+  json["correlation"] = {{"names", report.correlation_names}, {"matrix", std::move(matrix)}};
+  json["residuals"] = {
+      {"raw", {{"mean", report.raw.mean}, {"spread", report.raw.spread}, {"unit", "full scale"}}},
+      {"whitened", {{"mean", report.whitened.mean}, {"spread", report.whitened.spread}}}};
+  json["start_costs"] = report.start_costs;
+  json["cost_initial"] = FiniteOrNull(report.cost_initial);
+  json["cost_final"] = FiniteOrNull(report.cost_final);
+  json["iterations"] = report.iterations;
+  json["termination"] = report.termination;
+  json["frames_used"] = report.frames_used;
+  json["frames_held_out"] = report.frames_held_out;
+  json["timing_s"] = {{"trace", report.trace_s}, {"solve", report.solve_s}};
+  json["rays_cast"] = report.rays_cast;
+  if (!extra_members.empty()) {
+    const Json extra = Json::parse("{" + extra_members + "}", nullptr, false);
+    SONARCAL_CHECK(!extra.is_discarded(), "extra members of fit.json are not JSON: {}", extra_members);
+    json.update(extra);
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace sonarcal

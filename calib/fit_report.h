@@ -1,0 +1,57 @@
+// What a fit found, in the words of `fit.json`.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonarcal {
+
+enum class ParameterStatus { kFree, kFixed, kUnidentifiable, kAtBound };
+
+std::string_view ToString(ParameterStatus status);
+
+struct FittedParameter {
+  std::string name;
+  std::string unit;
+  double value = 0.0;
+  std::optional<double> sigma;  // free parameters only
+  double initial = 0.0;
+  double lower = 0.0;
+  double upper = 0.0;
+  ParameterStatus status = ParameterStatus::kFixed;
+};
+
+struct ResidualSummary {
+  double mean = 0.0;
+  double spread = 0.0;  // standard deviation
+};
+
+struct FitReport {
+  std::vector<FittedParameter> parameters;
+  std::vector<std::string> gauge;                      // what was fixed and why, in words
+  std::vector<std::string> unidentifiable_directions;  // in words
+  std::vector<std::string> correlation_names;          // free parameters
+  Eigen::MatrixXd correlation;
+  ResidualSummary raw;              // grey levels, of full scale 1
+  ResidualSummary whitened;         // divided by their own standard deviation
+  std::vector<double> start_costs;  // where each start ended, roughly solved
+  double cost_initial = 0.0;
+  double cost_final = 0.0;
+  int iterations = 0;
+  std::string termination;
+  std::vector<int> frames_used;
+  std::vector<int> frames_held_out;
+  double trace_s = 0.0;
+  double solve_s = 0.0;
+  long rays_cast = 0;
+
+  const FittedParameter* Find(const std::string& name) const;
+};
+
+// The object of `fit.json` as JSON text; `extra_members` is JSON text of further members, such as
+// `"metrics_before": {...}`, or empty.
+std::string FitReportJson(const FitReport& report, const std::string& extra_members = {});
+
+}  // namespace sonarcal

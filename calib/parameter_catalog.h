@@ -1,0 +1,89 @@
+// The parameters of a fit by name: what each is called, its unit, its bounds, and where it lives.
+//
+// Names are those of `fit.json`: source_level_db, display.db_min, display.db_max,
+// material.<name>.gsab.{A,B_deg,C,D,E,F_deg}, jitter.{sigma_range_m,sigma_azimuth_deg,reference_range_m}.
+//
+// A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
+// itself for the rest. `typical_step` is a change of the coordinate that would be a surprise; a parameter
+// that the data leave freer than that is called unidentifiable.
+//
+// To add a parameter: an entry in BuildCatalog and a case in PaperSlot.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sim/physics/paper_echo.h"
+
+namespace sonarcal {
+
+enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter };
+
+struct CatalogEntry {
+  std::string name;
+  std::string unit;
+  ParameterGroup group = ParameterGroup::kSourceLevel;
+  int material = -1;  // index into the scene's material names, kGsab only
+  int index = 0;      // member of its group
+  double lower = 0.0;
+  double upper = 0.0;
+  bool logarithmic = false;
+  double typical_step = 1.0;
+
+  double CoordinateFromValue(double value) const { return logarithmic ? std::log(value) : value; }
+
+  template <typename T>
+  T ValueFromCoordinate(const T& coordinate) const {
+    using std::exp;
+    return logarithmic ? T(exp(coordinate)) : coordinate;
+  }
+
+  // d value / d coordinate.
+  double ValueSlope(double value) const { return logarithmic ? value : 1.0; }
+};
+
+// Every parameter of the paper model for a scene with these materials.
+std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
+
+// The place of a parameter.
+template <typename T>
+T& PaperSlot(PaperParameters<T>& p, const CatalogEntry& entry) {
+  switch (entry.group) {
+    case ParameterGroup::kSourceLevel:
+      return p.source_level_db;
+    case ParameterGroup::kDisplay:
+      return entry.index == 0 ? p.display.db_min : p.display.db_max;
+    case ParameterGroup::kGsab: {
+      GsabParameters<T>& g = p.materials[entry.material];
+      T* const members[] = {&g.a, &g.b_deg, &g.c, &g.d, &g.e, &g.f_deg};
+      return *members[entry.index];
+    }
+    case ParameterGroup::kJitter:
+      break;
+  }
+  T* const members[] = {&p.jitter.sigma_range_m, &p.jitter.sigma_azimuth_deg, &p.jitter.reference_range_m};
+  return *members[entry.index];
+}
+
+// The same parameters with another scalar.
+template <typename T>
+PaperParameters<T> CastPaperParameters(const PaperParameters<double>& p) {
+  PaperParameters<T> out;
+  out.source_level_db = T(p.source_level_db);
+  out.display = {T(p.display.db_min), T(p.display.db_max)};
+  for (const GsabParameters<double>& g : p.materials) {
+    out.materials.push_back({T(g.a), T(g.b_deg), T(g.c), T(g.d), T(g.e), T(g.f_deg)});
+  }
+  out.jitter = {T(p.jitter.sigma_range_m), T(p.jitter.sigma_azimuth_deg), T(p.jitter.reference_range_m),
+                p.jitter.reference_frequency_hz, p.jitter.growth};
+  out.noise_level_db = p.noise_level_db;
+  out.array_gain_db = p.array_gain_db;
+  return out;
+}
+
+// Writes fitted values back under their names; a material that "default" served gets an entry of its own.
+void StorePaperParameters(const PaperParameters<double>& fitted,
+                          const std::vector<std::string>& material_names, ParameterSet& parameters);
+
+}  // namespace sonarcal

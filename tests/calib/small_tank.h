@@ -1,0 +1,35 @@
+// A small world for fits: a floor and a box on it, a coarse sonar, a few poses. Quick to trace, and its
+// incidence angles cover both Gaussians and the cosine of the backscatter curve.
+#pragma once
+
+#include <vector>
+
+#include "calib/fit.h"
+#include "sim/simulator.h"
+
+namespace sonarcal::testing {
+
+Scene SmallTank();
+SonarModel SmallSonar();
+std::vector<Pose> SmallTankPoses();
+
+// Steep contrasts, so that eight bits carry the curve: the paper divides a pixel by all rays of its beam.
+ParameterSet SmallTankTruth();
+
+SimulationOptions SmallTankOptions();
+
+// Frames as a fit wants them: the poses' echoes, and what `render` makes of each pose.
+template <typename Render>
+std::vector<FitFrame> MakeFitFrames(const Simulator& simulator, Render&& render) {
+  std::vector<FitFrame> frames;
+  const std::vector<Pose> poses = SmallTankPoses();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const EchoList echoes = simulator.TraceEchoes(poses[i]);
+    frames.push_back({.index = static_cast<int>(i),
+                      .echoes = GatherByPixel(echoes, simulator.sonar().axes),
+                      .measured = MeasuredForFit(render(echoes, static_cast<int>(i)))});
+  }
+  return frames;
+}
+
+}  // namespace sonarcal::testing
