@@ -219,9 +219,16 @@ void HtmlReport::Details(std::string_view summary, std::string_view text) {
 std::string HtmlReport::ContentsHtml() const {
   if (headings_.size() < 2) return {};
   std::string html = "<nav aria-label=\"Contents\"><strong>Contents</strong><ol>";
-  for (const Heading& heading : headings_) {
-    Append(html, "<li class=\"level-{}\"><a href=\"#{}\">{}</a></li>", heading.level, heading.anchor,
-           EscapeHtml(heading.title));
+  for (std::size_t i = 0; i < headings_.size(); ++i) {
+    const Heading& heading = headings_[i];
+    Append(html, "<li><a href=\"#{}\">{}</a>", heading.anchor, EscapeHtml(heading.title));
+    // A subsection's list opens within its section's item and closes with the last of them.
+    const int next_level = i + 1 < headings_.size() ? headings_[i + 1].level : 2;
+    if (next_level > heading.level) {
+      html += "<ol>";
+    } else {
+      html += next_level < heading.level ? "</li></ol></li>" : "</li>";
+    }
   }
   return html + "</ol></nav>\n";
 }

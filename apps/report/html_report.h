@@ -57,7 +57,7 @@ struct Table {
 struct Picture {
   std::vector<std::uint8_t> png;  // an encoded file, shown at its own size or smaller: enlarge before
   std::string caption;            // short: "Recorded", "Simulated", "Overlay"
-  std::string alt;                // what is to be seen, for those who can't
+  std::string alt = {};           // what is to be seen, for those who can't; else the caption
   bool crisp = false;             // enlarge by repeating pixels rather than by smoothing
 };
 

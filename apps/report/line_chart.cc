@@ -32,6 +32,7 @@ struct Scale {
   int decimals = 1;
 
   double Fraction(double value) const { return (value - min) / (max - min); }
+  bool Contains(double value) const { return value >= min && value <= max; }  // false for NaN
 };
 
 // The smallest of 1, 2, 5 x 10^k that leaves at most `count` steps.
@@ -150,11 +151,12 @@ class Drawing {
     Append("<path class=\"line{} c{}\" d=\"{}\"/>", dash, colour, path);
   }
 
+  // Beside the clipped plot, so that a point on an axis stays round.
   void Points(const ChartSeries& series, int colour) {
     for (std::size_t i = 0; i < series.x.size(); ++i) {
-      if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) continue;
-      Append("<circle class=\"point c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.6\"/>", colour,
-             PlotX(series.x[i]), PlotY(series.y[i]));
+      if (!scales_.x.Contains(series.x[i]) || !scales_.y.Contains(series.y[i])) continue;
+      Append("<circle class=\"point c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.6\"/>", colour,
+             kLeft + PlotX(series.x[i]), kTop + PlotY(series.y[i]));
     }
   }
 
@@ -203,7 +205,7 @@ std::string LegendHtml(const LineChart& chart) {
       swatch += fmt::format("<path class=\"band c{}\" d=\"M0 1H26V11H0Z\"/>", colour);
     }
     if (series.style == SeriesStyle::kPoints) {
-      swatch += fmt::format("<circle class=\"point c{}\" cx=\"13\" cy=\"6\" r=\"3\"/>", colour);
+      swatch += fmt::format("<circle class=\"point c{}\" cx=\"13\" cy=\"6\" r=\"4\"/>", colour);
     } else {
       swatch += fmt::format("<path class=\"line{} c{}\" d=\"M0 6H26\"/>",
                             series.style == SeriesStyle::kDashed ? " dashed" : "", colour);
@@ -237,13 +239,13 @@ std::string LineChartHtml(const LineChart& chart) {
   }
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
-    if (series.style == SeriesStyle::kPoints) {
-      drawing.Points(series, ColourOf(series, i));
-    } else {
-      drawing.Line(series, ColourOf(series, i));
-    }
+    if (series.style != SeriesStyle::kPoints) drawing.Line(series, ColourOf(series, i));
   }
   drawing.ClosePlot();
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const ChartSeries& series = chart.series[i];
+    if (series.style == SeriesStyle::kPoints) drawing.Points(series, ColourOf(series, i));
+  }
   const std::string& alt = chart.alt.empty() ? chart.title : chart.alt;
   return fmt::format(
       "<figure class=\"chart\"><div class=\"chart-title\">{}</div>"

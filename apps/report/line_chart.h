@@ -10,9 +10,9 @@ namespace sonarcal {
 
 struct ChartAxis {
   std::string label;
-  std::string unit;           // empty for a pure number
-  std::optional<double> min;  // default: from the data, rounded outwards to a tick
-  std::optional<double> max;
+  std::string unit = {};           // empty for a pure number
+  std::optional<double> min = {};  // default: from the data, rounded outwards to a tick
+  std::optional<double> max = {};
 };
 
 enum class SeriesStyle { kLine, kDashed, kPoints };
@@ -22,17 +22,17 @@ struct ChartSeries {
   std::vector<double> x;
   std::vector<double> y;  // a value that is not finite interrupts the line
   SeriesStyle style = SeriesStyle::kLine;
-  std::vector<double> low;  // the band, one value an x; empty for none
-  std::vector<double> high;
+  std::vector<double> low = {};  // the band, one value an x; empty for none
+  std::vector<double> high = {};
   int colour = -1;  // 0..5; -1 takes the series' place. Lets "before" and "after" of a thing share a colour
 };
 
 struct LineChart {
   std::string title;
-  ChartAxis x;
-  ChartAxis y;
-  std::vector<ChartSeries> series;
-  std::string alt;  // what the chart shows, for those who can't see it
+  ChartAxis x = {};
+  ChartAxis y = {};
+  std::vector<ChartSeries> series = {};
+  std::string alt = {};  // what the chart shows, for those who can't see it
 };
 
 // A <figure class="chart"> with title, drawing and legend. Checks that x, y and band are of equal length.

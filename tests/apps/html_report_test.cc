@@ -1,0 +1,175 @@
+#include "apps/report/html_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "apps/report/html_text.h"
+#include "data_io/types/error.h"
+#include "tests/apps/html_check.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr char kHostile[] = "<script>\"&'</script>\x01\xFF]]> --> {}";
+
+std::vector<std::uint8_t> SmallPng() {
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", cv::Mat(7, 5, CV_8UC1, cv::Scalar(90)), png);
+  return png;
+}
+
+// A report of every block there is, each holding `text`.
+HtmlReport EveryBlock(const std::string& text) {
+  HtmlReport report(text, text);
+  report.KeyFigures({{text, text, text, text}});
+  report.Callout(CalloutKind::kSynthetic, text, text);
+  report.Section(text);
+  report.Paragraph(text);
+  report.Facts({{text, text}});
+  report.List({text});
+  report.Subsection(text);
+  report.Subsection(text);
+  report.Add(Table{.caption = text,
+                   .columns = {{text, text}, {text}},
+                   .rows = {{{text}, RowStyle::kGroup}, {{text, text}, RowStyle::kStrong}},
+                   .notes = {text}});
+  report.Section(text);
+  report.Add(PictureRow{
+      .caption = text, .pictures = {{SmallPng(), text, text}, {SmallPng(), text}}, .legend = {{text, text}}});
+  report.Add({{.title = text,
+               .x = {text, text},
+               .y = {text, text},
+               .series = {{text, {0.0, 1.0}, {1.0, 2.0}, SeriesStyle::kLine, {0.5, 1.5}, {1.5, 2.5}},
+                          {text, {0.5}, {1.5}, SeriesStyle::kPoints}},
+               .alt = text}},
+             text);
+  report.Code(text);
+  report.Details(text, text);
+  report.SetFooter(text);
+  return report;
+}
+
+TEST(HtmlReportTest, EveryBlockIsWellFormed) {
+  EXPECT_EQ(testing::HtmlFault(EveryBlock("plain").Html()), "");
+}
+
+TEST(HtmlReportTest, HostileTextStaysText) {
+  const std::string html = EveryBlock(kHostile).Html();
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
+}
+
+TEST(HtmlReportTest, ThePageAsksNothingOfTheNetwork) {
+  const std::string html = EveryBlock("plain").Html();
+  for (const char* request : {"http://", "https://", "src=\"//", "@import", "<link", "<script", "<iframe"}) {
+    EXPECT_THAT(html, Not(HasSubstr(request)));
+  }
+  EXPECT_THAT(html, HasSubstr("default-src 'none'"));
+}
+
+TEST(HtmlReportTest, HeadingsOfOneNameGetAnchorsOfTheirOwn) {
+  HtmlReport report("Title");
+  report.Section("Frame");
+  report.Section("Frame");
+  const std::string html = report.Html();
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"frame\">"));
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"frame-2\">"));
+  EXPECT_THAT(html, HasSubstr("<a href=\"#frame-2\">"));
+}
+
+TEST(HtmlReportTest, TablesAndFiguresAreNumbered) {
+  HtmlReport report("Title");
+  for (int i = 0; i < 2; ++i) {
+    report.Add(Table{.caption = "t", .columns = {{"a"}}, .rows = {{{"1"}}}});
+    report.Add(PictureRow{.caption = "p", .pictures = {{SmallPng(), "c"}}});
+  }
+  const std::string html = report.Html();
+  EXPECT_THAT(html, HasSubstr("<b>Table 2.</b>"));
+  EXPECT_THAT(html, HasSubstr("<b>Figure 2.</b>"));
+}
+
+TEST(HtmlReportTest, APictureCarriesItsSize) {
+  HtmlReport report("Title");
+  report.Add(PictureRow{.caption = "p", .pictures = {{SmallPng(), "c"}}});
+  EXPECT_THAT(report.Html(), HasSubstr("width=\"5\" height=\"7\""));
+}
+
+TEST(HtmlReportTest, ARowThatDoesNotFitItsTableIsRefused) {
+  HtmlReport report("Title");
+  EXPECT_THROW(report.Add(Table{.caption = "t", .columns = {{"a"}, {"b"}}, .rows = {{{"1"}}}}),
+               std::logic_error);
+  EXPECT_THROW(report.Add(PictureRow{.caption = "p", .pictures = {{{1, 2, 3}, "c"}}}), std::logic_error);
+}
+
+TEST(HtmlReportTest, WritesItsFileOrSaysWhyNot) {
+  const testing::TempDir dir;
+  const HtmlReport report = EveryBlock("plain");
+  report.Write(dir / "report.html");
+  EXPECT_EQ(testing::ReadFile(dir / "report.html"), report.Html());
+  EXPECT_THROW(report.Write(dir / "absent" / "report.html"), DataError);
+}
+
+TEST(HtmlTextTest, Base64OfEveryRemainder) {
+  const auto encode = [](std::string_view text) {
+    return Base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  };
+  EXPECT_EQ(encode(""), "");
+  EXPECT_EQ(encode("f"), "Zg==");
+  EXPECT_EQ(encode("fo"), "Zm8=");
+  EXPECT_EQ(encode("foo"), "Zm9v");
+  EXPECT_EQ(encode("foobar"), "Zm9vYmFy");
+}
+
+TEST(HtmlTextTest, NumbersCarryATrueMinusAndNoNegativeZero) {
+  EXPECT_EQ(FormatNumber(-1.25, 1), "\u22121.2");
+  EXPECT_EQ(FormatNumber(-0.001, 2), "0.00");
+  EXPECT_EQ(FormatNumber(std::nan(""), 2), "\u2013");
+}
+
+TEST(HtmlTextTest, OnlyValidUtf8Passes) {
+  EXPECT_EQ(EscapeHtml("20 \u00B0C"), "20 \u00B0C");
+  EXPECT_EQ(EscapeHtml("\xC0\xAF"), "\uFFFD\uFFFD");            // overlong
+  EXPECT_EQ(EscapeHtml("\xED\xA0\x80"), "\uFFFD\uFFFD\uFFFD");  // a surrogate
+  EXPECT_EQ(EscapeHtml("\xE2\x82"), "\uFFFD\uFFFD");            // cut short
+}
+
+TEST(LineChartTest, ValuesThatAreNotFiniteBreakTheLine) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::string html = LineChartHtml(
+      {.title = "t", .x = {"x", ""}, .y = {"y", ""}, .series = {{"s", {0, 1, 2, 3, 4}, {1, 2, nan, 2, 1}}}});
+  const std::size_t path = html.find("<path class=\"line c0\"");
+  ASSERT_NE(path, std::string::npos);
+  const std::string drawn = html.substr(path, html.find("/>", path) - path);
+  EXPECT_EQ(std::count(drawn.begin(), drawn.end(), 'M'), 2) << drawn;
+  EXPECT_THAT(html, Not(HasSubstr("nan")));
+}
+
+TEST(LineChartTest, EmptyAndConstantSeriesStillHaveAxes) {
+  for (const ChartSeries& series : {ChartSeries{"none", {}, {}}, ChartSeries{"one", {3.0}, {0.0}},
+                                    ChartSeries{"level", {1.0, 2.0}, {-5.0, -5.0}}}) {
+    const std::string html =
+        LineChartHtml({.title = "t", .x = {"x", ""}, .y = {"y", ""}, .series = {series}});
+    EXPECT_EQ(testing::HtmlFault("<!DOCTYPE html>" + html), "") << html;
+    EXPECT_THAT(html, HasSubstr("class=\"tick\""));
+    EXPECT_THAT(html, Not(HasSubstr("inf")));
+  }
+}
+
+TEST(LineChartTest, ASeriesOfUnequalLengthsIsRefused) {
+  EXPECT_THROW(LineChartHtml({.title = "t", .series = {{"s", {0, 1}, {1}}}}), std::logic_error);
+  EXPECT_THROW(LineChartHtml({.title = "t", .series = {{"s", {0}, {1}, SeriesStyle::kLine, {0}, {}}}}),
+               std::logic_error);
+}
+
+}  // namespace
+}  // namespace sonarcal
