@@ -2,6 +2,9 @@
 
 #include "data_io/aris3000_frames_io.h"
 #include "data_io/aris_io.h"
+#include "data_io/didson_io.h"
+#include "data_io/oculus_io.h"
+#include "data_io/recording_io.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -15,7 +18,10 @@ struct Format {
 
 // The first that knows the path opens it.
 constexpr Format kFormats[] = {
+    {"a recording folder (recording.json)", IsRecordingFolder, OpenRecordingFolder},
     {"ARIS v5 (.aris)", IsAris, OpenAris},
+    {"Oculus simple ping results", IsOculus, OpenOculus},
+    {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
     {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
 };
 

@@ -1,0 +1,242 @@
+#include "data_io/oculus_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "data_io/oculus_ping.h"
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A model's nominal figures in one of its modes (Blueprint Subsea, data sheets of the Oculus series).
+struct Mode {
+  std::uint8_t mode;
+  double frequency_hz;
+  const char* model;
+  double azimuth_beam_width_deg;
+  double elevation_beam_width_deg;
+};
+constexpr Mode kModes[] = {
+    {1, 0.75e6, "Oculus M750d", 1.0, 20.0},           {2, 1.2e6, "Oculus M750d", 0.6, 20.0},
+    {1, 1.2e6, "Oculus M1200d or M3000d", 0.6, 20.0}, {2, 2.1e6, "Oculus M1200d", 0.4, 12.0},
+    {2, 3.0e6, "Oculus M3000d", 0.0, 20.0},
+};
+constexpr double kFrequencyTolerance = 0.05;  // the recorded frequency is a little off the nominal one
+
+const Mode* FindMode(const OculusPing& ping) {
+  for (const Mode& mode : kModes) {
+    if (mode.mode == ping.mode &&
+        std::abs(ping.frequency_hz - mode.frequency_hz) <= kFrequencyTolerance * mode.frequency_hz) {
+      return &mode;
+    }
+  }
+  return nullptr;
+}
+
+// Within limits, and not one of the tiny numbers that uninitialised memory makes when read as a double.
+bool IsPlausible(double value, double lowest, double highest) {
+  return value >= lowest && value <= highest && (value == 0.0 || std::abs(value) > 1e-6);
+}
+
+class OculusRecording final : public RecordingSource {
+ public:
+  explicit OculusRecording(const fs::path& file) : file_(file), name_(file.string()) {
+    info_.source = name_;
+    IndexMessages();
+    const OculusPing first = ReadPing(0);
+    DescribeSonar(first);
+    NoteEnvironment(first);
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(messages_.size()); }
+
+  FrameInfo frame_info(int index) const override { return InfoOf(ReadPing(index)); }
+
+  Frame ReadFrame(int index) const override {
+    const OculusPing ping = ReadPing(index);
+    Frame frame{InfoOf(ping), {AxesOf(ping, index), ScaleOf(ping), Grid<float>(ping.ranges, ping.beams)}};
+    const bool right_to_left = IsRightToLeft(ping);
+    const std::uint64_t image_offset = messages_.at(index).offset + ping.image_offset;
+    const std::vector<std::byte> bytes =
+        ReadFileRange(file_, image_offset, ping.row_bytes() * ping.ranges, "image");
+    const ByteReader image(bytes, name_, image_offset);
+    for (int range = 0; range < ping.ranges; ++range) {
+      std::uint64_t at = ping.row_bytes() * range;
+      float scale = 1.0f;
+      if (ping.has_gains) {
+        const std::uint32_t gain = image.U32(at, "gain of a row");
+        if (gain == 0) throw DataError("{}: 0, expected at least 1", image.Where(at, "gain of a row"));
+        scale = 1.0f / std::sqrt(static_cast<float>(gain));
+        at += 4;
+      }
+      for (int beam = 0; beam < ping.beams; ++beam, at += ping.bytes_per_sample) {
+        const std::uint32_t sample = LittleEndian(image.Bytes(at, ping.bytes_per_sample, "sample"));
+        const int column = right_to_left ? ping.beams - 1 - beam : beam;
+        frame.image.value(range, column) = static_cast<float>(sample) * scale;
+      }
+    }
+    return frame;
+  }
+
+ private:
+  struct Message {
+    std::uint64_t offset = 0;
+    OculusHead head;
+  };
+
+  // Finds the whole pings of the file.
+  void IndexMessages() {
+    const std::uint64_t size = RegularFileSize(file_);
+    std::uint64_t offset = 0;
+    int others = 0;
+    while (offset < size) {
+      const std::uint64_t rest = size - offset;
+      const std::vector<std::byte> bytes =
+          ReadFileRange(file_, offset, std::min(rest, kOculusHeadBytes), "message head");
+      const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
+      if (!head) {
+        info_.notes.push_back(
+            fmt::format("The {} bytes from byte {} on are no Oculus message; left out.", rest, offset));
+        break;
+      }
+      if (head->message_bytes > rest) {
+        info_.notes.push_back(fmt::format("The message at byte {} is cut short, {} of {} bytes; left out.",
+                                          offset, rest, head->message_bytes));
+        break;
+      }
+      if (head->message_id == kOculusSimplePingResult) {
+        messages_.push_back({offset, *head});
+      } else {
+        ++others;
+      }
+      offset += head->message_bytes;
+    }
+    if (messages_.empty()) {
+      throw DataError("{}: no whole simple ping result in {} bytes, expected at least one", name_, size);
+    }
+    if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+      throw DataError("{}: {} pings, expected at most {}", name_, messages_.size(),
+                      std::numeric_limits<int>::max());
+    }
+    if (others > 0)
+      info_.notes.push_back(fmt::format("{} messages that are no pings were passed over.", others));
+  }
+
+  OculusPing ReadPing(int index) const {
+    const Message& message = messages_.at(index);
+    const std::vector<std::byte> bytes =
+        ReadFileRange(file_, message.offset, std::min(message.head.message_bytes, kMostOculusPingHeaderBytes),
+                      "ping header");
+    return ParseOculusPing({bytes, name_, message.offset}, message.head);
+  }
+
+  static bool IsRightToLeft(const OculusPing& ping) {
+    return ping.bearing_centideg.front() > ping.bearing_centideg.back();
+  }
+
+  PolarAxes AxesOf(const OculusPing& ping, int index) const {
+    PolarAxes axes{0.0, ping.ranges * ping.range_resolution_m, ping.ranges, {}};
+    for (const std::int16_t bearing : ping.bearing_centideg) {
+      axes.beam_azimuth_rad.push_back(RadFromDeg(0.01 * bearing));
+    }
+    if (IsRightToLeft(ping)) std::reverse(axes.beam_azimuth_rad.begin(), axes.beam_azimuth_rad.end());
+    axes.Validate(fmt::format("{}: ping {}", name_, index));
+    return axes;
+  }
+
+  static ImageScale ScaleOf(const OculusPing& ping) {
+    ImageScale scale;
+    scale.full_scale = ping.full_scale();
+    return scale;
+  }
+
+  static FrameInfo InfoOf(const OculusPing& ping) {
+    const bool has_time = ping.start_s && std::isfinite(*ping.start_s);
+    return {fmt::format("ping {}", ping.ping_id), has_time ? ping.start_s : std::nullopt, std::nullopt};
+  }
+
+  void DescribeSonar(const OculusPing& ping) {
+    info_.format = fmt::format("Oculus simple ping result, version {}", ping.version);
+    info_.sonar.name = "Oculus";
+    info_.sonar.axes = AxesOf(ping, 0);
+    info_.scale = ScaleOf(ping);
+    info_.display_gamma = ping.gamma == 0 ? 1.0 : ping.gamma / 255.0;
+    if (const Mode* mode = FindMode(ping)) {
+      info_.sonar.name = mode->model;
+      info_.sonar.azimuth_beam_width_deg = mode->azimuth_beam_width_deg;
+      info_.sonar.elevation_beam_width_deg = mode->elevation_beam_width_deg;
+      info_.notes.emplace_back(
+          "The model is not recorded: it and its beam widths are presumed from mode and frequency.");
+    } else {
+      info_.notes.emplace_back("The model is not recorded and no known one has this mode and frequency.");
+    }
+    if (IsPlausible(ping.frequency_hz, 1e5, 1e7)) {
+      info_.sonar.frequency_hz = ping.frequency_hz;
+    } else {
+      info_.notes.push_back(fmt::format("Frequency {} Hz is garbage; left out.", ping.frequency_hz));
+    }
+    if (IsPlausible(ping.sound_speed_m_per_s, 1300.0, 1700.0)) {
+      info_.sonar.sound_speed_m_per_s = ping.sound_speed_m_per_s;
+    } else {
+      info_.notes.push_back(
+          fmt::format("Sound speed {} m/s is garbage; left out.", ping.sound_speed_m_per_s));
+    }
+    info_.details = {
+        {"mode", ping.mode == 1 ? "1 (low frequency)" : fmt::format("{} (high frequency)", ping.mode)},
+        {"range setting", fmt::format("{} {}", ping.range_setting, ping.range_is_metres ? "m" : "%")},
+        {"gain", fmt::format("{} %", ping.gain_percent)},
+        {"gamma", fmt::format("{:.3f} (byte {})", *info_.display_gamma, ping.gamma)},
+        {"salinity setting", fmt::format("{} ppt", ping.salinity_ppt)},
+        {"sample size", fmt::format("{} bits", 8 * ping.bytes_per_sample)},
+        {"gain of each row", ping.has_gains ? "sent, values divided by its square root" : "not sent"}};
+    if (ping.version == 2) {
+      info_.details.emplace_back("heading, pitch, roll", fmt::format("{}, {}, {} degrees", ping.heading_deg,
+                                                                     ping.pitch_deg, ping.roll_deg));
+    }
+  }
+
+  void NoteEnvironment(const OculusPing& ping) {
+    if (IsPlausible(ping.temperature_c, -3.0, 45.0) && IsPlausible(ping.salinity_ppt, 0.0, 50.0)) {
+      info_.water = Water{.temperature_c = ping.temperature_c, .salinity_ppt = ping.salinity_ppt};
+      info_.details.emplace_back("temperature", fmt::format("{:.2f} C", ping.temperature_c));
+      info_.notes.emplace_back("Acidity and depth of the water are not recorded; defaults stand for them.");
+    } else {
+      info_.notes.push_back(fmt::format("Temperature {:.6g} C with salinity {:.6g} ppt is garbage; left out.",
+                                        ping.temperature_c, ping.salinity_ppt));
+    }
+    if (IsPlausible(ping.pressure_bar, 0.0, 1200.0)) {
+      info_.details.emplace_back("pressure", fmt::format("{:.3f} bar", ping.pressure_bar));
+    } else {
+      info_.notes.push_back(fmt::format("Pressure {:.6g} bar is garbage; left out.", ping.pressure_bar));
+    }
+  }
+
+  fs::path file_;
+  std::string name_;
+  std::vector<Message> messages_;
+  RecordingInfo info_;
+};
+
+}  // namespace
+
+bool IsOculus(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) < kOculusHeadBytes || error)
+    return false;
+  const std::vector<std::byte> head = ReadFileRange(path, 0, kOculusHeadBytes, "message head");
+  const std::optional<OculusHead> parsed = ParseOculusHead({head, path.string()});
+  // All message ids fit in a byte: a text that begins with the letters of the id is no recording.
+  return parsed && parsed->message_id <= 0xff;
+}
+
+std::unique_ptr<RecordingSource> OpenOculus(const fs::path& path) {
+  return std::make_unique<OculusRecording>(path);
+}
+
+}  // namespace sonarcal
