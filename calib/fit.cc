@@ -290,10 +290,14 @@ class Fitter {
              fmt::format("{} (held: {})", open->description, names[open->parameter]));
       return true;
     }
-    covariance_ = SandwichCovariance(equations);
+    covariance_ = JackknifeCovariance(equations);
     const Eigen::VectorXd sigma_in_steps = covariance_.diagonal().cwiseSqrt().cwiseQuotient(steps);
     Eigen::Index worst = 0;
-    if (sigma_in_steps.maxCoeff(&worst) <= 1.0) return false;
+    // A NaN, where one block alone determines a parameter, counts as undetermined.
+    if (sigma_in_steps.unaryExpr([](double s) { return std::isfinite(s) ? s : 1e9; }).maxCoeff(&worst) <=
+        1.0) {
+      return false;
+    }
     Freeze(interior_[worst], fmt::format("{} (held: its sigma is {:.1f} times a surprising step)",
                                          names[worst], sigma_in_steps(worst)));
     return true;

@@ -50,16 +50,19 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
   return OpenDirection{order[0], text};
 }
 
-Eigen::MatrixXd SandwichCovariance(const NormalEquations& equations) {
+Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   const Eigen::Index n = equations.information.rows();
   // Scaled to a unit diagonal first: parameters differ by many orders of magnitude.
   const Eigen::VectorXd scale = equations.information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd unit = scale.asDiagonal() * equations.information * scale.asDiagonal();
-  const Eigen::MatrixXd bread =
-      scale.asDiagonal() * unit.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
-  const double blocks = static_cast<double>(equations.block_count);
-  const double small_sample = blocks > 1.0 ? blocks / (blocks - 1.0) : 1.0;
-  return small_sample * bread * equations.scatter * bread.transpose();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  for (const NormalEquations::Block& block : equations.blocks) {
+    const Eigen::MatrixXd rest =
+        scale.asDiagonal() * (equations.information - block.information) * scale.asDiagonal();
+    const Eigen::VectorXd change = scale.asDiagonal() * rest.ldlt().solve(scale.asDiagonal() * block.score);
+    covariance += change * change.transpose();
+  }
+  const double count = static_cast<double>(equations.blocks.size());
+  return covariance * ((count - 1.0) / count);
 }
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance) {

@@ -8,13 +8,17 @@
 
 namespace sonarcal {
 
-// Sums over the residuals of a least-squares problem, at its solution.
+// Sums over the residuals of a least-squares problem at its solution, and over each block of residuals that
+// share noise (speckle grain, range and azimuth errors) and may therefore not be counted as independent.
 struct NormalEquations {
+  struct Block {
+    Eigen::MatrixXd information;  // J_b^T J_b
+    Eigen::VectorXd score;        // J_b^T r_b
+  };
   Eigen::MatrixXd information;  // J^T J
-  Eigen::MatrixXd scatter;      // sum over blocks of (J_b^T r_b)(J_b^T r_b)^T
+  std::vector<Block> blocks;    // those in which something depends on a parameter
   double residual_square = 0.0;
   long residual_count = 0;
-  long block_count = 0;
 };
 
 struct OpenDirection {
@@ -29,9 +33,12 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
                                              const Eigen::VectorXd& typical_step,
                                              const std::vector<std::string>& names);
 
-// Sandwich covariance (Huber; White): (J^T J)^-1 scatter (J^T J)^-1 with the small-sample factor B / (B - 1).
-// The information must be invertible.
-Eigen::MatrixXd SandwichCovariance(const NormalEquations& equations);
+// Covariance by leaving out one block at a time: with the change that block b makes to the solution,
+// d_b = (J^T J - J_b^T J_b)^-1 J_b^T r_b, it is (B - 1) / B sum d_b d_b^T. This is the cluster-robust
+// sandwich with its small-sample correction CR3 (Cameron & Miller, J. Human Resources 50(2), 2015, section
+// VI.B): a parameter that hangs on few blocks gets the wide sigma it deserves. Not finite where one block
+// alone determines a parameter.
+Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance);
 

@@ -83,34 +83,35 @@ NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometr
   const int block_cols = (beams + options.block_beams - 1) / options.block_beams;
 
   NormalEquations equations;
-  equations.information = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-  equations.scatter = equations.information;
+  const int n = jacobian.num_cols;
+  const NormalEquations::Block empty{.information = Eigen::MatrixXd::Zero(n, n),
+                                     .score = Eigen::VectorXd::Zero(n)};
+  equations.information = empty.information;
+  equations.blocks.assign(static_cast<std::size_t>(frame_count) * block_rows * block_cols, empty);
   equations.residual_count = static_cast<long>(residuals.size());
-  Eigen::MatrixXd block_scores = Eigen::MatrixXd::Zero(
-      jacobian.num_cols, static_cast<Eigen::Index>(frame_count) * block_rows * block_cols);
   double sum = 0.0;
-  Eigen::VectorXd row_values = Eigen::VectorXd::Zero(jacobian.num_cols);
+  Eigen::VectorXd row_values(n);
   for (int row = 0; row < jacobian.num_rows; ++row) {
-    const double residual = residuals[row];
-    sum += residual;
-    equations.residual_square += residual * residual;
+    sum += residuals[row];
+    equations.residual_square += residuals[row] * residuals[row];
     row_values.setZero();
     for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
       row_values(jacobian.cols[i]) = jacobian.values[i];
     }
-    equations.information.selfadjointView<Eigen::Lower>().rankUpdate(row_values);
+    if (row_values.isZero(0.0)) continue;
     const int pixel = row % (bins * beams);
     const int frame = row / (bins * beams);
-    const int block = (frame * block_rows + pixel / beams / options.block_bins) * block_cols +
-                      pixel % beams / options.block_beams;
-    block_scores.col(block) += residual * row_values;
+    NormalEquations::Block& block =
+        equations.blocks[(frame * block_rows + pixel / beams / options.block_bins) * block_cols +
+                         pixel % beams / options.block_beams];
+    block.information.selfadjointView<Eigen::Lower>().rankUpdate(row_values);
+    block.score += residuals[row] * row_values;
   }
-  equations.information = equations.information.selfadjointView<Eigen::Lower>();
-  // Blocks in which nothing depends on a parameter do not count.
-  for (Eigen::Index block = 0; block < block_scores.cols(); ++block) {
-    if (block_scores.col(block).isZero(0.0)) continue;
-    ++equations.block_count;
-    equations.scatter += block_scores.col(block) * block_scores.col(block).transpose();
+  std::erase_if(equations.blocks,
+                [](const NormalEquations::Block& block) { return block.score.isZero(0.0); });
+  for (NormalEquations::Block& block : equations.blocks) {
+    block.information = Eigen::MatrixXd(block.information.selfadjointView<Eigen::Lower>());
+    equations.information += block.information;
   }
   if (raw != nullptr) {
     const double count = static_cast<double>(residuals.size());

@@ -8,33 +8,33 @@
 
 namespace sonarcal {
 
-EchoHistogram GatherByPixel(const EchoList& echoes, const PolarAxes& axes) {
+EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
   EchoHistogram histogram;
-  histogram.bins = axes.range_bins;
+  histogram.rows = axes.range_bins * kRangeSteps;
   histogram.beams = axes.beam_count();
   histogram.materials = static_cast<int>(echoes.material_names.size());
-  const std::size_t pixels = static_cast<std::size_t>(histogram.bins) * histogram.beams;
+  const double step_m = axes.range_bin_m() / kRangeSteps;
+  const std::size_t cells = static_cast<std::size_t>(histogram.rows) * histogram.beams;
 
-  // Counting sort of echoes by pixel.
-  std::vector<std::uint32_t> pixel_of_echo(echoes.size());
-  std::vector<std::uint32_t> start(pixels + 1, 0);
+  // Counting sort of echoes by cell.
+  std::vector<std::uint32_t> cell_of_echo(echoes.size());
+  std::vector<std::uint32_t> start(cells + 1, 0);
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    const int bin =
-        std::clamp(static_cast<int>((echoes.range_m[echo] - axes.range_min_m) / axes.range_bin_m()), 0,
-                   histogram.bins - 1);
-    pixel_of_echo[echo] = static_cast<std::uint32_t>(bin * histogram.beams + echoes.Beam(echo));
-    ++start[pixel_of_echo[echo] + 1];
+    const int row = std::clamp(static_cast<int>((echoes.range_m[echo] - axes.range_min_m) / step_m), 0,
+                               histogram.rows - 1);
+    cell_of_echo[echo] = static_cast<std::uint32_t>(row * histogram.beams + echoes.Beam(echo));
+    ++start[cell_of_echo[echo] + 1];
   }
-  for (std::size_t pixel = 0; pixel < pixels; ++pixel) start[pixel + 1] += start[pixel];
+  for (std::size_t cell = 0; cell < cells; ++cell) start[cell + 1] += start[cell];
   std::vector<std::uint32_t> order(echoes.size());
   {
     std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
     for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-      order[next[pixel_of_echo[echo]]++] = static_cast<std::uint32_t>(echo);
+      order[next[cell_of_echo[echo]]++] = static_cast<std::uint32_t>(echo);
     }
   }
 
-  // Dense weights of one pixel, cleared through the list of nodes it touched.
+  // Dense weights of one cell, cleared through the list of nodes it touched.
   std::vector<double> node_weight(static_cast<std::size_t>(histogram.materials) * kIncidenceNodes, 0.0);
   std::vector<std::uint32_t> touched;
   const auto add = [&](std::uint32_t node, double weight) {
@@ -43,14 +43,14 @@ EchoHistogram GatherByPixel(const EchoList& echoes, const PolarAxes& axes) {
     node_weight[node] += weight;
   };
 
-  for (int row = 0; row < histogram.bins; ++row) {
+  for (int row = 0; row < histogram.rows; ++row) {
     histogram.row_start.push_back(static_cast<std::uint32_t>(histogram.cells.size()));
     for (int col = 0; col < histogram.beams; ++col) {
-      const std::size_t pixel = static_cast<std::size_t>(row) * histogram.beams + col;
-      if (start[pixel] == start[pixel + 1]) continue;
+      const std::size_t index = static_cast<std::size_t>(row) * histogram.beams + col;
+      if (start[index] == start[index + 1]) continue;
       EchoHistogram::Cell cell{.row = row, .col = col};
       const double weight = 1.0 / echoes.rays_per_beam[col];
-      for (std::uint32_t i = start[pixel]; i < start[pixel + 1]; ++i) {
+      for (std::uint32_t i = start[index]; i < start[index + 1]; ++i) {
         const std::uint32_t echo = order[i];
         const double range_m = echoes.range_m[echo];
         cell.weight += weight;

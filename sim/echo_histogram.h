@@ -15,11 +15,13 @@
 
 namespace sonarcal {
 
+inline constexpr int kRangeSteps = 4;  // cells a range bin
 inline constexpr int kIncidenceNodes = 361;
 inline constexpr double kIncidenceStepDeg = 0.25;
 
 struct EchoHistogram {
-  // One pixel that holds echoes. Weights are the ray's share of its beam, 1 / rays_per_beam.
+  // One cell that holds echoes; `row` counts quarters of range bins. Weights are the ray's share of its beam,
+  // 1 / rays_per_beam.
   struct Cell {
     std::int32_t row = 0;
     std::int32_t col = 0;
@@ -34,14 +36,14 @@ struct EchoHistogram {
     float weight = 0.0F;
   };
 
-  int bins = 0;
+  int rows = 0;  // kRangeSteps x range bins
   int beams = 0;
   int materials = 0;
   std::vector<Cell> cells;               // by row, then column
-  std::vector<std::uint32_t> row_start;  // first cell of each row, bins + 1 values
+  std::vector<std::uint32_t> row_start;  // first cell of each row, rows + 1 values
   std::vector<Entry> entries;
 };
 
-EchoHistogram GatherByPixel(const EchoList& echoes, const PolarAxes& axes);
+EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes);
 
 }  // namespace sonarcal

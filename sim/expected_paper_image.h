@@ -1,7 +1,7 @@
 // The mean of the paper's image over its range and azimuth errors, from an EchoHistogram: the forward model
 // that renders and that Ceres differentiates.
 //
-// Each pixel's echoes are taken to be spread evenly over the pixel, and each is spread over its neighbours by
+// Each cell's echoes are taken to be spread evenly over the cell, and each is spread over its neighbours by
 // the Gaussian errors of its own range (sim/physics/jitter.h). Without errors it is the sharp image. The
 // clamp to [0, I] is applied to the mean, as if the many rays of a pixel had averaged out.
 #pragma once
@@ -128,23 +128,29 @@ template <typename T>
 std::vector<T> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeometry& geometry,
                                   const PaperParameters<T>& parameters) {
   using internal::ScalarPart;
-  const int bins = histogram.bins;
-  const int beams = histogram.beams;
+  const int bins = geometry.axes.range_bins;
+  const int beams = geometry.axes.beam_count();
+  SONARCAL_CHECK(histogram.rows == bins * kRangeSteps && histogram.beams == beams,
+                 "histogram of {} x {} cells", histogram.rows, histogram.beams);
   const auto cell_values = internal::ShadeCells(histogram, geometry, parameters);
-  const auto for_rows = [&](auto&& body) {
-    tbb::parallel_for(tbb::blocked_range<int>(0, bins, 4), [&](const tbb::blocked_range<int>& rows) {
+  const double bin_m = geometry.axes.range_bin_m();
+  const double step_m = bin_m / kRangeSteps;
+  const auto parallel_rows = [](int count, auto&& body) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, count, 8), [&](const tbb::blocked_range<int>& rows) {
       for (int row = rows.begin(); row != rows.end(); ++row) body(row);
     });
   };
   const auto row_is_empty = [&](int row) { return histogram.row_start[row] == histogram.row_start[row + 1]; };
 
-  // Along azimuth, each row with the error of its range.
-  std::vector<T> spread(static_cast<std::size_t>(bins) * beams, T(0.0));
-  for_rows([&](int row) {
+  // Along azimuth, each row of cells with the errors of its range.
+  std::vector<T> spread(static_cast<std::size_t>(histogram.rows) * beams, T(0.0));
+  std::vector<T> sigma_range_m(histogram.rows);
+  parallel_rows(histogram.rows, [&](int row) {
+    const double range_m = geometry.axes.range_min_m + (row + 0.5) * step_m;
+    sigma_range_m[row] = JitterSigmaRangeM(parameters.jitter, range_m, geometry.frequency_hz);
     if (row_is_empty(row)) return;
     T* out = &spread[static_cast<std::size_t>(row) * beams];
-    const T sigma =
-        JitterSigmaAzimuthRad(parameters.jitter, geometry.axes.range_centre_m(row), geometry.frequency_hz);
+    const T sigma = JitterSigmaAzimuthRad(parameters.jitter, range_m, geometry.frequency_hz);
     const double sigma_rad = ScalarPart(sigma);
     if (!(sigma_rad > 0.0)) {
       for (std::uint32_t i = histogram.row_start[row]; i < histogram.row_start[row + 1]; ++i) {
@@ -161,32 +167,28 @@ std::vector<T> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeo
     }
   });
 
-  // Along range: every row gathers from the rows whose errors reach it.
-  std::vector<T> sigma_range(bins);
+  // Along range: every bin gathers from the rows of cells whose errors reach it.
   double reach_m = 0.0;
-  for (int row = 0; row < bins; ++row) {
-    sigma_range[row] =
-        JitterSigmaRangeM(parameters.jitter, geometry.axes.range_centre_m(row), geometry.frequency_hz);
-    reach_m = std::max(reach_m, internal::kBlurReach * ScalarPart(sigma_range[row]));
-  }
-  const double bin_m = geometry.axes.range_bin_m();
-  const int reach_bins = static_cast<int>(std::ceil(reach_m / bin_m));
-  std::vector<T> image(spread.size(), T(0.0));
-  for_rows([&](int row) {
-    T* out = &image[static_cast<std::size_t>(row) * beams];
-    for (int from = std::max(0, row - reach_bins); from <= std::min(bins - 1, row + reach_bins); ++from) {
-      if (row_is_empty(from)) continue;
-      const T* in = &spread[static_cast<std::size_t>(from) * beams];
-      if (!(ScalarPart(sigma_range[from]) > 0.0)) {
-        if (from == row) {
-          for (int col = 0; col < beams; ++col) out[col] += in[col];
-        }
+  for (const T& sigma : sigma_range_m) reach_m = std::max(reach_m, internal::kBlurReach * ScalarPart(sigma));
+  const int reach_rows = static_cast<int>(std::ceil(reach_m / step_m));
+  std::vector<T> image(static_cast<std::size_t>(bins) * beams, T(0.0));
+  parallel_rows(bins, [&](int bin) {
+    T* out = &image[static_cast<std::size_t>(bin) * beams];
+    const int first_own = bin * kRangeSteps;
+    const int last_own = first_own + kRangeSteps - 1;
+    for (int row = std::max(0, first_own - reach_rows);
+         row <= std::min(histogram.rows - 1, last_own + reach_rows); ++row) {
+      if (row_is_empty(row)) continue;
+      const T* in = &spread[static_cast<std::size_t>(row) * beams];
+      const double sigma_m = ScalarPart(sigma_range_m[row]);
+      if (!(sigma_m > 0.0)) {
+        if (row < first_own || row > last_own) continue;
+        for (int col = 0; col < beams; ++col) out[col] += in[col];
         continue;
       }
-      const double sigma_m = ScalarPart(sigma_range[from]);
       const T weight =
-          GaussianBlurWeight(from * bin_m, (from + 1) * bin_m, row * bin_m, (row + 1) * bin_m, sigma_m)
-              .At(sigma_range[from], sigma_m);
+          GaussianBlurWeight(row * step_m, (row + 1) * step_m, bin * bin_m, (bin + 1) * bin_m, sigma_m)
+              .At(sigma_range_m[row], sigma_m);
       for (int col = 0; col < beams; ++col) out[col] += weight * in[col];
     }
     for (int col = 0; col < beams; ++col) {

@@ -66,7 +66,7 @@ PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet&
     return ExpectedDisplay(power, parameters, options_.full_scale());
   }
   const std::vector<double> values =
-      ExpectedPaperImage(GatherByPixel(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
+      ExpectedPaperImage(GatherEchoes(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
                          PaperParametersFor(parameters, echoes.material_names));
   PolarImage image{sonar_.axes,
                    {.quantity = Quantity::kGrey,

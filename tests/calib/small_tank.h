@@ -26,7 +26,7 @@ std::vector<FitFrame> MakeFitFrames(const Simulator& simulator, Render&& render)
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const EchoList echoes = simulator.TraceEchoes(poses[i]);
     frames.push_back({.index = static_cast<int>(i),
-                      .echoes = GatherByPixel(echoes, simulator.sonar().axes),
+                      .echoes = GatherEchoes(echoes, simulator.sonar().axes),
                       .measured = MeasuredForFit(render(echoes, static_cast<int>(i)))});
   }
   return frames;
