@@ -138,15 +138,13 @@ std::vector<std::string>& MutableCommandLine() {
 
 }  // namespace
 
-CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
-                     CommonOptions& common) {
-  CLI::App* command = app.add_subcommand(name, description)->group("Commands");
-  command->add_flag("--json", common.json, "Print the results as JSON");
-  command->add_flag("-q,--quiet", common.quiet, "Print nothing but results and errors");
-  return command;
+CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description) {
+  return app.add_subcommand(name, description)->group("Commands");
 }
 
-void OnRun(CLI::App* command, std::function<ExitStatus()> run) {
+void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()> run) {
+  command->add_flag("--json", common.json, "Print the results as JSON");
+  command->add_flag("-q,--quiet", common.quiet, "Print nothing but results and errors");
   command->final_callback([run = std::move(run)] {
     const ExitStatus status = run();
     if (status != ExitStatus::kDone) throw CLI::RuntimeError(static_cast<int>(status));

@@ -3,9 +3,9 @@
 //
 //   void SetupInspect(CLI::App& app) {
 //     auto options = std::make_shared<InspectOptions>();
-//     CLI::App* command = AddCommand(app, "inspect", "Says what a file holds", options->common);
+//     CLI::App* command = AddCommand(app, "inspect", "Says what a file holds");
 //     command->add_option("FILE", options->files, "Recordings of any readable format")->required();
-//     OnRun(command, [options] { return RunInspect(*options); });
+//     OnRun(command, options->common, [options] { return RunInspect(*options); });
 //   }
 //
 // To add a command: write its file, declare its Setup in apps/commands.h, call it in apps/sonarcal.cc.
@@ -37,13 +37,11 @@ struct CommonOptions {
   bool quiet = false;  // nothing on stderr but errors
 };
 
-// Adds a subcommand with the common options. `common` must live as long as `app`, as it does within the
-// shared options struct that the callback of OnRun holds.
-CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
-                     CommonOptions& common);
+CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description);
 
-// What the command does once its line has been read. Its exit status becomes the program's.
-void OnRun(CLI::App* command, std::function<ExitStatus()> run);
+// Ends a command's Setup: adds the common options, and says what the command does once its line has been
+// read. Its exit status becomes the program's. `common` belongs to the options struct that `run` holds.
+void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()> run);
 
 // The root of the command line, ready for Setup functions: version, help layout, "one command is required".
 // A unit and a default belong on every line of help: the unit in the type name or the description, the

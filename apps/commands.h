@@ -7,5 +7,6 @@
 namespace sonarcal {
 
 void SetupInspect(CLI::App& app);  // apps/inspect_command.h
+void SetupConvert(CLI::App& app);  // apps/convert_command.h
 
 }  // namespace sonarcal

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <iostream>
-#include <iterator>
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "apps/commands.h"
 #include "apps/recording_summary.h"
@@ -16,21 +16,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A page of "label  value" lines.
+// A page of "label  value" lines, their values in one column.
 class Page {
  public:
-  void Add(std::string_view label, std::string_view value) {
-    fmt::format_to(std::back_inserter(text_), "  {:<{}}  {}\n", label, kLabelWidth, value);
-  }
-  void AddTitle(std::string_view title) { text_.append(title).push_back('\n'); }
+  void Add(std::string_view label, std::string_view value) { lines_.emplace_back(label, value); }
   void AddList(std::string_view label, const std::vector<std::string>& items) {
     for (std::size_t i = 0; i < items.size(); ++i) Add(i == 0 ? label : "", "- " + items[i]);
   }
-  const std::string& text() const { return text_; }
+  std::string Text() const {
+    std::size_t width = 0;
+    for (const auto& [label, value] : lines_) width = std::max(width, label.size());
+    std::string text;
+    for (const auto& [label, value] : lines_) text += fmt::format("  {:<{}}  {}\n", label, width, value);
+    return text;
+  }
 
  private:
-  static constexpr int kLabelWidth = 14;
-  std::string text_;
+  std::vector<std::pair<std::string, std::string>> lines_;
 };
 
 std::string FrequencyText(double frequency_hz) {
@@ -71,11 +73,18 @@ std::string WaterText(const Water& water) {
                      water.salinity_ppt, water.ph, water.depth_m);
 }
 
+std::string DurationText(double duration_s) {
+  if (duration_s < 120.0) return fmt::format("{:.3g} s", duration_s);
+  if (duration_s < 7200.0) return fmt::format("{:.1f} min", duration_s / 60.0);
+  return fmt::format("{:.1f} h", duration_s / 3600.0);
+}
+
 std::string FramesText(int frame_count, const RecordingSummary& summary) {
   std::string text = fmt::format("{}", frame_count);
   if (summary.duration_s && frame_count > 1 && *summary.duration_s > 0.0) {
-    text += fmt::format(" over {:.3g} s ({:.3g} a second)", *summary.duration_s,
-                        (frame_count - 1) / *summary.duration_s);
+    const double rate_hz = (frame_count - 1) / *summary.duration_s;
+    text += " over " + DurationText(*summary.duration_s);
+    if (rate_hz >= 0.1) text += fmt::format(", {:.3g} a second", rate_hz);
   }
   if (summary.frames_with_pose == 0) return text + ", no poses";
   if (summary.frames_with_pose == frame_count) return text + ", each with a pose";
@@ -155,10 +164,10 @@ Json ImageToJson(const ImageScale& scale, const RecordingSummary& summary) {
 std::string DescribeRecording(const RecordingSource& recording) {
   const RecordingInfo& info = recording.info();
   const RecordingSummary summary = Summarize(recording);
-  Page page;
   page.AddTitle(
       fmt::format("{}  ({}){}", info.source, info.format,
-                  info.synthetic ? "  SYNTHETIC: made by a simulation, no sonar recorded this" : ""));
+                  info.synthetic ? "  SYNTHETIC: made by a simulation, no sonar recorded this" : "");
+  Page page;
   page.Add("sensor", SensorText(info.sonar));
   page.Add("window", WindowText(info.sonar.axes, summary.range_bin_m));
   page.Add("beams", BeamsText(info.sonar, summary));
@@ -175,7 +184,7 @@ std::string DescribeRecording(const RecordingSource& recording) {
   if (info.scene_path) page.Add("scene", *info.scene_path);
   for (const auto& [name, value] : info.details) page.Add(name, value);
   page.AddList("notes", info.notes);
-  return page.text();
+  return title + page.Text();
 }
 
 Json RecordingToJson(const RecordingSource& recording) {
@@ -229,7 +238,7 @@ void SetupInspect(CLI::App& app) {
                  options->common);
   command->add_option("FILE", options->files, "Recording folders, or files of a sonar's native format")
       ->required();
-  OnRun(command, [options] { return RunInspect(*options); });
+  OnRun(command, options->common, [options] { return RunInspect(*options); });
 }
 
 }  // namespace sonarcal

@@ -20,6 +20,7 @@ class RunOutput {
   RunOutput(const RunOutput&) = delete;
   RunOutput& operator=(const RunOutput&) = delete;
 
+  const OutputDirectory& directory() const { return directory_; }
   const std::filesystem::path& staging() const { return directory_.staging(); }
   std::filesystem::path operator/(const std::filesystem::path& name) const { return directory_ / name; }
   const std::filesystem::path& final_path() const { return directory_.final_path(); }

@@ -1,0 +1,53 @@
+#include "apps/provenance.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/command.h"
+#include "apps/sha256.h"
+#include "data_io/json_writer.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json InputToJson(const fs::path& input) {
+  if (!fs::is_directory(input)) {
+    if (!fs::exists(input)) throw DataError("{}: no such file or folder", input.string());
+    return {{"path", input.string()}, {"bytes", fs::file_size(input)}, {"sha256", Sha256OfFile(input)}};
+  }
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(input)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::uintmax_t byte_count = 0;
+  Sha256 hash;
+  for (const fs::path& file : files) {
+    byte_count += fs::file_size(file);
+    hash.Update(Sha256OfFile(file) + "  " + file.lexically_relative(input).generic_string() + '\n');
+  }
+  return {
+      {"path", input.string()}, {"files", files.size()}, {"bytes", byte_count}, {"sha256", hash.HexDigest()}};
+}
+
+}  // namespace
+
+Json ProvenanceToJson(const Provenance& provenance) {
+  Json json = {{"format", "sonarcal-provenance/1"}, {"program", "sonarcal"},
+               {"version", SONARCAL_VERSION},       {"command", provenance.command},
+               {"command_line", CommandLine()},     {"configuration", provenance.configuration}};
+  if (provenance.seed) json["seed"] = *provenance.seed;
+  json["inputs"] = Json::array();
+  for (const fs::path& input : provenance.inputs) json["inputs"].push_back(InputToJson(input));
+  return json;
+}
+
+void WriteProvenance(const fs::path& folder, const Provenance& provenance) {
+  WriteJson(folder / "provenance.json", ProvenanceToJson(provenance));
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,35 @@
+// provenance.json: what a run was, written beside its outputs, so that a result found years later says how it
+// came about and can be made again.
+//
+//   {"format": "sonarcal-provenance/1", "program": "sonarcal", "version": "0.1.0", "command": "convert",
+//    "command_line": ["sonarcal", "convert", ...], "configuration": {...}, "seed": 1,
+//    "inputs": [{"path": "tank", "files": 9, "bytes": 1234, "sha256": "..."}]}
+//
+// No time and no host: the same run writes the same bytes. An input that is a folder gets one hash, that of
+// the lines "<sha256>  <path within>\n" of its files, sorted by path (as `sha256sum` prints them).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace sonarcal {
+
+struct Provenance {
+  std::string command;                        // "fit"
+  nlohmann::ordered_json configuration = {};  // every option as resolved: default < file < command line
+  std::optional<std::uint64_t> seed = {};
+  std::vector<std::filesystem::path> inputs = {};  // files and folders that were read
+};
+
+// Throws DataError where an input can't be read any more, or the file can't be written.
+void WriteProvenance(const std::filesystem::path& folder, const Provenance& provenance);
+
+// The same as JSON, for a report.
+nlohmann::ordered_json ProvenanceToJson(const Provenance& provenance);
+
+}  // namespace sonarcal
