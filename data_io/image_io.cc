@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "data_io/atomic_output.h"
 #include "data_io/file_bytes.h"
@@ -46,7 +47,10 @@ void WriteEncoded(const std::filesystem::path& file, const std::vector<std::uint
 }  // namespace
 
 ImageFile::ImageFile(const std::filesystem::path& file)
-    : name_(file.string()), bytes_(ReadFileBytes(file, kMaxFileBytes)), is_png_(IsPng(bytes_)) {
+    : ImageFile(ReadFileBytes(file, kMaxFileBytes), file.string()) {}
+
+ImageFile::ImageFile(std::string bytes, std::string name)
+    : name_(std::move(name)), bytes_(std::move(bytes)), is_png_(IsPng(bytes_)) {
   if (!is_png_ && !IsTiff(bytes_)) throw DataError("{}: neither a PNG nor a TIFF file", name_);
   header_ = is_png_ ? ReadPngHeader(bytes_, name_) : ReadTiffHeader(bytes_, name_);
 }

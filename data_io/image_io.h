@@ -25,6 +25,7 @@ namespace sonarcal {
 class ImageFile {
  public:
   explicit ImageFile(const std::filesystem::path& file);
+  ImageFile(std::string bytes, std::string name);  // `name` for messages
 
   const ImageHeader& header() const { return header_; }
 

@@ -46,7 +46,7 @@ struct WriteRecordingOptions {
   // values; they are rounded) and 32 for every other quantity.
   int bits = 0;
   // Called after each frame.
-  std::function<void(int frames_done, int frames_in_all)> progress;
+  std::function<void(int frames_done, int frames_in_all)> progress = {};
 };
 
 // Writes frame by frame, so that a recording of any length passes in constant memory. All frames must share

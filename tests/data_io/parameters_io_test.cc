@@ -1,0 +1,139 @@
+#include "data_io/parameters_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/json_writer.h"
+#include "data_io/types/error.h"
+#include "tests/data_io/refusal.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::MessageOf;
+
+constexpr std::string_view kExample =
+    R"({"format": "sonar-parameters/1", "model": "paper", "source_level_db": 190,
+ "display": {"db_min": 80, "db_max": 190},
+ "materials": {
+  "floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}},
+  "default": {"gsab": {"A": 1, "B_deg": 2, "C": 3, "D": 4, "E": 5, "F_deg": 6}}}})";
+
+// The example with one piece of it replaced.
+std::string Changed(std::string_view from, std::string_view to) {
+  std::string text(kExample);
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, text.npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string RefusalOf(const std::string& text) {
+  return MessageOf([&] { ParseParameters(text, "p.json"); });
+}
+
+ParameterSet UnlikeTheDefaults() {
+  ParameterSet set;
+  set.model = EchoModel::kAcoustic;
+  set.source_level_db = 1.0 / 3.0;
+  set.noise_level_db = 0.1;
+  set.array_gain_db = std::nextafter(20.0, 21.0);
+  set.display = {-12.3, 45.6};
+  set.materials["floor"].gsab = {0.1, 3.3, 1e-12, 1.7, 2.2e5, 9.9};
+  set.materials["Wände \"x\""].gsab = {};
+  set.jitter = {0.011, 0.22, 7.7, 1.8e6, JitterGrowth::kLinear};
+  set.receiver = {3.3, -41.7, 2.5};
+  set.beam = {0.7, 19.3};
+  set.pulse = {0.0254};
+  set.water = Water{14.2, 0.31, 7.4, 3.3};
+  return set;
+}
+
+TEST(ParametersIoTest, ReadsTheExampleOfTheHeader) {
+  const ParameterSet set = ParseParameters(kExample, "p.json");
+  EXPECT_EQ(set.model, EchoModel::kPaper);
+  EXPECT_EQ(set.source_level_db, 190.0);
+  EXPECT_EQ(set.display.db_max, 190.0);
+  EXPECT_EQ(set.Material("floor").gsab.f_deg, 8.0);
+  EXPECT_EQ(set.Material("anything").gsab.d, 4.0);
+  EXPECT_EQ(set.jitter, JitterParameters<double>());
+  EXPECT_FALSE(set.water);
+  EXPECT_FALSE(set.receiver.noise_db);
+}
+
+TEST(ParametersIoTest, ComesBackToTheLastBit) {
+  const testing::TempDir dir;
+  for (const ParameterSet& set : {UnlikeTheDefaults(), ParseParameters(kExample, "p.json")}) {
+    WriteParameters(dir / "p.json", set);
+    EXPECT_EQ(ReadParameters(dir / "p.json"), set);
+  }
+}
+
+TEST(ParametersIoTest, UnknownKeysAreRefusedAtEveryDepth) {
+  EXPECT_EQ(RefusalOf(Changed("\"source_level_db\"", "\"source_lvl_db\"")).substr(0, 46),
+            "p.json:1: unknown key 'source_lvl_db'; expecte");
+  EXPECT_EQ(RefusalOf(Changed("\"F_deg\": 8", "\"F_deg\": 8, \"G\": 1")),
+            "p.json:4: unknown key 'materials.floor.gsab.G'; expected one of A, B_deg, C, D, E, F_deg");
+  EXPECT_EQ(RefusalOf(Changed("\"db_max\": 190", "\"db_max\": 190, \"gamma\": 1")),
+            "p.json:2: unknown key 'display.gamma'; expected one of db_max, db_min");
+  EXPECT_EQ(RefusalOf(Changed("\"display\"", "\"receiver\": {\"gian_db\": 1},\n\"display\"")),
+            "p.json:2: unknown key 'receiver.gian_db'; expected one of gain_db, looks, noise_db");
+}
+
+TEST(ParametersIoTest, ValuesOutOfRangeAreRefused) {
+  EXPECT_EQ(RefusalOf(Changed("\"db_max\": 190", "\"db_max\": 80")),
+            "p.json:2: 'display.db_max' is 80, expected more than db_min, 80");
+  EXPECT_EQ(RefusalOf(Changed("\"B_deg\": 4", "\"B_deg\": 0")),
+            "p.json:4: 'materials.floor.gsab.B_deg' is 0, expected a number > 0 and <= 1000");
+  for (const char* bad : {"\"A\": -1", "\"A\": 1e999", "\"A\": \"90\"", "\"A\": null"}) {
+    EXPECT_THAT(RefusalOf(Changed("\"A\": 90", bad)), HasSubstr("p.json:4: ")) << bad;
+  }
+  EXPECT_THAT(RefusalOf(Changed("\"D\": 1", "\"D\": -0.1")), HasSubstr("'materials.floor.gsab.D' is -0.1"));
+  EXPECT_THAT(RefusalOf(Changed("\"paper\"", "\"papper\"")),
+              HasSubstr("p.json:1: 'model' is \"papper\", expected one of paper, acoustic"));
+  EXPECT_THAT(RefusalOf(Changed("\"display\"", "\"jitter\": {\"growth\": \"cubic\"},\n\"display\"")),
+              HasSubstr("'jitter.growth' is \"cubic\", expected one of root, linear"));
+  EXPECT_THAT(RefusalOf(Changed("\"display\"", "\"receiver\": {\"looks\": 0},\n\"display\"")),
+              HasSubstr("'receiver.looks' is 0, expected a number > 0"));
+  EXPECT_THAT(RefusalOf(Changed(
+                  "\"display\"",
+                  "\"water\": {\"temperature_c\": 288, \"salinity_ppt\": 0, \"ph\": 7, \"depth_m\": 1},\n"
+                  "\"display\"")),
+              HasSubstr("'water.temperature_c' is 288, expected a number >= -4 and <= 100"));
+}
+
+TEST(ParametersIoTest, WhatIsRequiredIsMissed) {
+  EXPECT_THAT(RefusalOf("{}"), HasSubstr("p.json:1: required key 'format' is missing"));
+  EXPECT_THAT(RefusalOf(Changed("sonar-parameters/1", "sonar-parameters/9")),
+              HasSubstr("p.json:1: 'format' is \"sonar-parameters/9\", expected one of sonar-parameters/1"));
+  EXPECT_THAT(RefusalOf(Changed("\"E\": 90, ", "")),
+              HasSubstr("p.json:4: required key 'materials.floor.gsab.E' is missing"));
+  EXPECT_THAT(RefusalOf(R"({"format": "sonar-parameters/1", "model": "paper", "materials": {}})"),
+              HasSubstr("p.json:1: 'materials' is empty, expected at least one material"));
+}
+
+TEST(ParametersIoTest, WhatCouldNotBeReadBackIsNotWritten) {
+  const testing::TempDir dir;
+  ParameterSet set = UnlikeTheDefaults();
+  set.materials["floor"].gsab.b_deg = -1.0;
+  EXPECT_THROW(WriteParameters(dir / "p.json", set), DataError);
+  set = UnlikeTheDefaults();
+  set.display.db_min = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(WriteParameters(dir / "p.json", set), DataError);
+  EXPECT_FALSE(std::filesystem::exists(dir / "p.json"));
+}
+
+TEST(ParametersIoTest, DamageIsSurvived) {
+  const std::string text = JsonText(ParametersJson(UnlikeTheDefaults()));
+  testing::ExpectSurvivesDamage(text, text.size(), 2000,
+                                [](const std::string& t) { ParseParameters(t, "p"); });
+}
+
+}  // namespace
+}  // namespace sonarcal
