@@ -164,8 +164,8 @@ Json ImageToJson(const ImageScale& scale, const RecordingSummary& summary) {
 std::string DescribeRecording(const RecordingSource& recording) {
   const RecordingInfo& info = recording.info();
   const RecordingSummary summary = Summarize(recording);
-  page.AddTitle(
-      fmt::format("{}  ({}){}", info.source, info.format,
+  const std::string title =
+      fmt::format("{}  ({}){}\n", info.source, info.format,
                   info.synthetic ? "  SYNTHETIC: made by a simulation, no sonar recorded this" : "");
   Page page;
   page.Add("sensor", SensorText(info.sonar));
@@ -234,8 +234,7 @@ ExitStatus RunInspect(const InspectOptions& options) {
 void SetupInspect(CLI::App& app) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
-      AddCommand(app, "inspect", "Says what a recording holds: sensor, window, beams, frames, gain, quirks",
-                 options->common);
+      AddCommand(app, "inspect", "Says what a recording holds: sensor, window, beams, frames, gain, quirks");
   command->add_option("FILE", options->files, "Recording folders, or files of a sonar's native format")
       ->required();
   OnRun(command, options->common, [options] { return RunInspect(*options); });
