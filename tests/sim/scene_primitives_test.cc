@@ -6,7 +6,7 @@
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
-#include "tests/sim/mesh_checks.h"
+#include "tests/support/mesh_checks.h"
 
 namespace sonarcal {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "data_io/types/error.h"
-#include "tests/sim/mesh_checks.h"
+#include "tests/support/mesh_checks.h"
 
 namespace sonarcal {
 namespace {
