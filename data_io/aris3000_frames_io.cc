@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <regex>
 #include <sstream>
 #include <string_view>
 
@@ -38,12 +37,22 @@ constexpr double kFanApexYPx = 1343.0;
 constexpr double kFanRadiusMinPx = 309.0;
 constexpr double kFanRadiusMaxPx = 1340.0;
 
+// frame_NNNN_128x780.png, of any number of digits.
+bool IsFrameName(std::string_view name) {
+  constexpr std::string_view kBefore = "frame_";
+  constexpr std::string_view kAfter = "_128x780.png";
+  if (!name.starts_with(kBefore) || !name.ends_with(kAfter)) return false;
+  if (name.size() <= kBefore.size() + kAfter.size()) return false;
+  const std::string_view digits = name.substr(kBefore.size(), name.size() - kBefore.size() - kAfter.size());
+  return digits.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// In order of their names; none where `folder` is no folder.
 std::vector<fs::path> FrameFiles(const fs::path& folder) {
-  static const std::regex kName("frame_[0-9]{1,9}_128x780\\.png");
   std::vector<fs::path> files;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (std::regex_match(entry.path().filename().string(), kName)) files.push_back(entry.path());
+    if (IsFrameName(entry.path().filename().string())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;
