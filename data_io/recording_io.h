@@ -41,6 +41,10 @@ bool IsRecordingFolder(const std::filesystem::path& path);
 // beyond 0 .. full_scale. Frames may be read by several threads at once.
 std::unique_ptr<RecordingSource> OpenRecordingFolder(const std::filesystem::path& path);
 
+// A sonar without a recording: a file {"sonar": {...}, "water": {...}} whose members are those of
+// recording.json; `water` may be absent. Fills these two, source and notes; other keys are refused.
+RecordingInfo ReadSonarFile(const std::filesystem::path& file);
+
 struct WriteRecordingOptions {
   // Of the images: 8, 16, 32 (float), or 0 for the fewest that hold the whole numbers 0 .. full_scale (grey
   // values; they are rounded) and 32 for every other quantity.

@@ -12,6 +12,7 @@
 #include "data_io/json_fields.h"
 #include "data_io/json_reader.h"
 #include "data_io/printable.h"
+#include "data_io/recording_io.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -278,6 +279,21 @@ RecordingHeader ReadRecordingHeader(const fs::path& folder) {
   if (header.frames.empty()) frames.Fail("is empty, expected at least one frame");
   NoteUnknownKeys(json, info);
   return header;
+}
+
+RecordingInfo ReadSonarFile(const fs::path& file) {
+  const JsonReader json = JsonReader::FromFile(file);
+  RecordingInfo info;
+  info.source = file.string();
+  ReadSonar(json.At("sonar"), info);
+  if (const auto water = json.Find("water")) info.water = ReadWater(*water);
+  json.Finish();
+  // Its notes speak of a recording; here they are about this file.
+  for (std::string& note : info.notes) {
+    if (note.starts_with(kRecordingFile))
+      note.replace(0, std::string_view(kRecordingFile).size(), info.source);
+  }
+  return info;
 }
 
 Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {

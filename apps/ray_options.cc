@@ -1,0 +1,110 @@
+#include "apps/ray_options.h"
+
+#include <tbb/global_control.h>
+
+#include <charconv>
+
+#include "apps/choice_option.h"
+#include "data_io/printable.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr JsonWords<Sampling, 2> kSamplings = {
+    {{"frustum", Sampling::kFrustum}, {"beams", Sampling::kBeams}}};
+constexpr JsonWords<NormalSource, 2> kNormals = {
+    {{"geometric", NormalSource::kGeometric}, {"depth", NormalSource::kDepth}}};
+constexpr JsonWords<AbsorptionFormula, 2> kAbsorptions = {
+    {{"ainslie-mccolm", AbsorptionFormula::kAinslieMcColm},
+     {"francois-garrison", AbsorptionFormula::kFrancoisGarrison}}};
+
+// Along a beam's elevation; across, the two columns keep an edge within a beam visible.
+constexpr RayGridSize kFrustumRays = {1500, 1200};
+constexpr int kColumnsPerBeam = 2;
+constexpr int kBeamRows = 400;
+
+// A positive whole number that is all of `text`.
+std::optional<int> ParseCount(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 1) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+RayGridSize ParseRayGridSize(const std::string& text) {
+  const std::string_view view = text;
+  const std::size_t cross = view.find('x');
+  if (cross != std::string_view::npos) {
+    const auto cols = ParseCount(view.substr(0, cross));
+    const auto rows = ParseCount(view.substr(cross + 1));
+    if (cols && rows) return {*cols, *rows};
+  }
+  throw UsageError("rays '{}', expected WIDTHxHEIGHT such as 1500x1200", Printable(text));
+}
+
+SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water) const {
+  RayGridSize grid = kFrustumRays;
+  if (sampling == Sampling::kBeams) grid = {kColumnsPerBeam * sonar.axes.beam_count(), kBeamRows};
+  if (!rays.empty()) grid = ParseRayGridSize(rays);
+  SimulationOptions options;
+  options.fan = {.sampling = sampling, .cols = grid.cols, .rows = grid.rows};
+  options.trace.normals = normals;
+  options.absorption = absorption;
+  options.water = water;
+  return options;
+}
+
+void AddRayOptions(CLI::App& command, RayOptions& options) {
+  AddChoice(command, "--sampling", options.sampling, kSamplings,
+            "How rays are spread: a pinhole grid as in the paper, or equal angles within each beam");
+  command
+      .add_option(
+          "--rays", options.rays,
+          fmt::format("Columns x rows of rays over the field of view (default: {}x{} for frustum, {} a "
+                      "beam x {} for beams)",
+                      kFrustumRays.cols, kFrustumRays.rows, kColumnsPerBeam, kBeamRows))
+      ->type_name("WxH");
+  AddChoice(command, "--normals", options.normals, kNormals,
+            "Surface normals: of the mesh, or by differences of the depth image as in the paper");
+  AddChoice(command, "--absorption", options.absorption, kAbsorptions, "Formula for absorption in water");
+  command.add_option("--threads", options.threads, "Threads to use, 0 for all cores")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024).description(""));
+}
+
+std::string_view ToString(Sampling sampling) {
+  return JsonWord(kSamplings, sampling);
+}
+
+std::string_view ToString(NormalSource normals) {
+  return JsonWord(kNormals, normals);
+}
+
+std::string_view ToString(AbsorptionFormula formula) {
+  return JsonWord(kAbsorptions, formula);
+}
+
+nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayFan& fan) {
+  return {{"sampling", ToString(options.sampling)},
+          {"rays", fmt::format("{}x{}", fan.cols(), fan.rows())},
+          {"normals", ToString(options.normals)},
+          {"absorption", ToString(options.absorption)},
+          {"threads", options.threads}};
+}
+
+struct ThreadLimit::Control {
+  explicit Control(int threads)
+      : parallelism(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
+  tbb::global_control parallelism;
+};
+
+ThreadLimit::ThreadLimit(int threads) {
+  if (threads > 0) control_ = std::make_unique<Control>(threads);
+}
+
+ThreadLimit::~ThreadLimit() = default;
+
+}  // namespace sonarcal

@@ -1,0 +1,60 @@
+// The options by which simulate and fit say how a scene is sampled: rays, normals, absorption, threads.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sim/simulator.h"
+
+namespace sonarcal {
+
+struct RayGridSize {
+  int cols = 0;
+  int rows = 0;
+};
+
+// "1500x1200". Throws UsageError where `text` is anything else.
+RayGridSize ParseRayGridSize(const std::string& text);
+
+struct RayOptions {
+  Sampling sampling = Sampling::kFrustum;
+  std::string rays;  // "WxH"; empty: 1500x1200 for frustum (the paper's), 2 a beam x 400 for beams
+  NormalSource normals = NormalSource::kGeometric;
+  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
+  int threads = 0;  // 0: all cores
+
+  RayOptions() = default;
+  explicit RayOptions(Sampling default_sampling) : sampling(default_sampling) {}
+
+  // Fan, trace, absorption and water of a simulation of this sonar. Throws UsageError for a wrong `rays`.
+  SimulationOptions For(const SonarModel& sonar, const Water& water) const;
+};
+
+// Adds --sampling, --rays, --normals, --absorption and --threads.
+void AddRayOptions(CLI::App& command, RayOptions& options);
+
+std::string_view ToString(Sampling sampling);
+std::string_view ToString(NormalSource normals);
+std::string_view ToString(AbsorptionFormula formula);
+
+// As resolved, for provenance: the grid is the one that is cast.
+nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayFan& fan);
+
+// Holds the program to `threads` threads as long as it lives; 0 for all cores.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  struct Control;
+  std::unique_ptr<Control> control_;
+};
+
+}  // namespace sonarcal

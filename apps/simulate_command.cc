@@ -1,0 +1,163 @@
+#include "apps/simulate_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "apps/choice_option.h"
+#include "apps/commands.h"
+#include "apps/progress.h"
+#include "apps/provenance.h"
+#include "apps/run_output.h"
+#include "apps/simulate_recording.h"
+#include "data_io/fan_image.h"
+#include "data_io/image_io.h"
+#include "data_io/parameters_io.h"
+#include "data_io/recording_io.h"
+#include "data_io/scene_io.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr JsonWords<EchoModel, 2> kModels = {
+    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}}};
+
+// A grey image as the file of a frame has it: 8 bits where they hold it, else 16.
+void WriteGrey(const std::filesystem::path& file, const Grid<float>& value, double full_scale) {
+  if (full_scale > 255.0) {
+    Grid<std::uint16_t> grey(value.rows(), value.cols());
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      grey.values()[i] = static_cast<std::uint16_t>(std::lround(value.values()[i]));
+    }
+    return WritePng(file, grey);
+  }
+  Grid<std::uint8_t> grey(value.rows(), value.cols());
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    grey.values()[i] = static_cast<std::uint8_t>(std::lround(value.values()[i]));
+  }
+  WritePng(file, grey);
+}
+
+// The words of a run that a user should not miss.
+void PrintCaveats(const SimulateOptions& options, const Simulator& simulator, const ParameterSet& parameters,
+                  const std::string& water_note) {
+  if (!water_note.empty()) PrintNote(options.common, water_note);
+  const std::string caveat = AbsorptionCaveat(simulator.options().absorption, simulator.sonar().frequency_hz,
+                                              simulator.options().water);
+  if (!caveat.empty()) PrintNote(options.common, "warning: " + caveat);
+  const auto& jitter = parameters.jitter;
+  if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
+      jitter.sigma_azimuth_deg == 0.0) {
+    PrintNote(options.common,
+              "warning: --noise changes nothing, as jitter.sigma_range_m and "
+              "jitter.sigma_azimuth_deg are both 0");
+  }
+}
+
+Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulator, EchoModel model) {
+  Json json = {{"scene", options.scene.string()},   {"sonar", options.sonar},
+               {"params", options.params.string()}, {"poses", options.poses.string()},
+               {"out", options.out.string()},       {"model", ToString(model)}};
+  json.update(RayOptionsJson(options.rays, simulator.fan()));
+  json.update(
+      {{"bits", options.bits}, {"noise", options.noise}, {"fan", options.fan}, {"depth", options.depth}});
+  return json;
+}
+
+}  // namespace
+
+ExitStatus RunSimulate(const SimulateOptions& options) {
+  const ThreadLimit threads(options.rays.threads);
+  ParameterSet parameters = ReadParameters(options.params);
+  if (options.model) parameters.model = *options.model;
+  const SonarChoice choice = ChooseSonar(options.sonar);
+  const WaterChoice water = ChooseWater(parameters, choice.water);
+  std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
+
+  SimulationOptions simulation = options.rays.For(choice.sonar, water.water);
+  simulation.bits = options.bits;
+  simulation.noise = options.noise;
+  simulation.seed = options.seed;
+  const Simulator simulator(ReadGltf(options.scene), choice.sonar, simulation);
+  PrintCaveats(options, simulator, parameters, water.note);
+
+  RunOutput output(options.out);
+  std::optional<FanMap> fan_map;
+  if (options.fan) fan_map.emplace(choice.sonar.axes);
+  const auto write_extras = [&](int index, const EchoList& echoes, const PolarImage& image) {
+    if (fan_map) {
+      WriteGrey(output / fmt::format("fan_{:04}.png", index), fan_map->Apply(image.value),
+                image.scale.full_scale);
+    }
+    if (options.depth) {
+      WriteTiff(output / fmt::format("range_{:04}.tiff", index), RangeAlongRays(echoes, simulator.fan()));
+    }
+  };
+  const SimulatedRecording recording(simulator, std::move(poses), parameters, options.scene.string(),
+                                     write_extras);
+  {
+    Progress progress("Simulating", recording.frame_count(), options.common);
+    WriteRecording(recording, output.directory(),
+                   {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
+  }
+  WriteParameters(output / "params.json", parameters);
+  Provenance provenance{.command = "simulate",
+                        .configuration = ConfigurationJson(options, simulator, parameters.model),
+                        .inputs = {options.scene, options.params, options.poses}};
+  if (options.noise) provenance.seed = options.seed;
+  if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
+  WriteProvenance(output.staging(), provenance);
+  output.Commit();
+
+  if (options.common.json) {
+    PrintJson({{"recording", output.final_path().string()},
+               {"frames", recording.frame_count()},
+               {"model", ToString(parameters.model)},
+               {"rays_cast", simulator.caster().rays_cast()},
+               {"absorption_db_per_m", simulator.absorption_db_per_m()}});
+  } else {
+    PrintResult(fmt::format("{}: {} {} by the {} model, {} x {} rays each\n", options.out.string(),
+                            recording.frame_count(), recording.frame_count() == 1 ? "frame" : "frames",
+                            ToString(parameters.model), simulator.fan().cols(), simulator.fan().rows()));
+  }
+  return ExitStatus::kDone;
+}
+
+void SetupSimulate(CLI::App& app) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command =
+      AddCommand(app, "simulate", "Renders what a sonar would see of a scene, as a recording");
+  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")
+      ->type_name("GLTF")
+      ->required();
+  command
+      ->add_option("--sonar", options->sonar,
+                   "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")
+      ->type_name("NAME|FILE")
+      ->required();
+  command->add_option("--params", options->params, "Parameters: materials, levels in dB, errors")
+      ->type_name("JSON")
+      ->required();
+  command
+      ->add_option("--poses", options->poses, "Poses, one a frame: a recording that has them, or a JSON file")
+      ->type_name("REC|FILE")
+      ->required();
+  command->add_option("--out", options->out, "Recording folder to write")->type_name("DIR")->required();
+  AddChoice(*command, "--model", options->model, kModels, "Echo model (default: that of the parameters)");
+  AddRayOptions(*command, options->rays);
+  command->add_option("--bits", options->bits, "Bits of a grey value: 8, 12 or 16")
+      ->type_name("BITS")
+      ->check(CLI::IsMember({8, 12, 16}).description(""));
+  command->add_flag("--noise", options->noise,
+                    "Add noise: range and azimuth errors (paper), speckle and receiver noise (acoustic)");
+  command->add_option("--seed", options->seed, "Seed of the noise; frame i uses seed + i")->type_name("N");
+  command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
+  command->add_flag("--depth", options->depth,
+                    "Write the range along each ray as well, in metres, range_NNNN.tiff");
+  OnRun(command, options->common, [options] { return RunSimulate(*options); });
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,36 @@
+// `sonarcal simulate`: a recording of what a sonar would see of a scene, from given poses.
+//
+// Written: the recording folder (data_io/recording_io.h), params.json with the parameters as used, and where
+// asked for fan_NNNN.png (the frames laid out in metres) and range_NNNN.tiff (range along each ray, metres).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/command.h"
+#include "apps/ray_options.h"
+#include "data_io/types/parameters.h"
+
+namespace sonarcal {
+
+struct SimulateOptions {
+  CommonOptions common;
+  std::filesystem::path scene;
+  std::string sonar;  // name of a preset, or file
+  std::filesystem::path params;
+  std::filesystem::path poses;  // recording, or file of poses
+  std::filesystem::path out;
+  std::optional<EchoModel> model;  // default: the parameters'
+  RayOptions rays;
+  int bits = 8;  // 8, 12 or 16
+  bool noise = false;
+  std::uint64_t seed = 1;
+  bool fan = false;
+  bool depth = false;
+};
+
+ExitStatus RunSimulate(const SimulateOptions& options);
+
+}  // namespace sonarcal

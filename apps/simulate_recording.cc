@@ -1,0 +1,125 @@
+#include "apps/simulate_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/ray_options.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/recording_io.h"
+#include "sim/sonar_presets.h"
+
+namespace sonarcal {
+namespace {
+
+std::string WaterText(const Water& water) {
+  return fmt::format("{:g} C, {:g} ppt, pH {:g}, {:g} m deep", water.temperature_c, water.salinity_ppt,
+                     water.ph, water.depth_m);
+}
+
+// What the random numbers of a model stand for.
+std::string NoiseText(const Simulator& simulator, const ParameterSet& parameters) {
+  if (!simulator.options().noise) return "none";
+  return fmt::format(
+      "{}, seed {} + frame",
+      parameters.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle and receiver noise",
+      simulator.options().seed);
+}
+
+}  // namespace
+
+SonarChoice ChooseSonar(const std::string& name_or_file) {
+  const auto& presets = SonarPresets();
+  const auto preset = std::find_if(presets.begin(), presets.end(),
+                                   [&](const SonarPreset& p) { return p.name == name_or_file; });
+  if (preset != presets.end()) return {preset->sonar, preset->water, {}};
+  const std::filesystem::path path = name_or_file;
+  if (!std::filesystem::exists(path)) FindSonarPreset(name_or_file);  // throws, naming the presets
+  const bool sonar_only = path.extension() == ".json" && !IsRecordingFolder(path);
+  const RecordingInfo info = sonar_only ? ReadSonarFile(path) : OpenRecording(path)->info();
+  return {info.sonar, info.water, path};
+}
+
+WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Water>& of_sonar) {
+  if (parameters.water) {
+    if (!of_sonar || *of_sonar == *parameters.water) return {*parameters.water, {}};
+    return {*parameters.water, fmt::format("water of the parameters ({}) is used, not that of the sonar ({})",
+                                           WaterText(*parameters.water), WaterText(*of_sonar))};
+  }
+  if (of_sonar) return {*of_sonar, {}};
+  const Water fresh;
+  return {fresh, fmt::format("no water is given, neither by the parameters nor by the sonar: taking {}",
+                             WaterText(fresh))};
+}
+
+RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const ParameterSet& parameters,
+                                     const std::string& scene_path) {
+  const SimulationOptions& options = simulator.options();
+  RecordingInfo info;
+  info.source = "simulation";
+  info.sonar = simulator.sonar();
+  info.scale = {.quantity = Quantity::kGrey,
+                .full_scale = options.full_scale(),
+                .db_min = parameters.display.db_min,
+                .db_max = parameters.display.db_max,
+                .db_span = {}};
+  info.water = options.water;
+  info.source_level_db = parameters.source_level_db;
+  if (!scene_path.empty()) info.scene_path = scene_path;
+  info.synthetic = true;
+  info.details = {{"generator", "sonarcal " SONARCAL_VERSION},
+                  {"model", std::string(ToString(parameters.model))},
+                  {"rays", fmt::format("{}x{}, {}", simulator.fan().cols(), simulator.fan().rows(),
+                                       ToString(options.fan.sampling))},
+                  {"normals", std::string(ToString(options.trace.normals))},
+                  {"absorption", fmt::format("{:.4f} dB/m, {}", simulator.absorption_db_per_m(),
+                                             ToString(options.absorption))},
+                  {"noise", NoiseText(simulator, parameters)}};
+  return info;
+}
+
+SimulatedRecording::SimulatedRecording(const Simulator& simulator, std::vector<TimedPose> poses,
+                                       ParameterSet parameters, const std::string& scene_path,
+                                       OnFrame on_frame)
+    : simulator_(simulator),
+      poses_(std::move(poses)),
+      parameters_(std::move(parameters)),
+      info_(SimulatedRecordingInfo(simulator, parameters_, scene_path)),
+      on_frame_(std::move(on_frame)) {}
+
+FrameInfo SimulatedRecording::frame_info(int index) const {
+  const TimedPose& pose = poses_.at(index);
+  return {fmt::format("frame {}", index), pose.time_s, pose.world_from_sonar};
+}
+
+Frame SimulatedRecording::ReadFrame(int index) const {
+  Frame frame{frame_info(index), {}};
+  const EchoList echoes = simulator_.TraceEchoes(*frame.info.world_from_sonar);
+  frame.image = simulator_.RenderEchoes(echoes, parameters_, index);
+  if (on_frame_) on_frame_(index, echoes, frame.image);
+  return frame;
+}
+
+std::unique_ptr<MemoryRecording> SimulateRecording(const Simulator& simulator,
+                                                   const std::vector<TimedPose>& poses,
+                                                   const ParameterSet& parameters,
+                                                   const std::string& scene_path,
+                                                   const std::function<void(int)>& progress) {
+  const SimulatedRecording recording(simulator, poses, parameters, scene_path);
+  std::vector<Frame> frames;
+  for (int index = 0; index < recording.frame_count(); ++index) {
+    frames.push_back(recording.ReadFrame(index));
+    if (progress) progress(index + 1);
+  }
+  return std::make_unique<MemoryRecording>(recording.info(), std::move(frames));
+}
+
+Grid<float> RangeAlongRays(const EchoList& echoes, const RayFan& fan) {
+  Grid<float> range_m(fan.rows(), fan.cols());
+  for (std::size_t i = 0; i < echoes.size(); ++i) range_m.values()[echoes.ray[i]] = echoes.range_m[i];
+  return range_m;
+}
+
+}  // namespace sonarcal
