@@ -1,0 +1,130 @@
+#include "metrics/compare.h"
+
+#include <cmath>
+#include <utility>
+
+namespace sonarcal {
+namespace {
+
+void CheckWhole(const PolarImage& image, std::string_view which) {
+  image.axes.Validate(fmt::format("the {} frame", which));
+  if (image.value.rows() != image.axes.range_bins || image.value.cols() != image.axes.beam_count()) {
+    throw DataError("the {} frame holds {} x {} pixels, expected {} range bins x {} beams", which,
+                    image.value.rows(), image.value.cols(), image.axes.range_bins, image.axes.beam_count());
+  }
+  if (image.scale.quantity != Quantity::kGrey) {
+    throw DataError("quantity: the {} frame holds {}, expected grey levels as displayed", which,
+                    ToString(image.scale.quantity));
+  }
+  if (!(std::isfinite(image.scale.full_scale) && image.scale.full_scale > 0.0)) {
+    throw DataError("full_scale: that of the {} frame is {}, expected more than 0", which,
+                    image.scale.full_scale);
+  }
+}
+
+void CheckLevel(std::string_view field, const std::optional<double>& real,
+                const std::optional<double>& simulated, double tolerance) {
+  if (!real || !simulated || std::abs(*real - *simulated) <= tolerance) return;
+  throw DataError("{}: the real frame has {} dB, the simulated one {} dB; expected the same", field, *real,
+                  *simulated);
+}
+
+bool StatesScale(const ImageScale& scale) {
+  return scale.db_min || scale.db_max || scale.db_span;
+}
+
+ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
+                    const Mask& real_object, const Mask& simulated_object, const Mask* inside) {
+  return {CountOccupancy(real_object, simulated_object),
+          MeasureIntensityError(real, simulated, full_scale, real_object, simulated_object, inside)};
+}
+
+}  // namespace
+
+void CompareOptions::Check() const {
+  segmentation.Check();
+  fan.Check();
+  if (!(db_tolerance >= 0.0)) throw DataError("db_tolerance is {} dB, expected 0 or more", db_tolerance);
+}
+
+ViewMetrics& ViewMetrics::operator+=(const ViewMetrics& other) {
+  occupancy += other.occupancy;
+  intensity += other.intensity;
+  return *this;
+}
+
+std::optional<double> DbSpan(const ImageScale& scale) {
+  if (scale.db_min && scale.db_max) return *scale.db_max - *scale.db_min;
+  return scale.db_span;
+}
+
+void CheckComparable(const PolarImage& real, const PolarImage& simulated, double db_tolerance,
+                     std::vector<std::string>* notes) {
+  // A difference is told before what is wrong with either: two frames in dB differ in nothing.
+  if (real.scale.quantity != simulated.scale.quantity) {
+    throw DataError("quantity: the real frame holds {}, the simulated one {}; expected the same",
+                    ToString(real.scale.quantity), ToString(simulated.scale.quantity));
+  }
+  CheckWhole(real, "real");
+  CheckWhole(simulated, "simulated");
+  if (real.scale.full_scale != simulated.scale.full_scale) {
+    throw DataError("full_scale: the real frame has {}, the simulated one {}; expected the same",
+                    real.scale.full_scale, simulated.scale.full_scale);
+  }
+  CheckLevel("db_min", real.scale.db_min, simulated.scale.db_min, db_tolerance);
+  CheckLevel("db_max", real.scale.db_max, simulated.scale.db_max, db_tolerance);
+  CheckLevel("db_span", DbSpan(real.scale), DbSpan(simulated.scale), db_tolerance);
+  std::string why;
+  if (!real.axes.Matches(simulated.axes, &why)) {
+    throw DataError("geometry: the real and the simulated frame have {}; expected the same", why);
+  }
+  if (notes != nullptr && StatesScale(real.scale) != StatesScale(simulated.scale)) {
+    notes->push_back(fmt::format("only the {} frame states its dB scale; the other is taken to have the same",
+                                 StatesScale(real.scale) ? "real" : "simulated"));
+  }
+}
+
+FrameComparer::FrameComparer(CompareOptions options) : options_(std::move(options)) {
+  options_.Check();
+}
+
+const FanMap& FrameComparer::MapFor(const PolarAxes& axes) {
+  if (!map_ || !map_->polar_axes().Matches(axes)) map_.emplace(axes, options_.fan);
+  return *map_;
+}
+
+FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& simulated) {
+  FrameMetrics metrics;
+  CheckComparable(real, simulated, options_.db_tolerance, &metrics.notes);
+  const Mask* region = options_.region ? &*options_.region : nullptr;
+  if (region != nullptr && (region->rows() != real.value.rows() || region->cols() != real.value.cols())) {
+    throw DataError("the region of interest has {} x {} pixels, expected {} range bins x {} beams",
+                    region->rows(), region->cols(), real.value.rows(), real.value.cols());
+  }
+
+  Segmentation in_real = Segment(real, options_.segmentation, region);
+  Segmentation in_simulated = Segment(simulated, options_.segmentation, region);
+  metrics.threshold_real = in_real.threshold;
+  metrics.threshold_simulated = in_simulated.threshold;
+  const double full_scale = real.scale.full_scale;
+  metrics.polar =
+      Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, nullptr);
+
+  const FanMap& map = MapFor(real.axes);
+  Mask fan_real = map.ApplyNearest(in_real.object);
+  Mask fan_simulated = map.ApplyNearest(in_simulated.object);
+  metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
+                        fan_simulated, &map.inside());
+  if (options_.keep_masks) {
+    metrics.masks.emplace(std::move(in_real.object), std::move(in_simulated.object), std::move(fan_real),
+                          std::move(fan_simulated));
+  }
+  return metrics;
+}
+
+FrameMetrics CompareFrames(const PolarImage& real, const PolarImage& simulated,
+                           const CompareOptions& options) {
+  return FrameComparer(options).Compare(real, simulated);
+}
+
+}  // namespace sonarcal

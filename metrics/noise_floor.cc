@@ -1,0 +1,86 @@
+#include "metrics/noise_floor.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "data_io/types/pose.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;  // of power
+constexpr double kSamePositionM = 1e-3;
+constexpr double kSameAngleRad = 1e-3;
+
+enum class Stillness { kStill, kMoved, kUnknown };
+
+Stillness Between(const FrameInfo& a, const FrameInfo& b) {
+  if (!a.world_from_sonar || !b.world_from_sonar) return Stillness::kUnknown;
+  const Pose& pose_a = *a.world_from_sonar;
+  const Pose& pose_b = *b.world_from_sonar;
+  const bool same = (pose_a.position_m - pose_b.position_m).norm() <= kSamePositionM &&
+                    pose_a.rotation.angularDistance(pose_b.rotation) <= kSameAngleRad;
+  return same ? Stillness::kStill : Stillness::kMoved;
+}
+
+}  // namespace
+
+double SingleLookPairDifferenceDb() {
+  return kDbPerNeper * 2.0 * std::numbers::ln2;
+}
+
+double SingleLookMeanDifferenceDb() {
+  // X = ln U, U exponential, has the mean m = -gamma, so E|X - m| = 2 E[(X - m)+], and
+  // E[(X - m)+] = integral of P(U > e^x) over x > m = E1(e^m); E1(x) = -Ei(-x).
+  return kDbPerNeper * 2.0 * -std::expint(-std::exp(-std::numbers::egamma));
+}
+
+std::optional<SpeckleFloor> SpeckleFloorFor(const ImageScale& scale) {
+  const std::optional<double> span_db = DbSpan(scale);
+  if (!span_db) return std::nullopt;
+  if (!(std::isfinite(*span_db) && *span_db > 0.0)) {
+    throw DataError("the display spans {} dB, expected more than 0", *span_db);
+  }
+  return SpeckleFloor{*span_db, SingleLookPairDifferenceDb() / *span_db,
+                      SingleLookMeanDifferenceDb() / *span_db};
+}
+
+RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOptions& options,
+                                    int max_pairs) {
+  RealAgainstReal result;
+  FrameComparer comparer(options);
+  bool assumed_still = false;
+  std::optional<Frame> earlier;  // frame i, where the pair before has read it already
+  for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
+    const Stillness stillness = Between(real.frame_info(i), real.frame_info(i + 1));
+    if (stillness == Stillness::kMoved) {
+      earlier.reset();
+      continue;
+    }
+    assumed_still |= stillness == Stillness::kUnknown;
+    if (!earlier) earlier = real.ReadFrame(i);
+    Frame later = real.ReadFrame(i + 1);
+    FrameMetrics pair = comparer.Compare(earlier->image, later.image);
+    pair.index = i;
+    pair.name = fmt::format("{} and {}", earlier->info.name, later.info.name);
+    result.pairs.push_back(std::move(pair));
+    earlier = std::move(later);
+  }
+  result.aggregate = AggregateFrames(result.pairs);
+  if (result.pairs.empty()) {
+    result.absent_reason = real.frame_count() < 2
+                               ? fmt::format("{} real frame, two are needed", real.frame_count())
+                               : "no two consecutive real frames share a pose";
+  }
+  if (assumed_still) {
+    result.notes.push_back("no poses are recorded: consecutive real frames are taken to show a still scene");
+  }
+  return result;
+}
+
+NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options, int max_pairs) {
+  return {SpeckleFloorFor(real.info().scale), CompareRealWithReal(real, options, max_pairs)};
+}
+
+}  // namespace sonarcal

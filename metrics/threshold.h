@@ -1,0 +1,27 @@
+// Thresholds from a sample of pixel values. A pixel above the threshold (not equal to it) is object.
+#pragma once
+
+#include <vector>
+
+namespace sonarcal {
+
+// Otsu 1979, "A threshold selection method from gray-level histograms": the threshold t that maximises
+//   w0(t) w1(t) (m1(t) - m0(t))^2,
+// w and m the share and mean of the values <= t and of those > t; of equal maxima the lowest. Exact as long
+// as values that differ lie at least 1/4095 of the sample's span apart (any 8-bit image, and most 12-bit
+// ones); finer differences are told apart only across the borders of 4096 classes, whose true means are used.
+// `values` are finite and not empty. Where all are equal, that value: nothing is above it.
+double OtsuThreshold(const std::vector<float>& values);
+
+// Centre and spread of a sample that is mostly background: median and 1.4826 x median absolute deviation,
+// which for Gaussian values is the standard deviation. `values` are not empty.
+struct Background {
+  double centre = 0.0;
+  double spread = 0.0;
+};
+Background RobustBackground(std::vector<float> values);
+
+// Median and standard deviation, for a sample known to be nothing but background.
+Background PlainBackground(std::vector<float> values);
+
+}  // namespace sonarcal

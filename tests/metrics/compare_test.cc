@@ -1,0 +1,159 @@
+#include "metrics/compare.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "data_io/open_recording.h"
+#include "tests/metrics/metrics_testing.h"
+#include "tests/support/recordings.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::SpeckledBlock;
+
+std::string RefusalOf(const std::function<void(PolarImage& real, PolarImage& simulated)>& change) {
+  PolarImage real = SpeckledBlock(1);
+  PolarImage simulated = SpeckledBlock(2);
+  change(real, simulated);
+  try {
+    CompareFrames(real, simulated);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CompareTest, AFrameAgainstItselfIsPerfect) {
+  const FrameMetrics metrics = CompareFrames(SpeckledBlock(1), SpeckledBlock(1));
+  for (const ViewMetrics* view : {&metrics.polar, &metrics.fan}) {
+    EXPECT_GT(view->occupancy.nr, 0);
+    EXPECT_EQ(view->occupancy.ns_over_nr(), 1.0);
+    EXPECT_EQ(view->occupancy.iou(), 1.0);
+    for (const IntensityDomain domain :
+         {IntensityDomain::kUnion, IntensityDomain::kWhole, IntensityDomain::kOverlap}) {
+      EXPECT_EQ(view->intensity.Over(domain).mean_absolute(), 0.0);
+      EXPECT_EQ(view->intensity.Over(domain).bias(), 0.0);
+    }
+  }
+  EXPECT_EQ(metrics.threshold_real, metrics.threshold_simulated);
+  EXPECT_THAT(metrics.notes, IsEmpty());
+  EXPECT_FALSE(metrics.masks);
+}
+
+TEST(CompareTest, SwappingRealAndSimulatedMirrorsTheRatiosAndTheBias) {
+  const FrameMetrics ab = CompareFrames(SpeckledBlock(1), SpeckledBlock(2));
+  const FrameMetrics ba = CompareFrames(SpeckledBlock(2), SpeckledBlock(1));
+  for (const auto view : {&FrameMetrics::polar, &FrameMetrics::fan}) {
+    EXPECT_EQ((ab.*view).occupancy.ns, (ba.*view).occupancy.nr);
+    EXPECT_EQ((ab.*view).occupancy.na_over_ns(), (ba.*view).occupancy.na_over_nr());
+    EXPECT_EQ((ab.*view).occupancy.iou(), (ba.*view).occupancy.iou());
+    EXPECT_EQ((ab.*view).intensity.union_region.mean_absolute(),
+              (ba.*view).intensity.union_region.mean_absolute());
+    EXPECT_EQ(*(ab.*view).intensity.whole.bias(), -*(ba.*view).intensity.whole.bias());
+  }
+}
+
+TEST(CompareTest, BothViewsSeeTheSameObject) {
+  CompareOptions options;
+  options.keep_masks = true;
+  const FrameMetrics metrics = CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options);
+  ASSERT_TRUE(metrics.masks);
+  EXPECT_EQ(CountSet(metrics.masks->polar_real), metrics.polar.occupancy.nr);
+  EXPECT_EQ(CountSet(metrics.masks->polar_simulated), metrics.polar.occupancy.ns);
+  EXPECT_EQ(CountSet(metrics.masks->fan_real), metrics.fan.occupancy.nr);
+  EXPECT_EQ(CountSet(metrics.masks->fan_simulated), metrics.fan.occupancy.ns);
+  const FanMap map(SpeckledBlock(1).axes);
+  EXPECT_EQ(metrics.masks->fan_real, map.ApplyNearest(metrics.masks->polar_real));
+  EXPECT_NEAR(*metrics.fan.occupancy.iou(), *metrics.polar.occupancy.iou(), 0.05);
+}
+
+TEST(CompareTest, OneComparerServesFramesOfDifferentGeometry) {
+  FrameComparer comparer({});
+  const FrameMetrics first = comparer.Compare(SpeckledBlock(1), SpeckledBlock(2));
+  PolarImage far_real = SpeckledBlock(1);
+  PolarImage far_simulated = SpeckledBlock(2);
+  far_real.axes.range_min_m = far_simulated.axes.range_min_m = 2.0;
+  far_real.axes.range_max_m = far_simulated.axes.range_max_m = 4.0;
+  const FrameMetrics far = comparer.Compare(far_real, far_simulated);
+  EXPECT_EQ(far.polar.occupancy, first.polar.occupancy);
+  EXPECT_NE(far.fan.occupancy, first.fan.occupancy);
+  EXPECT_EQ(comparer.Compare(SpeckledBlock(1), SpeckledBlock(2)).fan.occupancy, first.fan.occupancy);
+}
+
+TEST(CompareTest, WhatIsNotAlikeIsRefusedByTheFieldThatDecides) {
+  EXPECT_EQ(RefusalOf([](PolarImage&, PolarImage&) {}), "no error");
+  EXPECT_EQ(RefusalOf([](PolarImage&, PolarImage& s) { s.scale.quantity = Quantity::kDecibel; }),
+            "quantity: the real frame holds grey level, the simulated one decibel; expected the same");
+  EXPECT_EQ(RefusalOf([](PolarImage& r, PolarImage& s) {
+              r.scale.quantity = s.scale.quantity = Quantity::kDecibel;
+            }),
+            "quantity: the real frame holds decibel, expected grey levels as displayed");
+  EXPECT_EQ(RefusalOf([](PolarImage&, PolarImage& s) { s.scale.full_scale = 4095.0; }),
+            "full_scale: the real frame has 255, the simulated one 4095; expected the same");
+  EXPECT_THAT(RefusalOf([](PolarImage& r, PolarImage& s) { r.scale.full_scale = s.scale.full_scale = 0.0; }),
+              HasSubstr("full_scale: that of the real frame is 0"));
+  EXPECT_EQ(RefusalOf([](PolarImage& r, PolarImage& s) {
+              r.scale.db_min = 0.0;
+              s.scale.db_min = 80.0;
+            }),
+            "db_min: the real frame has 0 dB, the simulated one 80 dB; expected the same");
+  EXPECT_EQ(RefusalOf([](PolarImage& r, PolarImage& s) {
+              r.scale.db_span = 80.0;
+              s.scale.db_min = 80.0;
+              s.scale.db_max = 190.0;
+            }),
+            "db_span: the real frame has 80 dB, the simulated one 110 dB; expected the same");
+  EXPECT_THAT(RefusalOf([](PolarImage&, PolarImage& s) { s.axes.range_max_m += 0.5; }),
+              HasSubstr("geometry: the real and the simulated frame have range windows"));
+  EXPECT_EQ(RefusalOf([](PolarImage& r, PolarImage&) { r.value = Grid<float>(3, 4); }),
+            "the real frame holds 3 x 4 pixels, expected 120 range bins x 40 beams");
+}
+
+TEST(CompareTest, ADbScaleKnownToOneSideIsNoted) {
+  PolarImage simulated = SpeckledBlock(2);
+  simulated.scale.db_min = 80.0;
+  simulated.scale.db_max = 160.0;
+  EXPECT_THAT(
+      CompareFrames(SpeckledBlock(1), simulated).notes,
+      ElementsAre("only the simulated frame states its dB scale; the other is taken to have the same"));
+  PolarImage real = SpeckledBlock(1);
+  real.scale.db_span = 80.0;
+  EXPECT_THAT(CompareFrames(real, simulated).notes, IsEmpty());
+}
+
+TEST(CompareTest, TheRegionOfInterestMustFitTheImage) {
+  CompareOptions options;
+  options.region = Mask(3, 4, 1);
+  EXPECT_THROW(CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options), DataError);
+  options.region = Mask(120, 40, 0);
+  const FrameMetrics nothing = CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options);
+  EXPECT_EQ(nothing.polar.occupancy.iou(), std::nullopt);
+  EXPECT_EQ(nothing.polar.intensity.union_region.mean_absolute(), std::nullopt);
+}
+
+// Two frames of one still scene: what the detector and the receiver's noise leave of agreement.
+TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
+  SONARCAL_NEEDS_RECORDING(first_path, "aris3000_uxo/frame_0000_128x780.png");
+  SONARCAL_NEEDS_RECORDING(second_path, "aris3000_uxo/frame_0001_128x780.png");
+  const auto recording = OpenRecording(first_path.parent_path());
+  const PolarImage first = recording->ReadFrame(0).image;
+  const PolarImage second = recording->ReadFrame(1).image;
+  const FrameMetrics metrics = CompareFrames(first, second);
+  EXPECT_NEAR(*metrics.polar.occupancy.iou(), 0.912, 0.01);
+  EXPECT_NEAR(*metrics.polar.occupancy.ns_over_nr(), 0.973, 0.01);
+  EXPECT_NEAR(*metrics.fan.occupancy.iou(), 0.904, 0.015);
+  // Receiver noise alone (the speckle is frozen), and less of it where the fan has smoothed it.
+  EXPECT_NEAR(*metrics.polar.intensity.union_region.mean_absolute(), 0.061, 0.003);
+  EXPECT_NEAR(*metrics.polar.intensity.whole.mean_absolute(), 0.067, 0.001);
+  EXPECT_NEAR(*metrics.fan.intensity.union_region.mean_absolute(), 0.045, 0.003);
+}
+
+}  // namespace
+}  // namespace sonarcal
