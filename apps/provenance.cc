@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "apps/command.h"
-#include "apps/sha256.h"
+#include "data_io/hash.h"
 #include "data_io/json_writer.h"
 #include "data_io/types/error.h"
 
@@ -25,13 +25,13 @@ Json InputToJson(const fs::path& input) {
   }
   std::sort(files.begin(), files.end());
   std::uintmax_t byte_count = 0;
-  Sha256 hash;
+  std::string manifest;
   for (const fs::path& file : files) {
     byte_count += fs::file_size(file);
-    hash.Update(Sha256OfFile(file) + "  " + file.lexically_relative(input).generic_string() + '\n');
+    manifest += Sha256OfFile(file) + "  " + file.lexically_relative(input).generic_string() + '\n';
   }
   return {
-      {"path", input.string()}, {"files", files.size()}, {"bytes", byte_count}, {"sha256", hash.HexDigest()}};
+      {"path", input.string()}, {"files", files.size()}, {"bytes", byte_count}, {"sha256", Sha256(manifest)}};
 }
 
 }  // namespace

@@ -1,0 +1,118 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing, and builds sonarcal into build/.
+#
+#   scripts/setup.sh [--tests] [--no-build]
+#     --tests     also what the tests need, and build the tests
+#     --no-build  packages only
+#
+# Can be run again and again: what is there is left alone. Works as root and with sudo.
+
+# shellcheck source=scripts/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+with_tests=no
+with_build=yes
+for argument in "$@"; do
+  case "$argument" in
+    --tests) with_tests=yes ;;
+    --no-build) with_build=no ;;
+    -h | --help)
+      sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+      exit 0
+      ;;
+    *) fail "unknown argument '$argument', expected --tests or --no-build" ;;
+  esac
+done
+
+wanted_packages() {
+  local when package
+  while read -r when package; do
+    case "$when" in
+      build) echo "$package" ;;
+      test) if [[ $with_tests == yes ]]; then echo "$package"; fi ;;
+    esac
+  done <"$root/scripts/packages.txt"
+}
+
+is_installed() {
+  [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
+}
+
+as_root() {
+  if [[ "$(id -u)" == 0 ]]; then
+    env DEBIAN_FRONTEND=noninteractive "$@"
+  else
+    sudo env DEBIAN_FRONTEND=noninteractive "$@"
+  fi
+}
+
+# One sentence for the ways in which apt fails most often.
+explain_apt() {
+  local log
+  log="$(cat "$last_log")"
+  case "$log" in
+    *"Could not get lock"* | *"Unable to acquire the dpkg frontend lock"*)
+      fail "another program is installing packages: wait until it is done, then run this again" ;;
+    *"No space left on device"* | *"enough free space"*)
+      fail "the disk is too full to install the packages" ;;
+    *"Temporary failure resolving"* | *"Could not connect"* | *"Failed to fetch"* | *"Could not resolve"*)
+      fail "the package servers cannot be reached: is there a network?" ;;
+    *"Unable to locate package"* | *"has no installation candidate"*)
+      fail "apt knows not all of the packages: this needs Debian 12 or newer" ;;
+    *) fail "apt failed, its last lines are above" ;;
+  esac
+}
+
+install_missing() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    fail "this is not a Debian system; install what scripts/packages.txt lists, then build with cmake"
+  fi
+  local package missing=()
+  while read -r package; do
+    is_installed "$package" || missing+=("$package")
+  done < <(wanted_packages)
+  if [[ ${#missing[@]} == 0 ]]; then
+    say "All Debian packages are there."
+    return
+  fi
+  say "Debian packages to install: ${missing[*]}"
+  [[ "$(id -u)" == 0 ]] || command -v sudo >/dev/null ||
+    fail "installing packages needs root: run this as root, or install sudo"
+  local apt=(apt-get -o DPkg::Lock::Timeout=120 --yes --no-install-recommends)
+  # The lists of a fresh machine are empty, those of an old one may name packages that are gone.
+  quietly "Updating the package lists" as_root "${apt[@]}" update || explain_apt
+  quietly "Installing ${#missing[@]} packages" as_root "${apt[@]}" install "${missing[@]}" || explain_apt
+}
+
+# A build directory that was configured for another path (a moved or copied tree) only fails later, and
+# obscurely.
+drop_stale_build() {
+  local cache="$build/CMakeCache.txt" configured_source configured_build
+  [[ -f "$cache" ]] || return 0
+  configured_source="$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$cache")"
+  configured_build="$(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$cache")"
+  if [[ "$configured_source" != "$root" || "$configured_build" != "$build" ]] ||
+    ! grep -q '^CMAKE_GENERATOR:INTERNAL=Ninja$' "$cache"; then
+    say "build/ was configured for ${configured_source:-another place}: starting it afresh."
+    rm -rf "$build"
+  fi
+}
+
+configure_and_build() {
+  command -v c++ >/dev/null || fail "there is no C++ compiler: install g++"
+  command -v cmake >/dev/null || fail "there is no cmake: install cmake"
+  local free_kib
+  free_kib="$(df --output=avail -k "$root" | tail -n 1)"
+  ((free_kib > 1024 * 1024)) || fail "the disk of $root has less than 1 GiB left, too little for a build"
+
+  drop_stale_build
+  local options=("-DSONARCAL_BUILD_TESTS=$([[ $with_tests == yes ]] && echo ON || echo OFF)")
+  if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  (cd "$root" && quietly "Configuring build/" cmake --preset release "${options[@]}") ||
+    fail "cmake cannot configure the project, its last lines are above"
+  say "Building (some minutes the first time) ..."
+  cmake --build "$build" >&2 || fail "the build failed, its errors are above"
+}
+
+install_missing
+if [[ $with_build == yes ]]; then configure_and_build; fi

@@ -1,0 +1,31 @@
+# Tests of the project itself rather than of its code: the walls between rooms, the format of the sources, the
+# scripts, and the package as others use it.
+find_package(Python REQUIRED COMPONENTS Interpreter)
+
+add_test(NAME layering COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/layering_test.py ${PROJECT_SOURCE_DIR})
+add_test(NAME layering_self_test
+  COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/layering_test.py --self-test)
+
+# Versions of clang-format disagree; this one is Debian 12's.
+find_program(SONARCAL_CLANG_FORMAT clang-format-14)
+if(SONARCAL_CLANG_FORMAT)
+  add_test(NAME format COMMAND ${PROJECT_SOURCE_DIR}/scripts/format.sh --check)
+endif()
+
+find_program(SONARCAL_SHELLCHECK shellcheck)
+if(SONARCAL_SHELLCHECK)
+  file(GLOB SONARCAL_SCRIPTS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/scripts/*.sh)
+  add_test(NAME shellcheck
+    COMMAND ${SONARCAL_SHELLCHECK} --external-sources ${SONARCAL_SCRIPTS} ${PROJECT_SOURCE_DIR}/.ci/run
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+endif()
+
+set(consumer_flags "-Wall")
+if(SONARCAL_SANITIZE)
+  string(APPEND consumer_flags " -fsanitize=address,undefined")
+endif()
+add_test(NAME consumer
+  COMMAND ${CMAKE_COMMAND} -DBUILD_DIR=${PROJECT_BINARY_DIR} -DSOURCE_DIR=${PROJECT_SOURCE_DIR}/tests/consumer
+    -DGENERATOR=${CMAKE_GENERATOR} -DCXX=${CMAKE_CXX_COMPILER} -DFLAGS=${consumer_flags}
+    -P ${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake)
+set_tests_properties(consumer PROPERTIES TIMEOUT 600)
