@@ -7,6 +7,7 @@
 namespace sonarcal {
 
 void SetupSimulate(CLI::App& app);  // apps/simulate_command.h
+void SetupCompare(CLI::App& app);   // apps/compare_command.h
 void SetupInspect(CLI::App& app);   // apps/inspect_command.h
 void SetupConvert(CLI::App& app);   // apps/convert_command.h
 

@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   CLI::App app("Makes a simulated imaging sonar agree with a real one.");
   sonarcal::SetUpRoot(app);
   sonarcal::SetupSimulate(app);
+  sonarcal::SetupCompare(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
   return sonarcal::RunApp(app, argc, argv);

@@ -1,0 +1,118 @@
+#include "apps/compare_recordings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
+                                 const std::vector<int>& asked) {
+  const int real_count = real.frame_count();
+  const int simulated_count = simulated.frame_count();
+  if (!asked.empty()) {
+    const int last = *std::max_element(asked.begin(), asked.end());
+    if (last >= std::min(real_count, simulated_count)) {
+      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
+                      real.info().source, real_count, simulated.info().source, simulated_count);
+    }
+    return asked;
+  }
+  if (real_count != simulated_count) {
+    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
+                    real.info().source, real_count, simulated.info().source, simulated_count);
+  }
+  std::vector<int> all(static_cast<std::size_t>(real_count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+// Says which way out there is, where the scales differ.
+void CheckScales(const ImageScale& real, const ImageScale& simulated, double tolerance_db) {
+  const auto check = [&](const char* field, const std::optional<double>& a, const std::optional<double>& b) {
+    if (!a || !b || std::abs(*a - *b) <= tolerance_db) return;
+    throw DataError(
+        "{}: the real recording shows {:g} dB there, the simulated one {:g} dB; give both the same display, "
+        "or "
+        "compare grey levels with --as-displayed",
+        field, *a, *b);
+  };
+  check("db_min", real.db_min, simulated.db_min);
+  check("db_max", real.db_max, simulated.db_max);
+}
+
+}  // namespace
+
+MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
+                                const CompareRecordingsOptions& options, const OnComparedFrame& on_frame) {
+  MetricsReport report{.real = RecordingName(real.info()),
+                       .simulated = RecordingName(simulated.info()),
+                       .options = options.compare,
+                       .frames = {},
+                       .aggregate = {},
+                       .noise_floor = {},
+                       .notes = {}};
+  const std::vector<int> frames = FramesToCompare(real, simulated, options.frames);
+  if (!options.as_displayed) {
+    CheckScales(real.info().scale, simulated.info().scale, options.compare.db_tolerance);
+  }
+  report.options.keep_masks = static_cast<bool>(on_frame);
+  FrameComparer comparer(report.options);
+  std::set<std::string> notes;
+  for (const int index : frames) {
+    const Frame real_frame = real.ReadFrame(index);
+    Frame simulated_frame = simulated.ReadFrame(index);
+    if (options.as_displayed) {
+      ImageScale& scale = simulated_frame.image.scale;
+      scale.db_min = real_frame.image.scale.db_min;
+      scale.db_max = real_frame.image.scale.db_max;
+      scale.db_span = real_frame.image.scale.db_span;
+    }
+    FrameMetrics metrics;
+    try {
+      metrics = comparer.Compare(real_frame.image, simulated_frame.image);
+    } catch (const DataError& error) {
+      throw DataError("{} against {}, frame {}: {}", real.info().source, simulated.info().source, index,
+                      error.what());
+    }
+    metrics.index = index;
+    metrics.name = real_frame.info.name;
+    if (on_frame) on_frame(real_frame.image, simulated_frame.image, metrics);
+    metrics.masks.reset();
+    notes.insert(metrics.notes.begin(), metrics.notes.end());
+    report.frames.push_back(std::move(metrics));
+    if (options.progress) options.progress(static_cast<int>(report.frames.size()));
+  }
+  report.aggregate = AggregateFrames(report.frames);
+  if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, options.compare);
+  if (options.as_displayed) {
+    notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
+  }
+  report.notes.assign(notes.begin(), notes.end());
+  return report;
+}
+
+std::string RecordingName(const RecordingInfo& info) {
+  return info.synthetic ? info.source + " (synthetic)" : info.source;
+}
+
+std::vector<int> TellingFrames(const MetricsReport& report) {
+  const auto error_of = [&](const FrameMetrics& frame) {
+    return frame.polar.intensity.Over(report.options.intensity_domain).mean_absolute().value_or(1.0);
+  };
+  std::vector<const FrameMetrics*> by_error;
+  for (const FrameMetrics& frame : report.frames) by_error.push_back(&frame);
+  std::stable_sort(by_error.begin(), by_error.end(),
+                   [&](const FrameMetrics* a, const FrameMetrics* b) { return error_of(*a) < error_of(*b); });
+  if (by_error.empty()) return {};
+  const std::set<int> chosen = {by_error.front()->index, by_error[by_error.size() / 2]->index,
+                                by_error.back()->index};
+  return {chosen.begin(), chosen.end()};
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,40 @@
+// Two recordings through the metrics, frame by frame: what `compare` writes and what `fit` judges itself by.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "data_io/types/recording.h"
+#include "metrics/metrics_json.h"
+
+namespace sonarcal {
+
+struct CompareRecordingsOptions {
+  CompareOptions compare;
+  // Grey levels as displayed, whatever dB the two scales state. A fit needs it: the paper's dB range is one
+  // of its parameters, no property of the recording.
+  bool as_displayed = false;
+  bool noise_floor = true;  // measure it, which compares the real recording with itself
+  // To compare, same number in both; empty: all, and both must have as many.
+  std::vector<int> frames = {};
+  std::function<void(int frames_done)> progress = {};
+};
+
+// Told of each pair as it is compared. `metrics.masks` is set.
+using OnComparedFrame =
+    std::function<void(const PolarImage& real, const PolarImage& simulated, const FrameMetrics& metrics)>;
+
+// Throws DataError where the recordings do not have the same frames, or a pair can't be compared.
+MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
+                                const CompareRecordingsOptions& options,
+                                const OnComparedFrame& on_frame = {});
+
+// A recording's name for people: its source, and that it is synthetic where it is.
+std::string RecordingName(const RecordingInfo& info);
+
+// Numbers of a few frames that show a comparison fairly: those with the lowest, the middle and the highest
+// intensity error in the polar view, in the order of the recording. At most three.
+std::vector<int> TellingFrames(const MetricsReport& report);
+
+}  // namespace sonarcal

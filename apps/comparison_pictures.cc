@@ -1,0 +1,60 @@
+#include "apps/comparison_pictures.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <utility>
+
+#include "data_io/atomic_output.h"
+#include "data_io/image_io.h"
+#include "data_io/picture.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+void WriteView(const std::filesystem::path& folder, const std::string& stem, const ViewPictures& view) {
+  const auto write = [&](const char* what, const std::vector<std::uint8_t>& png) {
+    WriteFileWhole(folder / fmt::format("{}_{}.png", stem, what),
+                   {reinterpret_cast<const char*>(png.data()), png.size()});
+  };
+  write("real", view.real);
+  write("simulated", view.simulated);
+  write("overlay", view.overlay);
+  write("regions", view.regions);
+}
+
+}  // namespace
+
+FramePictures PictureMaker::Make(const PolarImage& real, const PolarImage& simulated,
+                                 const FrameMetrics& metrics) {
+  SONARCAL_CHECK(metrics.masks.has_value(), "frame {} was compared without masks", metrics.index);
+  const FrameMasks& masks = *metrics.masks;
+  const ValueWindow window{0.0, real.scale.full_scale};
+  const auto polar = [&](const RgbImage& picture) { return EncodePng(StretchPolar(picture, height_px_)); };
+  FramePictures pictures{.index = metrics.index, .name = metrics.name, .polar = {}, .fan = {}};
+  pictures.polar = {.real = polar(Colorize(real.value, window)),
+                    .simulated = polar(Colorize(simulated.value, window)),
+                    .overlay = polar(Superimpose(real.value, simulated.value, window)),
+                    .regions = polar(OverlayRegions(masks.polar_real, masks.polar_simulated))};
+
+  if (!map_ || !map_->polar_axes().Matches(real.axes))
+    map_.emplace(real.axes, FanOptions{.height_px = height_px_});
+  const Mask* inside = &map_->inside();
+  const Grid<float> real_fan = map_->Apply(real.value);
+  const Grid<float> simulated_fan = map_->Apply(simulated.value);
+  const Mask real_object = map_->ApplyNearest(masks.polar_real);
+  const Mask simulated_object = map_->ApplyNearest(masks.polar_simulated);
+  pictures.fan = {.real = EncodePng(Colorize(real_fan, window, ColorMap::kInferno, inside)),
+                  .simulated = EncodePng(Colorize(simulated_fan, window, ColorMap::kInferno, inside)),
+                  .overlay = EncodePng(Superimpose(real_fan, simulated_fan, window, inside)),
+                  .regions = EncodePng(OverlayRegions(real_object, simulated_object, inside))};
+  return pictures;
+}
+
+void WritePictures(const std::filesystem::path& folder, const FramePictures& pictures) {
+  WriteView(folder, fmt::format("frame_{:04}_polar", pictures.index), pictures.polar);
+  WriteView(folder, fmt::format("frame_{:04}_fan", pictures.index), pictures.fan);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,292 @@
+#include "apps/report/comparison_section.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+
+#include "apps/report/html_text.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr int kDecimals = 3;
+constexpr const char* kNoValue = "–";
+
+std::string Text(const std::optional<double>& value) {
+  return value ? FormatNumber(*value, kDecimals) : kNoValue;
+}
+
+std::string WithInterval(const Statistic& statistic) {
+  if (!statistic.ci) return Text(statistic.value);
+  return fmt::format("{} [{}, {}]", Text(statistic.value), FormatNumber(statistic.ci->lo, kDecimals),
+                     FormatNumber(statistic.ci->hi, kDecimals));
+}
+
+// A figure of a comparison by the name readers know it by.
+struct Figure {
+  const char* label;
+  const Statistic& (*of)(const ViewSummary& view, IntensityDomain domain);
+};
+
+constexpr std::array kFigures = {
+    Figure{"Ns/Nr", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.ns_over_nr; }},
+    Figure{"Na/Ns", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.na_over_ns; }},
+    Figure{"Na/Nr", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.na_over_nr; }},
+    Figure{"IoU", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.iou; }},
+    Figure{
+        "Intensity error",
+        [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).mean_absolute; }},
+    Figure{"Intensity error, whole image",
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.whole.mean_absolute; }},
+    Figure{"Intensity error, overlap",
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.overlap.mean_absolute; }},
+    Figure{"Intensity bias",
+           [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).bias; }},
+};
+
+std::string DomainText(IntensityDomain domain) {
+  switch (domain) {
+    case IntensityDomain::kWhole:
+      return "the whole image";
+    case IntensityDomain::kOverlap:
+      return "the pixels that both object regions share";
+    case IntensityDomain::kUnion:
+      break;
+  }
+  return "the union of the two object regions";
+}
+
+std::string MethodText(const SegmentationOptions& options) {
+  switch (options.method) {
+    case SegmentationMethod::kOtsu:
+      return "is above Otsu's threshold of its own image";
+    case SegmentationMethod::kFixedThreshold:
+      return fmt::format("is above {:g} of full scale", options.threshold_fraction);
+    case SegmentationMethod::kBackgroundSigma:
+      break;
+  }
+  return fmt::format(
+      "is more than {:g} standard deviations above the background's median ({})", options.sigma_count,
+      options.background == BackgroundSample::kRobust ? "both estimated robustly from the image itself"
+                                                      : "both taken outside the region of interest");
+}
+
+std::string DetectorText(const CompareOptions& options) {
+  const SegmentationOptions& s = options.segmentation;
+  std::string text = "One detector looks for the object in both images, with the same settings. ";
+  if (s.median_px > 0) text += fmt::format("A median of {0} x {0} pixels is taken. ", s.median_px);
+  if (s.blur_rows > 0.0 || s.blur_cols > 0.0) {
+    text += fmt::format("The image is smoothed by a Gaussian ({:g} range bins, {:g} beams). ", s.blur_rows,
+                        s.blur_cols);
+  }
+  text += "A pixel is object where it " + MethodText(s) + ". ";
+  if (s.open_rows > 1 || s.open_cols > 1) {
+    text += fmt::format("Specks smaller than {} x {} pixels are opened away. ", s.open_rows, s.open_cols);
+  }
+  if (s.close_rows > 1 || s.close_cols > 1) {
+    text += fmt::format("Gaps smaller than {} x {} pixels are closed. ", s.close_rows, s.close_cols);
+  }
+  if (s.min_area_px > 0) text += fmt::format("Components below {} pixels are dropped. ", s.min_area_px);
+  if (s.largest_component_only) text += "The largest connected component is kept. ";
+  text += options.region ? "Only a given region of interest is searched."
+                         : "The whole image is searched: no region of interest was given.";
+  return text + " Occupancy depends on these settings.";
+}
+
+std::string FloorText(const MetricsReport& metrics) {
+  const NoiseFloor& floor = metrics.noise_floor;
+  std::string text;
+  if (floor.speckle) {
+    text = fmt::format(
+        "Where a pixel shows the speckle of a single look over a {:g} dB display, a noise-free simulation of "
+        "the "
+        "right level still differs by {:.3f} on average, and one with its own speckle by {:.3f}. A display "
+        "that "
+        "clips, or several looks, lower this. ",
+        floor.speckle->span_db, floor.speckle->smooth_simulation, floor.speckle->speckled_simulation);
+  } else {
+    text =
+        "The recording does not state how many dB its display spans, so the share of speckle is not known in "
+        "these units. ";
+  }
+  const RealAgainstReal& measured = floor.real_against_real;
+  if (measured.pairs.empty()) {
+    if (!measured.absent_reason.empty())
+      text += "Real against real: none, as " + measured.absent_reason + ".";
+    return text;
+  }
+  const ViewSummary& view = measured.aggregate.macro.polar;
+  return text +
+         fmt::format(
+             "Real frames of a still scene against each other ({} pair{}): IoU {}, intensity error {}.",
+             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", Text(view.iou.value),
+             Text(view.Over(metrics.options.intensity_domain).mean_absolute.value));
+}
+
+std::vector<std::string> TableNotes(const MetricsReport& metrics) {
+  std::vector<std::string> notes = {
+      fmt::format("Compared: {} (real side) and {} (simulated side).", metrics.real, metrics.simulated)};
+  if (!metrics.aggregate.no_interval_reason.empty()) {
+    notes.push_back("No 95 % intervals: " + metrics.aggregate.no_interval_reason + ".");
+  } else {
+    notes.push_back(fmt::format(
+        "In brackets: 95 % interval, frames resampled {} times and taken as independent.", kBootstrapDraws));
+  }
+  const int left_out = metrics.aggregate.macro.polar.iou.frames_left_out;
+  if (left_out > 0) {
+    notes.push_back(fmt::format("{} of {} frames show no object in either image and have no ratios.",
+                                left_out, metrics.aggregate.frame_count));
+  }
+  return notes;
+}
+
+Table SummaryTable(const MetricsReport& metrics) {
+  const Aggregate& all = metrics.aggregate;
+  const IntensityDomain domain = metrics.options.intensity_domain;
+  Table table{
+      .caption = fmt::format("Agreement over {} frame{}", all.frame_count, all.frame_count == 1 ? "" : "s"),
+      .columns = {{"Figure"},
+                  {"Polar, mean of frames"},
+                  {"Polar, pixels pooled"},
+                  {"Fan, mean of frames"},
+                  {"Fan, pixels pooled"}},
+      .rows = {},
+      .notes = TableNotes(metrics)};
+  for (const Figure& figure : kFigures) {
+    table.rows.push_back(
+        {{figure.label, WithInterval(figure.of(all.macro.polar, domain)),
+          WithInterval(figure.of(all.micro.polar, domain)), WithInterval(figure.of(all.macro.fan, domain)),
+          WithInterval(figure.of(all.micro.fan, domain))}});
+  }
+  return table;
+}
+
+Table FrameTable(const MetricsReport& metrics) {
+  const IntensityDomain domain = metrics.options.intensity_domain;
+  Table table{.caption = "Frame by frame",
+              .columns = {{"Frame"},
+                          {"Ns", "pixels"},
+                          {"Nr", "pixels"},
+                          {"Na", "pixels"},
+                          {"Ns/Nr"},
+                          {"Na/Ns"},
+                          {"Na/Nr"},
+                          {"IoU"},
+                          {"Error, polar"},
+                          {"Error, fan"}},
+              .rows = {},
+              .notes = {"Counts and ratios are those of the polar image; the fan's are in metrics.json."}};
+  for (const FrameMetrics& frame : metrics.frames) {
+    const Occupancy& polar = frame.polar.occupancy;
+    table.rows.push_back({{fmt::format("{}", frame.index), fmt::format("{}", polar.ns),
+                           fmt::format("{}", polar.nr), fmt::format("{}", polar.na), Text(polar.ns_over_nr()),
+                           Text(polar.na_over_ns()), Text(polar.na_over_nr()), Text(polar.iou()),
+                           Text(frame.polar.intensity.Over(domain).mean_absolute()),
+                           Text(frame.fan.intensity.Over(domain).mean_absolute())}});
+  }
+  const ViewSummary& mean = metrics.aggregate.macro.polar;
+  table.rows.push_back(
+      {{"Mean", "", "", "", Text(mean.ns_over_nr.value), Text(mean.na_over_ns.value),
+        Text(mean.na_over_nr.value), Text(mean.iou.value), Text(mean.Over(domain).mean_absolute.value),
+        Text(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
+       RowStyle::kStrong});
+  return table;
+}
+
+}  // namespace
+
+void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::string& real_name) {
+  if (real_is_synthetic) {
+    report.Callout(CalloutKind::kSynthetic, "Both sides are synthetic",
+                   fmt::format("No sonar recorded {}: it was made by a simulation and stands in for a real "
+                               "recording. Where this page says recorded or real, it means that side.",
+                               real_name));
+  } else {
+    report.Callout(
+        CalloutKind::kSynthetic, "The simulated side is synthetic",
+        fmt::format("{} is taken as recorded by a sonar: nothing in it says otherwise.", real_name));
+  }
+}
+
+void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics) {
+  const Aggregate::Views& macro = metrics.aggregate.macro;
+  const IntensityDomain domain = metrics.options.intensity_domain;
+  const auto interval = [](const Statistic& s) {
+    return s.ci ? fmt::format("95 %: {} to {}", FormatNumber(s.ci->lo, kDecimals),
+                              FormatNumber(s.ci->hi, kDecimals))
+                : std::string();
+  };
+  const auto figure = [&](const char* label, const Statistic& s) {
+    return KeyFigure{.label = label, .value = Text(s.value), .unit = {}, .note = interval(s)};
+  };
+  report.KeyFigures({{.label = "Frames", .value = fmt::format("{}", metrics.aggregate.frame_count)},
+                     figure("IoU of the object regions", macro.polar.iou),
+                     figure("Intensity error, polar", macro.polar.Over(domain).mean_absolute),
+                     figure("Intensity error, fan", macro.fan.Over(domain).mean_absolute)});
+}
+
+void AddMetricTables(HtmlReport& report, const MetricsReport& metrics) {
+  report.Add(SummaryTable(metrics));
+  report.Add(FrameTable(metrics));
+  for (const std::string& note : metrics.notes) report.Callout(CalloutKind::kNote, "Note", note);
+}
+
+void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
+                         const std::string& caption) {
+  const IntensityDomain domain = after.options.intensity_domain;
+  Table table{.caption = caption,
+              .columns = {{"Figure"}, {"Polar, before"}, {"Polar, after"}, {"Fan, before"}, {"Fan, after"}},
+              .rows = {},
+              .notes = TableNotes(after)};
+  table.notes.insert(table.notes.begin(), "Means over frames.");
+  for (const Figure& figure : kFigures) {
+    table.rows.push_back({{figure.label, WithInterval(figure.of(before.aggregate.macro.polar, domain)),
+                           WithInterval(figure.of(after.aggregate.macro.polar, domain)),
+                           WithInterval(figure.of(before.aggregate.macro.fan, domain)),
+                           WithInterval(figure.of(after.aggregate.macro.fan, domain))}});
+  }
+  report.Add(table);
+}
+
+void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption) {
+  const std::vector<LegendEntry> legend = {{"#007fff", "overlay: brighter in the recorded image"},
+                                           {"#ff7f00", "overlay: brighter in the simulated image"},
+                                           {"#0072b2", "region: in the recorded image only"},
+                                           {"#e69f00", "region: in the simulated image only"},
+                                           {"#ebebeb", "region: in both"}};
+  const auto add = [&](const ViewPictures& view, const char* kind, const char* layout) {
+    const auto alt = [&](const char* what) {
+      return fmt::format("{} {} image of frame {}", what, kind, pictures.index);
+    };
+    report.Add(PictureRow{.caption = fmt::format("{}, {}. {}", caption, kind, layout),
+                          .pictures = {{view.real, "Recorded", alt("Recorded")},
+                                       {view.simulated, "Simulated", alt("Simulated")},
+                                       {view.overlay, "Overlay", alt("Superimposed")},
+                                       {view.regions, "Object regions", alt("Object regions in the")}},
+                          .columns = 4,
+                          .legend = legend});
+  };
+  add(pictures.polar, "polar", "Beams from left to right, range downwards from the nearest.");
+  add(pictures.fan, "fan", "Metres across and ahead; ahead is up.");
+}
+
+void AddMetricDefinitions(HtmlReport& report, const MetricsReport& metrics) {
+  report.Section("What the numbers mean");
+  report.Facts(
+      {{"Ns, Nr, Na", "pixels of the object region in the simulated image, in the real one, in both"},
+       {"Ns/Nr, Na/Ns, Na/Nr", "1 where the regions agree; the pooled ones satisfy Na/Nr = (Na/Ns)(Ns/Nr)"},
+       {"IoU", "Na / (Ns + Nr - Na): shared area over joint area, 1 where the regions agree"},
+       {"Intensity error", "mean of |simulated - real| / full scale over " +
+                               DomainText(metrics.options.intensity_domain) + "; 0 is best"},
+       {"Intensity bias",
+        "mean of (simulated - real) / full scale there; positive: the simulation is brighter"},
+       {"Mean of frames", "each frame weighs the same; frames without a value are left out"},
+       {"Pixels pooled", "counts and sums of all frames added up first; each pixel weighs the same"}});
+  report.Subsection("How the object is found");
+  report.Paragraph(DetectorText(metrics.options));
+  report.Subsection("What no simulator can beat");
+  report.Paragraph(FloorText(metrics));
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,33 @@
+// A comparison of recordings (metrics/metrics_json.h) as parts of a report, for every command that compares.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/comparison_pictures.h"
+#include "apps/report/html_report.h"
+#include "metrics/metrics_json.h"
+
+namespace sonarcal {
+
+// What is synthetic of it, in a box of its own; said too where the real side was recorded by a sonar.
+void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::string& real_name);
+
+// The few numbers to look at first.
+void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics);
+
+// Means over frames and pooled figures with their intervals, the noise floor beside them, and a table of
+// frames. Within a section.
+void AddMetricTables(HtmlReport& report, const MetricsReport& metrics);
+
+// The same figures before and after something was done, side by side: means over the same frames.
+void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
+                         const std::string& caption);
+
+// Recorded, simulated, overlay and regions of one frame, polar and fan.
+void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption);
+
+// What the numbers mean, how the object is found and what no simulator can beat, in words. Adds a section.
+void AddMetricDefinitions(HtmlReport& report, const MetricsReport& metrics);
+
+}  // namespace sonarcal
