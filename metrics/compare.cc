@@ -110,6 +110,11 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   metrics.polar =
       Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, nullptr);
 
+  for (const auto& [which, count] :
+       {std::pair{"real", metrics.polar.occupancy.nr}, std::pair{"simulated", metrics.polar.occupancy.ns}}) {
+    if (count == 0) metrics.notes.push_back(fmt::format("no object was found in the {} frame", which));
+  }
+
   const FanMap& map = MapFor(real.axes);
   Mask fan_real = map.ApplyNearest(in_real.object);
   Mask fan_simulated = map.ApplyNearest(in_simulated.object);

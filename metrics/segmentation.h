@@ -88,4 +88,8 @@ Segmentation Segment(const PolarImage& image, const SegmentationOptions& options
                      const Mask* region = nullptr);
 Segmentation Segment(const FanImage& image, const SegmentationOptions& options, const Mask* region = nullptr);
 
+// A region of interest: the bounding box of the object's pixels, wider by the margins on each side, cut at
+// the image's borders. Nothing is set where the object has no pixel.
+Mask BoxAround(const Mask& object, int margin_rows, int margin_cols);
+
 }  // namespace sonarcal

@@ -135,6 +135,8 @@ TEST(CompareTest, TheRegionOfInterestMustFitTheImage) {
   options.region = Mask(120, 40, 0);
   const FrameMetrics nothing = CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options);
   EXPECT_EQ(nothing.polar.occupancy.iou(), std::nullopt);
+  EXPECT_THAT(nothing.notes, ElementsAre("no object was found in the real frame",
+                                         "no object was found in the simulated frame"));
   EXPECT_EQ(nothing.polar.intensity.union_region.mean_absolute(), std::nullopt);
 }
 
@@ -153,6 +155,21 @@ TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
   EXPECT_NEAR(*metrics.polar.intensity.union_region.mean_absolute(), 0.061, 0.003);
   EXPECT_NEAR(*metrics.polar.intensity.whole.mean_absolute(), 0.067, 0.001);
   EXPECT_NEAR(*metrics.fan.intensity.union_region.mean_absolute(), 0.045, 0.003);
+}
+
+// A mock-up on a floor that fills the image: what the default detector is not for.
+TEST(CompareTest, ARegionAndOtsuFindTheMockUpOnItsFloor) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_static");
+  const auto recording = OpenRecording(folder);
+  const PolarImage first = recording->ReadFrame(0).image;
+  const PolarImage second = recording->ReadFrame(1).image;
+  CompareOptions options;
+  options.segmentation.method = SegmentationMethod::kOtsu;
+  options.segmentation.largest_component_only = false;
+  Mask edges(first.value.rows(), first.value.cols());
+  edges(233, 109) = edges(262, 152) = 1;  // corners of what is brighter than 80 % of full scale
+  options.region = BoxAround(edges, 10, 10);
+  EXPECT_GT(*CompareFrames(first, second, options).polar.occupancy.iou(), 0.95);
 }
 
 }  // namespace

@@ -204,6 +204,13 @@ TEST(SegmentationTest, InvalidPixelsMayHoldAnything) {
   }
 }
 
+TEST(BoxAroundTest, TheBoundingBoxGrowsByItsMarginsAndEndsAtTheImage) {
+  const Mask object = MaskOf({"......", "......", "..#...", "...#..", "......"});
+  EXPECT_EQ(BoxAround(object, 0, 0), MaskOf({"......", "......", "..##..", "..##..", "......"}));
+  EXPECT_EQ(BoxAround(object, 3, 1), MaskOf({".####.", ".####.", ".####.", ".####.", ".####."}));
+  EXPECT_EQ(CountSet(BoxAround(Mask(4, 4), 2, 2)), 0);
+}
+
 TEST(SegmentationOptionsTest, AnInvalidOptionIsNamedWithValueAndLimit) {
   EXPECT_EQ(MessageOf({}), "no error");
   EXPECT_EQ(MessageOf({.sigma_count = 0.0}), "segmentation sigma_count is 0, expected more than 0");
