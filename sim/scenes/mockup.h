@@ -50,8 +50,8 @@ Scene MakeMockup(const MockupOptions& options = {});
 
 inline constexpr int kMaxMockupTriangles = 5'000'000;
 
-// The options with max_edge_m such that MakeMockup makes at least `triangles` triangles (and, the mesh being
-// divided in whole pieces, at most half as many again). Throws DataError beyond kMaxMockupTriangles.
+// The options with max_edge_m such that MakeMockup makes at least `triangles` triangles; the mesh being
+// divided in whole pieces, usually up to half as many again. Throws DataError beyond kMaxMockupTriangles.
 MockupOptions RefinedTo(MockupOptions options, int triangles);
 
 }  // namespace sonarcal
