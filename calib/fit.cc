@@ -45,6 +45,7 @@ class Fitter {
         catalog_(BuildCatalog(material_names)),
         initial_parameters_(initial),
         initial_(PaperParametersFor(initial, material_names)) {
+    LimitJitter();
     const std::vector<bool> free = ApplyFitConfig(config, catalog_);
     state_.values = initial_;
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
@@ -80,6 +81,19 @@ class Fitter {
   }
 
  private:
+  // Errors wider than this many bins and beams are no errors of a ray any more; a configuration may say
+  // otherwise.
+  void LimitJitter() {
+    constexpr double kMostBins = 6.0;
+    constexpr double kMostBeams = 10.0;
+    const double beam_deg = DegFromRad((geometry_.beam_edges_rad.back() - geometry_.beam_edges_rad.front()) /
+                                       geometry_.axes.beam_count());
+    for (CatalogEntry& entry : catalog_) {
+      if (entry.name == "jitter.sigma_range_m") entry.upper = kMostBins * geometry_.axes.range_bin_m();
+      if (entry.name == "jitter.sigma_azimuth_deg") entry.upper = kMostBeams * beam_deg;
+    }
+  }
+
   void Say(const std::string& line) const {
     if (options_.progress) options_.progress(line);
   }
@@ -272,7 +286,7 @@ class Fitter {
     if (interior_.empty()) return {};
     std::vector<double> coordinates = interior.Coordinates();
     const auto problem = BuildProblem(frames_, geometry_, interior, coordinates);
-    return Accumulate(*problem, geometry_, static_cast<int>(frames_.size()), options_, &report_.raw);
+    return Accumulate(*problem, geometry_, frames_, options_, &report_.raw);
   }
 
   // Freezes one parameter and returns true, or returns false where all are determined.
@@ -402,7 +416,7 @@ FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry
   if (frames.empty()) throw DataError("fit: no frames");
   const std::size_t pixels = static_cast<std::size_t>(geometry.axes.range_bins) * geometry.axes.beam_count();
   for (const FitFrame& frame : frames) {
-    if (frame.measured.size() != pixels ||
+    if ((!frame.use.empty() && frame.use.size() != pixels) || frame.measured.size() != pixels ||
         frame.echoes.materials != static_cast<int>(material_names.size())) {
       throw DataError("fit: frame {} has {} pixels and {} materials, expected {} and {}", frame.index,
                       frame.measured.size(), frame.echoes.materials, pixels, material_names.size());

@@ -263,12 +263,13 @@ bool ByCost(const PoseCandidate& a, const PoseCandidate& b) {
 std::vector<std::string> OpenQuestions(const Matcher& fine, const PoseSearchResult& result,
                                        const PoseSearchOptions& options) {
   std::vector<std::string> open;
-  const PoseCandidate mirror = fine.BestGain(result.best.pose.Mirrored());
+  const double mirror_cost =
+      fine.Cost(fine.Displayed(fine.EchoPower(result.best.pose.Mirrored()), result.best.gain_db));
   open.push_back(
       fmt::format("the sign of elevation and pitch together: the pose mirrored in the plane of the beams "
                   "differs from the image by "
                   "{:.4f} rms, the one reported by {:.4f}",
-                  std::sqrt(mirror.cost), std::sqrt(result.best.cost)));
+                  std::sqrt(mirror_cost), std::sqrt(result.best.cost)));
   if (!result.ridge.empty()) {
     const double lowest = std::min_element(result.ridge.begin(), result.ridge.end(), ByCost)->cost;
     std::string costs;

@@ -12,6 +12,10 @@ namespace {
 // Derivatives carried at once; Ceres passes over the parameters in strides of it.
 constexpr int kStride = 8;
 
+bool Counts(const FitFrame& frame, std::size_t pixel) {
+  return frame.use.empty() || frame.use[pixel] != 0;
+}
+
 class FrameResidual {
  public:
   FrameResidual(const FitFrame& frame, const ImageGeometry& geometry, const FitState& state)
@@ -25,7 +29,9 @@ class FrameResidual {
     }
     if (!(parameters.display.db_max > parameters.display.db_min)) return false;
     const std::vector<T> image = ExpectedPaperImage(frame_.echoes, geometry_, parameters);
-    for (std::size_t i = 0; i < image.size(); ++i) residuals[i] = image[i] - frame_.measured[i];
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      residuals[i] = Counts(frame_, i) ? image[i] - frame_.measured[i] : T(0.0);
+    }
     return true;
   }
 
@@ -71,8 +77,9 @@ std::unique_ptr<ceres::Problem> BuildProblem(const std::vector<FitFrame>& frames
   return problem;
 }
 
-NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometry, int frame_count,
-                           const FitOptions& options, ResidualSummary* raw) {
+NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometry,
+                           const std::vector<FitFrame>& frames, const FitOptions& options,
+                           ResidualSummary* raw) {
   std::vector<double> residuals;
   ceres::CRSMatrix jacobian;
   SONARCAL_CHECK(problem.Evaluate({}, nullptr, &residuals, nullptr, &jacobian),
@@ -87,11 +94,14 @@ NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometr
   const NormalEquations::Block empty{.information = Eigen::MatrixXd::Zero(n, n),
                                      .score = Eigen::VectorXd::Zero(n)};
   equations.information = empty.information;
-  equations.blocks.assign(static_cast<std::size_t>(frame_count) * block_rows * block_cols, empty);
-  equations.residual_count = static_cast<long>(residuals.size());
+  equations.blocks.assign(frames.size() * block_rows * block_cols, empty);
   double sum = 0.0;
   Eigen::VectorXd row_values(n);
   for (int row = 0; row < jacobian.num_rows; ++row) {
+    const int pixel = row % (bins * beams);
+    const int frame = row / (bins * beams);
+    if (!Counts(frames[frame], pixel)) continue;
+    ++equations.residual_count;
     sum += residuals[row];
     equations.residual_square += residuals[row] * residuals[row];
     row_values.setZero();
@@ -99,8 +109,6 @@ NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometr
       row_values(jacobian.cols[i]) = jacobian.values[i];
     }
     if (row_values.isZero(0.0)) continue;
-    const int pixel = row % (bins * beams);
-    const int frame = row / (bins * beams);
     NormalEquations::Block& block =
         equations.blocks[(frame * block_rows + pixel / beams / options.block_bins) * block_cols +
                          pixel % beams / options.block_beams];
@@ -114,7 +122,7 @@ NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometr
     equations.information += block.information;
   }
   if (raw != nullptr) {
-    const double count = static_cast<double>(residuals.size());
+    const double count = static_cast<double>(equations.residual_count);
     raw->mean = sum / count;
     raw->spread = std::sqrt(std::max(0.0, equations.residual_square / count - raw->mean * raw->mean));
   }
@@ -127,6 +135,7 @@ double CostAt(const std::vector<FitFrame>& frames, const ImageGeometry& geometry
   for (const FitFrame& frame : frames) {
     const std::vector<double> image = ExpectedPaperImage(frame.echoes, geometry, parameters);
     for (std::size_t i = 0; i < image.size(); ++i) {
+      if (!Counts(frame, i)) continue;
       cost += 0.5 * (image[i] - frame.measured[i]) * (image[i] - frame.measured[i]);
     }
   }

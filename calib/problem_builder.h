@@ -28,8 +28,9 @@ std::unique_ptr<ceres::Problem> BuildProblem(const std::vector<FitFrame>& frames
                                              std::vector<double>& coordinates);
 
 // Residuals and Jacobian at the problem's current coordinates, summed over blocks of pixels.
-NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometry, int frame_count,
-                           const FitOptions& options, ResidualSummary* raw = nullptr);
+NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometry,
+                           const std::vector<FitFrame>& frames, const FitOptions& options,
+                           ResidualSummary* raw = nullptr);
 
 // Half the sum of squares over all frames at a state, without a problem.
 double CostAt(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "sim/echo_histogram.h"
@@ -51,7 +53,11 @@ double ScalarPart(const Jet& value) {
 }
 
 // Blurs reach this many standard deviations.
-inline constexpr double kBlurReach = 5.0;
+inline constexpr double kBlurReach = 4.0;
+
+// From this many bins on, a range error hides where in its bin an echo was: the cells of a bin are blurred as
+// one.
+inline constexpr double kWideBlurBins = 4.0;
 
 // Indices [first, last) of the intervals between `edges` that touch [low, high].
 inline std::pair<int, int> IntervalsWithin(const std::vector<double>& edges, double low, double high) {
@@ -61,37 +67,70 @@ inline std::pair<int, int> IntervalsWithin(const std::vector<double>& edges, dou
   return {std::clamp(first, 0, count), std::clamp(last, 0, count)};
 }
 
-// Blur along azimuth at one range, from any beam to any other; on even beams it depends on their distance
-// only.
+// Blur along azimuth for errors of about one size, from any beam to any other; on even beams it depends on
+// their distance only.
 class AzimuthBlur {
  public:
   AzimuthBlur(const ImageGeometry& geometry, double sigma_rad)
-      : edges_(geometry.beam_edges_rad), even_(geometry.beams_are_even), sigma_rad_(sigma_rad) {
-    if (!even_) return;
-    const double width = edges_[1] - edges_[0];
-    const int reach = static_cast<int>(std::ceil(kBlurReach * sigma_rad / width)) + 1;
-    for (int distance = 0; distance <= reach; ++distance) {
-      by_distance_.push_back(
-          GaussianBlurWeight(0.0, width, distance * width, (distance + 1) * width, sigma_rad));
+      : edges_(&geometry.beam_edges_rad), even_(geometry.beams_are_even), sigma_rad_(sigma_rad) {
+    const int beams = geometry.axes.beam_count();
+    for (int from = 0; from < (even_ ? 1 : beams); ++from) {
+      const auto [first, last] = even_ ? std::pair(0, beams) : Targets(from);
+      first_entry_.push_back(static_cast<int>(weights_.size()) - first);
+      for (int to = first; to < last; ++to) {
+        if (even_ && Edge(to) - Edge(1) > kBlurReach * sigma_rad_) break;
+        weights_.push_back(
+            GaussianBlurWeight(Edge(from), Edge(from + 1), Edge(to), Edge(to + 1), sigma_rad_));
+      }
     }
   }
 
+  double sigma_rad() const { return sigma_rad_; }
+
+  // Beams [first, last) that errors carry an echo to.
   std::pair<int, int> Targets(int from) const {
     const double reach_rad = kBlurReach * sigma_rad_;
-    return IntervalsWithin(edges_, edges_[from] - reach_rad, edges_[from + 1] + reach_rad);
+    return IntervalsWithin(*edges_, Edge(from) - reach_rad, Edge(from + 1) + reach_rad);
   }
 
-  BlurWeight Weight(int from, int to) const {
+  const BlurWeight& Weight(int from, int to) const {
+    static constexpr BlurWeight kNone;
+    if (!even_) return weights_[first_entry_[from] + to];
     const auto distance = static_cast<std::size_t>(std::abs(to - from));
-    if (even_ && distance < by_distance_.size()) return by_distance_[distance];
-    return GaussianBlurWeight(edges_[from], edges_[from + 1], edges_[to], edges_[to + 1], sigma_rad_);
+    return distance < weights_.size() ? weights_[distance] : kNone;
   }
 
  private:
-  const std::vector<double>& edges_;
+  double Edge(int i) const { return (*edges_)[i]; }
+
+  const std::vector<double>* edges_;
   bool even_;
   double sigma_rad_;
-  std::vector<BlurWeight> by_distance_;
+  std::vector<int> first_entry_;  // of a beam, less its first target
+  std::vector<BlurWeight> weights_;
+};
+
+// Rows of cells whose errors differ by less than this share one blur, corrected to first order: what remains
+// is the square of it.
+inline constexpr double kSharedBlur = 0.01;
+
+// Blurs for rows with these errors, and which row has which; -1 for a row without errors.
+struct AzimuthBlurs {
+  std::vector<AzimuthBlur> blurs;
+  std::vector<int> of_row;
+
+  AzimuthBlurs(const ImageGeometry& geometry, const std::vector<double>& sigma_rad) {
+    for (const double sigma : sigma_rad) {
+      if (!(sigma > 0.0)) {
+        of_row.push_back(-1);
+        continue;
+      }
+      if (blurs.empty() || std::abs(sigma / blurs.back().sigma_rad() - 1.0) > kSharedBlur) {
+        blurs.emplace_back(geometry, sigma);
+      }
+      of_row.push_back(static_cast<int>(blurs.size()) - 1);
+    }
+  }
 };
 
 // Sum of normalised echoes of each cell, without errors.
@@ -140,54 +179,72 @@ std::vector<T> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeo
       for (int row = rows.begin(); row != rows.end(); ++row) body(row);
     });
   };
-  const auto row_is_empty = [&](int row) { return histogram.row_start[row] == histogram.row_start[row + 1]; };
 
   // Along azimuth, each row of cells with the errors of its range.
-  std::vector<T> spread(static_cast<std::size_t>(histogram.rows) * beams, T(0.0));
+  std::vector<T> sigma_azimuth(histogram.rows);
   std::vector<T> sigma_range_m(histogram.rows);
-  parallel_rows(histogram.rows, [&](int row) {
+  std::vector<double> sigma_azimuth_rad(histogram.rows);
+  for (int row = 0; row < histogram.rows; ++row) {
     const double range_m = geometry.axes.range_min_m + (row + 0.5) * step_m;
     sigma_range_m[row] = JitterSigmaRangeM(parameters.jitter, range_m, geometry.frequency_hz);
-    if (row_is_empty(row)) return;
+    sigma_azimuth[row] = JitterSigmaAzimuthRad(parameters.jitter, range_m, geometry.frequency_hz);
+    sigma_azimuth_rad[row] = ScalarPart(sigma_azimuth[row]);
+  }
+  const internal::AzimuthBlurs azimuth(geometry, sigma_azimuth_rad);
+  std::vector<T> spread(static_cast<std::size_t>(histogram.rows) * beams, T(0.0));
+  parallel_rows(histogram.rows, [&](int row) {
     T* out = &spread[static_cast<std::size_t>(row) * beams];
-    const T sigma = JitterSigmaAzimuthRad(parameters.jitter, range_m, geometry.frequency_hz);
-    const double sigma_rad = ScalarPart(sigma);
-    if (!(sigma_rad > 0.0)) {
-      for (std::uint32_t i = histogram.row_start[row]; i < histogram.row_start[row + 1]; ++i) {
-        out[histogram.cells[i].col] += cell_values[i];
-      }
-      return;
-    }
-    const internal::AzimuthBlur blur(geometry, sigma_rad);
     for (std::uint32_t i = histogram.row_start[row]; i < histogram.row_start[row + 1]; ++i) {
       const int from = histogram.cells[i].col;
+      if (azimuth.of_row[row] < 0) {
+        out[from] += cell_values[i];
+        continue;
+      }
+      const internal::AzimuthBlur& blur = azimuth.blurs[azimuth.of_row[row]];
       const auto [first, last] = blur.Targets(from);
-      for (int to = first; to < last; ++to)
-        out[to] += cell_values[i] * blur.Weight(from, to).At(sigma, sigma_rad);
+      for (int to = first; to < last; ++to) {
+        out[to] += cell_values[i] * blur.Weight(from, to).At(sigma_azimuth[row], blur.sigma_rad());
+      }
     }
   });
 
-  // Along range: every bin gathers from the rows of cells whose errors reach it.
+  // Along range: every bin gathers from the rows of cells whose errors reach it, or from whole bins where the
+  // errors are wide.
   double reach_m = 0.0;
-  for (const T& sigma : sigma_range_m) reach_m = std::max(reach_m, internal::kBlurReach * ScalarPart(sigma));
-  const int reach_rows = static_cast<int>(std::ceil(reach_m / step_m));
+  double narrowest_m = std::numeric_limits<double>::infinity();
+  for (const T& sigma : sigma_range_m) {
+    reach_m = std::max(reach_m, internal::kBlurReach * ScalarPart(sigma));
+    narrowest_m = std::min(narrowest_m, ScalarPart(sigma));
+  }
+  const int group = narrowest_m >= internal::kWideBlurBins * bin_m ? kRangeSteps : 1;
+  if (group > 1) {
+    parallel_rows(bins, [&](int bin) {
+      T* sum = &spread[static_cast<std::size_t>(bin) * kRangeSteps * beams];
+      for (int i = beams; i < kRangeSteps * beams; ++i) sum[i % beams] += sum[i];
+    });
+  }
+  const auto group_is_empty = [&](int row) {
+    return histogram.row_start[row] == histogram.row_start[row + group];
+  };
+  const int reach_rows = static_cast<int>(std::ceil(reach_m / step_m / group)) * group;
   std::vector<T> image(static_cast<std::size_t>(bins) * beams, T(0.0));
   parallel_rows(bins, [&](int bin) {
     T* out = &image[static_cast<std::size_t>(bin) * beams];
     const int first_own = bin * kRangeSteps;
-    const int last_own = first_own + kRangeSteps - 1;
-    for (int row = std::max(0, first_own - reach_rows);
-         row <= std::min(histogram.rows - 1, last_own + reach_rows); ++row) {
-      if (row_is_empty(row)) continue;
+    const int end_own = first_own + kRangeSteps;
+    const int first = std::max(0, first_own - reach_rows);
+    const int end = std::min(histogram.rows, end_own + reach_rows);
+    for (int row = first; row < end; row += group) {
+      if (group_is_empty(row)) continue;
       const T* in = &spread[static_cast<std::size_t>(row) * beams];
       const double sigma_m = ScalarPart(sigma_range_m[row]);
       if (!(sigma_m > 0.0)) {
-        if (row < first_own || row > last_own) continue;
+        if (row < first_own || row >= end_own) continue;
         for (int col = 0; col < beams; ++col) out[col] += in[col];
         continue;
       }
       const T weight =
-          GaussianBlurWeight(row * step_m, (row + 1) * step_m, bin * bin_m, (bin + 1) * bin_m, sigma_m)
+          GaussianBlurWeight(row * step_m, (row + group) * step_m, bin * bin_m, (bin + 1) * bin_m, sigma_m)
               .At(sigma_range_m[row], sigma_m);
       for (int col = 0; col < beams; ++col) out[col] += weight * in[col];
     }
