@@ -107,11 +107,8 @@ int ParseFailure(const CLI::App& root, const CLI::ParseError& error) {
 int ParseAndRun(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
-    std::cout.flush();
-    if (!std::cout) throw DataError("cannot write the results to standard output: is the disk full?");
     return static_cast<int>(ExitStatus::kDone);
   } catch (const CLI::RuntimeError& error) {  // how OnRun hands over a status
-    std::cout.flush();
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return ParseFailure(app, error);
@@ -164,7 +161,12 @@ int RunApp(CLI::App& app, int argc, const char* const* argv) {
   TidyUpOnSignals();
   std::set_terminate(Terminate);
   MutableCommandLine().assign(argv, argv + argc);
-  return ParseAndRun(app, argc, argv);
+  const int status = ParseAndRun(app, argc, argv);
+  std::cout.flush();
+  if (!std::cout && status == static_cast<int>(ExitStatus::kDone)) {
+    return Fail(ExitStatus::kFailed, "cannot write the results to standard output: is the disk full?");
+  }
+  return status;
 }
 
 const std::vector<std::string>& CommandLine() {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 namespace sonarcal {
@@ -15,7 +16,7 @@ constexpr double kLineInterval_s = 5.0;
 constexpr int kBarWidth = 24;
 
 std::string DurationText(double duration_s) {
-  const auto seconds = static_cast<long>(duration_s + 0.5);
+  const long seconds = std::lround(duration_s);
   if (seconds < 60) return fmt::format("{} s", seconds);
   if (seconds < 3600) return fmt::format("{} min {:02} s", seconds / 60, seconds % 60);
   return fmt::format("{} h {:02} min", seconds / 3600, seconds / 60 % 60);

@@ -1,0 +1,162 @@
+// The program as a shell sees it: exit statuses, what goes to stdout and what to stderr.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "apps/run_output.h"
+#include "data_io/recording_io.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+struct Outcome {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+// Runs `sonarcal ARGUMENTS` in a shell; single quotes guard what is quoted.
+Outcome RunProgram(const std::string& arguments) {
+  const testing::TempDir dir;
+  const std::string command = std::string(SONARCAL_BINARY) + ' ' + arguments + " >'" +
+                              (dir / "out").string() + "' 2>'" + (dir / "err").string() + "'";
+  const int wait_status = std::system(command.c_str());
+  return {WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : -1, testing::ReadFile(dir / "out"),
+          testing::ReadFile(dir / "err")};
+}
+
+std::string Quoted(const std::filesystem::path& path) {
+  return "'" + path.string() + "'";
+}
+
+// Three frames of three beams and four bins.
+void WriteSmallRecording(const std::filesystem::path& folder, bool synthetic) {
+  RecordingInfo info;
+  info.sonar.name = "test sonar";
+  info.sonar.frequency_hz = 900e3;
+  info.sonar.axes = {1.0, 3.0, 4, {-0.1, 0.0, 0.1}};
+  info.sonar.sound_speed_m_per_s = 1500.0;
+  info.synthetic = synthetic;
+  std::vector<Frame> frames;
+  for (int i = 0; i < 3; ++i) {
+    frames.push_back(
+        {{"", 0.5 * i, std::nullopt}, {info.sonar.axes, info.scale, {4, 3, 10.0F * static_cast<float>(i)}}});
+  }
+  WriteRecording(MemoryRecording(info, std::move(frames)), folder);
+}
+
+void ExpectOneSentence(const std::string& text) {
+  EXPECT_THAT(text, StartsWith("sonarcal: "));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+}
+
+TEST(CommandTest, HelpAndVersionGoToStdout) {
+  for (const char* arguments : {"--help", "--version", "inspect --help", "convert --help"}) {
+    const Outcome outcome = RunProgram(arguments);
+    EXPECT_EQ(outcome.status, 0) << arguments;
+    EXPECT_THAT(outcome.out, Not(IsEmpty())) << arguments;
+    EXPECT_THAT(outcome.err, IsEmpty()) << arguments;
+  }
+  EXPECT_THAT(RunProgram("inspect --help").out, HasSubstr("Usage: sonarcal inspect [OPTIONS] FILE..."));
+}
+
+TEST(CommandTest, WrongUsageIsOneSentenceAndStatusTwo) {
+  for (const char* arguments : {"", "inspekt x", "--frobnicate", "inspect", "inspect --frobnicate x",
+                                "convert x", "convert x --out"}) {
+    const Outcome outcome = RunProgram(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_THAT(outcome.out, IsEmpty()) << arguments;
+    ExpectOneSentence(outcome.err);
+  }
+  EXPECT_THAT(RunProgram("inspekt x").err, HasSubstr("unknown command 'inspekt'"));
+}
+
+TEST(CommandTest, BadDataIsOneSentenceAndStatusOne) {
+  const Outcome outcome = RunProgram("inspect /nowhere/at/all");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  ExpectOneSentence(outcome.err);
+  EXPECT_THAT(outcome.err, HasSubstr("/nowhere/at/all"));
+}
+
+TEST(CommandTest, AFullDiskIsNotSuccess) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  EXPECT_EQ(WEXITSTATUS(std::system((std::string(SONARCAL_BINARY) + " --help >/dev/full 2>&1").c_str())), 1);
+}
+
+TEST(InspectTest, SaysWhatTheRecordingHolds) {
+  const testing::TempDir dir;
+  WriteSmallRecording(dir / "real", false);
+  const Outcome outcome = RunProgram("inspect " + Quoted(dir / "real"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part : {"test sonar, 900 kHz", "1 .. 3 m, 4 bins of 500 mm", "3 over 1 s, 2 a second"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+  }
+  EXPECT_THAT(outcome.out, Not(HasSubstr("SYNTHETIC")));
+}
+
+TEST(InspectTest, WhatIsSyntheticIsCalledSo) {
+  const testing::TempDir dir;
+  WriteSmallRecording(dir / "made", true);
+  EXPECT_THAT(RunProgram("inspect " + Quoted(dir / "made")).out, HasSubstr("SYNTHETIC"));
+  EXPECT_THAT(RunProgram("inspect --json " + Quoted(dir / "made")).out, HasSubstr("\"synthetic\": true"));
+}
+
+TEST(InspectTest, OneBadFileDoesNotHideTheOthers) {
+  const testing::TempDir dir;
+  WriteSmallRecording(dir / "real", false);
+  const Outcome outcome = RunProgram("inspect /nowhere " + Quoted(dir / "real"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("test sonar"));
+  ExpectOneSentence(outcome.err);
+}
+
+TEST(ConvertTest, TakesTheFramesAskedForAndSaysWhereTheyCameFrom) {
+  const testing::TempDir dir;
+  WriteSmallRecording(dir / "in", true);
+  const std::string input = Quoted(dir / "in");
+  const Outcome outcome = RunProgram("convert " + input + " --frames 1:3 --out " + Quoted(dir / "out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto converted = OpenRecordingFolder(dir / "out");
+  ASSERT_EQ(converted->frame_count(), 2);
+  EXPECT_TRUE(converted->info().synthetic);
+  EXPECT_EQ(converted->ReadFrame(0).image.value(0, 0), 10.0F);
+  const std::string provenance = testing::ReadFile(dir / "out" / "provenance.json");
+  EXPECT_THAT(provenance, HasSubstr("\"first_frame\": 1"));
+  EXPECT_THAT(provenance, HasSubstr("\"sha256\": "));
+}
+
+TEST(ConvertTest, FramesThatAreNotThereAreRefusedAndNothingIsWritten) {
+  const testing::TempDir dir;
+  WriteSmallRecording(dir / "in", false);
+  const std::string arguments =
+      "convert " + Quoted(dir / "in") + " --out " + Quoted(dir / "out") + " --frames ";
+  EXPECT_EQ(RunProgram(arguments + "2:5").status, 1);
+  EXPECT_EQ(RunProgram(arguments + "3").status, 1);
+  EXPECT_EQ(RunProgram(arguments + "2:1").status, 1);
+  EXPECT_EQ(RunProgram(arguments + "a:b").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+}
+
+TEST(RunOutputTest, AnInterruptionLeavesNothingBehind) {
+  const testing::TempDir dir;
+  RunOutput output(dir / "out");
+  testing::WriteFile(output / "half.json", "{");
+  ASSERT_FALSE(std::filesystem::is_empty(dir.path()));
+  RemoveUnfinishedOutputs();
+  EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
+}
+
+}  // namespace
+}  // namespace sonarcal
