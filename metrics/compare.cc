@@ -121,8 +121,8 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
                         fan_simulated, &map.inside());
   if (options_.keep_masks) {
-    metrics.masks.emplace(std::move(in_real.object), std::move(in_simulated.object), std::move(fan_real),
-                          std::move(fan_simulated));
+    metrics.masks = FrameMasks{std::move(in_real.object), std::move(in_simulated.object), std::move(fan_real),
+                               std::move(fan_simulated)};
   }
   return metrics;
 }

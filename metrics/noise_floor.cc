@@ -74,7 +74,8 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
                                : "no two consecutive real frames share a pose";
   }
   if (assumed_still) {
-    result.notes.push_back("no poses are recorded: consecutive real frames are taken to show a still scene");
+    result.notes.emplace_back(
+        "no poses are recorded: consecutive real frames are taken to show a still scene");
   }
   return result;
 }

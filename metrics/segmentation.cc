@@ -59,14 +59,14 @@ void CheckPixels(const Pixels& pixels) {
 cv::Mat1f CopyOfValidValues(const Pixels& pixels) {
   cv::Mat1f copy(pixels.value.rows(), pixels.value.cols());
   auto out = copy.begin();
-  for (std::size_t i = 0; i < pixels.value.size(); ++i)
+  for (std::size_t i = 0; i < pixels.value.size(); ++i) {
     *out++ = pixels.IsValid(i) ? pixels.value.values()[i] : 0.0f;
+  }
   return copy;
 }
 
 cv::Mat1f GaussianBlur(const cv::Mat1f& image, const SegmentationOptions& options) {
-  // OpenCV takes a standard deviation of zero for "same as the other one"; this small one leaves a single
-  // tap.
+  // OpenCV takes a standard deviation of zero for "as the other one"; this one leaves a single tap.
   constexpr double kNoBlur = 1e-3;
   cv::Mat1f blurred;
   cv::GaussianBlur(image, blurred, cv::Size(), options.blur_cols > 0.0 ? options.blur_cols : kNoBlur,
