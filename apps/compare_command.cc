@@ -79,6 +79,7 @@ HtmlReport MakeReport(const MetricsReport& metrics, const std::vector<FramePictu
   report.Paragraph(
       "Shown are the frames with the lowest, the middle and the highest intensity error; the "
       "pictures of all frames lie beside this page.");
+  AddPictureLegend(report);
   for (const FramePictures& frame : pictures) {
     AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
   }

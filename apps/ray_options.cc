@@ -87,9 +87,9 @@ std::string_view ToString(AbsorptionFormula formula) {
   return JsonWord(kAbsorptions, formula);
 }
 
-nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayFan& fan) {
+nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayGridSize& grid) {
   return {{"sampling", ToString(options.sampling)},
-          {"rays", fmt::format("{}x{}", fan.cols(), fan.rows())},
+          {"rays", fmt::format("{}x{}", grid.cols, grid.rows)},
           {"normals", ToString(options.normals)},
           {"absorption", ToString(options.absorption)},
           {"threads", options.threads}};

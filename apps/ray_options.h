@@ -42,7 +42,7 @@ std::string_view ToString(NormalSource normals);
 std::string_view ToString(AbsorptionFormula formula);
 
 // As resolved, for provenance: the grid is the one that is cast.
-nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayFan& fan);
+nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayGridSize& grid);
 
 // Holds the program to `threads` threads as long as it lives; 0 for all cores.
 class ThreadLimit {

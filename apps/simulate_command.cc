@@ -61,7 +61,7 @@ Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulato
   Json json = {{"scene", options.scene.string()},   {"sonar", options.sonar},
                {"params", options.params.string()}, {"poses", options.poses.string()},
                {"out", options.out.string()},       {"model", ToString(model)}};
-  json.update(RayOptionsJson(options.rays, simulator.fan()));
+  json.update(RayOptionsJson(options.rays, {simulator.fan().cols(), simulator.fan().rows()}));
   json.update(
       {{"bits", options.bits}, {"noise", options.noise}, {"fan", options.fan}, {"depth", options.depth}});
   return json;

@@ -17,9 +17,9 @@ std::string Text(const std::optional<double>& value) {
   return value ? FormatNumber(*value, kDecimals) : kNoValue;
 }
 
-std::string WithInterval(const Statistic& statistic) {
-  if (!statistic.ci) return Text(statistic.value);
-  return fmt::format("{} [{}, {}]", Text(statistic.value), FormatNumber(statistic.ci->lo, kDecimals),
+std::string IntervalText(const Statistic& statistic) {
+  if (!statistic.ci) return kNoValue;
+  return fmt::format("{} to {}", FormatNumber(statistic.ci->lo, kDecimals),
                      FormatNumber(statistic.ci->hi, kDecimals));
 }
 
@@ -141,23 +141,20 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
   return notes;
 }
 
-Table SummaryTable(const MetricsReport& metrics) {
-  const Aggregate& all = metrics.aggregate;
-  const IntensityDomain domain = metrics.options.intensity_domain;
+// Means over frames beside pooled figures, of one view.
+Table SummaryTable(const MetricsReport& metrics, const char* kind, const ViewSummary& macro,
+                   const ViewSummary& micro) {
+  const int frames = metrics.aggregate.frame_count;
   Table table{
-      .caption = fmt::format("Agreement over {} frame{}", all.frame_count, all.frame_count == 1 ? "" : "s"),
-      .columns = {{"Figure"},
-                  {"Polar, mean of frames"},
-                  {"Polar, pixels pooled"},
-                  {"Fan, mean of frames"},
-                  {"Fan, pixels pooled"}},
+      .caption = fmt::format("Agreement of the {} images, {} frame{}", kind, frames, frames == 1 ? "" : "s"),
+      .columns = {{"Figure"}, {"Mean of frames"}, {"95 %"}, {"Pixels pooled"}, {"95 %"}},
       .rows = {},
       .notes = TableNotes(metrics)};
   for (const Figure& figure : kFigures) {
+    const Statistic& mean = figure.of(macro, metrics.options.intensity_domain);
+    const Statistic& pooled = figure.of(micro, metrics.options.intensity_domain);
     table.rows.push_back(
-        {{figure.label, WithInterval(figure.of(all.macro.polar, domain)),
-          WithInterval(figure.of(all.micro.polar, domain)), WithInterval(figure.of(all.macro.fan, domain)),
-          WithInterval(figure.of(all.micro.fan, domain))}});
+        {{figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}});
   }
   return table;
 }
@@ -227,7 +224,9 @@ void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics) {
 }
 
 void AddMetricTables(HtmlReport& report, const MetricsReport& metrics) {
-  report.Add(SummaryTable(metrics));
+  const Aggregate& all = metrics.aggregate;
+  report.Add(SummaryTable(metrics, "polar", all.macro.polar, all.micro.polar));
+  report.Add(SummaryTable(metrics, "fan", all.macro.fan, all.micro.fan));
   report.Add(FrameTable(metrics));
   for (const std::string& note : metrics.notes) report.Callout(CalloutKind::kNote, "Note", note);
 }
@@ -235,40 +234,52 @@ void AddMetricTables(HtmlReport& report, const MetricsReport& metrics) {
 void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
                          const std::string& caption) {
   const IntensityDomain domain = after.options.intensity_domain;
-  Table table{.caption = caption,
-              .columns = {{"Figure"}, {"Polar, before"}, {"Polar, after"}, {"Fan, before"}, {"Fan, after"}},
-              .rows = {},
-              .notes = TableNotes(after)};
+  Table table{
+      .caption = caption,
+      .columns =
+          {{"Figure"}, {"Polar, before"}, {"Polar, after"}, {"95 %, after"}, {"Fan, before"}, {"Fan, after"}},
+      .rows = {},
+      .notes = TableNotes(after)};
   table.notes.insert(table.notes.begin(), "Means over frames.");
   for (const Figure& figure : kFigures) {
-    table.rows.push_back({{figure.label, WithInterval(figure.of(before.aggregate.macro.polar, domain)),
-                           WithInterval(figure.of(after.aggregate.macro.polar, domain)),
-                           WithInterval(figure.of(before.aggregate.macro.fan, domain)),
-                           WithInterval(figure.of(after.aggregate.macro.fan, domain))}});
+    const Statistic& polar = figure.of(after.aggregate.macro.polar, domain);
+    table.rows.push_back(
+        {{figure.label, Text(figure.of(before.aggregate.macro.polar, domain).value), Text(polar.value),
+          IntervalText(polar), Text(figure.of(before.aggregate.macro.fan, domain).value),
+          Text(figure.of(after.aggregate.macro.fan, domain).value)}});
   }
   report.Add(table);
 }
 
+void AddPictureLegend(HtmlReport& report) {
+  report.Paragraph(
+      "In an overlay blue is brighter in the recorded image and orange brighter in the simulated one; where "
+      "the "
+      "two agree it is grey. Object regions are blue where only the recorded image has an object, orange "
+      "where "
+      "only the simulated one has, and white where both have. Polar pictures run from the nearest range at "
+      "the "
+      "top to the farthest, fans from the sonar upwards.");
+}
+
 void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption) {
-  const std::vector<LegendEntry> legend = {{"#007fff", "overlay: brighter in the recorded image"},
-                                           {"#ff7f00", "overlay: brighter in the simulated image"},
-                                           {"#0072b2", "region: in the recorded image only"},
-                                           {"#e69f00", "region: in the simulated image only"},
-                                           {"#ebebeb", "region: in both"}};
-  const auto add = [&](const ViewPictures& view, const char* kind, const char* layout) {
+  const std::vector<LegendEntry> legend = {
+      {"#0072b2", "recorded only"}, {"#e69f00", "simulated only"}, {"#ebebeb", "both"}};
+  const auto add = [&](const ViewPictures& view, const char* kind) {
     const auto alt = [&](const char* what) {
-      return fmt::format("{} {} image of frame {}", what, kind, pictures.index);
+      return fmt::format("{}, {} view of frame {}", what, kind, pictures.index);
     };
-    report.Add(PictureRow{.caption = fmt::format("{}, {}. {}", caption, kind, layout),
-                          .pictures = {{view.real, "Recorded", alt("Recorded")},
-                                       {view.simulated, "Simulated", alt("Simulated")},
-                                       {view.overlay, "Overlay", alt("Superimposed")},
-                                       {view.regions, "Object regions", alt("Object regions in the")}},
-                          .columns = 4,
-                          .legend = legend});
+    report.Add(
+        PictureRow{.caption = fmt::format("{}, {} view.", caption, kind),
+                   .pictures = {{view.real, "Recorded", alt("Recorded image")},
+                                {view.simulated, "Simulated", alt("Simulated image")},
+                                {view.overlay, "Overlay", alt("Both images superimposed")},
+                                {view.regions, "Object regions", alt("Object regions of both images")}},
+                   .columns = 4,
+                   .legend = legend});
   };
-  add(pictures.polar, "polar", "Beams from left to right, range downwards from the nearest.");
-  add(pictures.fan, "fan", "Metres across and ahead; ahead is up.");
+  add(pictures.polar, "polar");
+  add(pictures.fan, "fan");
 }
 
 void AddMetricDefinitions(HtmlReport& report, const MetricsReport& metrics) {

@@ -24,6 +24,9 @@ void AddMetricTables(HtmlReport& report, const MetricsReport& metrics);
 void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
                          const std::string& caption);
 
+// What the colours of overlays and regions mean, once for all pictures that follow.
+void AddPictureLegend(HtmlReport& report);
+
 // Recorded, simulated, overlay and regions of one frame, polar and fan.
 void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption);
 

@@ -1,0 +1,215 @@
+#include "apps/fit_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/fit_recording.h"
+#include "apps/progress.h"
+#include "apps/provenance.h"
+#include "apps/report/comparison_section.h"
+#include "apps/report/fit_section.h"
+#include "apps/run_output.h"
+#include "data_io/atomic_output.h"
+#include "data_io/json_writer.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/scene_io.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+FitConfig ResolveConfig(const FitCommandOptions& options) {
+  FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
+  if (!options.free.empty()) config.free = options.free;
+  if (!options.fixed.empty()) config.fixed = options.fixed;
+  if (!options.held_out.empty()) config.held_out = options.held_out;
+  return config;
+}
+
+Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config, const RecordingFit& fit) {
+  Json bounds = Json::object();
+  for (const auto& [name, limits] : config.bounds) bounds[name] = {limits.first, limits.second};
+  Json json = {{"real", options.real.string()},
+               {"scene", options.scene.string()},
+               {"params", options.params.string()},
+               {"config", options.config.empty() ? Json(nullptr) : Json(options.config.string())},
+               {"out", options.out.string()},
+               {"free", config.free},
+               {"fixed", config.fixed},
+               {"bounds", bounds},
+               {"held_out", fit.fit.report.frames_held_out},
+               {"max_iterations", options.max_iterations},
+               {"starts", options.starts}};
+  json.update(RayOptionsJson(options.rays, fit.rays));
+  json.update(ComparisonOptionsJson(options.comparison));
+  return json;
+}
+
+std::string FitJson(const RecordingFit& fit) {
+  std::string extra;
+  if (fit.fit.usable) {
+    extra = fmt::format(R"("metrics_before": {}, "metrics_after": {})", MetricsJson(fit.before),
+                        MetricsJson(fit.after));
+  }
+  return FitReportJson(fit.fit.report, extra);
+}
+
+std::string FigureText(const Statistic& statistic) {
+  return statistic.value ? fmt::format("{:.3f}", *statistic.value) : "none";
+}
+
+// What a person wants to see in a terminal: what moved, how sure it is, and whether it helped.
+std::string SummaryText(const RecordingFit& fit, const std::string& recording,
+                        const std::filesystem::path& out) {
+  const FitReport& report = fit.fit.report;
+  std::string text =
+      fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
+                  fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
+                                         : "the same frames, as none is held out");
+  std::size_t width = 0;
+  for (const FittedParameter& p : report.parameters) width = std::max(width, p.name.size());
+  text += fmt::format("  {:<{}}  {:>9}  {:>9}  {:>8}  {}\n", "parameter", width, "initial", "fitted", "sigma",
+                      "unit");
+  int fixed = 0;
+  for (const FittedParameter& p : report.parameters) {
+    if (p.status == ParameterStatus::kFixed) {
+      ++fixed;
+      continue;
+    }
+    const std::string remark = p.status == ParameterStatus::kFree      ? std::string()
+                               : p.status == ParameterStatus::kAtBound ? "  at a bound"
+                                                                       : "  unidentifiable, held";
+    text += fmt::format("  {:<{}}  {:>9.4g}  {:>9.4g}  {:>8}  {}{}\n", p.name, width, p.initial, p.value,
+                        p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit, remark);
+  }
+  if (fixed > 0) text += fmt::format("  and {} fixed\n", fixed);
+
+  const IntensityDomain domain = fit.after.options.intensity_domain;
+  const Aggregate::Views& before = fit.before.aggregate.macro;
+  const Aggregate::Views& after = fit.after.aggregate.macro;
+  text += fmt::format("  {:<{}}  {:>9}  {:>9}\n", fit.judged_on_held_out ? "held-out frames" : "frames used",
+                      width, "before", "after");
+  const auto add = [&](const char* label, const Statistic& old, const Statistic& now) {
+    text += fmt::format("  {:<{}}  {:>9}  {:>9}\n", label, width, FigureText(old), FigureText(now));
+  };
+  add("intensity error, polar", before.polar.Over(domain).mean_absolute,
+      after.polar.Over(domain).mean_absolute);
+  add("intensity error, whole image", before.polar.whole.mean_absolute, after.polar.whole.mean_absolute);
+  add("intensity error, fan", before.fan.Over(domain).mean_absolute, after.fan.Over(domain).mean_absolute);
+  add("IoU", before.polar.iou, after.polar.iou);
+  text += fmt::format("{} rays traced in {:.1f} s, solved in {:.1f} s\n", report.rays_cast, report.trace_s,
+                      report.solve_s);
+  return text + fmt::format("report: {}\n", (out / "report.html").string());
+}
+
+HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const Json& provenance) {
+  HtmlReport report("Fit of a sonar's parameters", RecordingName(info));
+  AddSyntheticCallout(report, info.synthetic, RecordingName(info));
+  AddFitKeyFigures(report, fit);
+  report.Section("Before and after");
+  AddFitComparison(report, fit);
+  report.Section("Fitted values");
+  AddFittedValues(report, fit);
+  AddMetricDefinitions(report, fit.after);
+  report.Section("How this was made");
+  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
+  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  return report;
+}
+
+RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& recording, const FitConfig& config,
+                 const ParameterSet& initial) {
+  FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
+  fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
+  fit_options.fit.max_iterations = options.max_iterations;
+  fit_options.fit.starts = options.starts;
+  fit_options.fit.threads = options.rays.threads;
+  fit_options.fit.progress = [&](const std::string& line) { PrintNote(options.common, line); };
+  fit_options.on_note = [&](const std::string& sentence) { PrintNote(options.common, sentence); };
+  Progress progress("Tracing", recording.frame_count(), options.common);
+  fit_options.on_trace = [&](int frames_done, int) { progress.Update(frames_done); };
+  return FitRecording(recording, ReadGltf(options.scene), initial, fit_options);
+}
+
+}  // namespace
+
+ExitStatus RunFit(const FitCommandOptions& options) {
+  const ThreadLimit threads(options.rays.threads);
+  const FitConfig config = ResolveConfig(options);
+  const ParameterSet initial = ReadParameters(options.params);
+  const auto recording = OpenRecording(options.real);
+  RunOutput output(options.out);
+  const RecordingFit fit = Fit(options, *recording, config, initial);
+
+  Provenance provenance{.command = "fit",
+                        .configuration = ConfigurationJson(options, config, fit),
+                        .inputs = {options.real, options.scene, options.params}};
+  if (!options.config.empty()) provenance.inputs.push_back(options.config);
+  const std::string fit_json = FitJson(fit);
+  WriteFileWhole(output / "fit.json", fit_json);
+  WriteProvenance(output.staging(), provenance);
+  if (!fit.fit.usable) {
+    output.Commit();
+    PrintError(
+        fmt::format("the fit ended without a usable solution ({}); {} tells more, and no parameters were "
+                    "written",
+                    fit.fit.report.termination.empty() ? "nothing could be told from the frames"
+                                                       : fit.fit.report.termination,
+                    (options.out / "fit.json").string()));
+    return ExitStatus::kNoSolution;
+  }
+  WriteParameters(output / "params.json", fit.fit.parameters);
+  MakeReport(fit, recording->info(), ProvenanceToJson(provenance)).Write(output / "report.html");
+  output.Commit();
+
+  if (options.common.json) {
+    PrintJson(Json::parse(fit_json));
+  } else {
+    PrintResult(SummaryText(fit, RecordingName(recording->info()), options.out));
+  }
+  return ExitStatus::kDone;
+}
+
+void SetupFit(CLI::App& app) {
+  auto options = std::make_shared<FitCommandOptions>();
+  CLI::App* command = AddCommand(app, "fit", "Fits the paper model's parameters to a recording with poses");
+  command->add_option("--real", options->real, "Recording to fit to; each frame needs a pose")
+      ->type_name("REC")
+      ->required();
+  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")
+      ->type_name("GLTF")
+      ->required();
+  command->add_option("--params", options->params, "Parameters to start from")->type_name("JSON")->required();
+  command->add_option("--out", options->out, "Folder for parameters, fit and report")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--config", options->config, "What is free, its bounds, and which frames are held out")
+      ->type_name("JSON");
+  const auto add_list = [&](const char* name, auto& list, const char* description, const char* type) {
+    command->add_option(name, list, description)->delimiter(',')->type_name(type)->allow_extra_args(false);
+  };
+  add_list("--held-out", options->held_out,
+           "Frames the fit does not see, counted from 0 (default: the last third)", "N,N");
+  add_list("--free", options->free,
+           "What is fitted: materials, display, jitter, source_level, or names with * (default: materials, "
+           "display.db_max and the range and azimuth errors)",
+           "NAME,NAME");
+  add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
+           "NAME,NAME");
+  AddRayOptions(*command, options->rays);
+  command->add_option("--max-iterations", options->max_iterations, "Iterations of each solve at most")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100000).description(""));
+  command->add_option("--starts", options->starts, "Backscatter curves to start from, the best is kept")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100).description(""));
+  AddComparisonOptions(*command, options->comparison);
+  OnRun(command, options->common, [options] { return RunFit(*options); });
+}
+
+}  // namespace sonarcal

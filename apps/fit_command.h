@@ -1,0 +1,36 @@
+// `sonarcal fit`: parameters of the paper model, fitted to a recording with poses.
+//
+// Written: params.json (as fitted), fit.json (calib/fit_report.h, with metrics_before and metrics_after, each
+// in the form of metrics.json), report.html. A fit without a usable solution writes fit.json alone.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "apps/comparison_options.h"
+#include "apps/ray_options.h"
+
+namespace sonarcal {
+
+struct FitCommandOptions {
+  CommonOptions common;
+  std::filesystem::path real;
+  std::filesystem::path scene;
+  std::filesystem::path params;
+  std::filesystem::path out;
+  std::filesystem::path config;  // empty for none
+  // Where not empty, each wins over the configuration's.
+  std::vector<std::string> free;
+  std::vector<std::string> fixed;
+  std::vector<int> held_out;
+  RayOptions rays{Sampling::kBeams};
+  int max_iterations = 100;
+  int starts = 4;
+  ComparisonOptions comparison;
+};
+
+ExitStatus RunFit(const FitCommandOptions& options);
+
+}  // namespace sonarcal

@@ -1,0 +1,58 @@
+// A fit of the paper model to a recording, start to end: trace, fit, and judge on frames the fit did not see.
+// What `fit` writes as files, and other commands report.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/compare_recordings.h"
+#include "apps/comparison_pictures.h"
+#include "apps/ray_options.h"
+#include "calib/fit.h"
+#include "data_io/types/recording.h"
+#include "data_io/types/scene.h"
+
+namespace sonarcal {
+
+struct FitRecordingOptions {
+  RayOptions rays{Sampling::kBeams};
+  FitConfig config;
+  FitOptions fit;
+  CompareOptions comparison;
+  // Pixels the fit looks at, range_bins x beams; absent: all. For what the scene does not contain.
+  std::optional<Mask> pixels = {};
+  bool pictures = true;                                                   // of a few frames
+  std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
+  std::function<void(const std::string& sentence)> on_note = {};          // what a user should not miss
+};
+
+// Incidence angles at which a material is seen in the frames used, but for its rarest 0.1 % at either end.
+struct IncidenceRange {
+  double low_deg = 0.0;
+  double high_deg = 0.0;
+};
+
+struct RecordingFit {
+  RayGridSize rays;  // as cast
+  FitResult fit;     // its report complete: frames, rays, times
+  ParameterSet initial;
+  std::map<std::string, IncidenceRange> seen;  // by material; absent: not seen
+  // Expected images against recorded ones, with the initial and the fitted parameters. Of the held-out
+  // frames; of the frames used where none is held out.
+  bool judged_on_held_out = true;
+  MetricsReport before;
+  MetricsReport after;
+  std::vector<FramePictures> pictures_before;  // of the same frames as those after
+  std::vector<FramePictures> pictures_after;
+};
+
+// Needs a pose with every frame. Throws DataError where the recording, the scene or the parameters can't be
+// used for a fit; an end without a usable solution is no error but `fit.usable`, and is not judged.
+RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
+                          const FitRecordingOptions& options);
+
+}  // namespace sonarcal

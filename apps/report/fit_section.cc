@@ -1,0 +1,259 @@
+#include "apps/report/fit_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "apps/report/comparison_section.h"
+#include "apps/report/html_text.h"
+#include "sim/physics/gsab.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kCurveStepDeg = 0.5;
+// Curves fall without end towards 90 degrees; below this many decibels under their top they tell nothing.
+constexpr double kCurveDepthDb = 60.0;
+constexpr double kStrongCorrelation = 0.9;
+constexpr std::size_t kCorrelationsShown = 8;
+
+std::string Value(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
+}
+
+const char* StatusText(ParameterStatus status) {
+  switch (status) {
+    case ParameterStatus::kFree:
+      return "fitted";
+    case ParameterStatus::kFixed:
+      return "fixed";
+    case ParameterStatus::kUnidentifiable:
+      return "unidentifiable: held";
+    case ParameterStatus::kAtBound:
+      return "at a bound";
+  }
+  return "";
+}
+
+RowStyle StyleOf(ParameterStatus status) {
+  return status == ParameterStatus::kFree || status == ParameterStatus::kAtBound ? RowStyle::kPlain
+                                                                                 : RowStyle::kMuted;
+}
+
+// "material.floor" for "material.floor.gsab.A", "display" for "display.db_min".
+std::string GroupOf(const std::string& name) {
+  if (name.starts_with("material.")) return name.substr(0, name.rfind(".gsab."));
+  const std::size_t dot = name.find('.');
+  return dot == std::string::npos ? name : name.substr(0, dot);
+}
+
+Table ValueTable(const FitReport& fit) {
+  Table table{
+      .caption = "Parameters",
+      .columns = {{"Parameter"},
+                  {"Initial"},
+                  {"Value"},
+                  {"Sigma"},
+                  {"Unit", "", false},
+                  {"Bounds", "", false},
+                  {"Status", "", false}},
+      .rows = {},
+      .notes = {"Sigma: one standard deviation, from leaving out one block of neighbouring pixels after "
+                "another, so that speckle and errors that neighbours share are not counted as "
+                "independent. It tells what the data allow within this model, not how wrong the model is."}};
+  std::string group;
+  for (const FittedParameter& p : fit.parameters) {
+    if (GroupOf(p.name) != group) {
+      group = GroupOf(p.name);
+      table.rows.push_back({{group}, RowStyle::kGroup});
+    }
+    table.rows.push_back({{p.name, Value(p.initial), Value(p.value), p.sigma ? Value(*p.sigma) : "–", p.unit,
+                           fmt::format("{:g} to {:g}", p.lower, p.upper), StatusText(p.status)},
+                          StyleOf(p.status)});
+  }
+  return table;
+}
+
+ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab, int colour,
+                    SeriesStyle style, const std::optional<IncidenceRange>& only_within) {
+  ChartSeries series{.name = name, .x = {}, .y = {}, .style = style, .colour = colour};
+  for (double incidence_deg = 0.0; incidence_deg <= 90.0; incidence_deg += kCurveStepDeg) {
+    const bool shown =
+        !only_within || (incidence_deg >= only_within->low_deg && incidence_deg <= only_within->high_deg);
+    series.x.push_back(incidence_deg);
+    series.y.push_back(shown ? GsabDb(gsab, incidence_deg) : std::numeric_limits<double>::quiet_NaN());
+  }
+  return series;
+}
+
+void ClipBelow(std::vector<ChartSeries>& all) {
+  double top_db = -std::numeric_limits<double>::infinity();
+  for (const ChartSeries& series : all) {
+    for (const double y : series.y) top_db = std::isfinite(y) ? std::max(top_db, y) : top_db;
+  }
+  for (ChartSeries& series : all) {
+    for (double& y : series.y) {
+      if (y < top_db - kCurveDepthDb) y = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+LineChart CurveChart(const std::string& material, const RecordingFit& fit) {
+  LineChart chart{.title = material,
+                  .x = {.label = "incidence", .unit = "deg", .min = 0.0, .max = 90.0},
+                  .y = {.label = "backscatter", .unit = "dB"},
+                  .series = {},
+                  .alt = "Backscatter of " + material + " against incidence, before and after the fit"};
+  const GsabParameters<double>& fitted = fit.fit.parameters.Material(material).gsab;
+  chart.series.push_back(
+      CurveOf("initial", fit.initial.Material(material).gsab, 1, SeriesStyle::kDashed, {}));
+  const auto seen = fit.seen.find(material);
+  if (seen != fit.seen.end()) {
+    chart.series.push_back(CurveOf("fitted, angles seen", fitted, 0, SeriesStyle::kLine, seen->second));
+    chart.series.push_back(CurveOf("fitted, not seen", fitted, 0, SeriesStyle::kDashed, {}));
+  }
+  ClipBelow(chart.series);
+  return chart;
+}
+
+void AddCorrelations(HtmlReport& report, const FitReport& fit) {
+  struct Pair {
+    double correlation;
+    std::string names;
+  };
+  std::vector<Pair> strong;
+  for (Eigen::Index i = 0; i < fit.correlation.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double correlation = fit.correlation(i, j);
+      if (!(std::abs(correlation) >= kStrongCorrelation)) continue;
+      strong.push_back(
+          {correlation, fmt::format("{} and {}", fit.correlation_names[static_cast<std::size_t>(j)],
+                                    fit.correlation_names[static_cast<std::size_t>(i)])});
+    }
+  }
+  if (strong.empty()) return;
+  std::sort(strong.begin(), strong.end(),
+            [](const Pair& a, const Pair& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+  report.Paragraph(
+      fmt::format("Values that trade off against each other ({} pair{} with a correlation of {} or "
+                  "more; the whole matrix is in fit.json):",
+                  strong.size(), strong.size() == 1 ? "" : "s", kStrongCorrelation));
+  std::vector<std::string> items;
+  for (const Pair& pair : strong) {
+    if (items.size() == kCorrelationsShown) break;
+    items.push_back(fmt::format("{}: {}", pair.names, FormatNumber(pair.correlation, 2)));
+  }
+  report.List(items);
+}
+
+std::string JudgedText(const RecordingFit& fit) {
+  if (!fit.judged_on_held_out) {
+    return "No frame was held out: the figures below are of the frames the fit has seen, and flatter it.";
+  }
+  return fmt::format(
+      "The fit saw frames {} and was judged on frames {}, which it did not see. Recorded frames are compared "
+      "with "
+      "the expected image, the mean over range and azimuth errors, as grey levels are displayed.",
+      FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out));
+}
+
+}  // namespace
+
+std::string FrameList(const std::vector<int>& frames) {
+  if (frames.empty()) return "none";
+  std::string text = fmt::format("{}", frames.front());
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    text += fmt::format("{}{}", i + 1 == frames.size() ? " and " : ", ", frames[i]);
+  }
+  return text;
+}
+
+void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit) {
+  const IntensityDomain domain = fit.after.options.intensity_domain;
+  const auto figure = [](const char* label, const Statistic& before, const Statistic& after) {
+    const auto text = [](const Statistic& s) { return s.value ? FormatNumber(*s.value, 3) : "–"; };
+    return KeyFigure{
+        .label = label, .value = text(after), .unit = {}, .note = "was " + text(before) + " before the fit"};
+  };
+  const Aggregate::Views& before = fit.before.aggregate.macro;
+  const Aggregate::Views& after = fit.after.aggregate.macro;
+  const auto& parameters = fit.fit.report.parameters;
+  const auto fitted = std::count_if(parameters.begin(), parameters.end(), [](const FittedParameter& p) {
+    return p.status == ParameterStatus::kFree || p.status == ParameterStatus::kAtBound;
+  });
+  report.KeyFigures({figure("Intensity error, polar", before.polar.Over(domain).mean_absolute,
+                            after.polar.Over(domain).mean_absolute),
+                     figure("Intensity error, fan", before.fan.Over(domain).mean_absolute,
+                            after.fan.Over(domain).mean_absolute),
+                     figure("IoU of the object regions", before.polar.iou, after.polar.iou),
+                     {.label = "Parameters fitted",
+                      .value = fmt::format("{}", fitted),
+                      .unit = {},
+                      .note = fmt::format("on {} frames", fit.fit.report.frames_used.size())}});
+}
+
+void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
+  if (fit.judged_on_held_out) {
+    report.Paragraph(JudgedText(fit));
+  } else {
+    report.Callout(CalloutKind::kLimit, "Not judged on unseen frames", JudgedText(fit));
+  }
+  AddBeforeAfterTable(report, fit.before, fit.after,
+                      fit.judged_on_held_out ? "Before and after the fit, on frames it did not see"
+                                             : "Before and after the fit, on the frames it used");
+  AddPictureLegend(report);
+  for (std::size_t i = 0; i < fit.pictures_after.size(); ++i) {
+    const std::string frame = fmt::format("Frame {}", fit.pictures_after[i].index);
+    if (i < fit.pictures_before.size()) {
+      AddFramePictures(report, fit.pictures_before[i], frame + ", before the fit");
+    }
+    AddFramePictures(report, fit.pictures_after[i], frame + ", after the fit");
+  }
+}
+
+void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
+  const FitReport& result = fit.fit.report;
+  for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
+  if (!result.unidentifiable_directions.empty()) {
+    report.Callout(CalloutKind::kLimit, "What these frames leave open",
+                   "The values below could not be told from the frames used. They were held, and no sigma is "
+                   "given for them.");
+    report.List(result.unidentifiable_directions);
+  }
+  report.Add(ValueTable(result));
+  AddCorrelations(report, result);
+
+  std::vector<LineChart> charts;
+  std::vector<std::string> unseen;
+  for (const auto& [material, parameters] : fit.fit.parameters.materials) {
+    if (fit.seen.contains(material)) {
+      charts.push_back(CurveChart(material, fit));
+    } else if (material != "default") {
+      unseen.push_back(material);
+    }
+  }
+  report.Subsection("Backscatter curves");
+  if (!charts.empty()) {
+    report.Add(charts,
+               "Backscatter of each material before and after the fit. Solid where the frames used show "
+               "the material at that incidence; dashed where the curve is only continued.");
+  }
+  for (const std::string& material : unseen)
+    report.Paragraph("Not seen in the frames used: " + material + ".");
+
+  report.Subsection("Residuals and run");
+  report.Facts(
+      {{"Residual, mean", fmt::format("{:.5f} of full scale", result.raw.mean)},
+       {"Residual, spread", fmt::format("{:.5f} of full scale", result.raw.spread)},
+       {"Cost", fmt::format("{:.6g} before, {:.6g} after", result.cost_initial, result.cost_final)},
+       {"Iterations", fmt::format("{}", result.iterations)},
+       {"Ended", result.termination},
+       {"Rays cast", fmt::format("{}, all before the fit", result.rays_cast)},
+       {"Time", fmt::format("{:.1f} s to trace, {:.1f} s to solve", result.trace_s, result.solve_s)}});
+}
+
+}  // namespace sonarcal
