@@ -70,7 +70,8 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   options.Check();
   const FanHits hits = caster.Cast(fan, world_from_sonar, axes.range_max_m);
   const auto is_echo = [&](std::size_t ray) {
-    return hits.triangle[ray] >= 0 && hits.range_m[ray] >= axes.range_min_m &&
+    // A ray that starts on a surface meets it at range 0, where the loss has no value.
+    return hits.triangle[ray] >= 0 && hits.range_m[ray] > 0.0F && hits.range_m[ray] >= axes.range_min_m &&
            hits.range_m[ray] < axes.range_max_m;
   };
 
