@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "data_io/aris_beam_tables.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/physics/absorption.h"
@@ -32,10 +33,28 @@ SonarPreset P900() {
           .water = water};
 }
 
+// The window is that of the recorded frames of data_io/aris3000_frames_io.h.
+SonarPreset Aris3000() {
+  const Water water{.temperature_c = 15.0, .salinity_ppt = 0.0, .ph = 7.0, .depth_m = 1.0};
+  const auto centres_deg = ArisBeamCentresDeg(ArisSystem::kAris3000, 128, ArisLens::kStandard);
+  return {.name = "aris3000",
+          .source =
+              "Sound Metrics ARIS Explorer 3000 at 3.0 MHz, 30 x 15 degrees, 128 beams of the maker's table; "
+              "range window and bins inferred from frames of the DFKI UXO data set; assumed: beam width "
+              "0.25 degrees, fresh water of 15 C",
+          .sonar = {.name = "ARIS Explorer 3000",
+                    .frequency_hz = 3.0e6,
+                    .axes = {0.690, 2.998, 780, ArisAzimuthsRad(centres_deg)},
+                    .azimuth_beam_width_deg = 0.25,
+                    .elevation_beam_width_deg = 15.0,
+                    .sound_speed_m_per_s = BilaniukWongSoundSpeed(water.temperature_c)},
+          .water = water};
+}
+
 }  // namespace
 
 const std::vector<SonarPreset>& SonarPresets() {
-  static const std::vector<SonarPreset> presets = {P900()};
+  static const std::vector<SonarPreset> presets = {P900(), Aris3000()};
   return presets;
 }
 
