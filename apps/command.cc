@@ -46,7 +46,7 @@ void TidyUpOnSignals() {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
     RemoveUnfinishedOutputs();
-    std::cerr << "\nsonarcal: interrupted, nothing was written" << std::endl;
+    std::cerr << "\nsonarcal: interrupted, unfinished outputs were removed" << std::endl;
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
     std::raise(signal);
