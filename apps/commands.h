@@ -6,10 +6,11 @@
 
 namespace sonarcal {
 
-void SetupSimulate(CLI::App& app);  // apps/simulate_command.h
-void SetupCompare(CLI::App& app);   // apps/compare_command.h
-void SetupFit(CLI::App& app);       // apps/fit_command.h
-void SetupInspect(CLI::App& app);   // apps/inspect_command.h
-void SetupConvert(CLI::App& app);   // apps/convert_command.h
+void SetupReproduce(CLI::App& app);  // apps/reproduce_command.h
+void SetupSimulate(CLI::App& app);   // apps/simulate_command.h
+void SetupCompare(CLI::App& app);    // apps/compare_command.h
+void SetupFit(CLI::App& app);        // apps/fit_command.h
+void SetupInspect(CLI::App& app);    // apps/inspect_command.h
+void SetupConvert(CLI::App& app);    // apps/convert_command.h
 
 }  // namespace sonarcal

@@ -75,7 +75,14 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     }
     FrameMetrics metrics;
     try {
-      metrics = comparer.Compare(real_frame.image, simulated_frame.image);
+      const auto region = options.regions.find(index);
+      if (region == options.regions.end()) {
+        metrics = comparer.Compare(real_frame.image, simulated_frame.image);
+      } else {
+        CompareOptions of_frame = report.options;
+        of_frame.region = region->second;
+        metrics = CompareFrames(real_frame.image, simulated_frame.image, of_frame);
+      }
     } catch (const DataError& error) {
       throw DataError("{} against {}, frame {}: {}", real.info().source, simulated.info().source, index,
                       error.what());

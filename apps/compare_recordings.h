@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct CompareRecordingsOptions {
   bool noise_floor = true;  // measure it, which compares the real recording with itself
   // To compare, same number in both; empty: all, and both must have as many.
   std::vector<int> frames = {};
+  // Where the object may be, by frame; frames without one take compare.region.
+  std::map<int, Mask> regions = {};
   std::function<void(int frames_done)> progress = {};
 };
 

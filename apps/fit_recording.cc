@@ -114,6 +114,28 @@ MetricsReport Judge(const RecordingSource& recording, const ExpectedRecording& e
       });
 }
 
+// By frame, a box around the pixels that show a material.
+std::map<int, Mask> RegionsAround(const std::string& material, const std::vector<EchoHistogram>& echoes,
+                                  const std::vector<std::string>& material_names, const PolarAxes& axes) {
+  constexpr int kMarginBins = 12;
+  constexpr int kMarginBeams = 12;
+  const auto found = std::find(material_names.begin(), material_names.end(), material);
+  if (found == material_names.end()) throw DataError("the scene has no material '{}'", material);
+  const auto index = static_cast<std::uint32_t>(found - material_names.begin());
+  std::map<int, Mask> regions;
+  for (std::size_t frame = 0; frame < echoes.size(); ++frame) {
+    Mask shows(axes.range_bins, axes.beam_count());
+    for (const EchoHistogram::Cell& cell : echoes[frame].cells) {
+      for (std::uint32_t entry = cell.first_entry; entry < cell.last_entry; ++entry) {
+        if (echoes[frame].entries[entry].node / kIncidenceNodes == index)
+          shows(cell.row / kRangeSteps, cell.col) = 1;
+      }
+    }
+    regions[static_cast<int>(frame)] = BoxAround(shows, kMarginBins, kMarginBeams);
+  }
+  return regions;
+}
+
 }  // namespace
 
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
@@ -143,7 +165,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     frames.push_back({.index = index,
                       .echoes = echoes[index],
                       .measured = MeasuredForFit(recording.ReadFrame(index).image)});
-    if (options.pixels) frames.back().use.assign(options.pixels->values().begin(), options.pixels->values().end());
+    if (options.pixels)
+      frames.back().use.assign(options.pixels->values().begin(), options.pixels->values().end());
   }
   const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   const std::vector<std::string>& materials = simulator.caster().material_names();
@@ -166,6 +189,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const ExpectedRecording after(recording, echoes, geometry, materials, result.fit.parameters,
                                 "fitted parameters");
   CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
+  if (!options.object_material.empty()) {
+    judge.regions = RegionsAround(options.object_material, echoes, materials, sonar.axes);
+  }
   judge.frames = result.judged_on_held_out ? split.held_out : split.used;
   result.after = Judge(recording, after, judge);
   judge.noise_floor = false;

@@ -25,6 +25,9 @@ struct FitRecordingOptions {
   CompareOptions comparison;
   // Pixels the fit looks at, range_bins x beams; absent: all. For what the scene does not contain.
   std::optional<Mask> pixels = {};
+  // Where it is set, the object is looked for in a box around what this material shows, not in the whole
+  // image.
+  std::string object_material = {};
   bool pictures = true;                                                   // of a few frames
   std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
   std::function<void(const std::string& sentence)> on_note = {};          // what a user should not miss

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <thread>
 
 #include "calib/identifiability.h"
@@ -31,6 +32,7 @@ constexpr std::array<StartShape, 3> kStartShapes = {
 
 // Relative change of cost at which a trial start is told from another.
 constexpr double kRoughTolerance = 1e-5;
+constexpr int kRoughIterations = 20;
 
 // The state of a fit while it runs: what is still free, and why the rest is not.
 class Fitter {
@@ -64,14 +66,14 @@ class Fitter {
     const auto start = std::chrono::steady_clock::now();
     SolveFromSeveralStarts();
     bool usable = false;
-    // Each round freezes one parameter that the data leave open, so there are at most as many as parameters.
+    // Each round but the last freezes at least one parameter, so there are at most as many as parameters.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {
       Activate();
       if (state_.active.empty()) break;
-      usable = Solve(options_.function_tolerance);
+      usable = Solve(options_.function_tolerance, options_.max_iterations);
       if (!usable) break;
       OrderGaussians();
-      if (!FreezeLeastDetermined()) break;
+      if (!FreezeUndetermined()) break;
     }
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     Finish();
@@ -212,7 +214,7 @@ class Fitter {
       Activate();
       if (state_.active.empty()) return;
       Say(fmt::format("start {} of {}", start + 1, options_.starts));
-      if (!Solve(kRoughTolerance)) continue;
+      if (!Solve(kRoughTolerance, std::min(kRoughIterations, options_.max_iterations))) continue;
       report_.start_costs.push_back(report_.cost_final);
       if (report_.cost_final < best_cost) {
         best_cost = report_.cost_final;
@@ -233,13 +235,13 @@ class Fitter {
     }
   }
 
-  bool Solve(double function_tolerance) {
+  bool Solve(double function_tolerance, int max_iterations) {
     Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), frames_.size(),
                     frames_.size() == 1 ? "" : "s"));
     std::vector<double> coordinates = state_.Coordinates();
     const auto problem = BuildProblem(frames_, geometry_, state_, coordinates);
     ceres::Solver::Options solver;
-    solver.max_num_iterations = options_.max_iterations;
+    solver.max_num_iterations = max_iterations;
     solver.function_tolerance = function_tolerance;
     solver.num_threads =
         options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
@@ -289,32 +291,40 @@ class Fitter {
     return Accumulate(*problem, geometry_, frames_, options_, &report_.raw);
   }
 
-  // Freezes one parameter and returns true, or returns false where all are determined.
-  bool FreezeLeastDetermined() {
-    const NormalEquations equations = AccumulateInterior();
-    if (interior_.empty()) return false;
-    Eigen::VectorXd steps(interior_.size());
+  // Freezes what the data leave open, one parameter after the other until the rest is determined; false where
+  // all are. The sums are those of one point: the rest is solved again before it is believed.
+  bool FreezeUndetermined() {
+    NormalEquations equations = AccumulateInterior();
+    std::vector<int> rest = interior_;
+    while (!rest.empty()) {
+      const auto open = Undetermined(equations, rest);
+      if (!open) break;
+      Freeze(rest[open->parameter],
+             fmt::format("{} (held: {})", open->description, catalog_[rest[open->parameter]].name));
+      equations = HoldParameter(equations, open->parameter);
+      rest.erase(rest.begin() + open->parameter);
+    }
+    return rest.size() < interior_.size();
+  }
+
+  // The next parameter to hold, as an index into `indices`: one that makes the information singular, or whose
+  // sigma is larger than a surprising step. Leaves the covariance of all behind where there is none.
+  std::optional<OpenDirection> Undetermined(const NormalEquations& equations,
+                                            const std::vector<int>& indices) {
+    Eigen::VectorXd steps(indices.size());
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < interior_.size(); ++i) {
-      steps(static_cast<Eigen::Index>(i)) = catalog_[interior_[i]].typical_step;
-      names.push_back(catalog_[interior_[i]].name);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      steps(static_cast<Eigen::Index>(i)) = catalog_[indices[i]].typical_step;
+      names.push_back(catalog_[indices[i]].name);
     }
-    if (const auto open = LeastDetermined(equations, steps, names)) {
-      Freeze(interior_[open->parameter],
-             fmt::format("{} (held: {})", open->description, names[open->parameter]));
-      return true;
-    }
+    if (auto open = LeastDetermined(equations, steps, names)) return open;
     covariance_ = JackknifeCovariance(equations);
-    const Eigen::VectorXd sigma_in_steps = covariance_.diagonal().cwiseSqrt().cwiseQuotient(steps);
+    // A sigma that is not a number, where one block alone determines a parameter, counts as undetermined.
+    const Eigen::VectorXd sigma_in_steps = covariance_.diagonal().cwiseSqrt().cwiseQuotient(steps).unaryExpr(
+        [](double sigma) { return std::isfinite(sigma) ? sigma : std::numeric_limits<double>::max(); });
     Eigen::Index worst = 0;
-    // A NaN, where one block alone determines a parameter, counts as undetermined.
-    if (sigma_in_steps.unaryExpr([](double s) { return std::isfinite(s) ? s : 1e9; }).maxCoeff(&worst) <=
-        1.0) {
-      return false;
-    }
-    Freeze(interior_[worst], fmt::format("{} (held: its sigma is {:.1f} times a surprising step)",
-                                         names[worst], sigma_in_steps(worst)));
-    return true;
+    if (sigma_in_steps.maxCoeff(&worst) <= 1.0) return std::nullopt;
+    return OpenDirection{static_cast<int>(worst), names[worst] + ", whose sigma exceeds a surprising step"};
   }
 
   void Finish() {

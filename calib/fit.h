@@ -25,8 +25,8 @@ struct FitFrame {
   int index = 0;  // in the recording
   EchoHistogram echoes;
   std::vector<double> measured;  // range_bins x beams, 0..1 of full scale
-  std::vector<std::uint8_t>
-      use;  // 1 for the pixels that count; empty: all. For what the scene does not contain
+  // 1 for the pixels that count; empty: all. For what the scene does not contain.
+  std::vector<std::uint8_t> use = {};
 };
 
 // Values of an image as a fit wants them. Throws DataError where they are not grey levels.

@@ -16,6 +16,20 @@ constexpr double kNamedShare = 0.3;
 
 }  // namespace
 
+NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
+  std::vector<int> kept;
+  for (int i = 0; i < equations.information.rows(); ++i) {
+    if (i != parameter) kept.push_back(i);
+  }
+  NormalEquations held = equations;
+  held.information = equations.information(kept, kept);
+  for (std::size_t i = 0; i < equations.blocks.size(); ++i) {
+    held.blocks[i].information = equations.blocks[i].information(kept, kept);
+    held.blocks[i].score = equations.blocks[i].score(kept);
+  }
+  return held;
+}
+
 std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
                                              const Eigen::VectorXd& typical_step,
                                              const std::vector<std::string>& names) {

@@ -21,6 +21,9 @@ struct NormalEquations {
   long residual_count = 0;
 };
 
+// The sums of the problem in which one parameter is held.
+NormalEquations HoldParameter(const NormalEquations& equations, int parameter);
+
 struct OpenDirection {
   int parameter = 0;        // the one that takes part most
   std::string description;  // in words

@@ -1,0 +1,51 @@
+// The paper's tank comparison (Park 2024, Section 6), start to end, on a synthetic recording: the paper's own
+// were never published. The recorded side comes from another image formation than the one fitted: power of
+// scatterers of random phase summed coherently through beam and pulse, over receiver noise, behind a
+// logarithmic display.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/fit_recording.h"
+#include "sim/scenes.h"
+
+namespace sonarcal {
+
+inline constexpr int kTankDataSets = 3;
+
+struct TankComparisonOptions {
+  PaperSize size = PaperSize::kTable5;
+  std::uint64_t seed = 1;
+  int threads = 0;
+  bool quick = false;  // few rays and one start: to try the way, not for figures
+  CompareOptions comparison;
+  std::function<void(int done, int in_all)> on_frame = {};  // of the recording, as it is made
+  std::function<void(const std::string& line)> on_note = {};
+};
+
+// Figures of one of the paper's three data sets, over its held-out frames.
+struct TankDataSet {
+  std::vector<int> frames;
+  Aggregate before;
+  Aggregate after;
+  double simulation_time_s = 0.0;  // mean of its frames, paper model at the paper's 1500 x 1200 rays
+};
+
+struct TankComparison {
+  Scene scene;
+  ParameterSet truth;    // of the synthetic recording (acoustic model)
+  ParameterSet initial;  // the paper's Tables 4 and 5
+  std::unique_ptr<MemoryRecording> recording;
+  RecordingFit fit;
+  std::array<TankDataSet, kTankDataSets> data_sets;
+  RayGridSize paper_rays;
+};
+
+// Throws DataError where the fit has no usable solution.
+TankComparison CompareTank(const TankComparisonOptions& options);
+
+}  // namespace sonarcal

@@ -1,0 +1,195 @@
+#include "apps/reproduce_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "apps/commands.h"
+#include "apps/progress.h"
+#include "apps/provenance.h"
+#include "apps/ray_options.h"
+#include "apps/reproduce/reproduce_report.h"
+#include "apps/run_output.h"
+#include "data_io/atomic_output.h"
+#include "data_io/image_io.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/picture.h"
+#include "data_io/recording_io.h"
+#include "data_io/scene_io.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kBombFolder = "aris3000_uxo";
+constexpr const char* kShown[][2] = {
+    {"ARIS 1200 with telephoto lens, a river", "aris1200_telephoto/sample.aris"},
+    {"DIDSON, a ship's hull", "didson_hull/test"},
+    {"DIDSON, target-free background", "didson_hull/background"},
+    {"Oculus, one ping", "oculus_m1200d/one_ping_8bit.raw"}};
+
+std::filesystem::path RecordingsFolder(const ReproduceOptions& options) {
+  if (!options.recordings.empty()) {
+    if (!std::filesystem::is_directory(options.recordings)) {
+      throw UsageError("--recordings {}: no such folder", options.recordings.string());
+    }
+    return options.recordings;
+  }
+  const char* variable = std::getenv("SONARCAL_RECORDINGS");
+  return variable != nullptr && *variable != '\0' ? std::filesystem::path(variable) : "recordings";
+}
+
+ShownRecording Show(const std::string& name, const std::filesystem::path& path) {
+  ShownRecording shown{.name = name, .failure = {}, .info = {}, .polar_png = {}, .fan_png = {}};
+  try {
+    const auto recording = OpenRecording(path);
+    const PolarImage image = recording->ReadFrame(0).image;
+    shown.info = recording->info();
+    shown.frame_count = recording->frame_count();
+    shown.polar_png = EncodePng(StretchPolar(Colorize(image)));
+    shown.fan_png = EncodePng(Colorize(FanMap(image.axes).Apply(image)));
+  } catch (const DataError& error) {
+    shown.failure = error.what();
+  }
+  return shown;
+}
+
+std::string SummaryText(const Reproduction& reproduction, const std::filesystem::path& out) {
+  const auto figure = [](const Statistic& s) {
+    return s.value ? fmt::format("{:.2f}", *s.value) : std::string("none");
+  };
+  std::string text = fmt::format("{:<44}  {:>8}  {:>8}\n", "held-out frames, means", "before", "after");
+  const auto add = [&](const std::string& name, const Statistic& before, const Statistic& after) {
+    text += fmt::format("{:<44}  {:>8}  {:>8}\n", name, figure(before), figure(after));
+  };
+  const auto add_views = [&](const std::string& name, const RecordingFit& fit) {
+    const ViewSummary& before = fit.before.aggregate.macro.polar;
+    const ViewSummary& after = fit.after.aggregate.macro.polar;
+    const IntensityDomain domain = fit.after.options.intensity_domain;
+    add(name + ", IoU", before.iou, after.iou);
+    add(name + ", intensity error", before.Over(domain).mean_absolute, after.Over(domain).mean_absolute);
+  };
+  add_views("paper's tank (synthetic recording)", reproduction.tank.fit);
+  if (reproduction.bomb && reproduction.bomb->fit.fit.usable) {
+    add_views("bomb, ARIS 3000 (recorded)", reproduction.bomb->fit);
+  }
+  return text + fmt::format("report: {}\n", (out / "report.html").string());
+}
+
+// With its scene, so that the folder can be fitted and compared by itself.
+void WriteSyntheticRecording(const TankComparison& tank, const std::filesystem::path& folder) {
+  RecordingInfo info = tank.recording->info();
+  info.scene_path = (folder / "scene.gltf").string();
+  std::vector<Frame> frames;
+  for (int i = 0; i < tank.recording->frame_count(); ++i) frames.push_back(tank.recording->ReadFrame(i));
+  WriteRecording(MemoryRecording(info, std::move(frames)), folder);
+  WriteGltf(tank.scene, folder / "scene.gltf");
+}
+
+void WriteFit(const RunOutput& output, const std::string& prefix, const RecordingFit& fit) {
+  std::string extra;
+  if (fit.fit.usable) {
+    extra = fmt::format(R"("metrics_before": {}, "metrics_after": {})", MetricsJson(fit.before),
+                        MetricsJson(fit.after));
+    WriteParameters(output / (prefix + "_params.json"), fit.fit.parameters);
+  }
+  WriteFileWhole(output / (prefix + "_fit.json"), FitReportJson(fit.fit.report, extra));
+  for (const FramePictures& pictures : fit.pictures_after) {
+    const std::filesystem::path folder = output / (prefix + "_pictures");
+    std::filesystem::create_directories(folder);
+    WritePictures(folder, pictures);
+  }
+}
+
+}  // namespace
+
+ExitStatus RunReproduce(const ReproduceOptions& options) {
+  const ThreadLimit threads(options.threads);
+  const std::filesystem::path recordings = RecordingsFolder(options);
+  const auto note = [&](const std::string& line) { PrintNote(options.common, line); };
+  RunOutput output(options.out);
+
+  note("making the synthetic recording of the paper's tank");
+  Progress progress("Recording", 0, options.common);
+  TankComparisonOptions tank{.size = options.text_sizes ? PaperSize::kText : PaperSize::kTable5,
+                             .seed = options.seed,
+                             .threads = options.threads,
+                             .quick = options.quick,
+                             .comparison = {}};
+  // A tank's floor shines as well as the mock-ups on it: they are told apart within a box around them.
+  tank.comparison.segmentation.method = SegmentationMethod::kOtsu;
+  tank.comparison.segmentation.largest_component_only = false;
+  tank.on_frame = [&](int done, int) { progress.Update(done); };
+  tank.on_note = [&](const std::string& line) { note("tank: " + line); };
+  Reproduction reproduction{.tank = CompareTank(tank), .bomb = {}, .bomb_absent = {}, .shown = {}};
+  WriteSyntheticRecording(reproduction.tank, output / "synthetic_recording");
+  WriteParameters(output / "tank_initial_params.json", reproduction.tank.initial);
+  WriteFit(output, "tank", reproduction.tank.fit);
+
+  const std::filesystem::path bomb_folder = recordings / kBombFolder;
+  std::vector<std::filesystem::path> inputs;
+  if (std::filesystem::is_directory(bomb_folder)) {
+    BombComparisonOptions bomb{.threads = options.threads, .quick = options.quick, .comparison = {}};
+    bomb.on_note = [&](const std::string& line) { note("bomb: " + line); };
+    reproduction.bomb = CompareBomb(bomb_folder, bomb);
+    WriteFit(output, "bomb", reproduction.bomb->fit);
+    inputs.push_back(bomb_folder);
+  } else {
+    reproduction.bomb_absent = fmt::format(
+        "The frames of a real sonar are judged too where they are present; there is no {} (set "
+        "SONARCAL_RECORDINGS, or "
+        "--recordings).",
+        bomb_folder.string());
+    note(reproduction.bomb_absent);
+  }
+  for (const auto& [name, path] : kShown) {
+    if (!std::filesystem::exists(recordings / path)) continue;
+    reproduction.shown.push_back(Show(name, recordings / path));
+    inputs.push_back(recordings / path);
+  }
+
+  Json configuration = {{"recordings", recordings.string()},
+                        {"sizes", options.text_sizes ? "text" : "table 5"},
+                        {"threads", options.threads},
+                        {"quick", options.quick},
+                        {"out", options.out.string()}};
+  const Provenance provenance{
+      .command = "reproduce", .configuration = configuration, .seed = options.seed, .inputs = inputs};
+  const std::string metrics = ReproductionMetricsJson(reproduction);
+  WriteFileWhole(output / "metrics.json", metrics);
+  MakeReproductionReport(reproduction, ProvenanceToJson(provenance).dump(2)).Write(output / "report.html");
+  WriteProvenance(output.staging(), provenance);
+  output.Commit();
+
+  if (options.common.json) {
+    PrintJson(Json::parse(metrics));
+  } else {
+    PrintResult(SummaryText(reproduction, options.out));
+  }
+  return ExitStatus::kDone;
+}
+
+void SetupReproduce(CLI::App& app) {
+  auto options = std::make_shared<ReproduceOptions>();
+  CLI::App* command = AddCommand(app, "reproduce", "The paper's tank comparison, start to end");
+  command->add_option("--out", options->out, "Folder for report, metrics and pictures")
+      ->type_name("DIR")
+      ->required();
+  command
+      ->add_option("--recordings", options->recordings,
+                   "Folder of real recordings [$SONARCAL_RECORDINGS, else ./recordings]")
+      ->type_name("DIR");
+  command->add_flag("--text-sizes", options->text_sizes,
+                    "Tank and mock-ups of the sizes in the paper's text, not of its Table 5");
+  command->add_option("--seed", options->seed, "Of the synthetic recording's speckle and noise")
+      ->type_name("N");
+  command->add_option("--threads", options->threads, "0 for all cores")->type_name("N");
+  command->add_flag("--quick", options->quick, "Few rays and starts: to try the way, not for figures");
+  OnRun(command, options->common, [options] { return RunReproduce(*options); });
+}
+
+}  // namespace sonarcal
