@@ -35,9 +35,8 @@ void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
   for (int set = 0; set < kTankDataSets; ++set) {
     const TankDataSet& data = tank.data_sets[set];
     const PublishedDataSet& paper = kPublished[set];
-    table.rows.push_back(
-        {{fmt::format("Data set {} (held-out frames {})", set + 1, FrameList(data.frames)), "", "", ""},
-         RowStyle::kGroup});
+    table.rows.push_back({{fmt::format("Data set {} (held-out frames {})", set + 1, FrameList(data.frames))},
+                          RowStyle::kGroup});
     add("ours, before the fit (synthetic)", data.before.macro.polar, RowStyle::kPlain);
     add("ours, after the fit (synthetic)", data.after.macro.polar, RowStyle::kStrong);
     table.rows.push_back({{"published (other recordings)", fmt::format("{:.2f}", paper.ns_over_nr),
@@ -68,7 +67,7 @@ void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
   for (int set = 0; set < kTankDataSets; ++set) {
     const TankDataSet& data = tank.data_sets[set];
     const PublishedDataSet& paper = kPublished[set];
-    table.rows.push_back({{fmt::format("Data set {}", set + 1), "", "", ""}, RowStyle::kGroup});
+    table.rows.push_back({{fmt::format("Data set {}", set + 1)}, RowStyle::kGroup});
     add("ours, before the fit (synthetic)", data.before, "", RowStyle::kPlain);
     add("ours, after the fit (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
         RowStyle::kStrong);
