@@ -13,10 +13,11 @@
 namespace sonarcal {
 namespace {
 
-// Sums of normalised echoes: a step of 2^-40 is finer than a double's error over a million rays, and whole
-// numbers add up the same in any order.
+// Sums of normalised echoes are kept in steps of 2^-40: whole numbers add up the same in any order. An echo
+// beyond 4096 times the display's span counts as that much, so that even the rays of 512 beams in one pixel
+// stay within 64 bits.
 constexpr double kFixedPoint = 0x1p40;
-constexpr double kLargestEcho = 0x1p20;
+constexpr double kLargestEcho = 0x1p12;
 
 }  // namespace
 
@@ -57,9 +58,10 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
       const double loss_db = 2.0 * TransmissionLossDb(range_m, absorption_db_per_m);
       const double strength_db =
           GsabDb(parameters.materials[echoes.material[echo]], DegFromRad<double>(echoes.incidence_rad[echo]));
-      const double value = NormalisedPaperEcho(parameters, loss_db, strength_db) / rays;
+      const double echo_value =
+          std::clamp(NormalisedPaperEcho(parameters, loss_db, strength_db), -kLargestEcho, kLargestEcho);
       sums(static_cast<int>(bin), beam) +=
-          static_cast<std::int64_t>(std::clamp(value, -kLargestEcho, kLargestEcho) * kFixedPoint);
+          static_cast<std::int64_t>(std::llrint(echo_value / rays * kFixedPoint));
     }
   });
 
