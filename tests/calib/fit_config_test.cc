@@ -1,0 +1,67 @@
+#include "calib/fit_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "data_io/types/error.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::TempDir;
+using testing::WriteFile;
+
+TEST(FitConfigTest, AFileIsReadWhole) {
+  const TempDir dir;
+  WriteFile(dir / "fit.json",
+            R"({"format": "sonar-fit-config/1", "free": ["materials"], "fixed": ["material.wall.*"],
+    "bounds": {"material.floor.gsab.D": [0.5, 3]}, "held_out": [2]})");
+  const FitConfig config = ReadFitConfig(dir / "fit.json");
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor", "wall"});
+  const std::vector<bool> free = ApplyFitConfig(config, catalog);
+  int free_count = 0;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (free[i]) {
+      ++free_count;
+      EXPECT_THAT(catalog[i].name, HasSubstr("material.floor.gsab."));
+    }
+    if (catalog[i].name == "material.floor.gsab.D") {
+      EXPECT_EQ(catalog[i].lower, 0.5);
+      EXPECT_EQ(catalog[i].upper, 3.0);
+    }
+  }
+  EXPECT_EQ(free_count, 6);
+  EXPECT_THAT(SplitFrames(config, 4).used, ElementsAre(0, 1, 3));
+}
+
+TEST(FitConfigTest, AnUnknownKeyIsRefusedWithItsLine) {
+  const TempDir dir;
+  WriteFile(dir / "fit.json", "{\"format\": \"sonar-fit-config/1\",\n\"fre\": []}");
+  try {
+    ReadFitConfig(dir / "fit.json");
+    FAIL() << "accepted";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("fit.json:2"));
+    EXPECT_THAT(error.what(), HasSubstr("fre"));
+  }
+}
+
+TEST(FitConfigTest, ByDefaultTheLastThirdIsHeldOut) {
+  EXPECT_THAT(SplitFrames({}, 1).held_out, ElementsAre());
+  EXPECT_THAT(SplitFrames({}, 2).held_out, ElementsAre(1));
+  EXPECT_THAT(SplitFrames({}, 6).held_out, ElementsAre(4, 5));
+}
+
+TEST(FitConfigTest, FramesThatDoNotExistOrLeaveNoneAreRefused) {
+  FitConfig config;
+  config.held_out = {5};
+  EXPECT_THROW(SplitFrames(config, 5), DataError);
+  config.held_out = {0, 1};
+  EXPECT_THROW(SplitFrames(config, 2), DataError);
+}
+
+}  // namespace
+}  // namespace sonarcal

@@ -1,0 +1,82 @@
+#include "calib/identifiability.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+namespace sonarcal {
+namespace {
+
+// A straight line y = a + b x through noisy points, one block a point.
+NormalEquations Line(const std::vector<double>& x, const std::vector<double>& residual) {
+  NormalEquations equations;
+  equations.information = Eigen::MatrixXd::Zero(2, 2);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Eigen::Vector2d row(1.0, x[i]);
+    equations.blocks.push_back({row * row.transpose(), residual[i] * row});
+    equations.information += row * row.transpose();
+    equations.residual_square += residual[i] * residual[i];
+    ++equations.residual_count;
+  }
+  return equations;
+}
+
+TEST(JackknifeCovarianceTest, IsTheDeleteOneJackknifeOfAStraightLine) {
+  // By hand: fits without one point each, and the spread of their solutions about the full one.
+  std::mt19937 generator(3);
+  std::normal_distribution<double> noise(0.0, 0.5);
+  std::vector<double> x;
+  std::vector<double> y;
+  for (int i = 0; i < 12; ++i) {
+    x.push_back(0.3 * i);
+    y.push_back(1.0 + 2.0 * x.back() + noise(generator));
+  }
+  const auto solve = [&](int without) {
+    Eigen::Matrix2d a = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d b = Eigen::Vector2d::Zero();
+    for (int i = 0; i < 12; ++i) {
+      if (i == without) continue;
+      const Eigen::Vector2d row(1.0, x[i]);
+      a += row * row.transpose();
+      b += y[i] * row;
+    }
+    return Eigen::Vector2d(a.inverse() * b);
+  };
+  const Eigen::Vector2d full = solve(-1);
+  std::vector<double> residual;
+  for (int i = 0; i < 12; ++i) residual.push_back(full(0) + full(1) * x[i] - y[i]);
+  Eigen::Matrix2d by_hand = Eigen::Matrix2d::Zero();
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector2d change = solve(i) - full;
+    by_hand += change * change.transpose();
+  }
+  by_hand *= 11.0 / 12.0;
+  EXPECT_TRUE(JackknifeCovariance(Line(x, residual)).isApprox(by_hand, 1e-9));
+}
+
+TEST(LeastDeterminedTest, NamesTheDirectionThatTheDataDoNotSee) {
+  // All points at one x: only a + b x is seen.
+  const NormalEquations equations = Line({1.0, 1.0, 1.0, 1.0}, {0.1, -0.1, 0.1, -0.1});
+  const auto open = LeastDetermined(equations, Eigen::Vector2d(1.0, 1.0), {"a", "b"});
+  ASSERT_TRUE(open.has_value());
+  EXPECT_THAT(open->description, ::testing::HasSubstr("a"));
+  EXPECT_THAT(open->description, ::testing::HasSubstr("b"));
+  EXPECT_THAT(open->description, ::testing::HasSubstr("opposite"));
+}
+
+TEST(LeastDeterminedTest, IsSilentWhereAllIsSeen) {
+  const NormalEquations equations = Line({0.0, 1.0, 2.0, 3.0}, {0.01, -0.01, 0.01, -0.01});
+  EXPECT_FALSE(LeastDetermined(equations, Eigen::Vector2d(1.0, 1.0), {"a", "b"}).has_value());
+}
+
+TEST(HoldParameterTest, DropsItsRowAndColumn) {
+  const NormalEquations held = HoldParameter(Line({0.0, 1.0, 2.0}, {0.1, 0.2, 0.3}), 0);
+  ASSERT_EQ(held.information.rows(), 1);
+  EXPECT_DOUBLE_EQ(held.information(0, 0), 5.0);  // 0 + 1 + 4
+  EXPECT_DOUBLE_EQ(held.blocks[2].score(0), 0.6);
+}
+
+}  // namespace
+}  // namespace sonarcal

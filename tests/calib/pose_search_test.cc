@@ -1,0 +1,97 @@
+#include "calib/pose_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "data_io/types/units.h"
+#include "sim/scenes.h"
+
+namespace sonarcal {
+namespace {
+
+SonarModel CoarseSonar() {
+  SonarModel sonar{.name = "coarse",
+                   .frequency_hz = 3e6,
+                   .axes = {0.8, 2.0, 120, {}},
+                   .azimuth_beam_width_deg = 0.6,
+                   .elevation_beam_width_deg = 15.0,
+                   .sound_speed_m_per_s = 1480.0};
+  for (int beam = 0; beam < 56; ++beam)
+    sonar.axes.beam_azimuth_rad.push_back(RadFromDeg((beam - 27.5) * 0.5));
+  return sonar;
+}
+
+TEST(PoseSearchTest, FindsThePoseOfASpeckledImageUpToItsMirror) {
+  const Scene body = MakeBody({.max_edge_m = 0.04});
+  const SonarModel sonar = CoarseSonar();
+  ParameterSet parameters;
+  parameters.model = EchoModel::kAcoustic;
+  parameters.source_level_db = 0.0;
+  parameters.display = {.db_min = 0.0, .db_max = 40.0};
+  parameters.receiver.noise_db = 8.0;
+  parameters.receiver.gain_db = 68.0;
+  parameters.materials["body"].gsab = {.a = 0.0, .b_deg = 4.0, .c = 1.0, .d = 1.5, .e = 0.0, .f_deg = 10.0};
+  const TargetPose truth{.range_m = 1.35,
+                         .azimuth_rad = RadFromDeg(-3.0),
+                         .elevation_rad = 0.0,
+                         .yaw_rad = RadFromDeg(130.0),
+                         .pitch_rad = RadFromDeg(20.0)};
+  SimulationOptions recorder;
+  recorder.noise = true;
+  recorder.fan = {.sampling = Sampling::kBeams, .cols = 56 * 4, .rows = 400, .elevation_span_deg = 28.0};
+  const Simulator simulator(body, sonar, recorder);
+  const PolarImage recorded = simulator.Render(truth.WorldFromSonar(), parameters);
+
+  PoseSearchOptions options;
+  options.coarse_factor = 2;
+  options.ray_height_deg = 0.15;
+  options.yaw_steps = 12;
+  options.refined_starts = 2;
+  options.max_iterations = 12;
+  options.ridge_elevations_deg = {0.0, 3.0};
+  const PoseSearchResult found = SearchPose(body, sonar, recorder.water, recorded, parameters, options);
+  const TargetPose& pose = found.best.pose;
+  EXPECT_NEAR(pose.range_m, truth.range_m, 0.03);
+  EXPECT_NEAR(DegFromRad(pose.azimuth_rad), -3.0, 1.0);
+  EXPECT_NEAR(DegFromRad(std::remainder(pose.yaw_rad - truth.yaw_rad, 2.0 * kPi)), 0.0, 8.0);
+  EXPECT_NEAR(std::abs(DegFromRad(pose.pitch_rad)), 20.0, 10.0);
+  EXPECT_GT(found.rays_cast, 0);
+  EXPECT_GE(found.open.size(), 2u);
+}
+
+TEST(PoseSearchTest, TheMirrorImageIsTheSameImage) {
+  const Scene body = MakeBody({.max_edge_m = 0.04});
+  const TargetPose pose{
+      .range_m = 1.4, .azimuth_rad = 0.05, .elevation_rad = 0.03, .yaw_rad = 2.0, .pitch_rad = 0.4};
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams, .cols = 56 * 2, .rows = 400, .elevation_span_deg = 28.0};
+  const Simulator simulator(body, CoarseSonar(), options);
+  ParameterSet parameters;
+  parameters.materials["body"];
+  parameters.display = {.db_min = 150.0, .db_max = 170.0};
+  const PolarImage image = simulator.RenderExpected(simulator.TraceEchoes(pose.WorldFromSonar()), parameters);
+  const PolarImage mirrored =
+      simulator.RenderExpected(simulator.TraceEchoes(pose.Mirrored().WorldFromSonar()), parameters);
+  double total = 0.0;
+  double difference = 0.0;
+  for (std::size_t i = 0; i < image.value.size(); ++i) {
+    total += image.value.values()[i];
+    difference += std::abs(image.value.values()[i] - mirrored.value.values()[i]);
+  }
+  ASSERT_GT(total, 0.0);
+  // Facets are not mirrored about the body's axis; rays are.
+  EXPECT_LT(difference, 0.05 * total);
+}
+
+TEST(PoseSearchTest, AnImageWithoutAnObjectIsRefused) {
+  const SonarModel sonar = CoarseSonar();
+  PolarImage empty{sonar.axes, {}, Grid<float>(120, 56, 30.0F)};
+  ParameterSet parameters;
+  parameters.model = EchoModel::kAcoustic;
+  parameters.materials["body"];
+  EXPECT_THROW(SearchPose(MakeBody({.max_edge_m = 0.1}), sonar, Water{}, empty, parameters), DataError);
+}
+
+}  // namespace
+}  // namespace sonarcal
