@@ -38,6 +38,17 @@ double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters) {
   return parameters.pulse.length_m > 0.0 ? parameters.pulse.length_m : sonar.axes.range_bin_m();
 }
 
+// Fine rows a range bin: at least 4, and at least 4 a pulse, so that sharing an echo between two of them
+// moves no pixel by more than 4.3 % of its peak (the pulse's curvature over a quarter of its length). Pulses
+// below a sixteenth of a bin fall between the rows, as they fall between the bins.
+constexpr int kFewestRangeSteps = 4;
+constexpr int kMostRangeSteps = 64;
+
+int RangeSteps(const SonarModel& sonar, double pulse_m) {
+  const double steps = std::ceil(4.0 * sonar.axes.range_bin_m() / pulse_m - 1e-9);
+  return static_cast<int>(std::clamp<double>(steps, kFewestRangeSteps, kMostRangeSteps));
+}
+
 // Weights of a response at the points of a row of samples, those within reach only.
 struct Window {
   int first = 0;
@@ -145,6 +156,7 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   const PolarAxes& axes = geometry.sonar.axes;
   ScatterMap scatter;
   for (int col = 0; col < fan.cols(); ++col) scatter.column_azimuth_rad.push_back(fan.AzimuthRad(col));
+  scatter.range_steps = RangeSteps(geometry.sonar, PulseLengthM(geometry.sonar, parameters));
   scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
   const double step_m = axes.range_bin_m() / scatter.range_steps;
   const double elevation_width_rad = ElevationWidthRad(geometry.sonar, parameters);
@@ -195,6 +207,9 @@ PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& paramete
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
                                const ParameterSet& parameters, double full_scale, std::uint64_t seed) {
   using Complex = std::complex<double>;
+  if (!(parameters.receiver.looks >= 1.0)) {
+    throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
+  }
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const double noise_amplitude = std::sqrt(0.5 * NoisePower(parameters));
   Grid<double> power(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count());

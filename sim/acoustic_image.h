@@ -22,8 +22,8 @@ namespace sonarcal {
 
 inline constexpr double kSmallestCosine = 0.02;
 
-// Power that the scene's patches scatter, before beam and pulse: `range_steps` rows a range bin, one column
-// for each column of the ray fan.
+// Power that the scene's patches scatter, before beam and pulse: `range_steps` rows a range bin (4, or more
+// for a pulse shorter than a bin), one column for each column of the ray fan.
 struct ScatterMap {
   Grid<double> power;
   int range_steps = 4;
@@ -46,6 +46,8 @@ PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geom
 PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale);
 
 // One draw, through the display, not rounded. The same seed gives the same image on any number of threads.
+// Throws DataError for fewer than one look. Looks that are not whole are a weighted mean: its variance is 1 /
+// L, its mean level up to 0.24 dB above that of a Gamma law.
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
                                const ParameterSet& parameters, double full_scale, std::uint64_t seed);
 
