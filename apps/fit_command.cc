@@ -44,7 +44,8 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"bounds", bounds},
                {"held_out", fit.fit.report.frames_held_out},
                {"max_iterations", options.max_iterations},
-               {"starts", options.starts}};
+               {"starts", options.starts},
+               {"object", options.object.empty() ? Json(nullptr) : Json(options.object)}};
   json.update(RayOptionsJson(options.rays, fit.rays));
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
@@ -126,6 +127,7 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
                  const ParameterSet& initial) {
   FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
   fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
+  fit_options.object_material = options.object;
   fit_options.fit.max_iterations = options.max_iterations;
   fit_options.fit.starts = options.starts;
   fit_options.fit.threads = options.rays.threads;
@@ -208,6 +210,10 @@ void SetupFit(CLI::App& app) {
   command->add_option("--starts", options->starts, "Backscatter curves to start from, the best is kept")
       ->type_name("N")
       ->check(CLI::Range(1, 100).description(""));
+  command
+      ->add_option("--object", options->object,
+                   "Material of the object: metrics look for it in a box around what the scene shows of it")
+      ->type_name("MATERIAL");
   AddComparisonOptions(*command, options->comparison);
   OnRun(command, options->common, [options] { return RunFit(*options); });
 }

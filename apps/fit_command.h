@@ -28,6 +28,7 @@ struct FitCommandOptions {
   RayOptions rays{Sampling::kBeams};
   int max_iterations = 100;
   int starts = 4;
+  std::string object;  // material that the object is made of; empty: look in the whole image
   ComparisonOptions comparison;
 };
 

@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   CLI::App app("Makes a simulated imaging sonar agree with a real one.");
   sonarcal::SetUpRoot(app);
   sonarcal::SetupReproduce(app);
+  sonarcal::SetupScenes(app);
   sonarcal::SetupSimulate(app);
   sonarcal::SetupCompare(app);
   sonarcal::SetupFit(app);

@@ -69,7 +69,11 @@ class Fitter {
     // Each round but the last freezes at least one parameter, so there are at most as many as parameters.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {
       Activate();
-      if (state_.active.empty()) break;
+      if (state_.active.empty()) {
+        usable = false;
+        report_.termination = "the frames determine none of the free parameters";
+        break;
+      }
       usable = Solve(options_.function_tolerance, options_.max_iterations);
       if (!usable) break;
       OrderGaussians();

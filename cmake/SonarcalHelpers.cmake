@@ -1,9 +1,9 @@
-# sonarcal_add_library(NAME SOURCES ... PUBLIC_LINKS ... PRIVATE_LINKS ...)
+# sonarcal_add_library(NAME SOURCES ... PUBLIC_LINKS ... PRIVATE_LINKS ... PRECOMPILE ...)
 #
 # A room of the house: target sonarcal_NAME, alias sonarcal::NAME, headers included as
 # "NAME/header.h" in the tree and, once installed, from the same root under include/sonarcal.
 function(sonarcal_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC_LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC_LINKS;PRIVATE_LINKS;PRECOMPILE" ${ARGN})
   set(target sonarcal_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(sonarcal::${name} ALIAS ${target})
@@ -13,6 +13,7 @@ function(sonarcal_add_library name)
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sonarcal>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   sonarcal_compile_options(${target})
+  target_precompile_headers(${target} PRIVATE ${ARG_PRECOMPILE})
   set_property(GLOBAL APPEND PROPERTY SONARCAL_LIBRARIES ${target})
 endfunction()
 
@@ -38,5 +39,6 @@ function(sonarcal_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} sonarcal_test_support GTest::gmock GTest::gtest_main)
   sonarcal_compile_options(${name})
+  target_precompile_headers(${name} REUSE_FROM sonarcal_test_headers)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
 endfunction()

@@ -1,0 +1,162 @@
+#include "apps/fit_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/fit_recording.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/recording_io.h"
+#include "data_io/scene_io.h"
+#include "tests/apps/html_check.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOneSentence;
+using testing::Outcome;
+using testing::Quoted;
+using testing::RunSonarcal;
+using testing::TinyWorld;
+
+// What a fit starts from: the truth with other levels.
+ParameterSet StartingParameters() {
+  ParameterSet start = testing::TinyParameters();
+  start.display.db_max = 169.0;
+  for (auto& [name, material] : start.materials) material.gsab.c *= 3.0;
+  return start;
+}
+
+class FitCommand : public ::testing::Test {
+ protected:
+  FitCommand() { WriteParameters(world_ / "start.json", StartingParameters()); }
+
+  std::string Arguments(const std::string& extra = "") const {
+    return "fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
+           Quoted(world_ / "start.json") + " --out " + Quoted(world_ / "out") +
+           " -q --rays 96x200 --starts 1 --free 'display.db_max,material.*.gsab.C' " + extra;
+  }
+
+  TinyWorld world_;
+  std::filesystem::path real_ = world_.WriteSimulated("real", true);
+};
+
+TEST_F(FitCommand, FindsTheParametersAndJudgesThemOnOtherFrames) {
+  const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("judged on frames 1 and 3"));
+
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
+  EXPECT_EQ(json["frames_used"], (std::vector<int>{0, 2}));
+  EXPECT_EQ(json["frames_held_out"], (std::vector<int>{1, 3}));
+  EXPECT_EQ(json["rays_cast"], 4 * 96 * 200) << "each frame is traced once";
+  EXPECT_LT(json["cost_final"].get<double>(), json["cost_initial"].get<double>());
+  for (const char* key : {"parameters", "gauge", "unidentifiable_directions", "correlation", "residuals",
+                          "iterations", "termination", "metrics_before", "metrics_after"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_TRUE(json["timing_s"].contains("trace"));
+  EXPECT_TRUE(json["timing_s"].contains("solve"));
+  for (const nlohmann::json& parameter : json["parameters"]) {
+    for (const char* key : {"name", "value", "sigma", "unit", "initial", "lower", "upper", "status"}) {
+      EXPECT_TRUE(parameter.contains(key)) << key;
+    }
+  }
+  EXPECT_LT(json["metrics_after"]["macro"]["intensity_error"]["polar"].get<double>(),
+            json["metrics_before"]["macro"]["intensity_error"]["polar"].get<double>());
+  EXPECT_EQ(json["metrics_after"]["frames"][0]["index"], 1);
+
+  const ParameterSet fitted = ReadParameters(world_ / "out/params.json");
+  EXPECT_NEAR(fitted.display.db_max, testing::TinyParameters().display.db_max, 0.3);
+  EXPECT_EQ(fitted.materials.at("box").gsab.b_deg, 3.0) << "what is not free stays";
+}
+
+TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
+  ASSERT_EQ(RunSonarcal(Arguments("--object box")).status, 0);
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  for (const char* part : {"before the fit", "after the fit", "Gauge", "material.box.gsab.C", "<svg",
+                           "which it did not see", "Both sides are synthetic"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+}
+
+TEST_F(FitCommand, TheCommandLineWinsOverTheConfiguration) {
+  testing::WriteFile(world_ / "config.json",
+                     R"({"format": "sonar-fit-config/1", "free": ["materials"], "held_out": [0]})");
+  ASSERT_EQ(RunSonarcal(Arguments("--held-out 3 --config " + Quoted(world_ / "config.json"))).status, 0);
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/provenance.json")["configuration"];
+  EXPECT_EQ(json["held_out"], std::vector<int>{3});
+  EXPECT_EQ(json["free"], (std::vector<std::string>{"display.db_max", "material.*.gsab.C"}));
+}
+
+TEST_F(FitCommand, MistakesCostOneSentence) {
+  const auto expect_failure = [&](const std::string& arguments, const std::string& part) {
+    const Outcome outcome = RunSonarcal(arguments);
+    EXPECT_EQ(outcome.status, 1) << arguments;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+    EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
+  };
+  expect_failure(Arguments("--held-out 9"), "held-out frame 9");
+  expect_failure(Arguments("--held-out 0,1,2,3"), "all 4 frames are held out");
+  expect_failure(Arguments("--object lighthouse"), "lighthouse");
+
+  ParameterSet acoustic = StartingParameters();
+  acoustic.model = EchoModel::kAcoustic;
+  WriteParameters(world_ / "start.json", acoustic);
+  expect_failure(Arguments(), "only 'paper' can be fitted");
+}
+
+TEST_F(FitCommand, ARecordingWithoutPosesIsRefused) {
+  const auto recording = OpenRecording(real_);
+  std::vector<Frame> frames;
+  for (int i = 0; i < recording->frame_count(); ++i) {
+    frames.push_back(recording->ReadFrame(i));
+    frames.back().info.world_from_sonar.reset();
+  }
+  WriteRecording(MemoryRecording(recording->info(), std::move(frames)), world_ / "blind");
+  real_ = world_ / "blind";
+  const Outcome outcome = RunSonarcal(Arguments());
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("world_from_sonar"));
+}
+
+TEST_F(FitCommand, NothingToTellIsStatusThree) {
+  // No echo at all: every pixel of every parameter is dark.
+  WriteGltf(Scene{.vertices_m = {{50, 50, 50}, {51, 50, 50}, {50, 51, 50}},
+                  .triangles = {{0, 1, 2}},
+                  .triangle_material = {0},
+                  .material_names = {"box"}},
+            world_.scene());
+  const Outcome outcome = RunSonarcal(Arguments());
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(world_ / "out/fit.json"));
+  EXPECT_FALSE(std::filesystem::exists(world_ / "out/params.json"));
+}
+
+TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
+  const TinyWorld world;
+  const auto recording = OpenRecording(world.WriteSimulated("real"));
+  const MemoryRecording single(recording->info(), {recording->ReadFrame(0)});
+  FitRecordingOptions options{
+      .config = {.free = {"display.db_max"}, .fixed = {}, .bounds = {}, .held_out = {}},
+      .fit = {},
+      .comparison = {}};
+  options.rays.rays = "96x200";
+  options.fit.starts = 1;
+  options.pictures = false;
+  const RecordingFit fit = FitRecording(single, ReadGltf(world.scene()), StartingParameters(), options);
+  EXPECT_TRUE(fit.fit.usable);
+  EXPECT_FALSE(fit.judged_on_held_out);
+  EXPECT_EQ(fit.after.frames.size(), 1U);
+  EXPECT_TRUE(fit.seen.contains("box"));
+  EXPECT_LE(fit.seen.at("box").low_deg, fit.seen.at("box").high_deg);
+}
+
+}  // namespace
+}  // namespace sonarcal

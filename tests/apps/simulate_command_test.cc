@@ -1,0 +1,180 @@
+#include "apps/simulate_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/simulate_recording.h"
+#include "data_io/image_io.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/scene_io.h"
+#include "data_io/types/error.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::IsOneSentence;
+using testing::Outcome;
+using testing::Quoted;
+using testing::RunSonarcal;
+using testing::TinyWorld;
+
+TEST(SimulateCommand, WritesARecordingThatSaysWhatItIs) {
+  const TinyWorld world;
+  const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --quiet --out " + Quoted(world / "sim"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_THAT(outcome.out, HasSubstr("4 frames by the paper model"));
+
+  const nlohmann::json json = testing::ReadJsonFile(world / "sim/recording.json");
+  EXPECT_EQ(json["format"], "sonar-recording/1");
+  EXPECT_EQ(json["synthetic"], true);
+  EXPECT_EQ(json["source_level_db"], 200.0);
+  EXPECT_EQ(json["image"]["bits"], 8);
+  EXPECT_EQ(json["image"]["db_min"], 160.0);
+  EXPECT_EQ(json["image"]["db_max"], 166.0);
+  EXPECT_EQ(json["water"]["salinity_ppt"], 10.0);
+  EXPECT_EQ(json["scene"], "../scene.gltf");
+  EXPECT_EQ(json["frames"].size(), 4U);
+
+  const auto recording = OpenRecording(world / "sim");
+  EXPECT_TRUE(recording->info().synthetic);
+  const std::vector<TimedPose> poses = ReadPoses(world.poses());
+  for (int i = 0; i < recording->frame_count(); ++i) {
+    const FrameInfo frame = recording->frame_info(i);
+    ASSERT_TRUE(frame.world_from_sonar.has_value());
+    EXPECT_NEAR((frame.world_from_sonar->position_m - poses[i].world_from_sonar.position_m).norm(), 0.0,
+                1e-12);
+    EXPECT_EQ(frame.time_s, poses[i].time_s);
+  }
+  const nlohmann::json provenance = testing::ReadJsonFile(world / "sim/provenance.json");
+  EXPECT_EQ(provenance["command"], "simulate");
+  EXPECT_EQ(provenance["configuration"]["rays"], "96x200");
+  EXPECT_FALSE(provenance.contains("seed")) << "without noise there is no seed";
+  EXPECT_EQ(ReadParameters(world / "sim/params.json"), testing::TinyParameters());
+}
+
+TEST(SimulateCommand, TheSeedAloneDecidesTheNoise) {
+  const TinyWorld world;
+  const auto run = [&](const std::string& name, const std::string& extra) {
+    EXPECT_EQ(
+        RunSonarcal(world.SimulateArguments() + " -q --noise " + extra + " --out " + Quoted(world / name))
+            .status,
+        0);
+    return testing::ReadFile(world / (name + "/frame_0001.png"));
+  };
+  const std::string one = run("a", "--seed 5 --threads 1");
+  EXPECT_EQ(one, run("b", "--seed 5"));
+  EXPECT_NE(one, run("c", "--seed 6"));
+}
+
+TEST(SimulateCommand, FansAndRangesLieBesideTheFrames) {
+  const TinyWorld world;
+  ASSERT_EQ(
+      RunSonarcal(world.SimulateArguments() + " -q --fan --depth --bits 12 --out " + Quoted(world / "sim"))
+          .status,
+      0);
+  const ImageFile range(world / "sim/range_0003.tiff");
+  EXPECT_EQ(range.header().rows, 200);
+  EXPECT_EQ(range.header().cols, 96);
+  EXPECT_TRUE(range.header().is_float);
+  float longest_m = 0.0F;
+  const Grid<float> ranges_m = range.DecodeGrey();
+  for (const float range_m : ranges_m.values()) longest_m = std::max(longest_m, range_m);
+  EXPECT_GT(longest_m, 2.0F);
+  EXPECT_LE(longest_m, 4.5F);
+  EXPECT_EQ(ImageFile(world / "sim/fan_0000.png").header().bits, 16);
+  EXPECT_EQ(testing::ReadJsonFile(world / "sim/recording.json")["image"]["full_scale"], 4095.0);
+}
+
+TEST(SimulateCommand, WaterOfTheParametersWinsAndIsSaid) {
+  const TinyWorld world;
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.water = Water{.temperature_c = 5.0, .salinity_ppt = 35.0, .ph = 8.0, .depth_m = 2.0};
+  WriteParameters(world.params(), parameters);
+  const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --out " + Quoted(world / "sim"));
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("water of the parameters"));
+  EXPECT_EQ(testing::ReadJsonFile(world / "sim/recording.json")["water"]["temperature_c"], 5.0);
+}
+
+TEST(SimulateCommand, WarnsWhereAbsorptionIsBeyondItsRange) {
+  const TinyWorld world;
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.water = Water{};
+  WriteParameters(world.params(), parameters);
+  const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --out " + Quoted(world / "sim"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("warning: absorption by Ainslie-McColm is used outside its stated range"));
+}
+
+TEST(SimulateCommand, BothModelsAndAPresetWork) {
+  const TinyWorld world;
+  const std::string arguments = "simulate --scene " + Quoted(world.scene()) + " --params " +
+                                Quoted(world.params()) + " --poses " + Quoted(world.poses()) +
+                                " --sonar p900-45 --rays 256x100 -q --json --model acoustic --noise --out " +
+                                Quoted(world / "sim");
+  const Outcome outcome = RunSonarcal(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["model"], "acoustic");
+  EXPECT_EQ(json["frames"], 4);
+  EXPECT_EQ(json["rays_cast"], 4 * 256 * 100);
+}
+
+TEST(SimulateCommand, MistakesCostOneSentenceAndWriteNothing) {
+  const TinyWorld world;
+  const std::string good = world.SimulateArguments() + " -q --out " + Quoted(world / "sim");
+  const std::vector<std::pair<std::string, int>> mistakes = {
+      {good + " --model fancy", 2},        {good + " --rays 100", 2},   {good + " --bits 9", 2},
+      {good + " --sampling sideways", 2},  {good + " --threads -3", 2}, {"simulate --out x", 2},
+      {good + " --sonar no-such-sonar", 2}};
+  for (const auto& [arguments, status] : mistakes) {
+    const Outcome outcome = RunSonarcal(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(world / "sim")) << arguments;
+  }
+  testing::WriteFile(world.params(),
+                     R"({"format": "sonar-parameters/1", "model": "paper", "materials": {}})");
+  const Outcome outcome = RunSonarcal(good);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("params.json"));
+}
+
+TEST(ChooseSonar, ReadsPresetsRecordingsAndSonarFiles) {
+  const TinyWorld world;
+  EXPECT_EQ(ChooseSonar("p900-45").sonar.axes.beam_count(), 256);
+  EXPECT_EQ(ChooseSonar(world.sonar().string()).sonar.axes.beam_count(), 24);
+  EXPECT_EQ(ChooseSonar(world.sonar().string()).water->salinity_ppt, 10.0);
+  EXPECT_EQ(ChooseSonar(world.WriteSimulated("sim").string()).sonar.name, "tiny");
+  EXPECT_THROW(ChooseSonar("nothing-like-it"), UsageError);
+}
+
+TEST(SimulateRecording, IsTheRecordingThatIsWritten) {
+  const TinyWorld world;
+  const auto written = OpenRecording(world.WriteSimulated("sim", true));
+  const SonarChoice choice = ChooseSonar(world.sonar().string());
+  RayOptions rays(Sampling::kBeams);
+  rays.rays = "96x200";
+  SimulationOptions options = rays.For(choice.sonar, *choice.water);
+  options.noise = true;
+  options.bits = 12;
+  const Simulator simulator(ReadGltf(world.scene()), choice.sonar, options);
+  int done = 0;
+  const auto made = SimulateRecording(simulator, ReadPoses(world.poses()), testing::TinyParameters(), "",
+                                      [&](int frames_done) { done = frames_done; });
+  EXPECT_EQ(done, 4);
+  ASSERT_EQ(made->frame_count(), written->frame_count());
+  for (int i = 0; i < made->frame_count(); ++i) {
+    EXPECT_EQ(made->ReadFrame(i).image.value, written->ReadFrame(i).image.value);
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal

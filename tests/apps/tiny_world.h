@@ -1,0 +1,53 @@
+// A world small enough to simulate, compare and fit in a moment, as files: for tests of commands.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/types/parameters.h"
+#include "data_io/types/recording.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal::testing {
+
+// A box on a floor, a sonar of 24 beams x 60 bins that looks at it from four places.
+class TinyWorld {
+ public:
+  TinyWorld();
+
+  std::filesystem::path operator/(const std::string& name) const { return dir_ / name; }
+  std::filesystem::path scene() const { return dir_ / "scene.gltf"; }
+  std::filesystem::path sonar() const { return dir_ / "sonar.json"; }
+  std::filesystem::path params() const { return dir_ / "params.json"; }  // as the recordings below are made
+  std::filesystem::path poses() const { return dir_ / "poses.json"; }
+
+  // Options of `simulate` (without --out), each path quoted for a shell.
+  std::string SimulateArguments() const;
+
+  // A recording made in the world, written to a folder: expected images by default, noisy ones with a seed.
+  std::filesystem::path WriteSimulated(const std::string& name, bool noise = false) const;
+
+ private:
+  TempDir dir_;
+};
+
+ParameterSet TinyParameters();
+
+std::string Quoted(const std::filesystem::path& path);
+nlohmann::json ReadJsonFile(const std::filesystem::path& file);
+
+struct Outcome {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+// Runs `sonarcal ARGUMENTS` in a shell.
+Outcome RunSonarcal(const std::string& arguments);
+
+// "sonarcal: ..." and one line.
+bool IsOneSentence(const std::string& text);
+
+}  // namespace sonarcal::testing
