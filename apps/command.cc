@@ -10,6 +10,9 @@
 #include <new>
 #include <thread>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/help_formatter.h"
 #include "apps/run_output.h"
 #include "data_io/json_writer.h"

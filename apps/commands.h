@@ -2,7 +2,9 @@
 // --help.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace sonarcal {
 

@@ -7,6 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/commands.h"
 #include "apps/compare_recordings.h"
 #include "apps/comparison_pictures.h"

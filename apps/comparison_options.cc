@@ -5,6 +5,9 @@
 #include <charconv>
 #include <string_view>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/choice_option.h"
 #include "data_io/image_io.h"
 #include "data_io/printable.h"

@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <string>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "metrics/compare.h"
+
+namespace CLI {
+class App;
+}
 
 namespace sonarcal {
 

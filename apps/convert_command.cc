@@ -3,6 +3,9 @@
 #include <memory>
 #include <utility>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/commands.h"
 #include "apps/frame_range.h"
 #include "apps/progress.h"

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <memory>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/commands.h"
 #include "apps/fit_recording.h"
 #include "apps/progress.h"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "apps/command.h"
 #include "data_io/hash.h"
 #include "data_io/json_writer.h"

@@ -4,6 +4,9 @@
 
 #include <charconv>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/choice_option.h"
 #include "data_io/printable.h"
 #include "data_io/types/error.h"

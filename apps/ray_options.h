@@ -5,10 +5,13 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "sim/simulator.h"
+
+namespace CLI {
+class App;
+}
 
 namespace sonarcal {
 

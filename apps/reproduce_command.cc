@@ -6,6 +6,9 @@
 #include <memory>
 #include <utility>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/commands.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"

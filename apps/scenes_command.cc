@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/commands.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"

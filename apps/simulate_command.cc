@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "apps/choice_option.h"
 #include "apps/commands.h"
 #include "apps/progress.h"

@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 // The program `sonarcal`: one binary, one file a command.
 #include "apps/command.h"
 #include "apps/commands.h"

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 #include "data_io/printable.h"
 #include "data_io/types/error.h"
 

@@ -18,7 +18,8 @@ using Columns = std::vector<std::vector<double>>;
 Columns Dense(const ceres::CRSMatrix& matrix) {
   Columns dense(matrix.num_cols, std::vector<double>(matrix.num_rows, 0.0));
   for (int row = 0; row < matrix.num_rows; ++row) {
-    for (int i = matrix.rows[row]; i < matrix.rows[row + 1]; ++i) dense[matrix.cols[i]][row] = matrix.values[i];
+    for (int i = matrix.rows[row]; i < matrix.rows[row + 1]; ++i)
+      dense[matrix.cols[i]][row] = matrix.values[i];
   }
   return dense;
 }
@@ -59,8 +60,8 @@ TEST(PaperJacobian, EqualsCentralDifferencesForEveryParameter) {
       largest = std::max(largest, std::abs(difference));
       worst = std::max(worst, std::abs(difference - analytic[parameter][row]));
     }
-    // Rows of cells whose azimuth errors differ by less than 1 % share a kernel, corrected to first order: the
-    // slope is that of the kernel, up to 0.01 x |sigma w''| / |w'| away.
+    // Rows of cells whose azimuth errors differ by less than 1 % share a kernel, corrected to first order:
+    // the slope is that of the kernel, up to 0.01 x |sigma w''| / |w'| away.
     const bool shares_kernels = entry.group == ParameterGroup::kJitter && entry.index > 0;
     EXPECT_GT(largest, 0.0) << entry.name << " moves nothing";
     EXPECT_LT(worst, (shares_kernels ? 1e-2 : 1e-6) * largest) << entry.name;
