@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "data_io/types/sonar_model.h"
 
@@ -30,11 +31,22 @@ struct MaterialParameters {
   bool operator==(const MaterialParameters&) const = default;
 };
 
-// Levels shown as 0 and as full scale.
+// How received power P becomes a grey value v, 0..1 of full scale before clipping; evaluated by
+// sim/physics/display.h.
+enum class DisplayLaw {
+  kLog,      // v = (10 log10 P - db_min) / (db_max - db_min)
+  kSoftLog,  // v = (10 log10(P + 10^(soft_db / 10)) - db_min) / (db_max - db_min)
+  kPower,    // v = (P / 10^(db_max / 10))^(exponent / 2)
+};
+
+// Levels shown as 0 and as full scale, and the law between them.
 template <typename T>
 struct DisplayParameters {
   T db_min = T(0.0);
   T db_max = T(255.0);
+  DisplayLaw law = DisplayLaw::kLog;
+  double soft_db = 0.0;   // kSoftLog: level that a logarithm is softened with
+  double exponent = 1.0;  // kPower: of the amplitude
 
   bool operator==(const DisplayParameters&) const = default;
 };
@@ -57,19 +69,43 @@ struct JitterParameters {
   bool operator==(const JitterParameters&) const = default;
 };
 
-// Receiver of the acoustic model: a noise floor added in power, and speckle.
+// Time-varied gain: what the receiver adds to the level of an echo, and of the noise, from range r.
+enum class TimeVariedGain {
+  kNone,
+  k20LogR,               // 20 log10 r
+  k40LogR,               // 40 log10 r
+  k40LogRAndAbsorption,  // 40 log10 r + 2 alpha r
+};
+
+// Receiver of the acoustic model: gain, a noise floor added in power, and speckle; evaluated by
+// sim/physics/receiver.h. The floor of pixel (r, b), a power:
+//
+//   N(r, b) = 10^((noise_db + noise_slope_db_per_m r + noise_taper_db[b] + TVG(r)) / 10)
 struct ReceiverParameters {
   double gain_db = 0.0;
-  std::optional<double> noise_db;  // level of the floor; absent = no noise
-  double looks = 1.0;              // independent looks averaged in a pixel (1: exponential power)
+  TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
+  std::optional<double> noise_db;      // level of the floor at range 0, before TVG; absent = no noise
+  double noise_slope_db_per_m = 0.0;   // a trend with range that the TVG does not explain
+  std::vector<double> noise_taper_db;  // by beam; empty = 0 everywhere
+  double looks = 1.0;                  // independent looks averaged in a pixel (1: exponential power)
 
   bool operator==(const ReceiverParameters&) const = default;
 };
 
-// Half-power widths of the beam; 0 = take the sonar's own.
+// Shape of a beam in azimuth; evaluated by sim/physics/beam_pattern.h.
+enum class AzimuthPattern {
+  kGaussian,  // a main lobe alone
+  kAperture,  // a line array shaded by (1 - taper) + taper cos^2: main lobe and side lobes
+  kTable,     // the recording's own response, by offset in beams
+};
+
+// Half-power widths of the beam, two-way; 0 = take the sonar's own.
 struct BeamParameters {
   double azimuth_width_deg = 0.0;
   double elevation_width_deg = 0.0;
+  AzimuthPattern azimuth_pattern = AzimuthPattern::kGaussian;
+  double azimuth_taper = 1.0;            // kAperture: 0 uniform (side lobes -13 dB) .. 1 Hann (-31 dB)
+  std::vector<double> azimuth_table_db;  // kTable: power response at -n..n beams off axis, 2 n + 1 values
 
   bool operator==(const BeamParameters&) const = default;
 };
@@ -81,7 +117,11 @@ struct PulseParameters {
   bool operator==(const PulseParameters&) const = default;
 };
 
-enum class EchoModel { kPaper, kAcoustic };
+enum class EchoModel {
+  kPaper,     // Park 2024: levels summed over rays
+  kAcoustic,  // power summed over patches, expected or with speckle
+  kCoherent,  // fields of point scatterers: the slow reference
+};
 
 struct ParameterSet {
   EchoModel model = EchoModel::kPaper;
