@@ -37,32 +37,23 @@ constexpr int kRoughIterations = 20;
 // The state of a fit while it runs: what is still free, and why the rest is not.
 class Fitter {
  public:
-  Fitter(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
-         const std::vector<std::string>& material_names, const ParameterSet& initial, const FitConfig& config,
+  Fitter(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
          const FitOptions& options)
-      : frames_(frames),
-        geometry_(geometry),
-        material_names_(material_names),
-        options_(options),
-        catalog_(BuildCatalog(material_names)),
-        initial_parameters_(initial),
-        initial_(PaperParametersFor(initial, material_names)) {
-    LimitJitter();
+      : model_(model), options_(options), catalog_(model.catalog()), initial_(initial) {
     const std::vector<bool> free = ApplyFitConfig(config, catalog_);
     state_.values = initial_;
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       status_.push_back(free[i] ? ParameterStatus::kFree : ParameterStatus::kFixed);
-      if (free[i]) MoveInsideBounds(catalog_[i]);
+      if (free[i]) MoveInsideBounds(i);
     }
     if (std::none_of(free.begin(), free.end(), [](bool value) { return value; })) {
       throw DataError("fit: no parameter is free");
     }
-    report_.cost_initial = CostAt(frames_, geometry_, initial_);
+    report_.cost_initial = CostAt(model_, initial_, model_.frame_count());
   }
 
-  FitResult Run() {
+  ModelFit Run() {
     FreezeUnseenMaterials();
-    FreezeAbsentJitter();
     const auto start = std::chrono::steady_clock::now();
     SolveFromSeveralStarts();
     bool usable = false;
@@ -81,111 +72,84 @@ class Fitter {
     }
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     Finish();
-    FitResult result{.parameters = initial_parameters_, .report = std::move(report_), .usable = usable};
-    StorePaperParameters(state_.values, material_names_, result.parameters);
-    return result;
+    return {.values = state_.values, .report = std::move(report_), .usable = usable};
   }
 
  private:
-  // Errors wider than this many bins and beams are no errors of a ray any more; a configuration may say
-  // otherwise.
-  void LimitJitter() {
-    constexpr double kMostBins = 6.0;
-    constexpr double kMostBeams = 10.0;
-    const double beam_deg = DegFromRad((geometry_.beam_edges_rad.back() - geometry_.beam_edges_rad.front()) /
-                                       geometry_.axes.beam_count());
-    for (CatalogEntry& entry : catalog_) {
-      if (entry.name == "jitter.sigma_range_m") entry.upper = kMostBins * geometry_.axes.range_bin_m();
-      if (entry.name == "jitter.sigma_azimuth_deg") entry.upper = kMostBeams * beam_deg;
-    }
-  }
-
   void Say(const std::string& line) const {
     if (options_.progress) options_.progress(line);
   }
 
-  double& Value(const CatalogEntry& entry) { return PaperSlot(state_.values, entry); }
-  double Initial(const CatalogEntry& entry) { return PaperSlot(initial_, entry); }
-
-  void MoveInsideBounds(const CatalogEntry& entry) {
-    Value(entry) = std::clamp(Value(entry), entry.lower, entry.upper);
+  void MoveInsideBounds(std::size_t index) {
+    state_.values[index] = std::clamp(state_.values[index], catalog_[index].lower, catalog_[index].upper);
   }
 
   void Freeze(std::size_t index, const std::string& why) {
     status_[index] = ParameterStatus::kUnidentifiable;
-    Value(catalog_[index]) = Initial(catalog_[index]);
+    state_.values[index] = initial_[index];
     report_.unidentifiable_directions.push_back(why);
   }
 
   void FreezeUnseenMaterials() {
-    std::vector<double> weight(material_names_.size(), 0.0);
-    for (const FitFrame& frame : frames_) {
-      for (const EchoHistogram::Entry& entry : frame.echoes.entries)
-        weight[entry.node / kIncidenceNodes] += entry.weight;
-    }
-    std::vector<bool> said(material_names_.size(), false);
+    std::vector<bool> said(model_.material_names().size(), false);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       const int material = catalog_[i].material;
-      if (material < 0 || status_[i] != ParameterStatus::kFree || weight[material] > 0.0) continue;
+      if (material < 0 || status_[i] != ParameterStatus::kFree || model_.ShowsMaterial(material)) continue;
       status_[i] = ParameterStatus::kUnidentifiable;
       if (!said[material]) {
         report_.unidentifiable_directions.push_back(
-            fmt::format("material.{}: no echo of it in the frames used", material_names_[material]));
+            fmt::format("material.{}: no echo of it in the frames used", model_.material_names()[material]));
         said[material] = true;
       }
     }
   }
 
-  // A jitter whose sigmas are both 0 and fixed leaves its reference range without effect.
-  void FreezeAbsentJitter() {
-    const auto& jitter = state_.values.jitter;
-    if (jitter.sigma_range_m > 0.0 || jitter.sigma_azimuth_deg > 0.0) return;
+  // Index of a parameter, -1 where the model has none of that name.
+  int Find(const std::string& name) const {
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (catalog_[i].name == "jitter.reference_range_m" && status_[i] == ParameterStatus::kFree) {
-        Freeze(i, "jitter.reference_range_m: there are no range and azimuth errors");
-      }
+      if (catalog_[i].name == name) return static_cast<int>(i);
     }
+    return -1;
   }
 
   bool IsFree(const std::string& name) const {
-    for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (catalog_[i].name == name) return status_[i] == ParameterStatus::kFree;
-    }
-    return false;
+    const int index = Find(name);
+    return index >= 0 && status_[index] == ParameterStatus::kFree;
+  }
+
+  static bool IsAmplitude(const CatalogEntry& entry) {
+    return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;  // A, C, E
   }
 
   // Levels far from the recorded ones leave every pixel at a clamp, where nothing has a slope: tries dB
   // ranges and common level offsets on the first frame and starts from the best.
   void SearchLevel() {
     bool amplitudes_free = true;
-    for (const CatalogEntry& entry : catalog_) {
-      if (entry.group == ParameterGroup::kGsab &&
-          (entry.index == 0 || entry.index == 2 || entry.index == 4)) {
-        const bool unseen = status_[&entry - catalog_.data()] == ParameterStatus::kUnidentifiable;
-        amplitudes_free = amplitudes_free && (unseen || IsFree(entry.name));
-      }
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (IsAmplitude(catalog_[i]))
+        amplitudes_free = amplitudes_free && status_[i] != ParameterStatus::kFixed;
     }
-    const bool span_free = IsFree("display.db_max");
+    const int db_min = Find("display.db_min");
+    const int db_max = Find("display.db_max");
+    const bool span_free = db_max >= 0 && status_[db_max] == ParameterStatus::kFree;
     if (!span_free && !amplitudes_free) return;
     Say("looking for a starting level and dB range");
-    const std::vector<FitFrame> first = {frames_.front()};
-    const PaperParameters<double> start = state_.values;
-    PaperParameters<double> best = start;
-    double best_cost = CostAt(first, geometry_, start);
+    const ParameterValues start = state_.values;
+    ParameterValues best = start;
+    double best_cost = CostAt(model_, start, 1);
     const auto try_level = [&](double span_db, double offset_db) {
-      PaperParameters<double> trial = start;
-      trial.display.db_max = trial.display.db_min + span_db;
-      for (auto& gsab : trial.materials) {
-        for (double* amplitude : {&gsab.a, &gsab.c, &gsab.e}) *amplitude *= PowerFromDb(offset_db);
+      ParameterValues trial = start;
+      if (span_free) trial[db_max] = trial[db_min] + span_db;
+      for (std::size_t i = 0; i < catalog_.size(); ++i) {
+        if (IsAmplitude(catalog_[i])) trial[i] *= PowerFromDb(offset_db);
       }
-      const double cost = CostAt(first, geometry_, trial);
+      const double cost = CostAt(model_, trial, 1);
       if (cost < best_cost) {
         best_cost = cost;
         best = trial;
       }
     };
-    const double start_span_db = start.display.db_max - start.display.db_min;
-    std::vector<double> spans = {start_span_db};
+    std::vector<double> spans = {span_free ? start[db_max] - start[db_min] : 0.0};
     if (span_free) spans.insert(spans.end(), {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0});
     for (const double span_db : spans) {
       for (double offset_db = -60.0; offset_db <= 60.0; offset_db += 10.0) {
@@ -193,23 +157,23 @@ class Fitter {
       }
     }
     state_.values = best;
-    for (const CatalogEntry& entry : catalog_) {
-      if (IsFree(entry.name)) MoveInsideBounds(entry);
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (status_[i] == ParameterStatus::kFree) MoveInsideBounds(i);
     }
   }
 
   void Activate() {
     state_.active.clear();
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (status_[i] == ParameterStatus::kFree) state_.active.push_back(catalog_[i]);
+      if (status_[i] == ParameterStatus::kFree) state_.active.push_back(static_cast<int>(i));
     }
   }
 
   // A backscatter curve has more than one valley: narrow and wide Gaussians can trade places. Solves roughly
   // from the given curve and from others, and goes on from the best.
   void SolveFromSeveralStarts() {
-    const PaperParameters<double> given = state_.values;
-    PaperParameters<double> best = given;
+    const ParameterValues given = state_.values;
+    ParameterValues best = given;
     double best_cost = std::numeric_limits<double>::infinity();
     for (int start = 0; start < options_.starts; ++start) {
       state_.values = given;
@@ -229,21 +193,19 @@ class Fitter {
   }
 
   void SetCurveShapes(const StartShape& shape) {
-    for (const CatalogEntry& entry : catalog_) {
-      if (entry.group != ParameterGroup::kGsab || !IsFree(entry.name)) continue;
-      const GsabParameters<double> start = {
-          .a = shape.a, .b_deg = shape.b_deg, .c = 1.0, .d = shape.d, .e = shape.e, .f_deg = shape.f_deg};
-      PaperParameters<double> shaped = state_.values;
-      shaped.materials[entry.material] = start;
-      Value(entry) = std::clamp(PaperSlot(shaped, entry), entry.lower, entry.upper);
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      const CatalogEntry& entry = catalog_[i];
+      if (entry.group != ParameterGroup::kGsab || status_[i] != ParameterStatus::kFree) continue;
+      const std::array<double, 6> start = {shape.a, shape.b_deg, 1.0, shape.d, shape.e, shape.f_deg};
+      state_.values[i] = std::clamp(start[entry.index], entry.lower, entry.upper);
     }
   }
 
   bool Solve(double function_tolerance, int max_iterations) {
-    Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), frames_.size(),
-                    frames_.size() == 1 ? "" : "s"));
-    std::vector<double> coordinates = state_.Coordinates();
-    const auto problem = BuildProblem(frames_, geometry_, state_, coordinates);
+    Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), model_.frame_count(),
+                    model_.frame_count() == 1 ? "" : "s"));
+    std::vector<double> coordinates = state_.Coordinates(catalog_);
+    const auto problem = BuildProblem(model_, catalog_, state_, coordinates);
     ceres::Solver::Options solver;
     solver.max_num_iterations = max_iterations;
     solver.function_tolerance = function_tolerance;
@@ -258,22 +220,25 @@ class Fitter {
     report_.termination = summary.message;
     if (!summary.IsSolutionUsable()) return false;
     report_.cost_final = summary.final_cost;
-    state_.SetCoordinates(coordinates);
+    state_.SetCoordinates(catalog_, coordinates);
     return true;
   }
 
   // B < F by convention: the two Gaussians of a curve may be exchanged without changing it.
   void OrderGaussians() {
-    for (auto& g : state_.values.materials) {
-      if (g.b_deg > g.f_deg) {
-        std::swap(g.a, g.e);
-        std::swap(g.b_deg, g.f_deg);
+    for (std::size_t i = 0; i + 5 < catalog_.size(); ++i) {
+      if (catalog_[i].group != ParameterGroup::kGsab || catalog_[i].index != 0) continue;
+      double* gsab = &state_.values[i];  // A, B, C, D, E, F
+      if (gsab[1] > gsab[5]) {
+        std::swap(gsab[0], gsab[4]);
+        std::swap(gsab[1], gsab[5]);
       }
     }
   }
 
-  bool AtBound(const CatalogEntry& entry) {
-    const double coordinate = entry.CoordinateFromValue(Value(entry));
+  bool AtBound(std::size_t index) const {
+    const CatalogEntry& entry = catalog_[index];
+    const double coordinate = entry.CoordinateFromValue(state_.values[index]);
     const double lower = entry.CoordinateFromValue(entry.lower);
     const double upper = entry.CoordinateFromValue(entry.upper);
     const double tolerance = 1e-6 * (upper - lower);
@@ -284,15 +249,11 @@ class Fitter {
   NormalEquations AccumulateInterior() {
     interior_.clear();
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (status_[i] == ParameterStatus::kFree && !AtBound(catalog_[i]))
-        interior_.push_back(static_cast<int>(i));
+      if (status_[i] == ParameterStatus::kFree && !AtBound(i)) interior_.push_back(static_cast<int>(i));
     }
-    FitState interior{.active = {}, .values = state_.values};
-    for (const int i : interior_) interior.active.push_back(catalog_[i]);
     if (interior_.empty()) return {};
-    std::vector<double> coordinates = interior.Coordinates();
-    const auto problem = BuildProblem(frames_, geometry_, interior, coordinates);
-    return Accumulate(*problem, geometry_, frames_, options_, &report_.raw);
+    const FitState interior{.active = interior_, .values = state_.values};
+    return Accumulate(model_, catalog_, interior, options_, &report_.raw);
   }
 
   // Freezes what the data leave open, one parameter after the other until the rest is determined; false where
@@ -339,7 +300,7 @@ class Fitter {
       for (std::size_t i = 0; i < interior_.size(); ++i) {
         const CatalogEntry& entry = catalog_[interior_[i]];
         const auto k = static_cast<Eigen::Index>(i);
-        sigma[interior_[i]] = std::sqrt(covariance_(k, k)) * entry.ValueSlope(Value(entry));
+        sigma[interior_[i]] = std::sqrt(covariance_(k, k)) * entry.ValueSlope(state_.values[interior_[i]]);
         report_.correlation_names.push_back(entry.name);
       }
       report_.correlation = CorrelationFromCovariance(covariance_);
@@ -347,18 +308,20 @@ class Fitter {
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       const CatalogEntry& entry = catalog_[i];
       ParameterStatus status = status_[i];
-      if (status == ParameterStatus::kFree && AtBound(entry)) status = ParameterStatus::kAtBound;
+      if (status == ParameterStatus::kFree && AtBound(i)) status = ParameterStatus::kAtBound;
       report_.parameters.push_back({.name = entry.name,
                                     .unit = entry.unit,
-                                    .value = Value(entry),
+                                    .value = state_.values[i],
                                     .sigma = status == ParameterStatus::kFree ? sigma[i] : std::nullopt,
-                                    .initial = Initial(entry),
+                                    .initial = initial_[i],
                                     .lower = entry.lower,
                                     .upper = entry.upper,
                                     .status = status});
     }
     DescribeGauge();
-    for (const FitFrame& frame : frames_) report_.frames_used.push_back(frame.index);
+    for (int frame = 0; frame < model_.frame_count(); ++frame) {
+      report_.frames_used.push_back(model_.frame_index(frame));
+    }
   }
 
   // SL, db_min and the common factor of all A, C and E shift the same number.
@@ -381,13 +344,10 @@ class Fitter {
                     fmt::join(held, " and ")));
   }
 
-  const std::vector<FitFrame>& frames_;
-  const ImageGeometry& geometry_;
-  const std::vector<std::string>& material_names_;
+  const FrameModel& model_;
   const FitOptions& options_;
   std::vector<CatalogEntry> catalog_;
-  ParameterSet initial_parameters_;
-  PaperParameters<double> initial_;
+  ParameterValues initial_;
   std::vector<ParameterStatus> status_;
   FitState state_;
   std::vector<int> interior_;
@@ -423,20 +383,21 @@ std::vector<double> MeasuredForFit(const PolarImage& image) {
   return measured;
 }
 
+ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
+             const FitOptions& options) {
+  options.Check();
+  if (model.frame_count() == 0) throw DataError("fit: no frames");
+  return Fitter(model, initial, config, options).Run();
+}
+
 FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
                         const std::vector<std::string>& material_names, const ParameterSet& initial,
                         const FitConfig& config, const FitOptions& options) {
-  options.Check();
-  if (frames.empty()) throw DataError("fit: no frames");
-  const std::size_t pixels = static_cast<std::size_t>(geometry.axes.range_bins) * geometry.axes.beam_count();
-  for (const FitFrame& frame : frames) {
-    if ((!frame.use.empty() && frame.use.size() != pixels) || frame.measured.size() != pixels ||
-        frame.echoes.materials != static_cast<int>(material_names.size())) {
-      throw DataError("fit: frame {} has {} pixels and {} materials, expected {} and {}", frame.index,
-                      frame.measured.size(), frame.echoes.materials, pixels, material_names.size());
-    }
-  }
-  return Fitter(frames, geometry, material_names, initial, config, options).Run();
+  const PaperFrameModel model(frames, geometry, material_names, initial);
+  ModelFit fit = Fit(model, model.Values(initial), config, options);
+  FitResult result{.parameters = initial, .report = std::move(fit.report), .usable = fit.usable};
+  model.Store(fit.values, result.parameters);
+  return result;
 }
 
 }  // namespace sonarcal

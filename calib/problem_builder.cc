@@ -1,150 +1,123 @@
 #include "calib/problem_builder.h"
 
 #include <ceres/cost_function.h>
-#include <ceres/crs_matrix.h>
-#include <ceres/jet.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
+
+#include "data_io/types/error.h"
 
 namespace sonarcal {
 namespace {
 
-// Derivatives carried at once through the shading of cells.
-constexpr int kStride = 8;
-using Dual = ceres::Jet<double, kStride>;
-
-bool Counts(const FitFrame& frame, std::size_t pixel) {
-  return frame.use.empty() || frame.use[pixel] != 0;
-}
-
-// A frame's expected image minus the recorded one. Its derivatives are those of the forward model in dual
-// numbers; Ceres' own wrapper would carry them through the blur pixel by pixel, which is ten times the work.
 class FrameCost final : public ceres::CostFunction {
  public:
-  FrameCost(const FitFrame& frame, const ImageGeometry& geometry, const FitState& state)
-      : frame_(frame), geometry_(geometry), state_(state) {
-    set_num_residuals(static_cast<int>(frame.measured.size()));
+  FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
+            int frame)
+      : model_(model), catalog_(catalog), state_(state), frame_(frame) {
+    set_num_residuals(static_cast<int>(model.pixel_count()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
   }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    const double* coordinates = blocks[0];
-    const PaperParameters<double> parameters = ParametersAt<double>([&](int i) { return coordinates[i]; });
-    if (!(parameters.display.db_max > parameters.display.db_min)) return false;
-    const PaperImageEvaluation evaluation(frame_.echoes, geometry_, parameters);
-    const std::vector<double>& image = evaluation.image();
-    for (std::size_t i = 0; i < image.size(); ++i) {
-      residuals[i] = Counts(frame_, i) ? image[i] - frame_.measured[i] : 0.0;
-    }
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const int count = static_cast<int>(state_.active.size());
-    for (int first = 0; first < count; first += kStride) {
-      const auto derivatives = evaluation.Derivatives(ParametersAt<Dual>([&](int i) {
-        return i >= first && i < first + kStride ? Dual(coordinates[i], i - first) : Dual(coordinates[i]);
-      }));
-      WriteColumns(derivatives, first, std::min(kStride, count - first), jacobians[0]);
+    FitState state = state_;
+    state.SetCoordinates(catalog_, {blocks[0], blocks[0] + state.active.size()});
+    const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
+    PixelTerms terms;
+    if (!model_.Evaluate(frame_, state.values, state.active, derivatives, terms)) return false;
+    std::copy(terms.residual.begin(), terms.residual.end(), residuals);
+    if (!derivatives) return true;
+    const std::size_t count = state.active.size();
+    std::vector<double> value_slope;
+    for (const int entry : state.active)
+      value_slope.push_back(catalog_[entry].ValueSlope(state.values[entry]));
+    for (std::size_t pixel = 0; pixel < terms.residual.size(); ++pixel) {
+      for (std::size_t k = 0; k < count; ++k) {
+        jacobians[0][pixel * count + k] =
+            terms.slope[pixel] * terms.eta_jacobian[pixel * count + k] * value_slope[k];
+      }
     }
     return true;
   }
 
  private:
-  template <typename T, typename CoordinateAt>
-  PaperParameters<T> ParametersAt(const CoordinateAt& coordinate_at) const {
-    PaperParameters<T> parameters = CastPaperParameters<T>(state_.values);
-    for (std::size_t i = 0; i < state_.active.size(); ++i) {
-      PaperSlot(parameters, state_.active[i]) =
-          state_.active[i].ValueFromCoordinate(coordinate_at(static_cast<int>(i)));
-    }
-    return parameters;
-  }
-
-  void WriteColumns(const std::vector<std::vector<double>>& derivatives, int first, int columns,
-                    double* jacobian) const {
-    const std::size_t stride = state_.active.size();
-    for (std::size_t i = 0; i < frame_.measured.size(); ++i) {
-      double* row = jacobian + i * stride + first;
-      const bool counts = Counts(frame_, i);
-      for (int k = 0; k < columns; ++k) row[k] = counts ? derivatives[k][i] : 0.0;
-    }
-  }
-
-  const FitFrame& frame_;
-  const ImageGeometry& geometry_;
+  const FrameModel& model_;
+  const std::vector<CatalogEntry>& catalog_;
   const FitState& state_;
+  int frame_;
 };
 
 }  // namespace
 
-std::vector<double> FitState::Coordinates() const {
+std::vector<double> FitState::Coordinates(const std::vector<CatalogEntry>& catalog) const {
   std::vector<double> coordinates;
-  PaperParameters<double> copy = values;
-  for (const CatalogEntry& entry : active)
-    coordinates.push_back(entry.CoordinateFromValue(PaperSlot(copy, entry)));
+  for (const int entry : active) coordinates.push_back(catalog[entry].CoordinateFromValue(values[entry]));
   return coordinates;
 }
 
-void FitState::SetCoordinates(const std::vector<double>& coordinates) {
+void FitState::SetCoordinates(const std::vector<CatalogEntry>& catalog,
+                              const std::vector<double>& coordinates) {
   for (std::size_t i = 0; i < active.size(); ++i) {
-    PaperSlot(values, active[i]) = active[i].ValueFromCoordinate(coordinates[i]);
+    values[active[i]] = catalog[active[i]].ValueFromCoordinate(coordinates[i]);
   }
 }
 
-std::unique_ptr<ceres::Problem> BuildProblem(const std::vector<FitFrame>& frames,
-                                             const ImageGeometry& geometry, const FitState& state,
+std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
+                                             const std::vector<CatalogEntry>& catalog, const FitState& state,
                                              std::vector<double>& coordinates) {
   auto problem = std::make_unique<ceres::Problem>();
-  const int active_count = static_cast<int>(state.active.size());
-  for (const FitFrame& frame : frames) {
-    problem->AddResidualBlock(new FrameCost(frame, geometry, state), nullptr, coordinates.data());
+  for (int frame = 0; frame < model.frame_count(); ++frame) {
+    problem->AddResidualBlock(new FrameCost(model, catalog, state, frame), nullptr, coordinates.data());
   }
-  for (int i = 0; i < active_count; ++i) {
-    const CatalogEntry& entry = state.active[i];
-    problem->SetParameterLowerBound(coordinates.data(), i, entry.CoordinateFromValue(entry.lower));
-    problem->SetParameterUpperBound(coordinates.data(), i, entry.CoordinateFromValue(entry.upper));
+  for (std::size_t i = 0; i < state.active.size(); ++i) {
+    const CatalogEntry& entry = catalog[state.active[i]];
+    const int index = static_cast<int>(i);
+    problem->SetParameterLowerBound(coordinates.data(), index, entry.CoordinateFromValue(entry.lower));
+    problem->SetParameterUpperBound(coordinates.data(), index, entry.CoordinateFromValue(entry.upper));
   }
   return problem;
 }
 
-NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometry,
-                           const std::vector<FitFrame>& frames, const FitOptions& options,
-                           ResidualSummary* raw) {
-  std::vector<double> residuals;
-  ceres::CRSMatrix jacobian;
-  SONARCAL_CHECK(problem.Evaluate({}, nullptr, &residuals, nullptr, &jacobian),
-                 "the model gives no value here");
-  const int bins = geometry.axes.range_bins;
-  const int beams = geometry.axes.beam_count();
-  const int block_rows = (bins + options.block_bins - 1) / options.block_bins;
+NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                           const FitState& state, const FitOptions& options, ResidualSummary* residuals) {
+  const int beams = model.beams();
+  const int block_rows = (model.range_bins() + options.block_bins - 1) / options.block_bins;
   const int block_cols = (beams + options.block_beams - 1) / options.block_beams;
+  const auto n = static_cast<Eigen::Index>(state.active.size());
 
   NormalEquations equations;
-  const int n = jacobian.num_cols;
   const NormalEquations::Block empty{.information = Eigen::MatrixXd::Zero(n, n),
                                      .score = Eigen::VectorXd::Zero(n)};
   equations.information = empty.information;
-  equations.blocks.assign(frames.size() * block_rows * block_cols, empty);
+  equations.blocks.assign(static_cast<std::size_t>(model.frame_count()) * block_rows * block_cols, empty);
+  Eigen::VectorXd value_slope(n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    value_slope(k) = catalog[state.active[k]].ValueSlope(state.values[state.active[k]]);
+
   double sum = 0.0;
-  Eigen::VectorXd row_values(n);
-  for (int row = 0; row < jacobian.num_rows; ++row) {
-    const int pixel = row % (bins * beams);
-    const int frame = row / (bins * beams);
-    if (!Counts(frames[frame], pixel)) continue;
-    ++equations.residual_count;
-    sum += residuals[row];
-    equations.residual_square += residuals[row] * residuals[row];
-    row_values.setZero();
-    for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
-      row_values(jacobian.cols[i]) = jacobian.values[i];
+  PixelTerms terms;
+  for (int frame = 0; frame < model.frame_count(); ++frame) {
+    SONARCAL_CHECK(model.Evaluate(frame, state.values, state.active, true, terms),
+                   "the model gives no value here");
+    for (std::size_t pixel = 0; pixel < terms.residual.size(); ++pixel) {
+      if (!model.Counts(frame, pixel)) continue;
+      const double residual = terms.residual[pixel];
+      ++equations.residual_count;
+      sum += residual;
+      equations.residual_square += residual * residual;
+      const Eigen::VectorXd row =
+          Eigen::Map<const Eigen::VectorXd>(&terms.eta_jacobian[pixel * n], n).cwiseProduct(value_slope);
+      if (row.isZero(0.0)) continue;
+      const int bin = static_cast<int>(pixel) / beams;
+      const int beam = static_cast<int>(pixel) % beams;
+      NormalEquations::Block& block =
+          equations
+              .blocks[(static_cast<std::size_t>(frame) * block_rows + bin / options.block_bins) * block_cols +
+                      beam / options.block_beams];
+      block.information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[pixel]);
+      block.score += residual * terms.slope[pixel] * row;
     }
-    if (row_values.isZero(0.0)) continue;
-    NormalEquations::Block& block =
-        equations.blocks[(frame * block_rows + pixel / beams / options.block_bins) * block_cols +
-                         pixel % beams / options.block_beams];
-    block.information.selfadjointView<Eigen::Lower>().rankUpdate(row_values);
-    block.score += residuals[row] * row_values;
   }
   std::erase_if(equations.blocks,
                 [](const NormalEquations::Block& block) { return block.score.isZero(0.0); });
@@ -152,23 +125,21 @@ NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometr
     block.information = Eigen::MatrixXd(block.information.selfadjointView<Eigen::Lower>());
     equations.information += block.information;
   }
-  if (raw != nullptr) {
+  if (residuals != nullptr) {
     const double count = static_cast<double>(equations.residual_count);
-    raw->mean = sum / count;
-    raw->spread = std::sqrt(std::max(0.0, equations.residual_square / count - raw->mean * raw->mean));
+    residuals->mean = sum / count;
+    residuals->spread =
+        std::sqrt(std::max(0.0, equations.residual_square / count - residuals->mean * residuals->mean));
   }
   return equations;
 }
 
-double CostAt(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
-              const PaperParameters<double>& parameters) {
+double CostAt(const FrameModel& model, const ParameterValues& values, int frames) {
   double cost = 0.0;
-  for (const FitFrame& frame : frames) {
-    const std::vector<double> image = ExpectedPaperImage(frame.echoes, geometry, parameters);
-    for (std::size_t i = 0; i < image.size(); ++i) {
-      if (!Counts(frame, i)) continue;
-      cost += 0.5 * (image[i] - frame.measured[i]) * (image[i] - frame.measured[i]);
-    }
+  PixelTerms terms;
+  for (int frame = 0; frame < frames; ++frame) {
+    if (!model.Evaluate(frame, values, {}, false, terms)) return std::numeric_limits<double>::infinity();
+    for (const double residual : terms.residual) cost += 0.5 * residual * residual;
   }
   return cost;
 }

@@ -1,4 +1,4 @@
-// From frames and parameters to a Ceres problem, and to the sums that covariance and identifiability need.
+// From a model and parameters to a Ceres problem, and to the sums that covariance and identifiability need.
 #pragma once
 
 #include <ceres/problem.h>
@@ -6,34 +6,36 @@
 #include <memory>
 #include <vector>
 
-#include "calib/fit.h"
+#include "calib/fit_options.h"
+#include "calib/fit_report.h"
+#include "calib/frame_model.h"
 #include "calib/identifiability.h"
-#include "calib/parameter_catalog.h"
 
 namespace sonarcal {
 
 // One solve: which parameters move, and all others at their values.
 struct FitState {
-  std::vector<CatalogEntry> active;  // what the solver moves
-  PaperParameters<double> values;    // every parameter
+  std::vector<int> active;  // entries of the catalog that the solver moves
+  ParameterValues values;   // every parameter
 
-  std::vector<double> Coordinates() const;
-  void SetCoordinates(const std::vector<double>& coordinates);
+  std::vector<double> Coordinates(const std::vector<CatalogEntry>& catalog) const;
+  void SetCoordinates(const std::vector<CatalogEntry>& catalog, const std::vector<double>& coordinates);
 };
 
 // One parameter block (`coordinates`, one value an active entry, kept within the entries' bounds), one
-// residual block a frame. Frames, geometry, state and coordinates must outlive the problem.
-std::unique_ptr<ceres::Problem> BuildProblem(const std::vector<FitFrame>& frames,
-                                             const ImageGeometry& geometry, const FitState& state,
+// residual block a frame. Model, catalog (its bounds may be narrower than the model's own), state and
+// coordinates must outlive the problem.
+std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
+                                             const std::vector<CatalogEntry>& catalog, const FitState& state,
                                              std::vector<double>& coordinates);
 
-// Residuals and Jacobian at the problem's current coordinates, summed over blocks of pixels.
-NormalEquations Accumulate(ceres::Problem& problem, const ImageGeometry& geometry,
-                           const std::vector<FitFrame>& frames, const FitOptions& options,
-                           ResidualSummary* raw = nullptr);
+// Scores and expected information at a state, with respect to the coordinates of its active entries, summed
+// over blocks of pixels. `residuals` (where given) receives their mean and spread.
+NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                           const FitState& state, const FitOptions& options,
+                           ResidualSummary* residuals = nullptr);
 
-// Half the sum of squares over all frames at a state, without a problem.
-double CostAt(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
-              const PaperParameters<double>& parameters);
+// Half the sum of squares over the first `frames` frames, without a problem.
+double CostAt(const FrameModel& model, const ParameterValues& values, int frames);
 
 }  // namespace sonarcal

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "calib/paper_frame_model.h"
 #include "calib/problem_builder.h"
 #include "tests/calib/small_tank.h"
 
@@ -32,16 +34,20 @@ TEST(PaperJacobian, EqualsCentralDifferencesForEveryParameter) {
   const std::vector<FitFrame> frames = testing::MakeFitFrames(simulator, [&](const EchoList& echoes, int) {
     return simulator.RenderExpected(echoes, testing::SmallTankTruth());
   });
-  FitState state{.active = BuildCatalog({"floor", "box"}), .values = {}};
-  state.values = PaperParametersFor(testing::SmallTankTruth(), {"floor", "box"});
-  std::vector<double> coordinates = state.Coordinates();
-  const auto problem = BuildProblem(frames, geometry, state, coordinates);
+  const std::vector<std::string> materials = {"floor", "box"};
+  const PaperFrameModel model(frames, geometry, materials, testing::SmallTankTruth());
+  const std::vector<CatalogEntry>& catalog = model.catalog();
+  FitState state{.active = std::vector<int>(catalog.size()),
+                 .values = model.Values(testing::SmallTankTruth())};
+  std::iota(state.active.begin(), state.active.end(), 0);
+  std::vector<double> coordinates = state.Coordinates(catalog);
+  const auto problem = BuildProblem(model, catalog, state, coordinates);
   ceres::CRSMatrix jacobian;
   ASSERT_TRUE(problem->Evaluate({}, nullptr, nullptr, nullptr, &jacobian));
   const Columns analytic = Dense(jacobian);
 
   for (std::size_t parameter = 0; parameter < coordinates.size(); ++parameter) {
-    const CatalogEntry& entry = state.active[parameter];
+    const CatalogEntry& entry = catalog[parameter];
     const auto residuals_at = [&](double step) {
       const double saved = coordinates[parameter];
       coordinates[parameter] = saved + step;

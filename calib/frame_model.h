@@ -1,0 +1,54 @@
+// The forward model of a fit, as a solver sees it: named parameters, and for every pixel of every frame a
+// residual and what it tells about them.
+//
+// A pixel follows the parameters through one number eta: the image value of the paper model, the logarithm of
+// the mean power of the acoustic one. Then
+//
+//   d residual / d parameter = slope x d eta / d parameter
+//   expected information     = information x (d eta / d parameter)(d eta / d parameter)^T
+//
+// and half the sum of squared residuals is the negative log-likelihood, up to a constant.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calib/parameter_catalog.h"
+
+namespace sonarcal {
+
+// One value for each entry of a catalog, in the entry's unit.
+using ParameterValues = std::vector<double>;
+
+// A frame's pixels, range bin by range bin. A pixel that does not count has zeros everywhere.
+struct PixelTerms {
+  std::vector<double> residual;
+  std::vector<double> slope;         // d residual / d eta
+  std::vector<double> information;   // expected square of the score d (residual^2 / 2) / d eta
+  std::vector<double> eta_jacobian;  // pixels x active parameters, row by row
+};
+
+class FrameModel {
+ public:
+  virtual ~FrameModel() = default;
+
+  virtual const std::vector<CatalogEntry>& catalog() const = 0;
+  virtual int frame_count() const = 0;
+  virtual int frame_index(int frame) const = 0;  // in the recording
+  virtual int range_bins() const = 0;
+  virtual int beams() const = 0;
+  virtual bool Counts(int frame, std::size_t pixel) const = 0;
+  virtual bool ShowsMaterial(int material) const = 0;  // in any frame
+  virtual const std::vector<std::string>& material_names() const = 0;
+
+  // Fills `terms`; slope, information and Jacobian (with respect to the entries `active` of the catalog) only
+  // with `derivatives`. False where the model has no value.
+  virtual bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active,
+                        bool derivatives, PixelTerms& terms) const = 0;
+
+  std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
+};
+
+}  // namespace sonarcal
