@@ -17,6 +17,8 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == "display") return entry.group == ParameterGroup::kDisplay;
   if (pattern == "jitter") return entry.group == ParameterGroup::kJitter;
   if (pattern == "source_level") return entry.group == ParameterGroup::kSourceLevel;
+  if (pattern == "noise") return entry.name.starts_with("receiver.noise");
+  if (pattern == "psf") return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse;
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
 }
 
@@ -33,7 +35,8 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
   std::string names;
   for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
   throw DataError(
-      "fit: no parameter is called '{}'; expected a group (materials, display, jitter, source_level), or a "
+      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, display, jitter, "
+      "source_level), or a "
       "name or "
       "pattern among {}",
       pattern, names);

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "data_io/types/units.h"
 #include "sim/physics/jitter.h"
 
 namespace sonarcal {
@@ -32,16 +35,40 @@ CatalogEntry GsabEntry(const std::string& material, int material_idx, int index)
           .typical_step = exponent ? kExponentStep : (width ? kWidthStep : kPowerStep)};
 }
 
+CatalogEntry SourceLevelEntry() {
+  return {.name = "source_level_db",
+          .unit = "dB re 1 uPa at 1 m",
+          .group = ParameterGroup::kSourceLevel,
+          .lower = 0.0,
+          .upper = 300.0,
+          .typical_step = kLevelStepDb};
+}
+
+void AddMaterials(const std::vector<std::string>& material_names, std::vector<CatalogEntry>& catalog) {
+  for (std::size_t material = 0; material < material_names.size(); ++material) {
+    for (int index = 0; index < static_cast<int>(kGsabTraits.size()); ++index) {
+      catalog.push_back(GsabEntry(material_names[material], static_cast<int>(material), index));
+    }
+  }
+}
+
+// A width of the point spread function: at least an eighth of a sample, at most `most` samples.
+CatalogEntry WidthEntry(const std::string& name, const std::string& unit, ParameterGroup group, double sample,
+                        double most) {
+  return {.name = name,
+          .unit = unit,
+          .group = group,
+          .lower = 0.125 * sample,
+          .upper = most * sample,
+          .logarithmic = true,
+          .typical_step = kWidthStep};
+}
+
 }  // namespace
 
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names) {
   std::vector<CatalogEntry> catalog;
-  catalog.push_back({.name = "source_level_db",
-                     .unit = "dB re 1 uPa at 1 m",
-                     .group = ParameterGroup::kSourceLevel,
-                     .lower = 0.0,
-                     .upper = 300.0,
-                     .typical_step = kLevelStepDb});
+  catalog.push_back(SourceLevelEntry());
   for (const int index : {0, 1}) {
     catalog.push_back({.name = index == 0 ? "display.db_min" : "display.db_max",
                        .unit = "dB",
@@ -51,11 +78,7 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
                        .upper = 2000.0,
                        .typical_step = kLevelStepDb});
   }
-  for (std::size_t material = 0; material < material_names.size(); ++material) {
-    for (int index = 0; index < static_cast<int>(kGsabTraits.size()); ++index) {
-      catalog.push_back(GsabEntry(material_names[material], static_cast<int>(material), index));
-    }
-  }
+  AddMaterials(material_names, catalog);
   for (int index = 0; index < static_cast<int>(kJitterTraits.size()); ++index) {
     const ParameterTraits& traits = kJitterTraits[index];
     catalog.push_back({.name = fmt::format("jitter.{}", traits.name),
@@ -68,6 +91,59 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
                        .typical_step = kWidthStep});
   }
   return catalog;
+}
+
+std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
+                                               const SonarModel& sonar) {
+  std::vector<CatalogEntry> catalog = {SourceLevelEntry()};
+  constexpr std::array<const char*, 2> kLevels = {"receiver.gain_db", "receiver.noise_db"};
+  for (std::size_t index = 0; index < kLevels.size(); ++index) {
+    catalog.push_back({.name = kLevels[index],
+                       .unit = "dB",
+                       .group = ParameterGroup::kReceiver,
+                       .index = static_cast<int>(index),
+                       .lower = -500.0,
+                       .upper = 500.0,
+                       .typical_step = kLevelStepDb});
+  }
+  // Over the whole window, a trend of 20 dB would be a surprise.
+  const double window_m = sonar.axes.range_max_m - sonar.axes.range_min_m;
+  catalog.push_back({.name = "receiver.noise_slope_db_per_m",
+                     .unit = "dB/m",
+                     .group = ParameterGroup::kReceiver,
+                     .index = 2,
+                     .lower = -100.0 / window_m,
+                     .upper = 100.0 / window_m,
+                     .typical_step = kLevelStepDb / window_m});
+  const double beam_deg =
+      DegFromRad((sonar.axes.beam_azimuth_rad.back() - sonar.axes.beam_azimuth_rad.front()) /
+                 std::max(1, sonar.axes.beam_count() - 1));
+  catalog.push_back(WidthEntry("beam.azimuth_width_deg", "deg", ParameterGroup::kBeam, beam_deg, 16.0));
+  catalog.push_back(
+      WidthEntry("pulse.length_m", "m", ParameterGroup::kPulse, sonar.axes.range_bin_m(), 16.0));
+  AddMaterials(material_names, catalog);
+  return catalog;
+}
+
+double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
+                     const CatalogEntry& entry) {
+  ReceiverParameters& receiver = parameters.receiver;
+  switch (entry.group) {
+    case ParameterGroup::kReceiver:
+      if (entry.index == 0) return receiver.gain_db;
+      return entry.index == 1 ? receiver.noise_db.value() : receiver.noise_slope_db_per_m;
+    case ParameterGroup::kBeam:
+      return parameters.beam.azimuth_width_deg;
+    case ParameterGroup::kPulse:
+      return parameters.pulse.length_m;
+    case ParameterGroup::kGsab: {
+      GsabParameters<double>& g = parameters.materials.at(material_names[entry.material]).gsab;
+      const std::array<double*, 6> members = {&g.a, &g.b_deg, &g.c, &g.d, &g.e, &g.f_deg};
+      return *members[entry.index];
+    }
+    default:
+      return parameters.source_level_db;
+  }
 }
 
 void StorePaperParameters(const PaperParameters<double>& fitted,

@@ -1,13 +1,15 @@
 // The parameters of a fit by name: what each is called, its unit, its bounds, and where it lives.
 //
 // Names are those of `fit.json`: source_level_db, display.db_min, display.db_max,
-// material.<name>.gsab.{A,B_deg,C,D,E,F_deg}, jitter.{sigma_range_m,sigma_azimuth_deg,reference_range_m}.
+// material.<name>.gsab.{A,B_deg,C,D,E,F_deg}; of the paper's model jitter.{sigma_range_m,sigma_azimuth_deg,
+// reference_range_m}; of the acoustic model receiver.{gain_db,noise_db,noise_slope_db_per_m},
+// beam.azimuth_width_deg, pulse.length_m.
 //
 // A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
 // itself for the rest. `typical_step` is a change of the coordinate that would be a surprise; a parameter
 // that the data leave freer than that is called unidentifiable.
 //
-// To add a parameter: an entry in BuildCatalog and a case in PaperSlot.
+// To add a parameter: an entry in the catalog and a case in the slot of its model.
 #pragma once
 
 #include <cmath>
@@ -18,7 +20,7 @@
 
 namespace sonarcal {
 
-enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter };
+enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse };
 
 struct CatalogEntry {
   std::string name;
@@ -46,6 +48,15 @@ struct CatalogEntry {
 // Every parameter of the paper model for a scene with these materials.
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
+// Every parameter of the acoustic model that a fit may move, for a sonar with these bins and beams.
+std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
+                                               const SonarModel& sonar);
+
+// The place of a parameter of the acoustic model. Materials must have entries of their own, and the receiver
+// a noise level.
+double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
+                     const CatalogEntry& entry);
+
 // The place of a parameter.
 template <typename T>
 T& PaperSlot(PaperParameters<T>& p, const CatalogEntry& entry) {
@@ -59,7 +70,7 @@ T& PaperSlot(PaperParameters<T>& p, const CatalogEntry& entry) {
       T* const members[] = {&g.a, &g.b_deg, &g.c, &g.d, &g.e, &g.f_deg};
       return *members[entry.index];
     }
-    case ParameterGroup::kJitter:
+    default:
       break;
   }
   T* const members[] = {&p.jitter.sigma_range_m, &p.jitter.sigma_azimuth_deg, &p.jitter.reference_range_m};

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include "data_io/types/error.h"
 
@@ -87,43 +89,52 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   const auto n = static_cast<Eigen::Index>(state.active.size());
 
   NormalEquations equations;
-  const NormalEquations::Block empty{.information = Eigen::MatrixXd::Zero(n, n),
-                                     .score = Eigen::VectorXd::Zero(n)};
-  equations.information = empty.information;
-  equations.blocks.assign(static_cast<std::size_t>(model.frame_count()) * block_rows * block_cols, empty);
+  equations.information = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd value_slope(n);
   for (Eigen::Index k = 0; k < n; ++k)
     value_slope(k) = catalog[state.active[k]].ValueSlope(state.values[state.active[k]]);
 
   double sum = 0.0;
   PixelTerms terms;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows rows(options.block_bins * options.block_beams, n);
+  Eigen::VectorXd scores(rows.rows());
+  Eigen::VectorXd roots(rows.rows());
   for (int frame = 0; frame < model.frame_count(); ++frame) {
     SONARCAL_CHECK(model.Evaluate(frame, state.values, state.active, true, terms),
                    "the model gives no value here");
-    for (std::size_t pixel = 0; pixel < terms.residual.size(); ++pixel) {
-      if (!model.Counts(frame, pixel)) continue;
-      const double residual = terms.residual[pixel];
-      ++equations.residual_count;
-      sum += residual;
-      equations.residual_square += residual * residual;
-      const Eigen::VectorXd row =
-          Eigen::Map<const Eigen::VectorXd>(&terms.eta_jacobian[pixel * n], n).cwiseProduct(value_slope);
-      if (row.isZero(0.0)) continue;
-      const int bin = static_cast<int>(pixel) / beams;
-      const int beam = static_cast<int>(pixel) % beams;
-      NormalEquations::Block& block =
-          equations
-              .blocks[(static_cast<std::size_t>(frame) * block_rows + bin / options.block_bins) * block_cols +
-                      beam / options.block_beams];
-      block.information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[pixel]);
-      block.score += residual * terms.slope[pixel] * row;
+    const Eigen::Map<const Rows> jacobian(terms.eta_jacobian.data(),
+                                          static_cast<Eigen::Index>(model.pixel_count()), n);
+    for (int block_row = 0; block_row < block_rows; ++block_row) {
+      for (int block_col = 0; block_col < block_cols; ++block_col) {
+        Eigen::Index count = 0;
+        for (int bin = block_row * options.block_bins;
+             bin < std::min((block_row + 1) * options.block_bins, model.range_bins()); ++bin) {
+          for (int beam = block_col * options.block_beams;
+               beam < std::min((block_col + 1) * options.block_beams, beams); ++beam) {
+            const std::size_t pixel = static_cast<std::size_t>(bin) * beams + beam;
+            if (!model.Counts(frame, pixel)) continue;
+            const double residual = terms.residual[pixel];
+            ++equations.residual_count;
+            sum += residual;
+            equations.residual_square += residual * residual;
+            rows.row(count) =
+                jacobian.row(static_cast<Eigen::Index>(pixel)).cwiseProduct(value_slope.transpose());
+            scores(count) = residual * terms.slope[pixel];
+            roots(count) = std::sqrt(terms.information[pixel]);
+            ++count;
+          }
+        }
+        if (count == 0) continue;
+        NormalEquations::Block block;
+        block.score = rows.topRows(count).transpose() * scores.head(count);
+        if (block.score.isZero(0.0)) continue;
+        const Rows weighted = roots.head(count).asDiagonal() * rows.topRows(count);
+        block.information = weighted.transpose() * weighted;
+        equations.information += block.information;
+        equations.blocks.push_back(std::move(block));
+      }
     }
-  }
-  std::erase_if(equations.blocks,
-                [](const NormalEquations::Block& block) { return block.score.isZero(0.0); });
-  for (NormalEquations::Block& block : equations.blocks) {
-    block.information = Eigen::MatrixXd(block.information.selfadjointView<Eigen::Lower>());
-    equations.information += block.information;
   }
   if (residuals != nullptr) {
     const double count = static_cast<double>(equations.residual_count);

@@ -1,0 +1,146 @@
+#include "sim/pixel_echoes.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+// Share of a fine node between two coarse ones.
+struct NodeShare {
+  int node = 0;  // and the next
+  double of_next = 0.0;
+};
+
+std::array<NodeShare, kIncidenceNodes> CoarseShares() {
+  const std::vector<double>& coarse = CoarseIncidenceDeg();
+  std::array<NodeShare, kIncidenceNodes> shares;
+  for (int fine = 0; fine < kIncidenceNodes; ++fine) {
+    const double deg = fine * kIncidenceStepDeg;
+    const auto above = std::upper_bound(coarse.begin(), coarse.end() - 1, deg);
+    const int node = static_cast<int>(above - coarse.begin()) - 1;
+    shares[fine] = {node, (deg - coarse[node]) / (coarse[node + 1] - coarse[node])};
+  }
+  return shares;
+}
+
+struct NodeWeight {
+  std::uint32_t node;
+  double weight;
+};
+
+}  // namespace
+
+const std::vector<double>& CoarseIncidenceDeg() {
+  static const std::vector<double> kNodes = [] {
+    std::vector<double> nodes;
+    for (double deg = 0.0; deg < 20.0; deg += 0.5) nodes.push_back(deg);
+    for (double deg = 20.0; deg < 40.0; deg += 1.0) nodes.push_back(deg);
+    for (double deg = 40.0; deg <= 90.0; deg += 2.0) nodes.push_back(deg);
+    return nodes;
+  }();
+  return kNodes;
+}
+
+PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response) {
+  const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
+  const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
+  const std::size_t nodes = static_cast<std::size_t>(echoes.materials) * coarse_count;
+  const int bins = response.bins();
+  const int beams = response.beams();
+  const std::vector<std::size_t> row_start = RowStarts(echoes);
+  std::vector<std::vector<PixelEchoes::Entry>> of_pixel(static_cast<std::size_t>(bins) * beams);
+
+  tbb::parallel_for(tbb::blocked_range<int>(0, bins, 8), [&](const tbb::blocked_range<int>& range) {
+    std::vector<double> dense(nodes, 0.0);
+    std::vector<std::uint32_t> touched;
+    const auto add = [&](std::uint32_t node, double weight) {
+      if (weight == 0.0) return;
+      if (dense[node] == 0.0) touched.push_back(node);
+      dense[node] += weight;
+    };
+    std::vector<std::vector<NodeWeight>> by_column(echoes.cols);
+    for (int bin = range.begin(); bin != range.end(); ++bin) {
+      for (std::vector<NodeWeight>& column : by_column) column.clear();
+      const auto [first_row, last_row] = response.RowsOfBin(bin);
+      for (std::size_t i = row_start[first_row]; i < row_start[last_row]; ++i) {
+        const EchoPower::Cell& cell = echoes.cells[i];
+        const double pulse = response.PulseWeight(bin, cell.row);
+        std::vector<NodeWeight>& column = by_column[cell.col];
+        for (std::uint32_t e = cell.first_entry; e < cell.last_entry; ++e) {
+          const std::uint32_t fine = echoes.entries[e].node;
+          const NodeShare& share = shares[fine % kIncidenceNodes];
+          const std::uint32_t node = fine / kIncidenceNodes * coarse_count + share.node;
+          const double weight = pulse * echoes.entries[e].power;
+          column.push_back({node, weight * (1.0 - share.of_next)});
+          column.push_back({node + 1, weight * share.of_next});
+        }
+      }
+      // One entry a node of each column.
+      for (std::vector<NodeWeight>& column : by_column) {
+        for (const auto& [node, weight] : column) add(node, weight);
+        column.clear();
+        for (const std::uint32_t node : touched) {
+          column.push_back({node, dense[node]});
+          dense[node] = 0.0;
+        }
+        touched.clear();
+      }
+      for (int beam = 0; beam < beams; ++beam) {
+        const PowerResponse::Window& window = response.azimuth(beam);
+        double total = 0.0;
+        for (std::size_t i = 0; i < window.weight.size(); ++i) {
+          for (const auto& [node, weight] : by_column[window.first + i]) {
+            add(node, window.weight[i] * weight);
+            total += window.weight[i] * weight;
+          }
+        }
+        auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
+        std::sort(touched.begin(), touched.end());
+        for (const std::uint32_t node : touched) {
+          if (dense[node] > kNegligibleShare * total)
+            pixel.push_back({node, static_cast<float>(dense[node])});
+          dense[node] = 0.0;
+        }
+        touched.clear();
+      }
+    }
+  });
+
+  PixelEchoes gathered{.materials = echoes.materials, .start = {0}, .entries = {}};
+  std::size_t count = 0;
+  for (const auto& pixel : of_pixel) count += pixel.size();
+  gathered.entries.reserve(count);
+  for (auto& pixel : of_pixel) {
+    gathered.entries.insert(gathered.entries.end(), pixel.begin(), pixel.end());
+    gathered.start.push_back(static_cast<std::uint32_t>(gathered.entries.size()));
+    std::vector<PixelEchoes::Entry>().swap(pixel);
+  }
+  return gathered;
+}
+
+ImageStack SumPixelEchoes(const PixelEchoes& echoes, std::span<const double> nodes, int count) {
+  SONARCAL_CHECK(nodes.size() == echoes.materials * CoarseIncidenceDeg().size() * count,
+                 "{} values for {} materials of {} nodes", nodes.size(), echoes.materials,
+                 CoarseIncidenceDeg().size());
+  const std::size_t pixels = echoes.start.size() - 1;
+  ImageStack stack{count, std::vector<double>(pixels * count, 0.0)};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels, 4096), [&](const auto& range) {
+    for (std::size_t pixel = range.begin(); pixel != range.end(); ++pixel) {
+      double* out = &stack.values[pixel * count];
+      for (std::uint32_t e = echoes.start[pixel]; e < echoes.start[pixel + 1]; ++e) {
+        const double weight = echoes.entries[e].weight;
+        const double* at = &nodes[static_cast<std::size_t>(echoes.entries[e].node) * count];
+        for (int k = 0; k < count; ++k) out[k] += weight * at[k];
+      }
+    }
+  });
+  return stack;
+}
+
+}  // namespace sonarcal

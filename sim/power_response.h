@@ -1,0 +1,56 @@
+// The point spread function of a sonar as a linear map in power, from cells of echoes (sim/echo_power.h) to
+// pixels: the pulse along range, the beam pattern along azimuth. It serves an image and each of its
+// derivatives alike, several at once.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "data_io/types/sonar_model.h"
+#include "sim/echo_power.h"
+
+namespace sonarcal {
+
+// Several images, interleaved: value k of pixel (bin, beam) at ((bin * beams) + beam) * count + k.
+struct ImageStack {
+  int count = 0;
+  std::vector<double> values;
+};
+
+// First cell of each row of echoes, rows + 1 values.
+std::vector<std::size_t> RowStarts(const EchoPower& echoes);
+
+class PowerResponse {
+ public:
+  // Weights of a response at a row of consecutive samples.
+  struct Window {
+    int first = 0;
+    std::vector<double> weight;
+  };
+
+  // `azimuth`: for each beam, its weights for the columns. `pulse`: weights of the fine rows for a bin, first
+  // counted from the bin's own first row.
+  PowerResponse(int bins, int range_steps, std::vector<Window> azimuth, Window pulse);
+
+  // `cells` holds `count` values for each cell of `echoes`, cell by cell.
+  ImageStack Apply(const EchoPower& echoes, std::span<const double> cells, int count) const;
+
+  int bins() const { return bins_; }
+  int beams() const { return static_cast<int>(azimuth_.size()); }
+  const Window& azimuth(int beam) const { return azimuth_[beam]; }
+  // Fine rows [first, last) that a bin hears, and how much of one.
+  std::pair<int, int> RowsOfBin(int bin) const;
+  double PulseWeight(int bin, int row) const {
+    return pulse_.weight[row - bin * range_steps_ - pulse_.first];
+  }
+
+ private:
+  int bins_;
+  int range_steps_;
+  std::vector<Window> azimuth_;
+  Window pulse_;
+};
+
+}  // namespace sonarcal
