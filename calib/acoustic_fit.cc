@@ -1,12 +1,30 @@
 #include "calib/acoustic_fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
+namespace {
+
+// Rounds about a new point, at most; and the move, in parts of what a round may move, below which no other
+// round follows.
+constexpr int kRounds = 8;
+constexpr double kSettled = 0.02;
+
+// How far a round may move a geometric parameter from its point.
+double Reach(const CatalogEntry& entry, double value) {
+  constexpr double kOfWidth = 0.2;
+  if (entry.group != ParameterGroup::kPose) return kOfWidth * value;
+  return entry.index < 3 ? 0.02 : 1.0;  // m, degrees
+}
+
+}  // namespace
 
 std::vector<std::string> AcousticFreeByDefault() {
   return {"materials", "receiver.noise_db"};
@@ -27,21 +45,74 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
   return DbFromPower(*at / of_mean);
 }
 
-FitResult FitAcousticModel(const std::vector<AcousticFrame>& frames, const SonarModel& sonar,
-                           double absorption_db_per_m, const std::vector<std::string>& material_names,
-                           const ParameterSet& initial, const FitConfig& config, const FitOptions& options) {
-  std::vector<CatalogEntry> catalog = BuildAcousticCatalog(material_names, sonar);
+AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                             const ParameterSet& initial, const FitConfig& config,
+                             const FitOptions& options) {
+  if (frames.empty()) throw DataError("fit: no frames");
+  AcousticFrameModel model(simulator, frames, initial);
+  std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
-  bool response_is_fixed = true;
+  std::vector<int> geometric;
   for (std::size_t i = 0; i < catalog.size(); ++i) {
-    const bool of_response =
-        catalog[i].group == ParameterGroup::kBeam || catalog[i].group == ParameterGroup::kPulse;
-    if (free[i] && of_response) response_is_fixed = false;
+    if (free[i] && IsGeometric(catalog[i])) geometric.push_back(static_cast<int>(i));
   }
-  const AcousticFrameModel model(frames, sonar, absorption_db_per_m, material_names, initial,
-                                 response_is_fixed);
-  ModelFit fit = Fit(model, model.Values(initial), config, options);
-  return {.parameters = model.Parameters(fit.values), .report = std::move(fit.report), .usable = fit.usable};
+
+  // Curves and receiver first: about a wrong level no geometry can be told.
+  FitConfig radiometry = config;
+  for (const int entry : geometric) radiometry.fixed.push_back(catalog[entry].name);
+  const bool only_geometry = std::all_of(free.begin(), free.end(), [&, i = 0](bool value) mutable {
+    const CatalogEntry& entry = catalog[i++];
+    return !value || IsGeometric(entry);
+  });
+  ModelFit fit{.values = model.initial_values(), .report = {}, .usable = true};
+  if (!only_geometry) fit = Fit(model, fit.values, geometric.empty() ? config : radiometry, options);
+
+  FitOptions again = options;
+  again.starts = 1;
+  again.search_level = false;
+  std::vector<double> start_costs = fit.report.start_costs;
+  const double cost_initial = only_geometry ? 0.0 : fit.report.cost_initial;
+  int iterations = fit.report.iterations;
+  double solve_s = fit.report.solve_s;
+  for (int round = 0; round < kRounds && fit.usable && !geometric.empty(); ++round) {
+    if (options.progress)
+      options.progress(fmt::format("round {}: tracing about the point reached", round + 1));
+    const ParameterValues point = fit.values;
+    model.Linearise(point, geometric);
+    FitConfig near = config;
+    for (const int entry : geometric) {
+      const double reach = Reach(catalog[entry], point[entry]);
+      near.bounds[catalog[entry].name] = {std::max(point[entry] - reach, catalog[entry].lower),
+                                          std::min(point[entry] + reach, catalog[entry].upper)};
+    }
+    fit = Fit(model, point, near, again);
+    iterations += fit.report.iterations;
+    solve_s += fit.report.solve_s;
+    double largest = 0.0;
+    for (const int entry : geometric) {
+      largest =
+          std::max(largest, std::abs(fit.values[entry] - point[entry]) / Reach(catalog[entry], point[entry]));
+    }
+    if (largest < kSettled) break;
+  }
+
+  AcousticFit result{.parameters = model.Parameters(fit.values),
+                     .world_from_sonar = {},
+                     .report = std::move(fit.report),
+                     .usable = fit.usable};
+  for (int frame = 0; frame < model.frame_count(); ++frame)
+    result.world_from_sonar.push_back(model.PoseOf(frame, fit.values));
+  FitReport& report = result.report;
+  for (std::size_t i = 0; i < report.parameters.size(); ++i) {
+    report.parameters[i].initial = model.initial_values()[i];
+    report.parameters[i].lower = catalog[i].lower;
+    report.parameters[i].upper = catalog[i].upper;
+  }
+  if (!start_costs.empty()) report.start_costs = start_costs;
+  if (!only_geometry) report.cost_initial = cost_initial;
+  report.iterations = iterations;
+  report.solve_s = solve_s;
+  return result;
 }
 
 }  // namespace sonarcal

@@ -2,7 +2,8 @@
 //
 // The likelihood is that of speckle about the mean power of every pixel (calib/acoustic_frame_model.h); the
 // rest is calib/fit.h: several starts, sigmas from a sandwich over blocks of pixels, and what the data cannot
-// tell held and named. Frames are given as gathered echoes: a fit casts no ray.
+// tell held and named. A fit of curves and receiver casts each frame's rays once. Where beam, pulse or poses
+// are free, it is solved in rounds about an ever better point, each tracing again.
 #pragma once
 
 #include <string>
@@ -20,10 +21,16 @@ std::vector<std::string> AcousticFreeByDefault();
 // Level of the noise floor in the darkest fifth of the recorded pixels, dB: where a fit starts.
 double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);
 
+struct AcousticFit {
+  ParameterSet parameters;
+  std::vector<Pose> world_from_sonar;  // by frame; those given, where poses were not free
+  FitReport report;
+  bool usable = false;
+};
+
 // `initial` must name a noise level. Throws DataError as FitPaperModel does.
-FitResult FitAcousticModel(const std::vector<AcousticFrame>& frames, const SonarModel& sonar,
-                           double absorption_db_per_m, const std::vector<std::string>& material_names,
-                           const ParameterSet& initial, const FitConfig& config,
-                           const FitOptions& options = {});
+AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                             const ParameterSet& initial, const FitConfig& config,
+                             const FitOptions& options = {});
 
 }  // namespace sonarcal

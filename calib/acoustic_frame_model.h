@@ -2,8 +2,12 @@
 //
 //   mu(r, b) = 10^((SL + G + TVG(r)) / 10) S(r, b) + N(r, b),
 //
-// S the echoes of the scene through beam and pulse (sim/power_response.h), N the noise floor; and the
-// residual is that of speckle with a fixed number of looks (calib/power_likelihood.h).
+// S the echoes of the scene through beam and pulse (sim/pixel_echoes.h), N the noise floor; and the residual
+// is that of speckle with a fixed number of looks (calib/power_likelihood.h).
+//
+// Backscatter curves and receiver are exact. What decides where an echo arrives (beam, pulse, pose) enters by
+// the gathered echoes and their differences about a point, the model being linear in it near there:
+// `Linearise` moves the point, and traces and gathers again.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +16,17 @@
 
 #include "calib/frame_model.h"
 #include "calib/power_likelihood.h"
+#include "data_io/types/image.h"
 #include "data_io/types/parameters.h"
-#include "sim/echo_power.h"
+#include "data_io/types/pose.h"
 #include "sim/pixel_echoes.h"
-#include "sim/power_response.h"
+#include "sim/simulator.h"
 
 namespace sonarcal {
 
 struct AcousticFrame {
   int index = 0;  // in the recording
-  EchoPower echoes;
+  Pose world_from_sonar;
   std::vector<RecordedPower> recorded;  // range_bins x beams
   std::vector<std::uint8_t> use = {};   // 1 for the pixels that count; empty: all
 };
@@ -31,51 +36,59 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
 
 class AcousticFrameModel final : public FrameModel {
  public:
-  // Frames must outlive the model. Throws DataError where a frame does not fit the sonar, a material of the
-  // scene has no parameters, or there is no noise level. Where the response (beam and pulse) is fixed, the
-  // echoes are sent through it once (sim/pixel_echoes.h), which makes evaluations many times cheaper; its
-  // parameters must then keep the values of `initial`.
-  AcousticFrameModel(const std::vector<AcousticFrame>& frames, const SonarModel& sonar,
-                     double absorption_db_per_m, std::vector<std::string> material_names,
-                     const ParameterSet& initial, bool response_is_fixed);
+  // Simulator and frames must outlive the model. Traces every frame. Throws DataError where a frame does not
+  // fit the sonar, a material of the scene has no parameters, or there is no noise level.
+  AcousticFrameModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                     const ParameterSet& initial);
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   int frame_index(int frame) const override { return frames_[frame].index; }
-  int range_bins() const override { return sonar_.axes.range_bins; }
-  int beams() const override { return sonar_.axes.beam_count(); }
+  int range_bins() const override { return simulator_.sonar().axes.range_bins; }
+  int beams() const override { return simulator_.sonar().axes.beam_count(); }
   bool Counts(int frame, std::size_t pixel) const override {
     return frames_[frame].use.empty() || frames_[frame].use[pixel] != 0;
   }
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
-  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, bool derivatives,
+  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
                 PixelTerms& terms) const override;
 
-  ParameterValues Values(const ParameterSet& parameters) const;
+  const ParameterValues& initial_values() const { return initial_values_; }
   // The parameters with these values, and what no catalog entry names as given at first.
   ParameterSet Parameters(const ParameterValues& values) const;
+  Pose PoseOf(int frame, const ParameterValues& values) const;
+
+  // Moves the point that geometry is taken about; `geometric` are the catalog entries that will be active.
+  void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
 
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
 
- private:
-  struct Means;
-  Means MeansAt(int frame, const ParameterSet& parameters, std::span<const int> active) const;
-  // What the weights of a response are: themselves, or their derivative by one of its widths.
-  enum class Slope { kNone, kAzimuthWidth, kPulseLength };
-  PowerResponse Response(const ParameterSet& parameters, const EchoPower& echoes, Slope of) const;
-  ImageStack EchoImages(int frame, const ParameterSet& parameters, std::span<const int> curves) const;
-  std::vector<double> ResponseSlope(int frame, const ParameterSet& parameters, Slope of) const;
+  // The echoes of a frame at the point of the last Linearise.
+  const PixelEchoes& echoes(int frame) const { return echoes_[frame].at_point; }
 
+ private:
+  // Echoes at the point, and what a unit of each geometric parameter adds to them.
+  struct FrameEchoes {
+    PixelEchoes at_point;
+    std::vector<int> entries;
+    std::vector<PixelEchoes> slopes;
+  };
+  void MeansAt(int frame, const ParameterValues& values, std::span<const int> active,
+               std::vector<double>& mean, std::vector<double>& jacobian) const;
+  std::vector<double> Curves(const ParameterSet& parameters, std::span<const int> curves) const;
+  FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
+
+  const Simulator& simulator_;
   const std::vector<AcousticFrame>& frames_;
-  SonarModel sonar_;
-  double absorption_db_per_m_;
   std::vector<std::string> material_names_;
   ParameterSet initial_;
   std::vector<CatalogEntry> catalog_;
+  ParameterValues initial_values_;
+  ParameterValues point_;
+  std::vector<FrameEchoes> echoes_;
   std::vector<bool> shown_;
-  std::vector<PixelEchoes> pixel_echoes_;  // by frame; empty where the response is not fixed
 };
 
 }  // namespace sonarcal

@@ -19,6 +19,7 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == "source_level") return entry.group == ParameterGroup::kSourceLevel;
   if (pattern == "noise") return entry.name.starts_with("receiver.noise");
   if (pattern == "psf") return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse;
+  if (pattern == "pose") return entry.group == ParameterGroup::kPose;
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
 }
 

@@ -43,10 +43,13 @@ class FrameModel {
   virtual bool ShowsMaterial(int material) const = 0;  // in any frame
   virtual const std::vector<std::string>& material_names() const = 0;
 
-  // Fills `terms`; slope, information and Jacobian (with respect to the entries `active` of the catalog) only
-  // with `derivatives`. False where the model has no value.
-  virtual bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active,
-                        bool derivatives, PixelTerms& terms) const = 0;
+  // What Evaluate fills besides the residuals: nothing, what a solver needs (slope and Jacobian with respect
+  // to the entries `active` of the catalog), or information too.
+  enum class Terms { kResiduals, kDerivatives, kInformation };
+
+  // False where the model has no value.
+  virtual bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
+                        PixelTerms& terms) const = 0;
 
   std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
 };

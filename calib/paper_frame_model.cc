@@ -71,7 +71,7 @@ PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) const 
 // Derivatives are those of the forward model in dual numbers; Ceres' own wrapper would carry them through the
 // blur pixel by pixel, which is ten times the work.
 bool PaperFrameModel::Evaluate(int frame, const ParameterValues& values, std::span<const int> active,
-                               bool derivatives, PixelTerms& terms) const {
+                               Terms wanted, PixelTerms& terms) const {
   const FitFrame& of = frames_[frame];
   const PaperParameters<double> parameters = ParametersAt<double>([&](int entry) { return values[entry]; });
   if (!(parameters.display.db_max > parameters.display.db_min)) return false;
@@ -81,7 +81,7 @@ bool PaperFrameModel::Evaluate(int frame, const ParameterValues& values, std::sp
   for (std::size_t i = 0; i < image.size(); ++i) {
     terms.residual[i] = Counts(frame, i) ? image[i] - of.measured[i] : 0.0;
   }
-  if (!derivatives) return true;
+  if (wanted == Terms::kResiduals) return true;
   terms.slope.assign(image.size(), 1.0);
   terms.information.assign(image.size(), 1.0);
   const std::size_t count = active.size();

@@ -36,7 +36,7 @@ class PaperFrameModel final : public FrameModel {
   }
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
-  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, bool derivatives,
+  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
                 PixelTerms& terms) const override;
 
   ParameterValues Values(const ParameterSet& parameters) const;

@@ -64,6 +64,38 @@ CatalogEntry WidthEntry(const std::string& name, const std::string& unit, Parame
           .typical_step = kWidthStep};
 }
 
+// What the curves of real surfaces stay within, as backscatter per unit area: peaks of -70 to +20 dB, no
+// narrower than half a degree (below that a peak is a mirror, and takes what the model lacks), a slow part of
+// -70 to 0 dB.
+struct Limits {
+  double lower;
+  double upper;
+};
+constexpr std::array<Limits, 6> kAcousticGsabBounds = {
+    {{1e-7, 100.0}, {0.5, 20.0}, {1e-7, 1.0}, {0.0, 5.0}, {1e-7, 10.0}, {3.0, 60.0}}};
+
+void Narrow(const Limits& limits, CatalogEntry& entry) {
+  entry.lower = limits.lower;
+  entry.upper = limits.upper;
+}
+
+void AddPoses(const std::vector<int>& frames, std::vector<CatalogEntry>& catalog) {
+  constexpr std::array<const char*, 6> kNames = {"x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg"};
+  for (std::size_t frame = 0; frame < frames.size(); ++frame) {
+    for (int index = 0; index < 6; ++index) {
+      const bool angle = index >= 3;
+      catalog.push_back({.name = fmt::format("pose.{}.{}", frames[frame], kNames[index]),
+                         .unit = angle ? "deg" : "m",
+                         .group = ParameterGroup::kPose,
+                         .index = index,
+                         .frame = static_cast<int>(frame),
+                         .lower = angle ? -720.0 : -1e5,
+                         .upper = angle ? 720.0 : 1e5,
+                         .typical_step = angle ? 10.0 : 0.5});
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names) {
@@ -94,7 +126,7 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
 }
 
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
-                                               const SonarModel& sonar) {
+                                               const SonarModel& sonar, const std::vector<int>& frames) {
   std::vector<CatalogEntry> catalog = {SourceLevelEntry()};
   constexpr std::array<const char*, 2> kLevels = {"receiver.gain_db", "receiver.noise_db"};
   for (std::size_t index = 0; index < kLevels.size(); ++index) {
@@ -119,9 +151,15 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
       DegFromRad((sonar.axes.beam_azimuth_rad.back() - sonar.axes.beam_azimuth_rad.front()) /
                  std::max(1, sonar.axes.beam_count() - 1));
   catalog.push_back(WidthEntry("beam.azimuth_width_deg", "deg", ParameterGroup::kBeam, beam_deg, 16.0));
+  catalog.push_back(WidthEntry("beam.elevation_width_deg", "deg", ParameterGroup::kBeam, 1.0, 120.0));
+  catalog.back().index = 1;
   catalog.push_back(
       WidthEntry("pulse.length_m", "m", ParameterGroup::kPulse, sonar.axes.range_bin_m(), 16.0));
   AddMaterials(material_names, catalog);
+  for (auto& entry : catalog) {
+    if (entry.group == ParameterGroup::kGsab) Narrow(kAcousticGsabBounds[entry.index], entry);
+  }
+  AddPoses(frames, catalog);
   return catalog;
 }
 
@@ -133,7 +171,7 @@ double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& m
       if (entry.index == 0) return receiver.gain_db;
       return entry.index == 1 ? receiver.noise_db.value() : receiver.noise_slope_db_per_m;
     case ParameterGroup::kBeam:
-      return parameters.beam.azimuth_width_deg;
+      return entry.index == 0 ? parameters.beam.azimuth_width_deg : parameters.beam.elevation_width_deg;
     case ParameterGroup::kPulse:
       return parameters.pulse.length_m;
     case ParameterGroup::kGsab: {

@@ -3,7 +3,8 @@
 // Names are those of `fit.json`: source_level_db, display.db_min, display.db_max,
 // material.<name>.gsab.{A,B_deg,C,D,E,F_deg}; of the paper's model jitter.{sigma_range_m,sigma_azimuth_deg,
 // reference_range_m}; of the acoustic model receiver.{gain_db,noise_db,noise_slope_db_per_m},
-// beam.azimuth_width_deg, pulse.length_m.
+// beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m, pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,
+// yaw_deg}.
 //
 // A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
 // itself for the rest. `typical_step` is a change of the coordinate that would be a surprise; a parameter
@@ -20,7 +21,7 @@
 
 namespace sonarcal {
 
-enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse };
+enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse, kPose };
 
 struct CatalogEntry {
   std::string name;
@@ -28,6 +29,7 @@ struct CatalogEntry {
   ParameterGroup group = ParameterGroup::kSourceLevel;
   int material = -1;  // index into the scene's material names, kGsab only
   int index = 0;      // member of its group
+  int frame = -1;     // position among the fit's frames, kPose only
   double lower = 0.0;
   double upper = 0.0;
   bool logarithmic = false;
@@ -48,12 +50,20 @@ struct CatalogEntry {
 // Every parameter of the paper model for a scene with these materials.
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
-// Every parameter of the acoustic model that a fit may move, for a sonar with these bins and beams.
+// Every parameter of the acoustic model that a fit may move, for a sonar with these bins and beams and frames
+// of these indices in the recording.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
-                                               const SonarModel& sonar);
+                                               const SonarModel& sonar, const std::vector<int>& frames);
 
-// The place of a parameter of the acoustic model. Materials must have entries of their own, and the receiver
-// a noise level.
+// Beam, pulse and pose: what decides where an echo arrives, and can't be changed without tracing or gathering
+// again.
+inline bool IsGeometric(const CatalogEntry& entry) {
+  return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse ||
+         entry.group == ParameterGroup::kPose;
+}
+
+// The place of a parameter of the acoustic model, but for poses. Materials must have entries of their own,
+// and the receiver a noise level.
 double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
                      const CatalogEntry& entry);
 

@@ -14,6 +14,7 @@ constexpr double kTiny = 1e-290;
 
 // Density of a Gamma law of mean 1 and L looks.
 double Density(double x, double looks) {
+  if (looks == 1.0) return std::exp(-x);
   return std::exp(looks * std::log(looks) - lgamma(looks) + (looks - 1.0) * std::log(x) - looks * x);
 }
 
@@ -71,18 +72,19 @@ double ExpectedInformation(double lowest, double highest, double mean, double lo
   const double b = highest / mean;
   // Integral of L^2 (1 - x)^2 f(x) below x, by the moments of the Gamma law.
   const auto interior_below = [&](double x) {
+    if (looks == 1.0) return 1.0 - (x * x + 1.0) * std::exp(-x);
     const double z = looks * x;
     return looks * looks *
            (igamma(looks, z) - 2.0 * igamma(looks + 1.0, z) + (1.0 + 1.0 / looks) * igamma(looks + 2.0, z));
   };
   double information = looks;
   if (b < 50.0) {
-    const double above = igammac(looks, looks * b);
+    const double above = looks == 1.0 ? std::exp(-b) : igammac(looks, looks * b);
     information = interior_below(b);
     if (above > 0.0) information += std::pow(b * Density(b, looks), 2) / above;
   }
   if (a > 1e-6) {
-    const double below = igamma(looks, looks * a);
+    const double below = looks == 1.0 ? -std::expm1(-a) : igamma(looks, looks * a);
     information += -interior_below(a) + std::pow(a * Density(a, looks), 2) / below;
   }
   return std::max(information, 0.0);

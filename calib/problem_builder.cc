@@ -2,6 +2,7 @@
 
 #include <ceres/cost_function.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,12 +14,18 @@
 namespace sonarcal {
 namespace {
 
+// A frame's pixels, a hundred thousand residuals, as few residuals as there are parameters and one more, with
+// the same cost, gradient and J^T J: with J^T J = V diag(l) V^T,
+//
+//   J' = diag(sqrt(l)) V^T,  r' = diag(1 / sqrt(l)) V^T J^T r,  and the rest of |r| in the last residual.
+//
+// That is all that a Levenberg-Marquardt step asks for; the large Jacobian is never stored.
 class FrameCost final : public ceres::CostFunction {
  public:
   FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
             int frame)
       : model_(model), catalog_(catalog), state_(state), frame_(frame) {
-    set_num_residuals(static_cast<int>(model.pixel_count()));
+    set_num_residuals(static_cast<int>(state.active.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
   }
 
@@ -26,24 +33,54 @@ class FrameCost final : public ceres::CostFunction {
     FitState state = state_;
     state.SetCoordinates(catalog_, {blocks[0], blocks[0] + state.active.size()});
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    PixelTerms terms;
-    if (!model_.Evaluate(frame_, state.values, state.active, derivatives, terms)) return false;
-    std::copy(terms.residual.begin(), terms.residual.end(), residuals);
-    if (!derivatives) return true;
-    const std::size_t count = state.active.size();
-    std::vector<double> value_slope;
-    for (const int entry : state.active)
-      value_slope.push_back(catalog_[entry].ValueSlope(state.values[entry]));
-    for (std::size_t pixel = 0; pixel < terms.residual.size(); ++pixel) {
-      for (std::size_t k = 0; k < count; ++k) {
-        jacobians[0][pixel * count + k] =
-            terms.slope[pixel] * terms.eta_jacobian[pixel * count + k] * value_slope[k];
-      }
+    thread_local PixelTerms terms;  // keeps its memory from one evaluation to the next
+    if (!model_.Evaluate(frame_, state.values, state.active,
+                         derivatives ? FrameModel::Terms::kDerivatives : FrameModel::Terms::kResiduals,
+                         terms)) {
+      return false;
     }
+    const auto pixels = static_cast<Eigen::Index>(terms.residual.size());
+    const Eigen::Map<const Eigen::VectorXd> residual(terms.residual.data(), pixels);
+    const auto n = static_cast<Eigen::Index>(state.active.size());
+    Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
+    out.setZero();
+    if (!derivatives) {
+      out(n) = residual.norm();
+      return true;
+    }
+    Eigen::VectorXd value_slope(n);
+    for (Eigen::Index k = 0; k < n; ++k)
+      value_slope(k) = catalog_[state.active[k]].ValueSlope(state.values[state.active[k]]);
+    Eigen::Map<RowMajor> rows(terms.eta_jacobian.data(), pixels, n);
+    const Eigen::Map<const Eigen::VectorXd> slope(terms.slope.data(), pixels);
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+    constexpr Eigen::Index kChunk = 1024;
+    for (Eigen::Index first = 0; first < pixels; first += kChunk) {
+      const Eigen::Index count = std::min(kChunk, pixels - first);
+      const RowMajor chunk =
+          slope.segment(first, count).asDiagonal() * rows.middleRows(first, count) * value_slope.asDiagonal();
+      information.noalias() += chunk.transpose() * chunk;
+      gradient.noalias() += chunk.transpose() * residual.segment(first, count);
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
+    const double smallest = 1e-14 * std::max(solver.eigenvalues()(n - 1), 0.0);
+    Eigen::Map<RowMajor> jacobian(jacobians[0], n + 1, n);
+    jacobian.setZero();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double eigenvalue = solver.eigenvalues()(k);
+      if (!(eigenvalue > smallest)) continue;  // a direction that moves nothing has no gradient either
+      const double root = std::sqrt(eigenvalue);
+      jacobian.row(k) = root * solver.eigenvectors().col(k).transpose();
+      out(k) = solver.eigenvectors().col(k).dot(gradient) / root;
+    }
+    out(n) = std::sqrt(std::max(residual.squaredNorm() - out.squaredNorm(), 0.0));
     return true;
   }
 
  private:
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   const FrameModel& model_;
   const std::vector<CatalogEntry>& catalog_;
   const FitState& state_;
@@ -101,7 +138,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   Eigen::VectorXd scores(rows.rows());
   Eigen::VectorXd roots(rows.rows());
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    SONARCAL_CHECK(model.Evaluate(frame, state.values, state.active, true, terms),
+    SONARCAL_CHECK(model.Evaluate(frame, state.values, state.active, FrameModel::Terms::kInformation, terms),
                    "the model gives no value here");
     const Eigen::Map<const Rows> jacobian(terms.eta_jacobian.data(),
                                           static_cast<Eigen::Index>(model.pixel_count()), n);
@@ -149,7 +186,8 @@ double CostAt(const FrameModel& model, const ParameterValues& values, int frames
   double cost = 0.0;
   PixelTerms terms;
   for (int frame = 0; frame < frames; ++frame) {
-    if (!model.Evaluate(frame, values, {}, false, terms)) return std::numeric_limits<double>::infinity();
+    if (!model.Evaluate(frame, values, {}, FrameModel::Terms::kResiduals, terms))
+      return std::numeric_limits<double>::infinity();
     for (const double residual : terms.residual) cost += 0.5 * residual * residual;
   }
   return cost;

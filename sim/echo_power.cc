@@ -29,9 +29,7 @@ std::vector<Share> Shares(const EchoList& echoes, const PolarAxes& axes, const E
     const double area_m2 = range_m * range_m * echoes.solid_angle_sr[echo] /
                            std::max(std::cos(incidence_rad), kSmallestPatchCosine);
     double power = PowerFromDb(-2.0 * TransmissionLossDb(range_m, options.absorption_db_per_m)) * area_m2;
-    if (options.elevation_width_rad > 0.0) {
-      power *= GaussianResponse<double>(echoes.elevation_rad[echo], options.elevation_width_rad);
-    }
+    power *= options.elevation.Power(echoes.elevation_rad[echo]);
     const double position = (range_m - axes.range_min_m) / step_m - 0.5;
     const int row = static_cast<int>(std::floor(position));
     const double along = position - row;

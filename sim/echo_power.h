@@ -13,6 +13,7 @@
 
 #include "data_io/types/sonar_model.h"
 #include "sim/echo_histogram.h"
+#include "sim/physics/beam_pattern.h"
 #include "sim/trace.h"
 
 namespace sonarcal {
@@ -43,8 +44,8 @@ struct EchoPower {
 
 struct EchoPowerOptions {
   double absorption_db_per_m = 0.0;
-  double elevation_width_rad = 0.0;  // half-power width of the two-way elevation pattern; 0: no pattern
-  int range_steps = 4;               // at least 4 a pulse length
+  ElevationResponse elevation{ElevationPattern::kGaussian, 0.0, 0.0};  // none
+  int range_steps = 4;                                                 // at least 4 a pulse length
 };
 
 EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "data_io/types/error.h"
+#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
@@ -122,6 +124,43 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
     std::vector<PixelEchoes::Entry>().swap(pixel);
   }
   return gathered;
+}
+
+PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,
+                              const ParameterSet& given) {
+  ParameterSet parameters = given;
+  CompleteResponse(simulator.sonar(), parameters);
+  const BeamParameters& beam = parameters.beam;
+  const EchoPower echoes = GatherEchoPower(
+      simulator.TraceEchoes(world_from_sonar), simulator.fan(), simulator.sonar().axes,
+      {.absorption_db_per_m = simulator.absorption_db_per_m(),
+       .elevation = ElevationResponse(beam.elevation_pattern, RadFromDeg(beam.elevation_width_deg),
+                                      beam.elevation_taper),
+       .range_steps = RangeStepsFor(simulator.sonar(), parameters)});
+  return GatherPixelEchoes(echoes, MakePowerResponse(simulator.sonar(), parameters, echoes.column_azimuth_rad,
+                                                     echoes.range_steps));
+}
+
+PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale) {
+  SONARCAL_CHECK(above.start.size() == below.start.size() && above.materials == below.materials,
+                 "echoes of {} and {} pixels", above.start.size() - 1, below.start.size() - 1);
+  PixelEchoes difference{.materials = above.materials, .start = {0}, .entries = {}};
+  for (std::size_t pixel = 0; pixel + 1 < above.start.size(); ++pixel) {
+    std::uint32_t a = above.start[pixel];
+    std::uint32_t b = below.start[pixel];
+    while (a < above.start[pixel + 1] || b < below.start[pixel + 1]) {
+      const std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+      const std::uint32_t node_a = a < above.start[pixel + 1] ? above.entries[a].node : none;
+      const std::uint32_t node_b = b < below.start[pixel + 1] ? below.entries[b].node : none;
+      const std::uint32_t node = std::min(node_a, node_b);
+      double weight = 0.0;
+      if (node_a == node) weight += above.entries[a++].weight;
+      if (node_b == node) weight -= below.entries[b++].weight;
+      difference.entries.push_back({node, static_cast<float>(scale * weight)});
+    }
+    difference.start.push_back(static_cast<std::uint32_t>(difference.entries.size()));
+  }
+  return difference;
 }
 
 ImageStack SumPixelEchoes(const PixelEchoes& echoes, std::span<const double> nodes, int count) {

@@ -17,6 +17,7 @@
 
 #include "sim/echo_power.h"
 #include "sim/power_response.h"
+#include "sim/simulator.h"
 
 namespace sonarcal {
 
@@ -36,6 +37,14 @@ struct PixelEchoes {
 };
 
 PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response);
+
+// The same from a pose: traces the simulator's fan, gathers its echoes by the elevation response, and sends
+// them through beam and pulse of the parameters.
+PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,
+                              const ParameterSet& parameters);
+
+// (above - below) x scale, entry by entry.
+PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale);
 
 // For each pixel, `count` sums over its entries: of node values (material nodes x count, node by node).
 ImageStack SumPixelEchoes(const PixelEchoes& echoes, std::span<const double> nodes, int count);

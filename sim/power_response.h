@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "data_io/types/parameters.h"
 #include "data_io/types/sonar_model.h"
 #include "sim/echo_power.h"
 
@@ -52,5 +53,16 @@ class PowerResponse {
   std::vector<Window> azimuth_;
   Window pulse_;
 };
+
+// The response of a sonar to echoes on columns at these azimuths. Side lobes are cut where they stay below
+// -60 dB, the pulse below -108 dB. Throws DataError where the beam's width is unknown.
+PowerResponse MakePowerResponse(const SonarModel& sonar, const ParameterSet& parameters,
+                                const std::vector<double>& column_azimuth_rad, int range_steps);
+
+// Rows a range bin that a pulse needs: at least 4, and at least 4 a pulse.
+int RangeStepsFor(const SonarModel& sonar, const ParameterSet& parameters);
+
+// The parameters with beam and pulse as they are: those that are 0 taken from the sonar.
+void CompleteResponse(const SonarModel& sonar, ParameterSet& parameters);
 
 }  // namespace sonarcal

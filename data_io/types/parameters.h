@@ -86,7 +86,7 @@ struct ReceiverParameters {
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
   std::optional<double> noise_db;      // level of the floor at range 0, before TVG; absent = no noise
   double noise_slope_db_per_m = 0.0;   // a trend with range that the TVG does not explain
-  std::vector<double> noise_taper_db;  // by beam; empty = 0 everywhere
+  std::vector<double> noise_taper_db = {};  // by beam; empty = 0 everywhere
   double looks = 1.0;                  // independent looks averaged in a pixel (1: exponential power)
 
   bool operator==(const ReceiverParameters&) const = default;
@@ -99,13 +99,21 @@ enum class AzimuthPattern {
   kTable,     // the recording's own response, by offset in beams
 };
 
+// Shape of a beam in elevation; evaluated by sim/physics/beam_pattern.h.
+enum class ElevationPattern {
+  kGaussian,
+  kAperture,  // a line aperture shaded by (1 - taper) + taper cos^2, the same on transmit and on receive
+};
+
 // Half-power widths of the beam, two-way; 0 = take the sonar's own.
 struct BeamParameters {
   double azimuth_width_deg = 0.0;
   double elevation_width_deg = 0.0;
   AzimuthPattern azimuth_pattern = AzimuthPattern::kGaussian;
-  double azimuth_taper = 1.0;            // kAperture: 0 uniform (side lobes -13 dB) .. 1 Hann (-31 dB)
-  std::vector<double> azimuth_table_db;  // kTable: power response at -n..n beams off axis, 2 n + 1 values
+  double azimuth_taper = 1.0;  // kAperture: 0 uniform (side lobes -13 dB) .. 1 Hann (-31 dB)
+  ElevationPattern elevation_pattern = ElevationPattern::kGaussian;
+  double elevation_taper = 0.6;          // kAperture: 0 uniform, 0.6 like a cosine, 1 Hann
+  std::vector<double> azimuth_table_db = {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
 
   bool operator==(const BeamParameters&) const = default;
 };

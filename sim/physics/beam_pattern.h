@@ -83,14 +83,15 @@ T ApertureField(const T& v, const T& taper) {
 }
 
 // The v > 0 at which the power of ApertureField is a half: 0.4429 at taper 0, 0.7203 at taper 1. By Newton's
-// method in T itself, so that it carries the derivative by taper.
+// method in T itself, so that it carries the derivative by taper. Where the field's power 0.5^(2
+// root_of_half) is sought instead, such as that of an aperture used twice, give root_of_half.
 template <typename T>
-T ApertureHalfPower(const T& taper) {
+T ApertureHalfPower(const T& taper, double root_of_half = 0.5) {
   T v(0.6);
   for (int step = 0; step < 12; ++step) {
     const T sides = SincSlope(v - T(1.0)) + SincSlope(v + T(1.0));
     const T slope = SincSlope(v) + T(0.25) * taper * sides / (T(1.0) - T(0.5) * taper);
-    v -= (ApertureField(v, taper) - T(std::numbers::sqrt2 / 2.0)) / slope;
+    v -= (ApertureField(v, taper) - T(std::pow(0.5, root_of_half))) / slope;
   }
   return v;
 }
@@ -195,6 +196,32 @@ template <typename T>
 T AzimuthPower(const AzimuthShape<T>& shape, double echo_azimuth_rad, double beam_azimuth_rad) {
   return AzimuthResponse<T>(shape).Power(echo_azimuth_rad, beam_azimuth_rad);
 }
+
+// Two-way elevation response of a beam, 1 on the axis, made ready to be evaluated many times. kAperture: the
+// field of an aperture on transmit times the same on receive, F(v)^4 in power with v = L sin(elevation).
+class ElevationResponse {
+ public:
+  // width_rad: full width at half power, two-way; 0: no pattern.
+  ElevationResponse(ElevationPattern pattern, double width_rad, double taper)
+      : pattern_(pattern), width_rad_(width_rad), taper_(taper) {
+    if (pattern == ElevationPattern::kAperture && width_rad > 0.0) {
+      aperture_wavelengths_ = ApertureHalfPower(taper, 0.25) / std::sin(0.5 * width_rad);
+    }
+  }
+
+  double Power(double elevation_rad) const {
+    if (!(width_rad_ > 0.0)) return 1.0;
+    if (pattern_ == ElevationPattern::kGaussian) return GaussianResponse(elevation_rad, width_rad_);
+    const double one_way = ApertureField(aperture_wavelengths_ * std::sin(elevation_rad), taper_);
+    return one_way * one_way * one_way * one_way;
+  }
+
+ private:
+  ElevationPattern pattern_;
+  double width_rad_;
+  double taper_;
+  double aperture_wavelengths_ = 0.0;
+};
 
 // Azimuths (lowest, highest) outside which the beam's power response stays below `level_db`, < 0. For
 // kAperture by the envelope of its side lobes, which lies at most a few dB above them; -pi/2 or pi/2 where

@@ -20,6 +20,30 @@ inline double MeanLogSpeckleDb(double looks) {
   return 10.0 / std::numbers::ln10 * (Eigen::numext::digamma(looks) - std::log(looks));
 }
 
+// What the receiver adds to levels from range_m > 0.
+inline double TimeVariedGainDb(TimeVariedGain law, double range_m, double absorption_db_per_m) {
+  switch (law) {
+    case TimeVariedGain::k20LogR:
+      return 20.0 * std::log10(range_m);
+    case TimeVariedGain::k40LogR:
+      return 40.0 * std::log10(range_m);
+    case TimeVariedGain::k40LogRAndAbsorption:
+      return 40.0 * std::log10(range_m) + 2.0 * absorption_db_per_m * range_m;
+    case TimeVariedGain::kNone:
+      break;
+  }
+  return 0.0;
+}
+
+// The noise floor of a pixel; 0 where there is none.
+inline double NoisePower(const ReceiverParameters& receiver, double range_m, int beam,
+                         double absorption_db_per_m) {
+  if (!receiver.noise_db) return 0.0;
+  const double taper_db = receiver.noise_taper_db.empty() ? 0.0 : receiver.noise_taper_db[beam];
+  return PowerFromDb(*receiver.noise_db + receiver.noise_slope_db_per_m * range_m + taper_db +
+                     TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
+}
+
 // Power below this (a dB figure far under any display) is shown as silence.
 inline constexpr double kSilencePower = 1e-30;
 

@@ -38,19 +38,17 @@ TEST(SyntheticTank, CurvesAndNoiseComeBack) {
     initial.materials[name].gsab = {.a = 0.05, .b_deg = 5, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15};
   }
   initial.pulse.length_m = 0.0254;
-  initial.beam = {.azimuth_width_deg = 1.0, .elevation_width_deg = 20.0, .azimuth_pattern = AzimuthPattern::kAperture, .azimuth_taper = 1.0, .azimuth_table_db = {}};
+  initial.beam = {.azimuth_width_deg = 1.0,
+                  .elevation_width_deg = 20.0,
+                  .azimuth_pattern = AzimuthPattern::kAperture,
+                  .azimuth_taper = 1.0,
+                  .elevation_pattern = ElevationPattern::kAperture};
   std::vector<AcousticFrame> frames;
   for (int i = 0; i < 6; ++i) {
     const Frame frame = recording->ReadFrame(i);
     frames.push_back({.index = i,
-                      .echoes = GatherEchoPower(simulator.TraceEchoes(*frame.info.world_from_sonar),
-                                                simulator.fan(), sonar.axes,
-                                                {.absorption_db_per_m = simulator.absorption_db_per_m(),
-                                                 .elevation_width_rad = RadFromDeg(20.0),
-                                                 .range_steps = 4}),
+                      .world_from_sonar = *frame.info.world_from_sonar,
                       .recorded = RecordedPowers(frame.image, initial.display)});
-    fmt::print("frame {}: {} cells {} entries\n", i, frames.back().echoes.cells.size(),
-               frames.back().echoes.entries.size());
   }
   initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
   fmt::print("noise start {}\n", *initial.receiver.noise_db);
@@ -61,30 +59,31 @@ TEST(SyntheticTank, CurvesAndNoiseComeBack) {
       const auto& t = truth["gsab"][name];
       at_truth.materials[name].gsab = {t["A"], t["B"], t["C"], t["D"], t["E"], t["F"]};
     }
-    const AcousticFrameModel model(frames, sonar, simulator.absorption_db_per_m(), simulator.caster().material_names(), at_truth, true);
-    fmt::print("cost at truth {}\n", CostAt(model, model.Values(at_truth), 6));
+    const AcousticFrameModel model(simulator, frames, at_truth);
+    fmt::print("cost at truth {}\n", CostAt(model, model.initial_values(), 6));
     std::ofstream out("/tmp/lead/means.bin", std::ios::binary);
     for (int i = 0; i < 6; ++i) {
-      const std::vector<double> mean = model.MeanPower(i, model.Values(at_truth));
+      const std::vector<double> mean = model.MeanPower(i, model.initial_values());
       out.write(reinterpret_cast<const char*>(mean.data()), 8 * mean.size());
       std::vector<double> rec;
       for (const auto& r : frames[i].recorded) rec.push_back(r.power);
       out.write(reinterpret_cast<const char*>(rec.data()), 8 * rec.size());
     }
     fmt::print("{} x {}\n", sonar.axes.range_bins, sonar.axes.beam_count());
+    fmt::print("entries a pixel {}\n", double(model.echoes(0).entries.size()) / (660 * 256));
     if (std::getenv("TRUTH_ONLY")) return;
   }
   FitConfig config;
   config.free = AcousticFreeByDefault();
   FitOptions fit_options;
-  fit_options.starts = 1;
-  fit_options.search_level = false;
+  fit_options.starts = std::getenv("STARTS") ? atoi(std::getenv("STARTS")) : 1;
+  fit_options.search_level = std::getenv("STARTS") != nullptr;
   fit_options.progress = [](const std::string& line) { fmt::print("{}\n", line); };
-  const FitResult fit = FitAcousticModel(frames, sonar, simulator.absorption_db_per_m(),
-                                         simulator.caster().material_names(), initial, config, fit_options);
+  const AcousticFit fit = FitAcousticModel(simulator, frames, initial, config, fit_options);
   fmt::print("{} iterations {} cost {} -> {} in {} s\n", fit.report.termination, fit.report.iterations,
              fit.report.cost_initial, fit.report.cost_final, fit.report.solve_s);
   for (const auto& p : fit.report.parameters) {
+    if (p.name.starts_with("pose")) continue;
     fmt::print("{:28} {:10.5g} +- {:8.3g} {}\n", p.name, p.value, p.sigma.value_or(NAN), ToString(p.status));
   }
   for (const auto& [name, material] : fit.parameters.materials) {
