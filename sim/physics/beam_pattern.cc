@@ -1,0 +1,93 @@
+#include "sim/physics/beam_pattern.h"
+
+namespace sonarcal {
+namespace {
+
+// A bound on |ApertureField| at v > 1 that falls all the way.
+double ApertureEnvelope(double v, double taper) {
+  const double mean = 1.0 - 0.5 * taper;
+  return ((1.0 - taper) + 0.5 * taper / (v * v - 1.0)) / (std::numbers::pi * v * mean);
+}
+
+// The v beyond which the field stays below `level`.
+double ApertureReach(double level, double taper) {
+  double low = 1.0;
+  double high = 2.0;
+  while (ApertureEnvelope(high, taper) > level) {
+    low = high;
+    high *= 2.0;
+  }
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (ApertureEnvelope(middle, taper) > level ? low : high) = middle;
+  }
+  return high;
+}
+
+// Spacing of the beams about one of them.
+double BeamSpacingRad(const AzimuthShape<double>& shape, double beam_azimuth_rad) {
+  if (shape.beam_azimuth_rad == nullptr) return shape.beam_spacing_rad;
+  const std::vector<double>& centres = *shape.beam_azimuth_rad;
+  const auto above = std::upper_bound(centres.begin() + 1, centres.end() - 1, beam_azimuth_rad);
+  return *above - *(above - 1);
+}
+
+// Integral of 10^(level / 10) over a step of 1 in which the level runs linearly.
+double StepIntegral(double from_db, double to_db) {
+  const double exponent = 0.1 * std::numbers::ln10 * (to_db - from_db);
+  const double mean = std::abs(exponent) < 1e-6 ? 1.0 + 0.5 * exponent : std::expm1(exponent) / exponent;
+  return std::pow(10.0, 0.1 * from_db) * mean;
+}
+
+}  // namespace
+
+std::pair<double, double> AzimuthReachRad(const AzimuthResponse<double>& response, double beam_azimuth_rad,
+                                          double level_db) {
+  const AzimuthShape<double>& shape = response.shape();
+  switch (shape.pattern) {
+    case AzimuthPattern::kAperture: {
+      const double reach =
+          ApertureReach(std::pow(10.0, 0.05 * level_db), shape.taper) / response.aperture_wavelengths();
+      const double sine = std::sin(beam_azimuth_rad);
+      return {std::asin(std::max(sine - reach, -1.0)), std::asin(std::min(sine + reach, 1.0))};
+    }
+    case AzimuthPattern::kTable: {
+      const double beams = 0.5 * static_cast<double>(shape.table_db->size() - 1);
+      double widest_rad = shape.beam_spacing_rad;
+      if (shape.beam_azimuth_rad != nullptr) {
+        const std::vector<double>& centres = *shape.beam_azimuth_rad;
+        for (std::size_t i = 1; i < centres.size(); ++i) {
+          widest_rad = std::max(widest_rad, centres[i] - centres[i - 1]);
+        }
+      }
+      const double reach = beams * widest_rad * (1.0 + 1e-9);
+      return {beam_azimuth_rad - reach, beam_azimuth_rad + reach};
+    }
+    case AzimuthPattern::kGaussian:
+      break;
+  }
+  const double reach =
+      0.5 * shape.width_rad * std::sqrt(-0.1 * level_db * std::numbers::ln10 / std::numbers::ln2);
+  return {beam_azimuth_rad - reach, beam_azimuth_rad + reach};
+}
+
+double AzimuthEquivalentWidthRad(const AzimuthResponse<double>& response, double beam_azimuth_rad) {
+  const AzimuthShape<double>& shape = response.shape();
+  switch (shape.pattern) {
+    case AzimuthPattern::kAperture:
+      return ApertureEquivalentWidth(shape.taper) /
+             (response.aperture_wavelengths() * std::cos(beam_azimuth_rad));
+    case AzimuthPattern::kTable: {
+      double beams = 0.0;
+      for (std::size_t i = 1; i < shape.table_db->size(); ++i) {
+        beams += StepIntegral((*shape.table_db)[i - 1], (*shape.table_db)[i]);
+      }
+      return beams * BeamSpacingRad(shape, beam_azimuth_rad);
+    }
+    case AzimuthPattern::kGaussian:
+      break;
+  }
+  return GaussianEquivalentWidth(shape.width_rad);
+}
+
+}  // namespace sonarcal
