@@ -48,7 +48,9 @@ ParameterSet UnlikeTheDefaults() {
   set.materials["floor"].gsab = {0.1, 3.3, 1e-12, 1.7, 2.2e5, 9.9};
   set.materials["Wände \"x\""].gsab = {};
   set.jitter = {0.011, 0.22, 7.7, 1.8e6, JitterGrowth::kLinear};
-  set.receiver = {3.3, -41.7, 2.5};
+  set.receiver.gain_db = 3.3;
+  set.receiver.noise_db = -41.7;
+  set.receiver.looks = 2.5;
   set.beam = {0.7, 19.3, AzimuthPattern::kTable, 1.0 / 3.0, {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0}};
   set.pulse = {0.0254};
   set.water = Water{14.2, 0.31, 7.4, 3.3};
