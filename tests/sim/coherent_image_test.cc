@@ -82,7 +82,7 @@ class CoherentImage : public ::testing::Test {
 
   // By the acoustic model, from rays of its own.
   Grid<float> Expected() const {
-    const RayFan fan(sonar_, Fan(6 * kBeams, 1200));
+    const RayFan fan(sonar_, Fan(12 * kBeams, 600));
     const AcousticGeometry geometry{sonar_, kAlphaDbPerM};
     return ExpectedPower(MakeScatterMap(Trace(caster_, fan, pose_, sonar_.axes), fan, geometry, parameters_),
                          geometry, parameters_)
@@ -99,7 +99,9 @@ class CoherentImage : public ::testing::Test {
 
   SonarModel sonar_ = TestSonar();
   RayCaster caster_{TestScene()};
-  RayFan fan_{sonar_, Fan(3 * kBeams, 200)};
+  // Columns are narrow, a ninth of a beam: the plate's sides are as sharp as half of one, and stand out of a
+  // floor 25 dB below them.
+  RayFan fan_{sonar_, Fan(9 * kBeams, 80)};
   Pose pose_{RotationFromYawPitchRoll(0.05, -0.12, 0.02), {0, 0, 0.5}};
   ParameterSet parameters_;
 };
@@ -252,7 +254,7 @@ TEST_F(CoherentImage, NeedsABeamWidth) {
 // no more than the noise. Both models.
 TEST_F(CoherentImage, FrozenSpeckleIsFrozen) {
   SimulationOptions options;
-  options.fan = Fan(3 * kBeams, 200);
+  options.fan = Fan(9 * kBeams, 80);
   options.noise = true;
   options.seed = 7;
   const Simulator moving(TestScene(), sonar_, options);
