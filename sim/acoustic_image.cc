@@ -141,12 +141,6 @@ PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const Par
   return image;
 }
 
-Grid<double> InDouble(const Grid<float>& values) {
-  Grid<double> out(values.rows(), values.cols());
-  std::copy(values.values().begin(), values.values().end(), out.values().begin());
-  return out;
-}
-
 }  // namespace
 
 AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet& parameters) {
@@ -227,12 +221,15 @@ PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geom
 }
 
 PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
-  return Displayed(InDouble(power.value), power.axes, parameters, full_scale,
-                   MeanLogSpeckleDb(parameters.receiver.looks));
+  Grid<double> values(power.value.rows(), power.value.cols());
+  std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
+  return Displayed(values, power.axes, parameters, full_scale, MeanLogSpeckleDb(parameters.receiver.looks));
 }
 
 PolarImage DisplayPower(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
-  return Displayed(InDouble(power.value), power.axes, parameters, full_scale, 0.0);
+  Grid<double> values(power.value.rows(), power.value.cols());
+  std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
+  return Displayed(values, power.axes, parameters, full_scale, 0.0);
 }
 
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,

@@ -259,15 +259,22 @@ class ElementNoise {
   std::vector<double> filter_;
 };
 
-// Adds weight x |beams of (echoes + noise)|^2 to `power`.
+// The receiver's floor N(r, b) after the beamformer, range_bins x beams.
+Grid<double> NoiseFloor(const PolarAxes& axes, const ReceiverParameters& receiver) {
+  return {axes.range_bins, axes.beam_count(), receiver.noise_db ? PowerFromDb(*receiver.noise_db) : 0.0};
+}
+
+// Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the beamformer
+// apart, as it is linear, so that the floor may differ from beam to beam.
 void AddPower(const Grid<Complex>& fields, const Beamformer& beamformer, const ElementNoise& noise,
-              double noise_power, double weight, Grid<double>& power) {
-  const double noise_amplitude = std::sqrt(noise_power) * beamformer.noise_scale();
+              const Grid<double>& floor, double weight, Grid<double>& power) {
   tbb::parallel_for(0, power.rows(), [&](int bin) {
-    std::vector<Complex> received(fields.row(bin).begin(), fields.row(bin).end());
-    if (noise_power > 0.0) noise.AddTo(bin, noise_amplitude, received);
+    std::vector<Complex> unit_noise(fields.cols());
+    noise.AddTo(bin, beamformer.noise_scale(), unit_noise);
     for (int beam = 0; beam < power.cols(); ++beam) {
-      power(bin, beam) += weight * std::norm(beamformer.Beam(beam, received));
+      const Complex received = beamformer.Beam(beam, fields.row(bin)) +
+                               std::sqrt(floor(bin, beam)) * beamformer.Beam(beam, unit_noise);
+      power(bin, beam) += weight * std::norm(received);
     }
   });
 }
@@ -341,7 +348,7 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
       MakeLineArray(AzimuthWidthRad(geometry.sonar, parameters), parameters.beam.azimuth_taper);
   const Beamformer beamformer(array, axes);
   const ScattererSource source(geometry, world_from_sonar, parameters);
-  const double noise_power = parameters.receiver.noise_db ? PowerFromDb(*parameters.receiver.noise_db) : 0.0;
+  const Grid<double> floor = NoiseFloor(axes, parameters.receiver);
 
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
@@ -352,7 +359,7 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
     const Grid<Complex> fields = ElementFields(source.Draw(seeds.scatterers, look), axes, pulse_m, array);
     const ElementNoise noise(axes, pulse_m, beamformer.elements(),
                              CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));
-    AddPower(fields, beamformer, noise, noise_power, weight, power);
+    AddPower(fields, beamformer, noise, floor, weight, power);
   }
   PolarImage image{
       axes,
