@@ -25,8 +25,31 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr JsonWords<EchoModel, 2> kModels = {
-    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}}};
+constexpr JsonWords<EchoModel, 3> kModels = {
+    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
+
+// Three half-power widths hold the main lobe of every pattern and the side lobes over -35 dB of a Hann-shaded
+// array's.
+constexpr double kMarginInBeamWidths = 3.0;
+
+double MarginDeg(const SimulateOptions& options, const SonarModel& sonar, const ParameterSet& parameters) {
+  if (options.margin_deg) return *options.margin_deg;
+  if (parameters.model == EchoModel::kPaper) return 0.0;
+  return kMarginInBeamWidths * (parameters.beam.azimuth_width_deg > 0.0 ? parameters.beam.azimuth_width_deg
+                                                                        : sonar.azimuth_beam_width_deg);
+}
+
+bool IsRandom(const SimulateOptions& options, EchoModel model) {
+  return options.noise || model == EchoModel::kCoherent;
+}
+
+void CheckFrozenSpeckle(const SimulateOptions& options, EchoModel model) {
+  if (!options.frozen_speckle) return;
+  if (model == EchoModel::kPaper) {
+    throw UsageError("--frozen-speckle is for the models acoustic and coherent: the paper's has no speckle");
+  }
+  if (!IsRandom(options, model)) throw UsageError("--frozen-speckle needs --noise: without it is no speckle");
+}
 
 // A grey image as the file of a frame has it: 8 bits where they hold it, else 16.
 void WriteGrey(const std::filesystem::path& file, const Grid<float>& value, double full_scale) {
@@ -65,8 +88,12 @@ Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulato
                {"params", options.params.string()}, {"poses", options.poses.string()},
                {"out", options.out.string()},       {"model", ToString(model)}};
   json.update(RayOptionsJson(options.rays, {simulator.fan().cols(), simulator.fan().rows()}));
-  json.update(
-      {{"bits", options.bits}, {"noise", options.noise}, {"fan", options.fan}, {"depth", options.depth}});
+  json.update({{"margin_deg", simulator.options().fan.azimuth_margin_deg},
+               {"bits", options.bits},
+               {"noise", IsRandom(options, model)},
+               {"frozen_speckle", options.frozen_speckle},
+               {"fan", options.fan},
+               {"depth", options.depth}});
   return json;
 }
 
@@ -76,13 +103,16 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   const ThreadLimit threads(options.rays.threads);
   ParameterSet parameters = ReadParameters(options.params);
   if (options.model) parameters.model = *options.model;
+  CheckFrozenSpeckle(options, parameters.model);
   const SonarChoice choice = ChooseSonar(options.sonar);
   const WaterChoice water = ChooseWater(parameters, choice.water);
   std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
 
   SimulationOptions simulation = options.rays.For(choice.sonar, water.water);
   simulation.bits = options.bits;
-  simulation.noise = options.noise;
+  simulation.noise = IsRandom(options, parameters.model);
+  simulation.frozen_speckle = options.frozen_speckle;
+  simulation.fan.azimuth_margin_deg = MarginDeg(options, choice.sonar, parameters);
   simulation.seed = options.seed;
   const Simulator simulator(ReadGltf(options.scene), choice.sonar, simulation);
   PrintCaveats(options, simulator, parameters, water.note);
@@ -110,7 +140,7 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   Provenance provenance{.command = "simulate",
                         .configuration = ConfigurationJson(options, simulator, parameters.model),
                         .inputs = {options.scene, options.params, options.poses}};
-  if (options.noise) provenance.seed = options.seed;
+  if (IsRandom(options, parameters.model)) provenance.seed = options.seed;
   if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
   WriteProvenance(output.staging(), provenance);
   output.Commit();
@@ -155,7 +185,15 @@ void SetupSimulate(CLI::App& app) {
       ->type_name("BITS")
       ->check(CLI::IsMember({8, 12, 16}).description(""));
   command->add_flag("--noise", options->noise,
-                    "Add noise: range and azimuth errors (paper), speckle and receiver noise (acoustic)");
+                    "Add noise: range and azimuth errors (paper), speckle and receiver noise (acoustic; "
+                    "coherent has them anyway)");
+  command->add_flag("--frozen-speckle", options->frozen_speckle,
+                    "Speckle from the seed alone, the same in every frame as long as nothing moves; receiver "
+                    "noise stays fresh (acoustic, coherent)");
+  command
+      ->add_option("--margin", options->margin_deg,
+                   "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths)")
+      ->type_name("DEG");
   command->add_option("--seed", options->seed, "Seed of the noise; frame i uses seed + i")->type_name("N");
   command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
   command->add_flag("--depth", options->depth,

@@ -24,8 +24,12 @@ struct SimulateOptions {
   std::filesystem::path out;
   std::optional<EchoModel> model;  // default: the parameters'
   RayOptions rays;
-  int bits = 8;  // 8, 12 or 16
-  bool noise = false;
+  int bits = 8;        // 8, 12 or 16
+  bool noise = false;  // coherent: in any case
+  bool frozen_speckle = false;
+  // Azimuth cast beyond the outer beams; default: none for paper, three beam widths for acoustic and
+  // coherent.
+  std::optional<double> margin_deg;
   std::uint64_t seed = 1;
   bool fan = false;
   bool depth = false;

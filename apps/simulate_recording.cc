@@ -21,11 +21,15 @@ std::string WaterText(const Water& water) {
 
 // What the random numbers of a model stand for.
 std::string NoiseText(const Simulator& simulator, const ParameterSet& parameters) {
-  if (!simulator.options().noise) return "none";
-  return fmt::format(
-      "{}, seed {} + frame",
-      parameters.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle and receiver noise",
-      simulator.options().seed);
+  if (!simulator.options().noise && parameters.model != EchoModel::kCoherent) return "none";
+  const std::uint64_t seed = simulator.options().seed;
+  if (parameters.model == EchoModel::kPaper) {
+    return fmt::format("range and azimuth errors, seed {} + frame", seed);
+  }
+  if (simulator.options().frozen_speckle) {
+    return fmt::format("frozen speckle, seed {}; receiver noise, seed {} + frame", seed, seed);
+  }
+  return fmt::format("speckle and receiver noise, seed {} + frame", seed);
 }
 
 }  // namespace
@@ -97,7 +101,9 @@ FrameInfo SimulatedRecording::frame_info(int index) const {
 Frame SimulatedRecording::ReadFrame(int index) const {
   Frame frame{frame_info(index), {}};
   const EchoList echoes = simulator_.TraceEchoes(*frame.info.world_from_sonar);
-  frame.image = simulator_.RenderEchoes(echoes, parameters_, index);
+  frame.image = parameters_.model == EchoModel::kCoherent
+                    ? simulator_.Render(*frame.info.world_from_sonar, parameters_, index)
+                    : simulator_.RenderEchoes(echoes, parameters_, index);
   if (on_frame_) on_frame_(index, echoes, frame.image);
   return frame;
 }

@@ -15,8 +15,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "sonar-parameters/1";
-constexpr JsonWords<EchoModel, 2> kModels = {
-    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}}};
+constexpr JsonWords<EchoModel, 3> kModels = {
+    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
+constexpr JsonWords<ElevationPattern, 2> kElevationPatterns = {
+    {{"gaussian", ElevationPattern::kGaussian}, {"aperture", ElevationPattern::kAperture}}};
+constexpr JsonWords<AzimuthPattern, 3> kAzimuthPatterns = {{{"gaussian", AzimuthPattern::kGaussian},
+                                                            {"aperture", AzimuthPattern::kAperture},
+                                                            {"table", AzimuthPattern::kTable}}};
 constexpr JsonWords<JitterGrowth, 2> kGrowths = {
     {{"root", JitterGrowth::kRoot}, {"linear", JitterGrowth::kLinear}}};
 
@@ -72,6 +77,25 @@ BeamParameters ReadBeam(const JsonReader& json) {
   BeamParameters beam;
   json.Update("azimuth_width_deg", beam.azimuth_width_deg, kSpreadDeg);
   json.Update("elevation_width_deg", beam.elevation_width_deg, kSpreadDeg);
+  if (const auto pattern = json.Find("azimuth_pattern")) {
+    beam.azimuth_pattern = pattern->Word(kAzimuthPatterns);
+  }
+  if (const auto pattern = json.Find("elevation_pattern")) {
+    beam.elevation_pattern = pattern->Word(kElevationPatterns);
+  }
+  json.Update("elevation_taper", beam.elevation_taper, NumberRange::Between(0.0, 1.0));
+  json.Update("azimuth_taper", beam.azimuth_taper, NumberRange::Between(0.0, 1.0));
+  if (const auto table = json.Find("azimuth_table_db")) {
+    beam.azimuth_table_db = table->Numbers(NumberRange::Between(-500.0, 0.0));
+    if (beam.azimuth_table_db.size() < 3 || beam.azimuth_table_db.size() % 2 == 0) {
+      table->Fail(
+          fmt::format("has {} numbers, expected an odd number of them, 3 at least, the axis in the "
+                      "middle",
+                      beam.azimuth_table_db.size()));
+    }
+  } else if (beam.azimuth_pattern == AzimuthPattern::kTable) {
+    json.Fail("has the azimuth pattern \"table\" but no azimuth_table_db");
+  }
   return beam;
 }
 
@@ -129,6 +153,17 @@ Json ReceiverJson(const ReceiverParameters& receiver) {
   return json;
 }
 
+Json BeamJson(const BeamParameters& beam) {
+  Json json = {{"azimuth_width_deg", beam.azimuth_width_deg},
+               {"elevation_width_deg", beam.elevation_width_deg},
+               {"azimuth_pattern", JsonWord(kAzimuthPatterns, beam.azimuth_pattern)},
+               {"azimuth_taper", beam.azimuth_taper},
+               {"elevation_pattern", JsonWord(kElevationPatterns, beam.elevation_pattern)},
+               {"elevation_taper", beam.elevation_taper}};
+  if (!beam.azimuth_table_db.empty()) json["azimuth_table_db"] = beam.azimuth_table_db;
+  return json;
+}
+
 }  // namespace
 
 ParameterSet ReadParameters(const std::filesystem::path& file) {
@@ -150,8 +185,7 @@ Json ParametersJson(const ParameterSet& parameters) {
   for (const auto& [name, material] : parameters.materials) json["materials"][name] = MaterialJson(material);
   json["jitter"] = JitterJson(parameters.jitter);
   json["receiver"] = ReceiverJson(parameters.receiver);
-  json["beam"] = {{"azimuth_width_deg", parameters.beam.azimuth_width_deg},
-                  {"elevation_width_deg", parameters.beam.elevation_width_deg}};
+  json["beam"] = BeamJson(parameters.beam);
   json["pulse"] = {{"length_m", parameters.pulse.length_m}};
   if (parameters.water) json["water"] = WaterJson(*parameters.water);
   return json;

@@ -1,13 +1,17 @@
 // params.json: the physical parameters of a simulation (types/parameters.h) as a file.
 //
-//   {"format": "sonar-parameters/1", "model": "paper" | "acoustic", "source_level_db": 200,
+//   {"format": "sonar-parameters/1", "model": "paper" | "acoustic" | "coherent",
+//    "source_level_db": 200,
 //    "noise_level_db": 0, "array_gain_db": 0,
 //    "display": {"db_min": 80, "db_max": 190},
 //    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...},
 //    "jitter": {"sigma_range_m", "sigma_azimuth_deg", "reference_range_m", "reference_frequency_hz",
 //               "growth": "root" | "linear"},
 //    "receiver": {"gain_db", "noise_db", "looks"},
-//    "beam": {"azimuth_width_deg", "elevation_width_deg"},
+//    "beam": {"azimuth_width_deg", "elevation_width_deg", "azimuth_pattern": "gaussian" | "aperture" |
+//    "table",
+//             "elevation_pattern": "gaussian" | "aperture", "elevation_taper": 0..1,
+//             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle]},
 //    "pulse": {"length_m"},
 //    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
 //
@@ -38,7 +42,7 @@ nlohmann::ordered_json ParametersJson(const ParameterSet& parameters);
 // Whole or not at all. Throws DataError where the file cannot be written, or the set could not be read back.
 void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters);
 
-// "paper" and "acoustic".
+// "paper", "acoustic" and "coherent".
 std::string_view ToString(EchoModel model);
 
 }  // namespace sonarcal

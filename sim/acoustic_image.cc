@@ -9,6 +9,7 @@
 
 #include "sim/physics/beam_pattern.h"
 #include "sim/physics/gsab.h"
+#include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
 #include "sim/random.h"
@@ -16,8 +17,9 @@
 namespace sonarcal {
 namespace {
 
-// Responses are cut where they fall below 2^-36, about -108 dB.
-constexpr double kReachInWidths = 3.0;
+constexpr double kReachInWidths = 3.0;  // of the pulse: 2^-36, about -108 dB
+constexpr double kGaussianCutDb = -108.0;
+constexpr double kSideLobeCutDb = -60.0;
 
 double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) {
   const double width_deg = parameters.beam.azimuth_width_deg > 0.0 ? parameters.beam.azimuth_width_deg
@@ -27,15 +29,6 @@ double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) 
                     sonar.name);
   }
   return RadFromDeg(width_deg);
-}
-
-double ElevationWidthRad(const SonarModel& sonar, const ParameterSet& parameters) {
-  return RadFromDeg(parameters.beam.elevation_width_deg > 0.0 ? parameters.beam.elevation_width_deg
-                                                              : sonar.elevation_beam_width_deg);
-}
-
-double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters) {
-  return parameters.pulse.length_m > 0.0 ? parameters.pulse.length_m : sonar.axes.range_bin_m();
 }
 
 // Fine rows a range bin: at least 4, and at least 4 a pulse, so that sharing an echo between two of them
@@ -55,20 +48,21 @@ struct Window {
   std::vector<double> weight;
 };
 
-// Azimuth response of each beam to the columns of the fan.
+// Azimuth response of each beam to the columns of the fan: of field or of power.
 std::vector<Window> AzimuthWindows(const std::vector<double>& column_azimuth_rad, const PolarAxes& axes,
-                                   double width_rad) {
+                                   const AzimuthShape<double>& shape, bool field) {
+  const AzimuthResponse<double> response(shape);
+  const double cut_db = shape.pattern == AzimuthPattern::kGaussian ? kGaussianCutDb : kSideLobeCutDb;
   std::vector<Window> windows(axes.beam_count());
-  for (int beam = 0; beam < axes.beam_count(); ++beam) {
+  tbb::parallel_for(0, axes.beam_count(), [&](int beam) {
     const double centre = axes.beam_azimuth_rad[beam];
-    const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(),
-                                        centre - kReachInWidths * width_rad);
+    const auto [lowest, highest] = AzimuthReachRad(response, centre, cut_db);
+    const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(), lowest);
     windows[beam].first = static_cast<int>(first - column_azimuth_rad.begin());
-    for (auto it = first; it != column_azimuth_rad.end() && *it <= centre + kReachInWidths * width_rad;
-         ++it) {
-      windows[beam].weight.push_back(GaussianResponse(*it - centre, width_rad));
+    for (auto it = first; it != column_azimuth_rad.end() && *it <= highest; ++it) {
+      windows[beam].weight.push_back(field ? response.Field(*it, centre) : response.Power(*it, centre));
     }
-  }
+  });
   return windows;
 }
 
@@ -84,44 +78,42 @@ Window PulseWindow(const PolarAxes& axes, int range_steps, double length_m) {
   return window;
 }
 
-// Sums `fine` (fine rows x columns) through both responses to bins x beams. With `amplitude` the weights are
-// the roots of the power responses.
+// Sums `fine` (fine rows x columns) through both responses to bins x beams, those of field or of power. The
+// pulse first: it leaves fewer rows for the azimuth response, which may be as wide as the fan.
 template <typename T>
 Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
-                         const ParameterSet& parameters, const ScatterMap& scatter, bool amplitude) {
+                         const ParameterSet& parameters, const ScatterMap& scatter, bool field) {
   const PolarAxes& axes = geometry.sonar.axes;
-  std::vector<Window> azimuth =
-      AzimuthWindows(scatter.column_azimuth_rad, axes, AzimuthWidthRad(geometry.sonar, parameters));
+  const std::vector<Window> azimuth =
+      AzimuthWindows(scatter.column_azimuth_rad, axes, AzimuthShapeOf(geometry.sonar, parameters), field);
   Window pulse = PulseWindow(axes, scatter.range_steps, PulseLengthM(geometry.sonar, parameters));
-  if (amplitude) {
-    for (Window& window : azimuth) {
-      for (double& weight : window.weight) weight = std::sqrt(weight);
-    }
+  if (field) {
     for (double& weight : pulse.weight) weight = std::sqrt(weight);
   }
+  const auto is_silent = [](const auto& row) {
+    return std::all_of(row.begin(), row.end(), [](const T& value) { return value == T(0.0); });
+  };
+  std::vector<char> silent(fine.rows());
+  for (int row = 0; row < fine.rows(); ++row) silent[row] = is_silent(fine.row(row)) ? 1 : 0;
 
-  Grid<T> by_beam(fine.rows(), axes.beam_count());
-  tbb::parallel_for(tbb::blocked_range<int>(0, fine.rows(), 8), [&](const tbb::blocked_range<int>& rows) {
-    for (int row = rows.begin(); row != rows.end(); ++row) {
-      const auto in = fine.row(row);
-      if (std::all_of(in.begin(), in.end(), [](const T& value) { return value == T(0.0); })) continue;
+  Grid<T> out(axes.range_bins, axes.beam_count());
+  tbb::parallel_for(tbb::blocked_range<int>(0, axes.range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
+    std::vector<T> in_bin(fine.cols());
+    for (int bin = bins.begin(); bin != bins.end(); ++bin) {
+      std::fill(in_bin.begin(), in_bin.end(), T(0.0));
+      for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
+        const int row = bin * scatter.range_steps + pulse.first + static_cast<int>(i);
+        if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
+        const auto in = fine.row(row);
+        for (int col = 0; col < fine.cols(); ++col) in_bin[col] += pulse.weight[i] * in[col];
+      }
+      if (is_silent(in_bin)) continue;
       for (int beam = 0; beam < axes.beam_count(); ++beam) {
         T sum(0.0);
         for (std::size_t i = 0; i < azimuth[beam].weight.size(); ++i) {
-          sum += azimuth[beam].weight[i] * in[azimuth[beam].first + i];
+          sum += azimuth[beam].weight[i] * in_bin[azimuth[beam].first + i];
         }
-        by_beam(row, beam) = sum;
-      }
-    }
-  });
-  Grid<T> out(axes.range_bins, axes.beam_count());
-  tbb::parallel_for(tbb::blocked_range<int>(0, axes.range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
-    for (int bin = bins.begin(); bin != bins.end(); ++bin) {
-      for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
-        const int row = bin * scatter.range_steps + pulse.first + static_cast<int>(i);
-        if (row < 0 || row >= by_beam.rows()) continue;
-        for (int beam = 0; beam < axes.beam_count(); ++beam)
-          out(bin, beam) += pulse.weight[i] * by_beam(row, beam);
+        out(bin, beam) = sum;
       }
     }
   });
@@ -151,6 +143,39 @@ PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const Par
 
 }  // namespace
 
+AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet& parameters) {
+  const BeamParameters& beam = parameters.beam;
+  AzimuthShape<double> shape{.pattern = beam.azimuth_pattern, .taper = beam.azimuth_taper};
+  if (beam.azimuth_pattern == AzimuthPattern::kTable) {
+    if (beam.azimuth_table_db.size() < 3 || beam.azimuth_table_db.size() % 2 == 0) {
+      throw DataError("beam.azimuth_table_db has {} numbers, expected an odd number of them, 3 at least",
+                      beam.azimuth_table_db.size());
+    }
+    const std::vector<double>& centres = sonar.axes.beam_azimuth_rad;
+    SONARCAL_CHECK(centres.size() >= 2, "{} beams", centres.size());
+    shape.table_db = &beam.azimuth_table_db;
+    shape.beam_azimuth_rad = &centres;
+    shape.beam_spacing_rad = (centres.back() - centres.front()) / static_cast<double>(centres.size() - 1);
+    return shape;
+  }
+  if (!(beam.azimuth_taper >= 0.0 && beam.azimuth_taper <= 1.0)) {
+    throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", beam.azimuth_taper);
+  }
+  shape.width_rad = AzimuthWidthRad(sonar, parameters);
+  return shape;
+}
+
+ElevationResponse ElevationResponseOf(const SonarModel& sonar, const ParameterSet& parameters) {
+  const BeamParameters& beam = parameters.beam;
+  const double width_deg =
+      beam.elevation_width_deg > 0.0 ? beam.elevation_width_deg : sonar.elevation_beam_width_deg;
+  return {beam.elevation_pattern, RadFromDeg(width_deg), beam.elevation_taper};
+}
+
+double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters) {
+  return parameters.pulse.length_m > 0.0 ? parameters.pulse.length_m : sonar.axes.range_bin_m();
+}
+
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters) {
   const PolarAxes& axes = geometry.sonar.axes;
@@ -159,7 +184,7 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   scatter.range_steps = RangeSteps(geometry.sonar, PulseLengthM(geometry.sonar, parameters));
   scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
   const double step_m = axes.range_bin_m() / scatter.range_steps;
-  const double elevation_width_rad = ElevationWidthRad(geometry.sonar, parameters);
+  const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters);
   std::vector<GsabParameters<double>> materials;
   for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
 
@@ -168,11 +193,10 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
     const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
                             2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
     const double incidence_rad = echoes.incidence_rad[echo];
-    const double area_m2 =
-        range_m * range_m * echoes.solid_angle_sr[echo] / std::max(std::cos(incidence_rad), kSmallestCosine);
+    const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
     const double power = PowerFromDb(level_db) *
                          GsabPower(materials[echoes.material[echo]], DegFromRad(incidence_rad)) * area_m2 *
-                         GaussianResponse<double>(echoes.elevation_rad[echo], elevation_width_rad);
+                         elevation.Power(echoes.elevation_rad[echo]);
     const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
     // Shared between the two nearest fine rows, so that the image changes smoothly with range.
     const double position = (range_m - axes.range_min_m) / step_m - 0.5;
@@ -204,8 +228,14 @@ PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& paramete
   return Displayed(values, power.axes, parameters, full_scale, MeanLogSpeckleDb(parameters.receiver.looks));
 }
 
+PolarImage DisplayPower(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
+  Grid<double> values(power.value.rows(), power.value.cols());
+  std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
+  return Displayed(values, power.axes, parameters, full_scale, 0.0);
+}
+
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
-                               const ParameterSet& parameters, double full_scale, std::uint64_t seed) {
+                               const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds) {
   using Complex = std::complex<double>;
   if (!(parameters.receiver.looks >= 1.0)) {
     throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
@@ -216,8 +246,8 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
   const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
   for (int look = 0; look < looks; ++look) {
     const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
-    const CounterRandom scatterers(seed, static_cast<std::uint32_t>(2 * look));
-    const CounterRandom receiver(seed, static_cast<std::uint32_t>(2 * look + 1));
+    const CounterRandom scatterers(seeds.scatterers, static_cast<std::uint32_t>(2 * look));
+    const CounterRandom receiver(seeds.receiver, static_cast<std::uint32_t>(2 * look + 1));
     Grid<Complex> field(scatter.power.rows(), scatter.power.cols());
     for (std::size_t i = 0; i < field.size(); ++i) {
       if (scatter.power.values()[i] == 0.0) continue;

@@ -18,9 +18,6 @@
 
 namespace sonarcal {
 
-// The smallest cosine of incidence that a patch's area is divided by: 88.9 degrees.
-inline constexpr double kSmallestPatchCosine = 0.02;
-
 struct EchoPower {
   struct Cell {
     std::int32_t row = 0;

@@ -23,6 +23,9 @@ void RayFanOptions::Check() const {
     throw DataError("rays: elevation span {} degrees, expected 0 (the sonar's own) .. 180",
                     elevation_span_deg);
   }
+  if (!(azimuth_margin_deg >= 0.0 && azimuth_margin_deg <= 60.0)) {
+    throw DataError("rays: azimuth margin {} degrees, expected 0 .. 60", azimuth_margin_deg);
+  }
 }
 
 RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
@@ -38,25 +41,36 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
                     sonar.elevation_beam_width_deg);
   }
 
+  const double margin_rad = RadFromDeg(options.azimuth_margin_deg);
+  const double left_rad = beam_edges_rad_.front() - margin_rad;
+  const double right_rad = beam_edges_rad_.back() + margin_rad;
   if (sampling_ == Sampling::kFrustum) {
     const double limit_rad = RadFromDeg(kWidestPinholeDeg);
-    if (beam_edges_rad_.front() < -limit_rad || beam_edges_rad_.back() > limit_rad ||
-        span_rad > 2.0 * limit_rad) {
+    if (left_rad < -limit_rad || right_rad > limit_rad || span_rad > 2.0 * limit_rad) {
       throw DataError("{}: a pinhole sees at most +-{} degrees; use the sampling 'beams'", sonar.name,
                       kWidestPinholeDeg);
     }
     cols_ = options.cols;
-    const double left = std::tan(beam_edges_rad_.front());
-    const double right = std::tan(beam_edges_rad_.back());
+    const double left = std::tan(left_rad);
+    const double right = std::tan(right_rad);
     const double top = std::tan(0.5 * span_rad);
     for (int col = 0; col < cols_; ++col) {
       azimuth_rad_.push_back(std::atan(left + (col + 0.5) * (right - left) / cols_));
     }
     for (int row = 0; row < rows_; ++row) row_slope_.push_back(top - (row + 0.5) * 2.0 * top / rows_);
-    slope_cell_ = (right - left) / cols_ * (2.0 * top / rows_);
+    slope_width_ = (right - left) / cols_;
+    slope_height_ = 2.0 * top / rows_;
   } else {
     const int cols_per_beam = (options.cols + beams - 1) / beams;
-    cols_ = cols_per_beam * beams;
+    // A margin's columns are as wide as the nearest within the beams.
+    const auto add_margin = [&](double edge_rad, double width, bool left) {
+      const int count = static_cast<int>(std::ceil(margin_rad / width - 1e-9));
+      for (int i = 0; i < count; ++i) {
+        azimuth_rad_.push_back(left ? edge_rad - (count - i - 0.5) * width : edge_rad + (i + 0.5) * width);
+        column_width_rad_.push_back(width);
+      }
+    };
+    add_margin(beam_edges_rad_[0], (beam_edges_rad_[1] - beam_edges_rad_[0]) / cols_per_beam, true);
     for (int beam = 0; beam < beams; ++beam) {
       const double width = (beam_edges_rad_[beam + 1] - beam_edges_rad_[beam]) / cols_per_beam;
       for (int i = 0; i < cols_per_beam; ++i) {
@@ -64,6 +78,9 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
         column_width_rad_.push_back(width);
       }
     }
+    add_margin(beam_edges_rad_[beams], (beam_edges_rad_[beams] - beam_edges_rad_[beams - 1]) / cols_per_beam,
+               false);
+    cols_ = static_cast<int>(azimuth_rad_.size());
     row_height_rad_ = span_rad / rows_;
     for (int row = 0; row < rows_; ++row)
       row_elevation_rad_.push_back(0.5 * span_rad - (row + 0.5) * row_height_rad_);
@@ -89,6 +106,18 @@ Eigen::Vector3f RayFan::Direction(int row, int col) const {
       .cast<float>();
 }
 
+Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) const {
+  if (sampling_ == Sampling::kFrustum) {
+    return Eigen::Vector3d(std::tan(azimuth_rad_[col]) + u * slope_width_, 1.0,
+                           row_slope_[row] + v * slope_height_)
+        .normalized();
+  }
+  const double elevation = row_elevation_rad_[row] + v * row_height_rad_;
+  const double azimuth = azimuth_rad_[col] + u * column_width_rad_[col];
+  return {std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
+          std::sin(elevation)};
+}
+
 double RayFan::ElevationRad(int row, int col) const {
   if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row];
   return std::atan(row_slope_[row] * std::cos(azimuth_rad_[col]));
@@ -99,7 +128,7 @@ double RayFan::SolidAngleSr(int row, int col) const {
     // A cell of the plane at unit distance, seen along a ray of length l: area x (1 / l) / l^2.
     const double tangent = std::tan(azimuth_rad_[col]);
     const double length = std::sqrt(1.0 + tangent * tangent + row_slope_[row] * row_slope_[row]);
-    return slope_cell_ / (length * length * length);
+    return slope_width_ * slope_height_ / (length * length * length);
   }
   const double elevation = row_elevation_rad_[row];
   return column_width_rad_[col] *

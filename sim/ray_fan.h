@@ -7,6 +7,10 @@
 //   rays
 //            for the same image, and the default for calibration.
 //
+// A margin adds columns beyond the outer edges of the outer beams: what lies there is in those beams' flanks
+// and side lobes. It is for models that have them; one that gives each ray to the beam it falls in needs
+// none.
+//
 // In both, every ray of a grid column has the same azimuth. Ray index = row * cols + col; row 0 looks
 // highest.
 #pragma once
@@ -25,6 +29,9 @@ struct RayFanOptions {
   int cols = 1500;  // over the horizontal field of view; for kBeams rounded up to whole columns a beam
   int rows = 1200;  // over the vertical field of view
   double elevation_span_deg = 0.0;  // vertical field of view; 0 = the sonar's elevation beam width
+  // Azimuth cast beyond either outer edge. kFrustum: the same number of columns covers it too; kBeams: as
+  // many more columns as it takes, of the outer beam's width. Up to 60.
+  double azimuth_margin_deg = 0.0;
 
   // Throws DataError naming field, value and limit.
   void Check() const;
@@ -47,7 +54,12 @@ class RayFan {
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
 
-  // The beam whose interval holds the column's azimuth, and how many rays each beam has in all.
+  // Unit vector to a point of the ray's cell: u to the right and v up, -1/2..1/2 each across the cell. Even
+  // steps of u and v are even in solid angle to first order in the cell's size.
+  Eigen::Vector3d DirectionWithin(int row, int col, double u, double v) const;
+
+  // The beam whose interval holds the column's azimuth (of the margin: the outer beam), and how many rays
+  // each beam has in all.
   int BeamOfColumn(int col) const { return beam_of_column_[col]; }
   const std::vector<int>& rays_per_beam() const { return rays_per_beam_; }
   const std::vector<double>& beam_edges_rad() const { return beam_edges_rad_; }
@@ -63,7 +75,8 @@ class RayFan {
   std::vector<int> rays_per_beam_;
   // kFrustum: slopes, tan(azimuth) of each column and the vertical slope of each row; kBeams: elevations.
   std::vector<double> row_slope_;
-  double slope_cell_ = 0.0;  // kFrustum: area of a pixel on the plane at unit distance
+  double slope_width_ = 0.0;  // kFrustum: sides of a pixel on the plane at unit distance
+  double slope_height_ = 0.0;
   std::vector<double> row_elevation_rad_;
   double row_height_rad_ = 0.0;
 };

@@ -35,22 +35,43 @@ EchoList Simulator::TraceEchoes(const Pose& world_from_sonar) const {
 
 PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& parameters,
                              int frame_idx) const {
-  return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx);
+  if (parameters.model != EchoModel::kCoherent) {
+    return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx);
+  }
+  const PolarImage power = CoherentPower({caster_, fan_, sonar_, absorption_db_per_m_}, world_from_sonar,
+                                         parameters, SeedsOf(frame_idx));
+  PolarImage image = DisplayPower(power, parameters, options_.full_scale());
+  QuantiseImage(image);
+  return image;
+}
+
+DrawSeeds Simulator::SeedsOf(int frame_idx) const {
+  const std::uint64_t of_frame = options_.seed + static_cast<std::uint64_t>(frame_idx);
+  return {.scatterers = options_.frozen_speckle ? options_.seed : of_frame, .receiver = of_frame};
+}
+
+// A ray of the margin would count as one of the outer beam.
+void Simulator::RefuseMargin() const {
+  if (options_.fan.azimuth_margin_deg > 0.0) {
+    throw DataError("rays: the paper model takes no azimuth margin, but it is {} degrees",
+                    options_.fan.azimuth_margin_deg);
+  }
 }
 
 PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& parameters,
                                    int frame_idx) const {
-  const std::uint64_t seed = options_.seed + static_cast<std::uint64_t>(frame_idx);
+  SONARCAL_CHECK(parameters.model != EchoModel::kCoherent, "a coherent image is made from a pose");
   PolarImage image;
   if (parameters.model == EchoModel::kPaper) {
+    RefuseMargin();
     PaperImageOptions options{.full_scale = options_.full_scale(), .noise_seed = {}};
-    if (options_.noise) options.noise_seed = seed;
+    if (options_.noise) options.noise_seed = options_.seed + static_cast<std::uint64_t>(frame_idx);
     image = RenderPaperImage(echoes, sonar_, PaperParametersFor(parameters, echoes.material_names),
                              absorption_db_per_m_, options);
   } else if (options_.noise) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
     image = SampleAcousticImage(MakeScatterMap(echoes, fan_, geometry, parameters), geometry, parameters,
-                                options_.full_scale(), seed);
+                                options_.full_scale(), SeedsOf(frame_idx));
   } else {
     image = RenderExpected(echoes, parameters);
   }
@@ -59,12 +80,13 @@ PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& p
 }
 
 PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet& parameters) const {
-  if (parameters.model == EchoModel::kAcoustic) {
+  if (parameters.model != EchoModel::kPaper) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
     const PolarImage power =
         ExpectedPower(MakeScatterMap(echoes, fan_, geometry, parameters), geometry, parameters);
     return ExpectedDisplay(power, parameters, options_.full_scale());
   }
+  RefuseMargin();
   const std::vector<double> values =
       ExpectedPaperImage(GatherEchoes(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
                          PaperParametersFor(parameters, echoes.material_names));

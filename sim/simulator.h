@@ -12,6 +12,7 @@
 
 #include "data_io/types/parameters.h"
 #include "sim/acoustic_image.h"
+#include "sim/coherent_image.h"
 #include "sim/expected_paper_image.h"
 #include "sim/paper_image.h"
 #include "sim/physics/absorption.h"
@@ -24,9 +25,14 @@ struct SimulationOptions {
   TraceOptions trace;
   AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;  // the paper's
   Water water;
-  int bits = 8;            // 8, 12 or 16: the image's full scale is 2^bits - 1
-  bool noise = false;      // paper: range and azimuth errors; acoustic: speckle and receiver noise
+  int bits = 8;  // 8, 12 or 16: the image's full scale is 2^bits - 1
+  // Paper: range and azimuth errors; acoustic: speckle and receiver noise. Coherent images have both in any
+  // case.
+  bool noise = false;
   std::uint64_t seed = 1;  // of the noise; frame i uses seed + i
+  // Acoustic and coherent: the scatterers' phases come from `seed` in every frame, so that speckle stays as
+  // long as nothing moves; receiver noise is fresh in each.
+  bool frozen_speckle = false;
 
   void Check() const;
   double full_scale() const { return static_cast<double>((1 << bits) - 1); }
@@ -43,12 +49,16 @@ class Simulator {
   // The image of a pose by the model that the parameters name, in whole grey levels.
   PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
 
-  // The same from echoes that were traced before.
+  // The same from echoes that were traced before. Not for kCoherent, whose scatterers lie between the rays:
+  // a programmer's mistake.
   PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx = 0) const;
 
-  // What every pixel would show on average, over range and azimuth errors (paper) or speckle (acoustic);
-  // not rounded.
+  // What every pixel would show on average, over range and azimuth errors (paper) or speckle (acoustic, and
+  // coherent, which has the same mean power); not rounded.
   PolarImage RenderExpected(const EchoList& echoes, const ParameterSet& parameters) const;
+
+  // Of a frame's random numbers.
+  DrawSeeds SeedsOf(int frame_idx) const;
 
   const SonarModel& sonar() const { return sonar_; }
   const SimulationOptions& options() const { return options_; }
@@ -57,6 +67,8 @@ class Simulator {
   double absorption_db_per_m() const { return absorption_db_per_m_; }
 
  private:
+  void RefuseMargin() const;
+
   SonarModel sonar_;
   SimulationOptions options_;
   RayCaster caster_;

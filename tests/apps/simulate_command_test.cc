@@ -126,13 +126,58 @@ TEST(SimulateCommand, BothModelsAndAPresetWork) {
   EXPECT_EQ(json["rays_cast"], 4 * 256 * 100);
 }
 
+TEST(SimulateCommand, TheCoherentModelIsADrawThatTheSeedDecides) {
+  const TinyWorld world;
+  const auto run = [&](const std::string& name, const std::string& extra) {
+    const Outcome outcome = RunSonarcal(world.SimulateArguments() + " -q --model coherent " + extra +
+                                        " --out " + Quoted(world / name));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return testing::ReadFile(world / (name + "/frame_0001.png"));
+  };
+  const std::string one = run("a", "--seed 5 --threads 1");
+  EXPECT_EQ(one, run("b", "--seed 5"));
+  EXPECT_NE(one, run("c", "--seed 6"));
+  const nlohmann::json json = testing::ReadJsonFile(world / "a/recording.json");
+  EXPECT_EQ(json["synthetic"], true);
+  EXPECT_TRUE(OpenRecording(world / "a")->info().synthetic);
+  EXPECT_EQ(ReadParameters(world / "a/params.json").model, EchoModel::kCoherent);
+  const nlohmann::json provenance = testing::ReadJsonFile(world / "a/provenance.json");
+  EXPECT_EQ(provenance["seed"], 5);
+  EXPECT_EQ(provenance["configuration"]["noise"], true);
+}
+
+TEST(SimulateCommand, FrozenSpeckleStaysWhileNothingMoves) {
+  const TinyWorld world;
+  std::vector<TimedPose> poses(2, ReadPoses(world.poses())[1]);
+  poses[1].time_s = *poses[0].time_s + 1.0;
+  WritePoses(world.poses(), poses);
+  for (const std::string model : {"acoustic --noise", "coherent"}) {
+    const auto frames_are_one = [&](const std::string& name, const std::string& extra) {
+      const Outcome outcome = RunSonarcal(world.SimulateArguments() + " -q --model " + model + extra +
+                                          " --out " + Quoted(world / (name + model)));
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      return testing::ReadFile(world / (name + model + "/frame_0000.png")) ==
+             testing::ReadFile(world / (name + model + "/frame_0001.png"));
+    };
+    // The tiny world's receiver has no noise.
+    EXPECT_TRUE(frames_are_one("frozen ", " --frozen-speckle")) << model;
+    EXPECT_FALSE(frames_are_one("moving ", "")) << model;
+  }
+}
+
 TEST(SimulateCommand, MistakesCostOneSentenceAndWriteNothing) {
   const TinyWorld world;
   const std::string good = world.SimulateArguments() + " -q --out " + Quoted(world / "sim");
-  const std::vector<std::pair<std::string, int>> mistakes = {
-      {good + " --model fancy", 2},        {good + " --rays 100", 2},   {good + " --bits 9", 2},
-      {good + " --sampling sideways", 2},  {good + " --threads -3", 2}, {"simulate --out x", 2},
-      {good + " --sonar no-such-sonar", 2}};
+  const std::vector<std::pair<std::string, int>> mistakes = {{good + " --model fancy", 2},
+                                                             {good + " --rays 100", 2},
+                                                             {good + " --bits 9", 2},
+                                                             {good + " --sampling sideways", 2},
+                                                             {good + " --threads -3", 2},
+                                                             {"simulate --out x", 2},
+                                                             {good + " --sonar no-such-sonar", 2},
+                                                             {good + " --frozen-speckle", 2},
+                                                             {good + " --model acoustic --frozen-speckle", 2},
+                                                             {good + " --margin 3", 1}};
   for (const auto& [arguments, status] : mistakes) {
     const Outcome outcome = RunSonarcal(arguments);
     EXPECT_EQ(outcome.status, status) << arguments;

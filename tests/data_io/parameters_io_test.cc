@@ -48,8 +48,10 @@ ParameterSet UnlikeTheDefaults() {
   set.materials["floor"].gsab = {0.1, 3.3, 1e-12, 1.7, 2.2e5, 9.9};
   set.materials["Wände \"x\""].gsab = {};
   set.jitter = {0.011, 0.22, 7.7, 1.8e6, JitterGrowth::kLinear};
-  set.receiver = {3.3, -41.7, 2.5};
-  set.beam = {0.7, 19.3};
+  set.receiver.gain_db = 3.3;
+  set.receiver.noise_db = -41.7;
+  set.receiver.looks = 2.5;
+  set.beam = {0.7, 19.3, AzimuthPattern::kTable, 1.0 / 3.0, {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0}};
   set.pulse = {0.0254};
   set.water = Water{14.2, 0.31, 7.4, 3.3};
   return set;
@@ -96,7 +98,7 @@ TEST(ParametersIoTest, ValuesOutOfRangeAreRefused) {
   }
   EXPECT_THAT(RefusalOf(Changed("\"D\": 1", "\"D\": -0.1")), HasSubstr("'materials.floor.gsab.D' is -0.1"));
   EXPECT_THAT(RefusalOf(Changed("\"paper\"", "\"papper\"")),
-              HasSubstr("p.json:1: 'model' is \"papper\", expected one of paper, acoustic"));
+              HasSubstr("p.json:1: 'model' is \"papper\", expected one of paper, acoustic, coherent"));
   EXPECT_THAT(RefusalOf(Changed("\"display\"", "\"jitter\": {\"growth\": \"cubic\"},\n\"display\"")),
               HasSubstr("'jitter.growth' is \"cubic\", expected one of root, linear"));
   EXPECT_THAT(RefusalOf(Changed("\"display\"", "\"receiver\": {\"looks\": 0},\n\"display\"")),
@@ -106,6 +108,35 @@ TEST(ParametersIoTest, ValuesOutOfRangeAreRefused) {
                   "\"water\": {\"temperature_c\": 288, \"salinity_ppt\": 0, \"ph\": 7, \"depth_m\": 1},\n"
                   "\"display\"")),
               HasSubstr("'water.temperature_c' is 288, expected a number >= -4 and <= 100"));
+}
+
+TEST(ParametersIoTest, BeamPatternsAreNamedAndTheirTablesOdd) {
+  const auto with_beam = [](const std::string& members) {
+    return Changed("\"display\"", "\"beam\": {" + members + "},\n\"display\"");
+  };
+  const BeamParameters aperture =
+      ParseParameters(with_beam(R"("azimuth_pattern": "aperture", "azimuth_taper": 0.4)"), "p.json").beam;
+  EXPECT_EQ(aperture.azimuth_pattern, AzimuthPattern::kAperture);
+  EXPECT_EQ(aperture.azimuth_taper, 0.4);
+  EXPECT_EQ(ParseParameters(kExample, "p.json").beam.azimuth_pattern, AzimuthPattern::kGaussian);
+  const BeamParameters table =
+      ParseParameters(with_beam(R"("azimuth_pattern": "table", "azimuth_table_db": [-9, 0, -8])"), "p.json")
+          .beam;
+  EXPECT_EQ(table.azimuth_table_db, (std::vector<double>{-9.0, 0.0, -8.0}));
+
+  EXPECT_EQ(RefusalOf(with_beam(R"("azimuth_pattern": "sinc")")),
+            "p.json:2: 'beam.azimuth_pattern' is \"sinc\", expected one of gaussian, aperture, table");
+  EXPECT_EQ(RefusalOf(with_beam(R"("azimuth_taper": 1.1)")),
+            "p.json:2: 'beam.azimuth_taper' is 1.1, expected a number >= 0 and <= 1");
+  for (const char* bad : {"[-9, 0]", "[]", "[0]"}) {
+    EXPECT_THAT(RefusalOf(with_beam(std::string(R"("azimuth_table_db": )") + bad)),
+                HasSubstr("'beam.azimuth_table_db' has "))
+        << bad;
+  }
+  EXPECT_THAT(RefusalOf(with_beam(R"("azimuth_table_db": [0, 1, 0])")),
+              HasSubstr("azimuth_table_db[1]' is 1"));
+  EXPECT_EQ(RefusalOf(with_beam(R"("azimuth_pattern": "table")")),
+            "p.json:2: 'beam' has the azimuth pattern \"table\" but no azimuth_table_db");
 }
 
 TEST(ParametersIoTest, WhatIsRequiredIsMissed) {

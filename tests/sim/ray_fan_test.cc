@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "data_io/types/error.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -53,6 +56,44 @@ TEST_P(BothSamplings, DirectionsAreUnitAndMeetTheDefinitionsOfTheAngles) {
       ASSERT_NEAR(fan.AzimuthRad(col), std::atan2(d.x(), d.y()), 2.0 * kFloatRounding);
       ASSERT_NEAR(fan.ElevationRad(row, col), std::atan2(d.z(), std::hypot(d.x(), d.y())),
                   2.0 * kFloatRounding);
+    }
+  }
+}
+
+// A margin widens the fan to either side, evenly, and moves no beam.
+TEST_P(BothSamplings, MarginReachesBeyondTheOuterBeams) {
+  const RayFan bare(UnevenSonar(), Options(GetParam(), 50, 4));
+  RayFanOptions options = Options(GetParam(), 50, 4);
+  options.azimuth_margin_deg = 3.0;
+  const RayFan fan(UnevenSonar(), options);
+  EXPECT_EQ(fan.beam_edges_rad(), bare.beam_edges_rad());
+  const auto width = [&](int col) { return fan.AzimuthRad(col + 1) - fan.AzimuthRad(col); };
+  const double left = fan.AzimuthRad(0) - 0.5 * width(0);
+  const double right = fan.AzimuthRad(fan.cols() - 1) + 0.5 * width(fan.cols() - 2);
+  // kBeams: whole columns, so up to one more; kFrustum: columns are even in the tangent.
+  const double more = GetParam() == Sampling::kBeams ? std::max(width(0), width(fan.cols() - 2)) : 1e-3;
+  EXPECT_NEAR(left, fan.beam_edges_rad().front() - RadFromDeg(3.0) - 0.5 * more, 0.5 * more + 1e-9);
+  EXPECT_NEAR(right, fan.beam_edges_rad().back() + RadFromDeg(3.0) + 0.5 * more, 0.5 * more + 1e-3);
+  for (int col = 1; col < fan.cols(); ++col) EXPECT_GT(fan.AzimuthRad(col), fan.AzimuthRad(col - 1));
+  EXPECT_EQ(fan.BeamOfColumn(0), 0);
+  EXPECT_EQ(fan.BeamOfColumn(fan.cols() - 1), 9);
+  options.azimuth_margin_deg = -1.0;
+  EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<DataError>(HasSubstr("azimuth margin -1")));
+}
+
+// The solid angles of the rays are those of the cells that DirectionWithin spans.
+TEST_P(BothSamplings, CellsMeetAndHaveTheirSolidAngle) {
+  const RayFan fan(UnevenSonar(), Options(GetParam(), 50, 41));
+  for (int row = 0; row + 1 < fan.rows(); row += 7) {
+    for (int col = 0; col + 1 < fan.cols(); col += 7) {
+      const auto at = [&](double u, double v) { return fan.DirectionWithin(row, col, u, v); };
+      EXPECT_LT((at(0.0, 0.0) - fan.Direction(row, col).cast<double>()).norm(), 2.0 * kFloatRounding);
+      EXPECT_LT((at(0.0, -0.5) - fan.DirectionWithin(row + 1, col, 0.0, 0.5)).norm(), 1e-12) << "row below";
+      const Eigen::Vector3d across = at(0.5, 0.0) - at(-0.5, 0.0);
+      const Eigen::Vector3d up = at(0.0, 0.5) - at(0.0, -0.5);
+      EXPECT_NEAR(across.cross(up).norm() / fan.SolidAngleSr(row, col), 1.0, 1e-4);
+      EXPECT_GT(across.x(), 0.0);
+      EXPECT_GT(up.z(), 0.0);
     }
   }
 }

@@ -1,0 +1,373 @@
+#include "sim/coherent_image.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <span>
+
+#include "data_io/types/units.h"
+#include "sim/physics/beam_pattern.h"
+#include "sim/physics/gsab.h"
+#include "sim/physics/patch.h"
+#include "sim/physics/propagation.h"
+#include "sim/physics/receiver.h"
+#include "sim/random.h"
+
+namespace sonarcal {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kPulseReachInWidths = 2.5;  // 2^-25, -75 dB
+constexpr int kElementsATask = 40;
+
+// Streams of the random numbers, apart from those of the acoustic model's draws.
+enum Stream : std::uint32_t { kAmplitudes = 0x1000, kSpots = 0x2000, kElementNoise = 0x3000 };
+
+struct Scatterer {
+  double range_m;
+  double sine;  // of its azimuth
+  Complex amplitude;
+};
+
+// What one patch sends back, before the array.
+class PatchPower {
+ public:
+  PatchPower(const CoherentGeometry& geometry, const ParameterSet& parameters)
+      : level_db_(parameters.source_level_db + parameters.receiver.gain_db),
+        absorption_db_per_m_(geometry.absorption_db_per_m),
+        elevation_(ElevationResponseOf(geometry.sonar, parameters)) {
+    for (const std::string& name : geometry.caster.material_names()) {
+      materials_.push_back(parameters.Material(name).gsab);
+    }
+  }
+
+  double At(const Eigen::Vector3d& direction, double range_m, const Eigen::Vector3d& normal, int material,
+            double solid_angle_sr) const {
+    const double cosine = std::abs(direction.dot(normal));
+    const double incidence_rad = std::atan2(direction.cross(normal).norm(), cosine);
+    const double elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0));
+    return PowerFromDb(level_db_ - 2.0 * TransmissionLossDb(range_m, absorption_db_per_m_)) *
+           GsabPower(materials_[material], DegFromRad(incidence_rad)) *
+           PatchAreaM2(range_m, solid_angle_sr, cosine) *
+           elevation_.Power(elevation_rad);
+  }
+
+ private:
+  double level_db_;
+  double absorption_db_per_m_;
+  ElevationResponse elevation_;
+  std::vector<GsabParameters<double>> materials_;
+};
+
+// Draws the scatterers of what the fan sees.
+class ScattererSource {
+ public:
+  ScattererSource(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                  const ParameterSet& parameters)
+      : geometry_(geometry),
+        patch_(geometry, parameters),
+        sonar_from_world_(world_from_sonar.rotation.conjugate().toRotationMatrix()),
+        // What lies just beyond the window still reaches into its last bins.
+        hits_(geometry.caster.Cast(geometry.fan, world_from_sonar,
+                                   geometry.sonar.axes.range_max_m +
+                                       kPulseReachInWidths * PulseLengthM(geometry.sonar, parameters))) {}
+
+  // In the order of the rays.
+  std::vector<Scatterer> Draw(std::uint64_t seed, int look) const {
+    const CounterRandom amplitudes(seed, kAmplitudes + static_cast<std::uint32_t>(look));
+    const CounterRandom spots(seed, kSpots + static_cast<std::uint32_t>(look));
+    std::vector<std::vector<Scatterer>> by_row(geometry_.fan.rows());
+    tbb::parallel_for(0, geometry_.fan.rows(), [&](int row) {
+      for (int col = 0; col < geometry_.fan.cols(); ++col) {
+        const std::size_t ray = static_cast<std::size_t>(row) * geometry_.fan.cols() + col;
+        if (hits_.triangle[ray] < 0 || !(hits_.range_m[ray] > 0.0F)) continue;
+        const auto [u, v] = spots.Uniform2(ray);
+        const auto [re, im] = amplitudes.Normal2(ray);
+        by_row[row].push_back(Place(row, col, u - 0.5, v - 0.5, Complex(re, im)));
+      }
+    });
+    std::vector<Scatterer> all;
+    for (const auto& row : by_row) all.insert(all.end(), row.begin(), row.end());
+    return all;
+  }
+
+ private:
+  // A scatterer on the plane that the ray met, at (u, v) of its cell. `unit` has a mean square of 2.
+  Scatterer Place(int row, int col, double u, double v, const Complex& unit) const {
+    const std::size_t ray = static_cast<std::size_t>(row) * geometry_.fan.cols() + col;
+    const int triangle = hits_.triangle[ray];
+    const Eigen::Vector3d normal =
+        sonar_from_world_ * geometry_.caster.TriangleNormal(triangle).cast<double>();
+    const Eigen::Vector3d centre = geometry_.fan.DirectionWithin(row, col, 0.0, 0.0);
+    Eigen::Vector3d direction = geometry_.fan.DirectionWithin(row, col, u, v);
+    // Where the plane is all but edge on the spot could lie anywhere: the ray's own hit then.
+    double stretch = centre.dot(normal) / direction.dot(normal);
+    if (!(stretch > 0.5 && stretch < 2.0)) {
+      stretch = 1.0;
+      direction = centre;
+    }
+    const double range_m = hits_.range_m[ray] * stretch;
+    const double power = patch_.At(direction, range_m, normal, geometry_.caster.TriangleMaterial(triangle),
+                                   geometry_.fan.SolidAngleSr(row, col));
+    return {range_m, direction.x() / std::hypot(direction.x(), direction.y()), std::sqrt(0.5 * power) * unit};
+  }
+
+  const CoherentGeometry& geometry_;
+  PatchPower patch_;
+  Eigen::Matrix3d sonar_from_world_;
+  FanHits hits_;
+};
+
+// Adds the echo of every scatterer to some of the elements: field is range_bins x count, their real parts and
+// imaginary parts apart so that the innermost loop is plain arithmetic on rows of numbers.
+void Receive(const std::vector<Scatterer>& scatterers, const PolarAxes& axes, double pulse_m,
+             const double* position, int count, Grid<double>& real, Grid<double>& imaginary) {
+  const double pitch = count > 1 ? position[1] - position[0] : 0.0;
+  const double reach_m = kPulseReachInWidths * pulse_m;
+  std::array<double, kElementsATask> re{};
+  std::array<double, kElementsATask> im{};
+  for (const Scatterer& scatterer : scatterers) {
+    const double bin_of_range = (scatterer.range_m - axes.range_min_m) / axes.range_bin_m() - 0.5;
+    const double reach = reach_m / axes.range_bin_m();
+    const int first = static_cast<int>(std::ceil(std::max(bin_of_range - reach, 0.0)));
+    const int last = static_cast<int>(std::floor(std::min(bin_of_range + reach, axes.range_bins - 1.0)));
+    if (first > last) continue;
+    Complex field = scatterer.amplitude * std::polar(1.0, kTwoPi * position[0] * scatterer.sine);
+    const Complex step = std::polar(1.0, kTwoPi * pitch * scatterer.sine);
+    for (int element = 0; element < count; ++element) {
+      re[element] = field.real();
+      im[element] = field.imag();
+      field = {field.real() * step.real() - field.imag() * step.imag(),
+               field.real() * step.imag() + field.imag() * step.real()};
+    }
+    for (int bin = first; bin <= last; ++bin) {
+      // The root of the power response.
+      const double envelope =
+          GaussianResponse(axes.range_centre_m(bin) - scatterer.range_m, pulse_m * std::numbers::sqrt2);
+      double* real_row = real.row(bin).data();
+      double* imaginary_row = imaginary.row(bin).data();
+      for (int element = 0; element < count; ++element) {
+        real_row[element] += envelope * re[element];
+        imaginary_row[element] += envelope * im[element];
+      }
+    }
+  }
+}
+
+// The field at every element, range_bins x elements. Each task has elements of its own and goes through all
+// scatterers in their order: the sums are the same on any number of threads.
+Grid<Complex> ElementFields(const std::vector<Scatterer>& scatterers, const PolarAxes& axes, double pulse_m,
+                            const LineArray& array) {
+  const int elements = static_cast<int>(array.shading.size());
+  Grid<Complex> fields(axes.range_bins, elements);
+  const int tasks = (elements + kElementsATask - 1) / kElementsATask;
+  tbb::parallel_for(0, tasks, [&](int task) {
+    const int first = task * kElementsATask;
+    const int count = std::min(kElementsATask, elements - first);
+    Grid<double> real(axes.range_bins, count);
+    Grid<double> imaginary(axes.range_bins, count);
+    Receive(scatterers, axes, pulse_m, &array.position_wavelengths[first], count, real, imaginary);
+    for (int bin = 0; bin < axes.range_bins; ++bin) {
+      for (int i = 0; i < count; ++i) fields(bin, first + i) = {real(bin, i), imaginary(bin, i)};
+    }
+  });
+  return fields;
+}
+
+// Shaded sums over the elements, each beam steered to its centre.
+class Beamformer {
+ public:
+  Beamformer(const LineArray& array, const PolarAxes& axes)
+      : elements_(static_cast<int>(array.shading.size())), steering_(axes.beam_count(), elements_) {
+    double squares = 0.0;
+    for (const double weight : array.shading) squares += weight * weight;
+    noise_scale_ = 1.0 / std::sqrt(squares);
+    for (int beam = 0; beam < axes.beam_count(); ++beam) {
+      const double sine = std::sin(axes.beam_azimuth_rad[beam]);
+      for (int i = 0; i < elements_; ++i) {
+        steering_(beam, i) = std::polar(array.shading[i], -kTwoPi * array.position_wavelengths[i] * sine);
+      }
+    }
+  }
+
+  int elements() const { return elements_; }
+
+  // Noise of unit power in each element leaves the beams with unit power once multiplied by this.
+  double noise_scale() const { return noise_scale_; }
+
+  Complex Beam(int beam, std::span<const Complex> field) const {
+    const auto steering = steering_.row(beam);
+    double re = 0.0;
+    double im = 0.0;
+    for (int i = 0; i < elements_; ++i) {
+      re += steering[i].real() * field[i].real() - steering[i].imag() * field[i].imag();
+      im += steering[i].real() * field[i].imag() + steering[i].imag() * field[i].real();
+    }
+    return {re, im};
+  }
+
+ private:
+  int elements_;
+  Grid<Complex> steering_;
+  double noise_scale_ = 1.0;
+};
+
+// Noise of unit power in each element, as a receiver matched to the pulse lets it through: white noise in
+// steps finer than pulse and bin, filtered with the transmitted envelope q(x) = 2^-(2 x / length)^2, whose
+// autocorrelation is the field of an echo.
+class ElementNoise {
+ public:
+  ElementNoise(const PolarAxes& axes, double pulse_m, int elements, const CounterRandom& random)
+      : elements_(elements),
+        steps_a_bin_(std::clamp(static_cast<int>(std::ceil(4.0 * axes.range_bin_m() / pulse_m)), 1, 64)),
+        random_(random) {
+    const double step_m = axes.range_bin_m() / steps_a_bin_;
+    const int reach = static_cast<int>(kEnvelopeReachInWidths * pulse_m / step_m);
+    double squares = 0.0;
+    for (int i = -reach; i <= reach; ++i) {
+      filter_.push_back(GaussianResponse(i * step_m, pulse_m));
+      squares += filter_.back() * filter_.back();
+    }
+    for (double& weight : filter_) weight /= std::sqrt(squares);
+  }
+
+  // Adds `amplitude` x the noise of a bin to the field of each element.
+  void AddTo(int bin, double amplitude, std::vector<Complex>& field) const {
+    for (std::size_t i = 0; i < filter_.size(); ++i) {
+      const std::uint64_t step = static_cast<std::uint64_t>(bin) * steps_a_bin_ + i;
+      const double weight = std::sqrt(0.5) * amplitude * filter_[i];
+      for (int element = 0; element < elements_; ++element) {
+        const auto [re, im] = random_.Normal2(step * elements_ + element);
+        field[element] += weight * Complex(re, im);
+      }
+    }
+  }
+
+ private:
+  static constexpr double kEnvelopeReachInWidths = 1.8;  // 2^-13 of its peak
+
+  int elements_;
+  int steps_a_bin_;
+  CounterRandom random_;
+  std::vector<double> filter_;
+};
+
+// The receiver's floor N(r, b) after the beamformer, range_bins x beams.
+Grid<double> NoiseFloor(const PolarAxes& axes, const ReceiverParameters& receiver) {
+  return {axes.range_bins, axes.beam_count(), receiver.noise_db ? PowerFromDb(*receiver.noise_db) : 0.0};
+}
+
+// Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the beamformer
+// apart, as it is linear, so that the floor may differ from beam to beam.
+void AddPower(const Grid<Complex>& fields, const Beamformer& beamformer, const ElementNoise& noise,
+              const Grid<double>& floor, double weight, Grid<double>& power) {
+  tbb::parallel_for(0, power.rows(), [&](int bin) {
+    std::vector<Complex> unit_noise(fields.cols());
+    noise.AddTo(bin, beamformer.noise_scale(), unit_noise);
+    for (int beam = 0; beam < power.cols(); ++beam) {
+      const Complex received = beamformer.Beam(beam, fields.row(bin)) +
+                               std::sqrt(floor(bin, beam)) * beamformer.Beam(beam, unit_noise);
+      power(bin, beam) += weight * std::norm(received);
+    }
+  });
+}
+
+double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) {
+  ParameterSet aperture = parameters;
+  aperture.beam.azimuth_pattern = AzimuthPattern::kAperture;
+  return AzimuthShapeOf(sonar, aperture).width_rad;
+}
+
+LineArray ArrayOfLength(double wavelengths, int elements, double taper) {
+  LineArray array;
+  double sum = 0.0;
+  for (int i = 0; i < elements; ++i) {
+    const double place = (i + 0.5) / elements - 0.5;  // of the length
+    const double cosine = std::cos(std::numbers::pi * place);
+    array.position_wavelengths.push_back(place * wavelengths);
+    array.shading.push_back((1.0 - taper) + taper * cosine * cosine);
+    sum += array.shading.back();
+  }
+  for (double& weight : array.shading) weight /= sum;
+  return array;
+}
+
+}  // namespace
+
+double LineArray::Power(double sine) const {
+  Complex sum(0.0);
+  for (std::size_t i = 0; i < shading.size(); ++i) {
+    sum += std::polar(shading[i], kTwoPi * position_wavelengths[i] * sine);
+  }
+  return std::norm(sum);
+}
+
+LineArray MakeLineArray(double half_power_width_rad, double taper) {
+  const double width_deg = DegFromRad(half_power_width_rad);
+  if (!(width_deg >= 0.05 && width_deg <= 60.0)) {
+    throw DataError("azimuth beam width {} degrees: an array is made for 0.05 .. 60", width_deg);
+  }
+  if (!(taper >= 0.0 && taper <= 1.0)) throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", taper);
+  // The length, by halving: main lobes of all tapers lie between those of half and of twice the wavelength
+  // over the width.
+  const double sine = std::sin(0.5 * half_power_width_rad);
+  double shortest = 0.2 / sine;
+  double longest = 1.0 / sine;
+  const int elements = static_cast<int>(std::ceil(2.0 * longest));
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (shortest + longest);
+    (ArrayOfLength(middle, elements, taper).Power(sine) > 0.5 ? shortest : longest) = middle;
+  }
+  // As many elements as the length needs at half a wavelength; fewer of them change its width by O(1 / n^2),
+  // so the length is found once more by the ratio.
+  const int fewer = std::max(static_cast<int>(std::ceil(2.0 * longest)), 4);
+  double length = longest;
+  double low = 0.9 * length;
+  double high = 1.1 * length;
+  for (int i = 0; i < 60; ++i) {
+    length = 0.5 * (low + high);
+    (ArrayOfLength(length, fewer, taper).Power(sine) > 0.5 ? low : high) = length;
+  }
+  return ArrayOfLength(length, fewer, taper);
+}
+
+PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                         const ParameterSet& parameters, const DrawSeeds& seeds) {
+  if (!(parameters.receiver.looks >= 1.0)) {
+    throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
+  }
+  const PolarAxes& axes = geometry.sonar.axes;
+  const LineArray array =
+      MakeLineArray(AzimuthWidthRad(geometry.sonar, parameters), parameters.beam.azimuth_taper);
+  const Beamformer beamformer(array, axes);
+  const ScattererSource source(geometry, world_from_sonar, parameters);
+  const Grid<double> floor = NoiseFloor(axes, parameters.receiver);
+
+  const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
+  const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
+  Grid<double> power(axes.range_bins, axes.beam_count());
+  const double pulse_m = PulseLengthM(geometry.sonar, parameters);
+  for (int look = 0; look < looks; ++look) {
+    const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
+    const Grid<Complex> fields = ElementFields(source.Draw(seeds.scatterers, look), axes, pulse_m, array);
+    const ElementNoise noise(axes, pulse_m, beamformer.elements(),
+                             CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));
+    AddPower(fields, beamformer, noise, floor, weight, power);
+  }
+  PolarImage image{
+      axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(axes.range_bins, axes.beam_count())};
+  std::transform(power.values().begin(), power.values().end(), image.value.values().begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return image;
+}
+
+}  // namespace sonarcal

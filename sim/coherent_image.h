@@ -1,0 +1,59 @@
+// The slow second opinion on the acoustic model: the scene as point scatterers, the sonar as an array.
+//
+// Each ray of a fan that meets a surface places one scatterer on it, at a random spot of the ray's cell (the
+// ray decides what is visible, the plane of the triangle where the spot lies), with a circular complex
+// Gaussian amplitude whose mean power is that of its patch:
+//
+//   10^((SL + G - 40 log10 R - 2 alpha R) / 10) sigma_m(delta) a el(phi)
+//
+// What the ray sees is taken to fill its cell, so an outline is sharp to half a cell: beside a strong target
+// whose flank falls by 10 dB a beam, columns of a third of a beam show as up to 1.5 dB, of a ninth as 0.2 dB.
+//
+// Its echo, a Gaussian pulse delayed by its exact range, arrives at the elements of a line array along X with
+// the phase 2 pi x sin(theta) (x in wavelengths). Every element adds noise of its own; the beams are formed
+// from the sums, shaded by (1 - taper) + taper cos^2, and the image is their power. Hence:
+//
+//   - speckle, side lobes and the correlation of noise between beams are what the array makes them. The
+//     receiver is matched to the pulse: noise is as correlated in range as an echo is long (in power, by the
+//     pulse's own response to the distance), and its mean power after the beamformer is the receiver's floor;
+//   - the mean over draws is the acoustic model's ExpectedPower with AzimuthPattern::kAperture, to the
+//     accuracy of the sampling of either. This code shares with that one the formulas of sim/physics for one
+//     patch, and nothing of how an image is made of them: no map, no windows, no beam pattern.
+//
+// The array is as long as gives the beam at bore-sight its half-power width, its elements at most half a
+// wavelength apart. The parameters' azimuth_pattern has no part in it.
+#pragma once
+
+#include <vector>
+
+#include "data_io/types/parameters.h"
+#include "sim/acoustic_image.h"
+#include "sim/ray_caster.h"
+
+namespace sonarcal {
+
+struct LineArray {
+  std::vector<double> position_wavelengths;  // of each element along X, symmetric about 0
+  std::vector<double> shading;               // its weight; of sum 1
+
+  // |sum of shading x exp(2 pi i position sine)|^2: 1 on the axis.
+  double Power(double sine) const;
+};
+
+// Throws DataError for a half-power width outside 0.05..60 degrees or a taper outside 0..1.
+LineArray MakeLineArray(double half_power_width_rad, double taper);
+
+struct CoherentGeometry {
+  const RayCaster& caster;
+  const RayFan& fan;
+  const SonarModel& sonar;
+  double absorption_db_per_m = 0.0;
+};
+
+// Received power of one draw, the mean of `looks` of them (as weights, see LooksAsWeights): range_bins x
+// beams, Quantity::kPower. The same seeds give the same image on any number of threads. Throws DataError for
+// fewer than one look or an unknown beam width.
+PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                         const ParameterSet& parameters, const DrawSeeds& seeds);
+
+}  // namespace sonarcal
