@@ -60,5 +60,36 @@ TEST(NoiseFitRecordingsTest, DidsonFivePingsAreNearlyAsGood) {
   EXPECT_LE(fit.judged.cell_ks_median, 0.028);
 }
 
+// The recordings below hold scenes. What is taken for background is a window of range where the beams show
+// open water or even ground, less the cells that stand out by 2.5 robust standard deviations. One smooth law
+// does not describe them beyond such a window.
+TEST(NoiseFitRecordingsTest, ArisBackgroundFollowsItsDisplay) {
+  SONARCAL_NEEDS_RECORDING(file, "aris1200_telephoto/sample.aris");
+  NoiseFitOptions options;
+  options.held_out = {1, 3, 5};
+  options.range_min_m = 8.33;
+  options.range_max_m = 10.33;
+  options.reject_beyond = 2.5;
+  const NoiseFit fit = FitNoise(*OpenRecording(file), options);
+  Print("ARIS 1200", fit);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_LE(fit.judged.ks, 0.010);
+  EXPECT_NEAR(fit.law.receiver.looks, 1.35, 0.1);
+  EXPECT_EQ(fit.law.speckle, SpeckleLaw::kWeighted);
+}
+
+TEST(NoiseFitRecordingsTest, OculusBackgroundFollowsItsPowerLaw) {
+  SONARCAL_NEEDS_RECORDING(file, "oculus_m1200d/one_ping_8bit.raw");
+  NoiseFitOptions options;
+  options.range_min_m = 1.53;
+  options.range_max_m = 1.76;
+  options.reject_beyond = 2.5;
+  const NoiseFit fit = FitNoise(*OpenRecording(file), options);
+  Print("Oculus", fit);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_FALSE(fit.judged_on_held_out);  // there is one ping
+  EXPECT_LE(fit.judged.ks, 0.015);
+}
+
 }  // namespace
 }  // namespace sonarcal
