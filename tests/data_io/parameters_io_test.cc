@@ -99,10 +99,11 @@ TEST(ParametersIoTest, ReadsDisplayLawsAndTheNoiseFloorAndRefusesOthers) {
             DisplayLaw::kPower);
 
   EXPECT_THAT(RefusalOf(with_display(R"("law": "loud")")), HasSubstr("soft_log"));
-  EXPECT_THAT(RefusalOf(with_display(R"("softness_db": 1)")), HasSubstr("unknown key 'softness_db'"));
+  EXPECT_THAT(RefusalOf(with_display(R"("softness_db": 1)")), HasSubstr("unknown key 'display.softness_db'"));
   EXPECT_THAT(RefusalOf(with_display(R"("law": "power", "exponent": 0)")), HasSubstr("exponent"));
   EXPECT_THAT(RefusalOf(with_receiver(R"("time_varied_gain": "30logR")")), HasSubstr("40logR+alpha"));
-  EXPECT_THAT(RefusalOf(with_receiver(R"("noise_slope_db": 1)")), HasSubstr("unknown key 'noise_slope_db'"));
+  EXPECT_THAT(RefusalOf(with_receiver(R"("noise_slope_db": 1)")),
+              HasSubstr("unknown key 'receiver.noise_slope_db'"));
   EXPECT_THAT(RefusalOf(with_receiver(R"("noise_taper_db": [0, 1e9])")), HasSubstr("noise_taper_db"));
 }
 
@@ -112,9 +113,10 @@ TEST(ParametersIoTest, UnknownKeysAreRefusedAtEveryDepth) {
   EXPECT_EQ(RefusalOf(Changed("\"F_deg\": 8", "\"F_deg\": 8, \"G\": 1")),
             "p.json:4: unknown key 'materials.floor.gsab.G'; expected one of A, B_deg, C, D, E, F_deg");
   EXPECT_EQ(RefusalOf(Changed("\"db_max\": 190", "\"db_max\": 190, \"gamma\": 1")),
-            "p.json:2: unknown key 'display.gamma'; expected one of db_max, db_min");
+            "p.json:2: unknown key 'display.gamma'; expected one of db_max, db_min, exponent, law, soft_db");
   EXPECT_EQ(RefusalOf(Changed("\"display\"", "\"receiver\": {\"gian_db\": 1},\n\"display\"")),
-            "p.json:2: unknown key 'receiver.gian_db'; expected one of gain_db, looks, noise_db");
+            "p.json:2: unknown key 'receiver.gian_db'; expected one of gain_db, looks, noise_after_gain_db, "
+            "noise_after_gain_taper_db, noise_db, noise_slope_db_per_m, noise_taper_db, time_varied_gain");
 }
 
 TEST(ParametersIoTest, ValuesOutOfRangeAreRefused) {
