@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/fit_noise.h"
 #include "apps/fit_recording.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
@@ -144,6 +145,9 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
 }  // namespace
 
 ExitStatus RunFit(const FitCommandOptions& options) {
+  if (options.noise_only) return RunFitNoise(options);
+  if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only");
+  if (options.params.empty()) throw UsageError("--params is required, except with --noise-only");
   const ThreadLimit threads(options.rays.threads);
   const FitConfig config = ResolveConfig(options);
   const ParameterSet initial = ReadParameters(options.params);
@@ -183,13 +187,16 @@ ExitStatus RunFit(const FitCommandOptions& options) {
 void SetupFit(CLI::App& app) {
   auto options = std::make_shared<FitCommandOptions>();
   CLI::App* command = AddCommand(app, "fit", "Fits the paper model's parameters to a recording with poses");
-  command->add_option("--real", options->real, "Recording to fit to; each frame needs a pose")
+  command
+      ->add_option("--real", options->real,
+                   "Recording to fit to; each frame needs a pose, except with --noise-only")
       ->type_name("REC")
       ->required();
-  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")
-      ->type_name("GLTF")
-      ->required();
-  command->add_option("--params", options->params, "Parameters to start from")->type_name("JSON")->required();
+  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")->type_name("GLTF");
+  command
+      ->add_option("--params", options->params,
+                   "Parameters to start from; with --noise-only its display is kept")
+      ->type_name("JSON");
   command->add_option("--out", options->out, "Folder for parameters, fit and report")
       ->type_name("DIR")
       ->required();
@@ -206,6 +213,17 @@ void SetupFit(CLI::App& app) {
            "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");
+  command->add_flag("--noise-only", options->noise_only,
+                    "Fit the noise floor, speckle and display law alone, to pings without targets");
+  command->add_option("--range-min", options->range_min_m, "Noise only: nearest range used (default: all)")
+      ->type_name("M");
+  command->add_option("--range-max", options->range_max_m, "Noise only: farthest range used (default: all)")
+      ->type_name("M");
+  command
+      ->add_option("--reject-beyond", options->reject_beyond,
+                   "Noise only: leave out cells this many robust standard deviations off, 0 for none")
+      ->type_name("N")
+      ->check(CLI::Range(0.0, 100.0).description(""));
   AddRayOptions(*command, options->rays);
   command->add_option("--max-iterations", options->max_iterations, "Iterations of each solve at most")
       ->type_name("N")

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,12 @@ struct FitCommandOptions {
   RayOptions rays{Sampling::kBeams};
   int max_iterations = 100;
   int starts = 4;
+  // --noise-only (apps/fit_noise.h): no scene, no poses; of the others real, out, held_out and, for its
+  // display, params are used.
+  bool noise_only = false;
+  std::optional<double> range_min_m;
+  std::optional<double> range_max_m;
+  double reject_beyond = 0.0;
   std::string object;  // material that the object is made of; empty: look in the whole image
   ComparisonOptions comparison;
 };

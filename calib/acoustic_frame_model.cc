@@ -37,9 +37,7 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
     throw DataError("fit: the recorded image holds {}, expected grey levels", ToString(image.scale.quantity));
   }
   const double full_scale = image.scale.full_scale;
-  const auto power_of = [&](double grey) {
-    return PowerFromDb(display.db_min + grey / full_scale * (display.db_max - display.db_min));
-  };
+  const auto power_of = [&](double grey) { return PowerFromDisplay(display, grey / full_scale); };
   std::vector<RecordedPower> recorded;
   recorded.reserve(image.value.size());
   for (const float value : image.value.values()) {
@@ -66,6 +64,7 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
       shown_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
   CompleteResponse(simulator.sonar(), initial_);
+  CheckTapers(initial_.receiver, beams());
   for (const std::string& name : material_names_) initial_.materials[name] = initial.Material(name);
   std::vector<int> indices;
   for (const AcousticFrame& frame : frames) {
@@ -186,6 +185,8 @@ void AcousticFrameModel::MeansAt(int frame, const ParameterValues& values, std::
   mean.resize(pixel_count());
   jacobian.assign(pixel_count() * active.size(), 0.0);
   const ReceiverParameters& receiver = parameters.receiver;
+  ReceiverParameters before_gain = receiver;
+  before_gain.noise_after_gain_db.reset();
   const double level_db = parameters.source_level_db + receiver.gain_db;
   for (int bin = 0; bin < range_bins(); ++bin) {
     const double range_m = simulator_.sonar().axes.range_centre_m(bin);
@@ -197,6 +198,8 @@ void AcousticFrameModel::MeansAt(int frame, const ParameterValues& values, std::
       const bool heard = echo.values[pixel * count] > 0.0;
       const double power = heard ? gain * echo.values[pixel * count] : 0.0;
       const double noise = NoisePower(receiver, range_m, beam, simulator_.absorption_db_per_m());
+      // Of which the floor before the gain: noise_db and its slope are of that one.
+      const double trending = NoisePower(before_gain, range_m, beam, simulator_.absorption_db_per_m());
       mean[pixel] = power + noise;
       double* row = jacobian.data() + pixel * active.size();
       int curve = 0;
@@ -206,7 +209,7 @@ void AcousticFrameModel::MeansAt(int frame, const ParameterValues& values, std::
           ++curve;
           if (heard) row[k] = gain * echo.values[pixel * count + curve];
         } else if (entry.group == ParameterGroup::kReceiver && entry.index > 0) {
-          row[k] = kNeperPerDb * noise * (entry.index == 1 ? 1.0 : range_m);
+          row[k] = kNeperPerDb * trending * (entry.index == 1 ? 1.0 : range_m);
         } else if (!IsGeometric(entry)) {
           row[k] = kNeperPerDb * power;
         } else if (heard) {
@@ -235,8 +238,8 @@ bool AcousticFrameModel::Evaluate(int frame, const ParameterValues& values, std:
   MeansAt(frame, values, differentiated, means, terms.eta_jacobian);
   const double looks = initial_.receiver.looks;
   const DisplayParameters<double>& display = initial_.display;
-  const double lowest = PowerFromDb(display.db_min);
-  const double highest = PowerFromDb(display.db_max);
+  const double lowest = PowerFromDisplay(display, 0.0);
+  const double highest = PowerFromDisplay(display, 1.0);
   terms.residual.assign(pixel_count(), 0.0);
   if (derivatives) {
     terms.slope.assign(pixel_count(), 0.0);

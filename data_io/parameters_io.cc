@@ -25,6 +25,14 @@ constexpr JsonWords<AzimuthPattern, 3> kAzimuthPatterns = {{{"gaussian", Azimuth
 constexpr JsonWords<JitterGrowth, 2> kGrowths = {
     {{"root", JitterGrowth::kRoot}, {"linear", JitterGrowth::kLinear}}};
 
+constexpr JsonWords<DisplayLaw, 3> kDisplayLaws = {
+    {{"log", DisplayLaw::kLog}, {"soft_log", DisplayLaw::kSoftLog}, {"power", DisplayLaw::kPower}}};
+constexpr JsonWords<TimeVariedGain, 4> kTimeVariedGains = {
+    {{"none", TimeVariedGain::kNone},
+     {"20logR", TimeVariedGain::k20LogR},
+     {"40logR", TimeVariedGain::k40LogR},
+     {"40logR+alpha", TimeVariedGain::k40LogRAndAbsorption}}};
+
 // Levels and power ratios that are not absurd: a misplaced decimal point shows, and no formula overflows.
 const NumberRange kLevelDb = NumberRange::Between(-500.0, 500.0);
 const NumberRange kPowerRatio = NumberRange::Between(0.0, 1e30);
@@ -33,15 +41,20 @@ const NumberRange kPeakWidthDeg = NumberRange::AboveUpTo(0.0, 1000.0);
 const NumberRange kSpreadM = NumberRange::Between(0.0, 100.0);
 const NumberRange kSpreadDeg = NumberRange::Between(0.0, 360.0);
 const NumberRange kLooks = NumberRange::AboveUpTo(0.0, 1e6);
+const NumberRange kSlopeDbPerM = NumberRange::Between(-1000.0, 1000.0);
+const NumberRange kDisplayExponent = NumberRange::AboveUpTo(0.0, 10.0);
 const NumberRange kPositive = NumberRange::AboveUpTo(0.0, 1e12);
 
 DisplayParameters<double> ReadDisplay(const JsonReader& json) {
   const JsonReader db_max_json = json.At("db_max");
-  const DisplayParameters<double> display{.db_min = json.At("db_min").Number(kLevelDb),
-                                          .db_max = db_max_json.Number(kLevelDb)};
+  DisplayParameters<double> display{.db_min = json.At("db_min").Number(kLevelDb),
+                                    .db_max = db_max_json.Number(kLevelDb)};
   if (!(display.db_max > display.db_min)) {
     db_max_json.Fail(fmt::format("is {}, expected more than db_min, {}", display.db_max, display.db_min));
   }
+  if (const auto law = json.Find("law")) display.law = law->Word(kDisplayLaws);
+  json.Update("soft_db", display.soft_db, kLevelDb);
+  json.Update("exponent", display.exponent, kDisplayExponent);
   return display;
 }
 
@@ -68,7 +81,13 @@ JitterParameters<double> ReadJitter(const JsonReader& json) {
 ReceiverParameters ReadReceiver(const JsonReader& json) {
   ReceiverParameters receiver;
   json.Update("gain_db", receiver.gain_db, kLevelDb);
+  if (const auto law = json.Find("time_varied_gain")) receiver.time_varied_gain = law->Word(kTimeVariedGains);
   receiver.noise_db = json.FindNumber("noise_db", kLevelDb);
+  json.Update("noise_slope_db_per_m", receiver.noise_slope_db_per_m, kSlopeDbPerM);
+  if (const auto taper = json.Find("noise_taper_db")) receiver.noise_taper_db = taper->Numbers(kLevelDb);
+  receiver.noise_after_gain_db = json.FindNumber("noise_after_gain_db", kLevelDb);
+  if (const auto taper = json.Find("noise_after_gain_taper_db"))
+    receiver.noise_after_gain_taper_db = taper->Numbers(kLevelDb);
   json.Update("looks", receiver.looks, kLooks);
   return receiver;
 }
@@ -138,6 +157,14 @@ Json MaterialJson(const MaterialParameters& material) {
             {"F_deg", gsab.f_deg}}}};
 }
 
+Json DisplayJson(const DisplayParameters<double>& display) {
+  return {{"db_min", display.db_min},
+          {"db_max", display.db_max},
+          {"law", JsonWord(kDisplayLaws, display.law)},
+          {"soft_db", display.soft_db},
+          {"exponent", display.exponent}};
+}
+
 Json JitterJson(const JitterParameters<double>& jitter) {
   return {{"sigma_range_m", jitter.sigma_range_m},
           {"sigma_azimuth_deg", jitter.sigma_azimuth_deg},
@@ -147,8 +174,13 @@ Json JitterJson(const JitterParameters<double>& jitter) {
 }
 
 Json ReceiverJson(const ReceiverParameters& receiver) {
-  Json json = {{"gain_db", receiver.gain_db}};
+  Json json = {{"gain_db", receiver.gain_db},
+               {"time_varied_gain", JsonWord(kTimeVariedGains, receiver.time_varied_gain)}};
   if (receiver.noise_db) json["noise_db"] = *receiver.noise_db;
+  json["noise_slope_db_per_m"] = receiver.noise_slope_db_per_m;
+  json["noise_taper_db"] = receiver.noise_taper_db;
+  if (receiver.noise_after_gain_db) json["noise_after_gain_db"] = *receiver.noise_after_gain_db;
+  json["noise_after_gain_taper_db"] = receiver.noise_after_gain_taper_db;
   json["looks"] = receiver.looks;
   return json;
 }
@@ -180,7 +212,7 @@ Json ParametersJson(const ParameterSet& parameters) {
                {"source_level_db", parameters.source_level_db},
                {"noise_level_db", parameters.noise_level_db},
                {"array_gain_db", parameters.array_gain_db},
-               {"display", {{"db_min", parameters.display.db_min}, {"db_max", parameters.display.db_max}}},
+               {"display", DisplayJson(parameters.display)},
                {"materials", Json::object()}};
   for (const auto& [name, material] : parameters.materials) json["materials"][name] = MaterialJson(material);
   json["jitter"] = JitterJson(parameters.jitter);
@@ -199,6 +231,14 @@ void WriteParameters(const std::filesystem::path& file, const ParameterSet& para
 
 std::string_view ToString(EchoModel model) {
   return JsonWord(kModels, model);
+}
+
+std::string_view ToString(DisplayLaw law) {
+  return JsonWord(kDisplayLaws, law);
+}
+
+std::string_view ToString(TimeVariedGain law) {
+  return JsonWord(kTimeVariedGains, law);
 }
 
 }  // namespace sonarcal

@@ -3,11 +3,13 @@
 //   {"format": "sonar-parameters/1", "model": "paper" | "acoustic" | "coherent",
 //    "source_level_db": 200,
 //    "noise_level_db": 0, "array_gain_db": 0,
-//    "display": {"db_min": 80, "db_max": 190},
+//    "display": {"db_min": 80, "db_max": 190, "law": "log" | "soft_log" | "power", "soft_db", "exponent"},
 //    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...},
 //    "jitter": {"sigma_range_m", "sigma_azimuth_deg", "reference_range_m", "reference_frequency_hz",
 //               "growth": "root" | "linear"},
-//    "receiver": {"gain_db", "noise_db", "looks"},
+//    "receiver": {"gain_db", "time_varied_gain": "none" | "20logR" | "40logR" | "40logR+alpha",
+//                 "noise_db", "noise_slope_db_per_m", "noise_taper_db": [dB a beam],
+//                 "noise_after_gain_db", "noise_after_gain_taper_db": [dB a beam], "looks"},
 //    "beam": {"azimuth_width_deg", "elevation_width_deg", "azimuth_pattern": "gaussian" | "aperture" |
 //    "table",
 //             "elevation_pattern": "gaussian" | "aperture", "elevation_taper": 0..1,
@@ -15,9 +17,9 @@
 //    "pulse": {"length_m"},
 //    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
 //
-// `format`, `model`, `materials` (one at least, all six numbers of each) are required, and of `display` and
-// `water` all or nothing; what else is absent keeps the default of types/parameters.h. Throws DataError with
-// file, line and key for anything out of range and for every unknown key.
+// `format`, `model`, `materials` (one at least, all six numbers of each) are required, and of `display`
+// db_min and db_max, of `water` all or nothing; what else is absent keeps the default of types/parameters.h.
+// Throws DataError with file, line and key for anything out of range and for every unknown key.
 #pragma once
 
 #include <filesystem>
@@ -44,5 +46,9 @@ void WriteParameters(const std::filesystem::path& file, const ParameterSet& para
 
 // "paper", "acoustic" and "coherent".
 std::string_view ToString(EchoModel model);
+
+// "soft_log", "40logR+alpha": the words of the file.
+std::string_view ToString(DisplayLaw law);
+std::string_view ToString(TimeVariedGain law);
 
 }  // namespace sonarcal

@@ -12,6 +12,7 @@
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
+#include "sim/physics/speckle.h"
 #include "sim/random.h"
 
 namespace sonarcal {
@@ -120,12 +121,10 @@ Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
   return out;
 }
 
-double NoisePower(const ParameterSet& parameters) {
-  return parameters.receiver.noise_db ? PowerFromDb(*parameters.receiver.noise_db) : 0.0;
-}
-
+// Each power as `value` (0..1 of full scale, clipped) shows it.
+template <typename Value>
 PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const ParameterSet& parameters,
-                     double full_scale, double offset_db) {
+                     double full_scale, const Value& value) {
   PolarImage image{axes,
                    {.quantity = Quantity::kGrey,
                     .full_scale = full_scale,
@@ -134,14 +133,40 @@ PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const Par
                     .db_span = {}},
                    Grid<float>(power.rows(), power.cols())};
   for (std::size_t i = 0; i < power.size(); ++i) {
-    const double level_db = DbFromPower(std::max(power.values()[i], kSilencePower)) + offset_db;
-    image.value.values()[i] =
-        static_cast<float>(full_scale * std::clamp(LogDisplay(parameters.display, level_db), 0.0, 1.0));
+    image.value.values()[i] = static_cast<float>(full_scale * value(power.values()[i]));
   }
   return image;
 }
 
+// As the display shows a power, clipped.
+auto AsShown(const DisplayParameters<double>& display) {
+  return [display](double power) { return std::clamp(DisplayValue(display, power), 0.0, 1.0); };
+}
+
 }  // namespace
+
+std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters) {
+  std::vector<double> gain;
+  for (int bin = 0; bin < geometry.sonar.axes.range_bins; ++bin) {
+    gain.push_back(
+        PowerFromDb(TimeVariedGainDb(parameters.receiver.time_varied_gain,
+                                     geometry.sonar.axes.range_centre_m(bin), geometry.absorption_db_per_m)));
+  }
+  return gain;
+}
+
+Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSet& parameters) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  CheckTapers(parameters.receiver, axes.beam_count());
+  Grid<double> noise(axes.range_bins, axes.beam_count());
+  for (int bin = 0; bin < noise.rows(); ++bin) {
+    for (int beam = 0; beam < noise.cols(); ++beam) {
+      noise(bin, beam) =
+          NoisePower(parameters.receiver, axes.range_centre_m(bin), beam, geometry.absorption_db_per_m);
+    }
+  }
+  return noise;
+}
 
 AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet& parameters) {
   const BeamParameters& beam = parameters.beam;
@@ -215,9 +240,12 @@ PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geom
       {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
       Grid<float>(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count())};
   const Grid<double> power = ThroughResponses(scatter.power, geometry, parameters, scatter, false);
-  const double noise = NoisePower(parameters);
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    image.value.values()[i] = static_cast<float>(power.values()[i] + noise);
+  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+  const std::vector<double> gain = GainByBin(geometry, parameters);
+  for (int bin = 0; bin < power.rows(); ++bin) {
+    for (int beam = 0; beam < power.cols(); ++beam) {
+      image.value(bin, beam) = static_cast<float>(gain[bin] * power(bin, beam) + noise(bin, beam));
+    }
   }
   return image;
 }
@@ -225,13 +253,14 @@ PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geom
 PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
   Grid<double> values(power.value.rows(), power.value.cols());
   std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
-  return Displayed(values, power.axes, parameters, full_scale, MeanLogSpeckleDb(parameters.receiver.looks));
+  const MeanDisplayTable mean(parameters.display, parameters.receiver.looks);
+  return Displayed(values, power.axes, parameters, full_scale, mean);
 }
 
 PolarImage DisplayPower(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
   Grid<double> values(power.value.rows(), power.value.cols());
   std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
-  return Displayed(values, power.axes, parameters, full_scale, 0.0);
+  return Displayed(values, power.axes, parameters, full_scale, AsShown(parameters.display));
 }
 
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
@@ -241,7 +270,8 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
     throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
   }
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
-  const double noise_amplitude = std::sqrt(0.5 * NoisePower(parameters));
+  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+  const std::vector<double> gain = GainByBin(geometry, parameters);
   Grid<double> power(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count());
   const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
   for (int look = 0; look < looks; ++look) {
@@ -257,10 +287,11 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
     const Grid<Complex> received = ThroughResponses(field, geometry, parameters, scatter, true);
     for (std::size_t i = 0; i < power.size(); ++i) {
       const auto [re, im] = receiver.Normal2(i);
-      power.values()[i] += weight * std::norm(received.values()[i] + noise_amplitude * Complex(re, im));
+      power.values()[i] += weight * std::norm(std::sqrt(gain[i / power.cols()]) * received.values()[i] +
+                                              std::sqrt(0.5 * noise.values()[i]) * Complex(re, im));
     }
   }
-  return Displayed(power, geometry.sonar.axes, parameters, full_scale, 0.0);
+  return Displayed(power, geometry.sonar.axes, parameters, full_scale, AsShown(parameters.display));
 }
 
 }  // namespace sonarcal

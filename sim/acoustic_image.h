@@ -1,7 +1,7 @@
 // The acoustic model: power summed over echoes, through the responses of beam and pulse, over a noise floor.
 //
 //   P(r, b) = sum_k 10^((SL + G - 40 log10 R_k - 2 alpha R_k) / 10) sigma_m(delta_k) a_k
-//                   el(phi_k) az(theta_k - theta_b) pulse(R_k - R_r)  +  N
+//                   el(phi_k) az(theta_k - theta_b) pulse(R_k - R_r) 10^(TVG(r) / 10)  +  N(r, b)
 //
 // sigma_m is GSAB as backscatter per unit area; a_k = R_k^2 dOmega_k / cos(delta_k) is the patch a ray stands
 // for (its cosine bounded at kSmallestCosine, sim/physics/patch.h), so the level does not depend on the
@@ -47,6 +47,12 @@ AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet&
 ElevationResponse ElevationResponseOf(const SonarModel& sonar, const ParameterSet& parameters);
 double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters);
 
+// Time-varied gain of each range bin, a factor on power.
+std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters);
+
+// N(r, b), time-varied gain included. Throws DataError where a taper does not fit the beams.
+Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSet& parameters);
+
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters);
 
@@ -54,7 +60,8 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
 PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
                          const ParameterSet& parameters);
 
-// The mean displayed level of P: 10 log10 P + MeanLogSpeckleDb(looks), through the display, not rounded.
+// The mean displayed value where speckle varies about P, through the display law and its clipping, not
+// rounded (sim/physics/speckle.h): for a logarithm far from both clips 10 log10 P + MeanLogSpeckleDb(looks).
 PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale);
 
 // Power through the display as it is, not rounded.

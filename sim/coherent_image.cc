@@ -55,8 +55,7 @@ class PatchPower {
     const double elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0));
     return PowerFromDb(level_db_ - 2.0 * TransmissionLossDb(range_m, absorption_db_per_m_)) *
            GsabPower(materials_[material], DegFromRad(incidence_rad)) *
-           PatchAreaM2(range_m, solid_angle_sr, cosine) *
-           elevation_.Power(elevation_rad);
+           PatchAreaM2(range_m, solid_angle_sr, cosine) * elevation_.Power(elevation_rad);
   }
 
  private:
@@ -259,20 +258,16 @@ class ElementNoise {
   std::vector<double> filter_;
 };
 
-// The receiver's floor N(r, b) after the beamformer, range_bins x beams.
-Grid<double> NoiseFloor(const PolarAxes& axes, const ReceiverParameters& receiver) {
-  return {axes.range_bins, axes.beam_count(), receiver.noise_db ? PowerFromDb(*receiver.noise_db) : 0.0};
-}
-
 // Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the beamformer
 // apart, as it is linear, so that the floor may differ from beam to beam.
 void AddPower(const Grid<Complex>& fields, const Beamformer& beamformer, const ElementNoise& noise,
-              const Grid<double>& floor, double weight, Grid<double>& power) {
+              const std::vector<double>& gain, const Grid<double>& floor, double weight,
+              Grid<double>& power) {
   tbb::parallel_for(0, power.rows(), [&](int bin) {
     std::vector<Complex> unit_noise(fields.cols());
     noise.AddTo(bin, beamformer.noise_scale(), unit_noise);
     for (int beam = 0; beam < power.cols(); ++beam) {
-      const Complex received = beamformer.Beam(beam, fields.row(bin)) +
+      const Complex received = std::sqrt(gain[bin]) * beamformer.Beam(beam, fields.row(bin)) +
                                std::sqrt(floor(bin, beam)) * beamformer.Beam(beam, unit_noise);
       power(bin, beam) += weight * std::norm(received);
     }
@@ -348,7 +343,9 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
       MakeLineArray(AzimuthWidthRad(geometry.sonar, parameters), parameters.beam.azimuth_taper);
   const Beamformer beamformer(array, axes);
   const ScattererSource source(geometry, world_from_sonar, parameters);
-  const Grid<double> floor = NoiseFloor(axes, parameters.receiver);
+  const AcousticGeometry receiver{geometry.sonar, geometry.absorption_db_per_m};
+  const std::vector<double> gain = GainByBin(receiver, parameters);
+  const Grid<double> floor = NoiseFloorPower(receiver, parameters);
 
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
@@ -359,7 +356,7 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
     const Grid<Complex> fields = ElementFields(source.Draw(seeds.scatterers, look), axes, pulse_m, array);
     const ElementNoise noise(axes, pulse_m, beamformer.elements(),
                              CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));
-    AddPower(fields, beamformer, noise, floor, weight, power);
+    AddPower(fields, beamformer, noise, gain, floor, weight, power);
   }
   PolarImage image{
       axes,

@@ -27,8 +27,7 @@ std::vector<Share> Shares(const EchoList& echoes, const PolarAxes& axes, const E
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const double range_m = echoes.range_m[echo];
     const double incidence_rad = echoes.incidence_rad[echo];
-    const double area_m2 =
-        PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
+    const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
     double power = PowerFromDb(-2.0 * TransmissionLossDb(range_m, options.absorption_db_per_m)) * area_m2;
     power *= options.elevation.Power(echoes.elevation_rad[echo]);
     const double position = (range_m - axes.range_min_m) / step_m - 0.5;

@@ -78,16 +78,23 @@ enum class TimeVariedGain {
 };
 
 // Receiver of the acoustic model: gain, a noise floor added in power, and speckle; evaluated by
-// sim/physics/receiver.h. The floor of pixel (r, b), a power:
+// sim/physics/receiver.h. The floor of pixel (r, b), a power, is the sum of two:
 //
 //   N(r, b) = 10^((noise_db + noise_slope_db_per_m r + noise_taper_db[b] + TVG(r)) / 10)
+//           + 10^((noise_after_gain_db + noise_after_gain_taper_db[b]) / 10)
+//
+// What comes in through the array (reverberation of the water, noise before the gain) changes with range and
+// has the taper of the beams that are sent; what the electronics add behind the gain does neither.
+// Target-free pings of a DIDSON show both, each with its own taper.
 struct ReceiverParameters {
   double gain_db = 0.0;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
-  std::optional<double> noise_db;      // level of the floor at range 0, before TVG; absent = no noise
-  double noise_slope_db_per_m = 0.0;   // a trend with range that the TVG does not explain
-  std::vector<double> noise_taper_db = {};  // by beam; empty = 0 everywhere
-  double looks = 1.0;                  // independent looks averaged in a pixel (1: exponential power)
+  std::optional<double> noise_db = {};     // level of the floor at range 0, before TVG; absent = no such noise
+  double noise_slope_db_per_m = 0.0;  // a trend with range that the TVG does not explain
+  std::vector<double> noise_taper_db = {};         // by beam; empty = 0 everywhere
+  std::optional<double> noise_after_gain_db = {};  // level of the floor added behind the TVG; absent = none
+  std::vector<double> noise_after_gain_taper_db = {};  // by beam; empty = 0 everywhere
+  double looks = 1.0;  // independent looks averaged in a pixel (1: exponential power)
 
   bool operator==(const ReceiverParameters&) const = default;
 };
@@ -112,8 +119,9 @@ struct BeamParameters {
   AzimuthPattern azimuth_pattern = AzimuthPattern::kGaussian;
   double azimuth_taper = 1.0;  // kAperture: 0 uniform (side lobes -13 dB) .. 1 Hann (-31 dB)
   ElevationPattern elevation_pattern = ElevationPattern::kGaussian;
-  double elevation_taper = 0.6;          // kAperture: 0 uniform, 0.6 like a cosine, 1 Hann
-  std::vector<double> azimuth_table_db = {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
+  double elevation_taper = 0.6;  // kAperture: 0 uniform, 0.6 like a cosine, 1 Hann
+  std::vector<double> azimuth_table_db =
+      {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
 
   bool operator==(const BeamParameters&) const = default;
 };

@@ -1,8 +1,5 @@
-// What the receiver makes of power: speckle, and the display.
-//
-// Speckle: power is Gamma-distributed about its mean with L looks (L = 1: exponential, standard deviation of
-// its level 5.57 dB). Display, logarithmic: v = (10 log10 power - dB_min) / (dB_max - dB_min), clipped to [0,
-// 1].
+// What the receiver adds to echoes: time-varied gain, a noise floor in power, and how many looks a pixel has.
+// Speckle and its way through the display: speckle.h; the display itself: display.h.
 #pragma once
 
 #include <cmath>
@@ -10,47 +7,63 @@
 #include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
+#include "data_io/types/error.h"
 #include "data_io/types/parameters.h"
 #include "data_io/types/units.h"
+#include "sim/physics/display.h"
 
 namespace sonarcal {
+
+// What the law adds to a level received from range_m > 0, dB; 0 dB at 1 m but for absorption.
+inline double TimeVariedGainDb(TimeVariedGain law, double range_m, double absorption_db_per_m) {
+  const double range_db = 10.0 * std::log10(range_m);
+  switch (law) {
+    case TimeVariedGain::kNone:
+      return 0.0;
+    case TimeVariedGain::k20LogR:
+      return 2.0 * range_db;
+    case TimeVariedGain::k40LogR:
+      return 4.0 * range_db;
+    case TimeVariedGain::k40LogRAndAbsorption:
+      return 4.0 * range_db + 2.0 * absorption_db_per_m * range_m;
+  }
+  SONARCAL_CHECK(false, "time-varied gain {}", static_cast<int>(law));
+  return 0.0;
+}
+
+// Throws DataError where a taper is given for another number of beams.
+inline void CheckTapers(const ReceiverParameters& receiver, int beams) {
+  const auto check = [beams](const std::vector<double>& taper, const char* name) {
+    if (!taper.empty() && static_cast<int>(taper.size()) != beams) {
+      throw DataError("receiver.{} has {} values, expected one for each of {} beams", name, taper.size(),
+                      beams);
+    }
+  };
+  check(receiver.noise_taper_db, "noise_taper_db");
+  check(receiver.noise_after_gain_taper_db, "noise_after_gain_taper_db");
+}
+
+// N(r, b) of types/parameters.h: 0 where neither floor is given. The tapers fit the beams (CheckTapers).
+inline double NoisePower(const ReceiverParameters& receiver, double range_m, int beam,
+                         double absorption_db_per_m) {
+  const auto taper_db = [beam](const std::vector<double>& taper) {
+    return taper.empty() ? 0.0 : taper[beam];
+  };
+  double power = 0.0;
+  if (receiver.noise_db) {
+    power += PowerOfLevel(*receiver.noise_db + receiver.noise_slope_db_per_m * range_m +
+                          taper_db(receiver.noise_taper_db) +
+                          TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
+  }
+  if (receiver.noise_after_gain_db) {
+    power += PowerOfLevel(*receiver.noise_after_gain_db + taper_db(receiver.noise_after_gain_taper_db));
+  }
+  return power;
+}
 
 // E[10 log10 power] - 10 log10 E[power] = (10 / ln 10) (psi(L) - ln L), dB: -2.507 at one look. looks > 0.
 inline double MeanLogSpeckleDb(double looks) {
   return 10.0 / std::numbers::ln10 * (Eigen::numext::digamma(looks) - std::log(looks));
-}
-
-// What the receiver adds to levels from range_m > 0.
-inline double TimeVariedGainDb(TimeVariedGain law, double range_m, double absorption_db_per_m) {
-  switch (law) {
-    case TimeVariedGain::k20LogR:
-      return 20.0 * std::log10(range_m);
-    case TimeVariedGain::k40LogR:
-      return 40.0 * std::log10(range_m);
-    case TimeVariedGain::k40LogRAndAbsorption:
-      return 40.0 * std::log10(range_m) + 2.0 * absorption_db_per_m * range_m;
-    case TimeVariedGain::kNone:
-      break;
-  }
-  return 0.0;
-}
-
-// The noise floor of a pixel; 0 where there is none.
-inline double NoisePower(const ReceiverParameters& receiver, double range_m, int beam,
-                         double absorption_db_per_m) {
-  if (!receiver.noise_db) return 0.0;
-  const double taper_db = receiver.noise_taper_db.empty() ? 0.0 : receiver.noise_taper_db[beam];
-  return PowerFromDb(*receiver.noise_db + receiver.noise_slope_db_per_m * range_m + taper_db +
-                     TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
-}
-
-// Power below this (a dB figure far under any display) is shown as silence.
-inline constexpr double kSilencePower = 1e-30;
-
-// 0..1 unclipped.
-template <typename T>
-T LogDisplay(const DisplayParameters<T>& display, const T& level_db) {
-  return (level_db - display.db_min) / (display.db_max - display.db_min);
 }
 
 // An average over whole looks and one more of weight w in [0, 1) that has the variance of L looks:

@@ -44,14 +44,25 @@ ParameterSet UnlikeTheDefaults() {
   set.source_level_db = 1.0 / 3.0;
   set.noise_level_db = 0.1;
   set.array_gain_db = std::nextafter(20.0, 21.0);
-  set.display = {-12.3, 45.6};
+  set.display = {-12.3, 45.6, DisplayLaw::kSoftLog, -14.1, 0.498};
   set.materials["floor"].gsab = {0.1, 3.3, 1e-12, 1.7, 2.2e5, 9.9};
   set.materials["Wände \"x\""].gsab = {};
   set.jitter = {0.011, 0.22, 7.7, 1.8e6, JitterGrowth::kLinear};
-  set.receiver.gain_db = 3.3;
-  set.receiver.noise_db = -41.7;
-  set.receiver.looks = 2.5;
-  set.beam = {0.7, 19.3, AzimuthPattern::kTable, 1.0 / 3.0, {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0}};
+  set.receiver = {.gain_db = 3.3,
+                  .time_varied_gain = TimeVariedGain::k40LogRAndAbsorption,
+                  .noise_db = -41.7,
+                  .noise_slope_db_per_m = -0.77,
+                  .noise_taper_db = {0.1, -0.2, 1.0 / 3.0},
+                  .noise_after_gain_db = -3.9,
+                  .noise_after_gain_taper_db = {1.5, 0.0},
+                  .looks = 2.5};
+  set.beam = {0.7,
+              19.3,
+              AzimuthPattern::kTable,
+              1.0 / 3.0,
+              ElevationPattern::kAperture,
+              0.4,
+              {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0}};
   set.pulse = {0.0254};
   set.water = Water{14.2, 0.31, 7.4, 3.3};
   return set;
@@ -77,15 +88,41 @@ TEST(ParametersIoTest, ComesBackToTheLastBit) {
   }
 }
 
+TEST(ParametersIoTest, ReadsDisplayLawsAndTheNoiseFloorAndRefusesOthers) {
+  const auto with_receiver = [](const std::string& members) {
+    return Changed(R"("materials": {)", R"("receiver": {)" + members + R"(}, "materials": {)");
+  };
+  const auto with_display = [](const std::string& members) {
+    return Changed(R"("db_max": 190})", R"("db_max": 190, )" + members + "}");
+  };
+  const ParameterSet set = ParseParameters(
+      with_receiver(R"("time_varied_gain": "20logR", "noise_taper_db": [1, -2.5])"), "p.json");
+  EXPECT_EQ(set.receiver.time_varied_gain, TimeVariedGain::k20LogR);
+  EXPECT_EQ(set.receiver.noise_taper_db, (std::vector<double>{1.0, -2.5}));
+  EXPECT_FALSE(set.receiver.noise_after_gain_db);
+  EXPECT_EQ(set.display.law, DisplayLaw::kLog);
+  EXPECT_EQ(ParseParameters(with_display(R"("law": "power", "exponent": 0.5)"), "p.json").display.law,
+            DisplayLaw::kPower);
+
+  EXPECT_THAT(RefusalOf(with_display(R"("law": "loud")")), HasSubstr("soft_log"));
+  EXPECT_THAT(RefusalOf(with_display(R"("softness_db": 1)")), HasSubstr("unknown key 'display.softness_db'"));
+  EXPECT_THAT(RefusalOf(with_display(R"("law": "power", "exponent": 0)")), HasSubstr("exponent"));
+  EXPECT_THAT(RefusalOf(with_receiver(R"("time_varied_gain": "30logR")")), HasSubstr("40logR+alpha"));
+  EXPECT_THAT(RefusalOf(with_receiver(R"("noise_slope_db": 1)")),
+              HasSubstr("unknown key 'receiver.noise_slope_db'"));
+  EXPECT_THAT(RefusalOf(with_receiver(R"("noise_taper_db": [0, 1e9])")), HasSubstr("noise_taper_db"));
+}
+
 TEST(ParametersIoTest, UnknownKeysAreRefusedAtEveryDepth) {
   EXPECT_EQ(RefusalOf(Changed("\"source_level_db\"", "\"source_lvl_db\"")).substr(0, 46),
             "p.json:1: unknown key 'source_lvl_db'; expecte");
   EXPECT_EQ(RefusalOf(Changed("\"F_deg\": 8", "\"F_deg\": 8, \"G\": 1")),
             "p.json:4: unknown key 'materials.floor.gsab.G'; expected one of A, B_deg, C, D, E, F_deg");
   EXPECT_EQ(RefusalOf(Changed("\"db_max\": 190", "\"db_max\": 190, \"gamma\": 1")),
-            "p.json:2: unknown key 'display.gamma'; expected one of db_max, db_min");
+            "p.json:2: unknown key 'display.gamma'; expected one of db_max, db_min, exponent, law, soft_db");
   EXPECT_EQ(RefusalOf(Changed("\"display\"", "\"receiver\": {\"gian_db\": 1},\n\"display\"")),
-            "p.json:2: unknown key 'receiver.gian_db'; expected one of gain_db, looks, noise_db");
+            "p.json:2: unknown key 'receiver.gian_db'; expected one of gain_db, looks, noise_after_gain_db, "
+            "noise_after_gain_taper_db, noise_db, noise_slope_db_per_m, noise_taper_db, time_varied_gain");
 }
 
 TEST(ParametersIoTest, ValuesOutOfRangeAreRefused) {

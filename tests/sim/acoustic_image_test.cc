@@ -229,9 +229,13 @@ TEST(ExpectedDisplay, ShowsTheMeanOfTheLogarithm) {
   power.value(0, 1) = 1e19F;
   power.value(0, 2) = 0.0F;
   const PolarImage image = ExpectedDisplay(power, acoustics.parameters, 255.0);
-  EXPECT_NEAR(image.value(5, 5), 255.0 * (140.0 - 2.5068 - 100.0) / 80.0, 1e-3);
-  EXPECT_EQ(image.value(0, 0), 0.0F);
-  EXPECT_EQ(image.value(0, 1), 255.0F);
+  // What speckle carries beyond a clip is lost: with c = 10 / ln 10 dB, at 40 dB above db_min the clipped
+  // tail adds c 1e-4; at 10 dB below it c E1(10) is left; at 10 dB above db_max c Ein(0.1) is missing.
+  const double grey_per_db = 255.0 / 80.0;
+  const double c = 10.0 / std::log(10.0);
+  EXPECT_NEAR(image.value(5, 5), grey_per_db * (140.0 - 2.50682 - 100.0 + c * 1e-4), 3e-4);
+  EXPECT_NEAR(image.value(0, 0), grey_per_db * c * 4.15697e-6, 1e-6);
+  EXPECT_NEAR(image.value(0, 1), 255.0 - grey_per_db * c * 0.0975545, 1e-3);
   EXPECT_EQ(image.value(0, 2), 0.0F);
 }
 

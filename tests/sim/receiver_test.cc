@@ -31,12 +31,28 @@ TEST(Speckle, WeightsHaveTheVarianceOfTheLooks) {
   EXPECT_EQ(LooksAsWeights(4.0), std::make_pair(4, 0.0));
 }
 
-TEST(Display, RunsFromMinimumToMaximum) {
-  const DisplayParameters<double> display{.db_min = 40.0, .db_max = 120.0};
-  EXPECT_DOUBLE_EQ(LogDisplay(display, 40.0), 0.0);
-  EXPECT_DOUBLE_EQ(LogDisplay(display, 60.0), 0.25);
-  EXPECT_DOUBLE_EQ(LogDisplay(display, 120.0), 1.0);
-  EXPECT_DOUBLE_EQ(LogDisplay(display, 200.0), 2.0);  // clipped later
+TEST(TimeVariedGainTest, GrowsAsItsNameSays) {
+  EXPECT_EQ(TimeVariedGainDb(TimeVariedGain::kNone, 7.0, 0.3), 0.0);
+  EXPECT_NEAR(TimeVariedGainDb(TimeVariedGain::k20LogR, 10.0, 0.3), 20.0, 1e-12);
+  EXPECT_NEAR(TimeVariedGainDb(TimeVariedGain::k40LogR, 10.0, 0.3), 40.0, 1e-12);
+  EXPECT_NEAR(TimeVariedGainDb(TimeVariedGain::k40LogRAndAbsorption, 10.0, 0.3), 46.0, 1e-12);
+}
+
+TEST(NoisePowerTest, AddsTheFloorsBeforeAndBehindTheGain) {
+  ReceiverParameters receiver;
+  EXPECT_EQ(NoisePower(receiver, 5.0, 0, 0.0), 0.0);
+  receiver.noise_db = 20.0;
+  receiver.noise_slope_db_per_m = -2.0;
+  receiver.noise_taper_db = {0.0, 10.0};
+  EXPECT_NEAR(NoisePower(receiver, 5.0, 0, 0.0), 10.0, 1e-12);
+  EXPECT_NEAR(NoisePower(receiver, 5.0, 1, 0.0), 100.0, 1e-11);
+  receiver.time_varied_gain = TimeVariedGain::k20LogR;
+  EXPECT_NEAR(NoisePower(receiver, 5.0, 1, 0.0), 2500.0, 1e-9);
+  receiver.noise_after_gain_db = 30.0;
+  receiver.noise_after_gain_taper_db = {0.0, -10.0};
+  EXPECT_NEAR(NoisePower(receiver, 5.0, 1, 0.0), 2600.0, 1e-9);  // power, not levels, and no gain on it
+  EXPECT_NO_THROW(CheckTapers(receiver, 2));
+  EXPECT_THROW(CheckTapers(receiver, 3), DataError);
 }
 
 }  // namespace

@@ -1,0 +1,13 @@
+// A noise fit (calib/noise_fit.h) as sections of a report.
+#pragma once
+
+#include "apps/report/html_report.h"
+#include "calib/noise_fit.h"
+
+namespace sonarcal {
+
+// Agreement, the choice of model, values, grey values recorded against predicted, noise by range and by beam,
+// and the map of what is left.
+void AddNoiseSections(HtmlReport& report, const NoiseFit& fit);
+
+}  // namespace sonarcal

@@ -1,0 +1,76 @@
+// The noise law alone, from target-free pings: maximum likelihood of the speckle law carried through the
+// display, with both clips as censored values (calib/noise_likelihood.h). No scene, no pose, no ray.
+//
+// Free: both floors of types/parameters.h (ReceiverParameters), the slope with range, a taper for each floor,
+// soft_db where the display law has it, and ONE of looks and display span: on background alone the two are
+// one number. Where the recording tells the span (or the exponent of a power law), the looks are fitted;
+// where it doesn't, the looks are held at 1 and the span is fitted.
+//
+// The display law, the time-varied gain and whether there is a floor behind it are chosen by the likelihood
+// of held-out pings among candidates; the table is kept. Solved by Fisher scoring (Gauss-Newton on the
+// likelihood itself: a multinomial law is no sum of squares) on counts of grey by cell.
+//
+// Sigmas are those of a sandwich over pings, which drift as wholes; with fewer than five pings, over range
+// bands of each ping. What the pings tell less about than half of what was assumed beforehand
+// (NoiseFitOptions) is called unidentifiable and gets no sigma.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/fit_report.h"
+#include "calib/noise_likelihood.h"
+#include "data_io/types/recording.h"
+
+namespace sonarcal {
+
+struct NoiseFitOptions {
+  std::vector<int> held_out;          // frames, counted from 0; empty: the last third, none of a single frame
+  bool choose_held_out = true;        // false: hold out just what `held_out` says
+  int skip_bins = 1;                  // nearest range bins left out: no echo there
+  std::optional<double> range_min_m;  // window that is free of targets; absent: all
+  std::optional<double> range_max_m;
+  int band_bins = 8;  // range bins that share a cell
+  // Cells whose mean grey lies further from the fitted law than this many robust standard deviations of all
+  // cells are left out, and the fit is repeated: for pings with a few targets. 0: none is.
+  double reject_beyond = 0.0;
+  // Where set, the display is taken from here rather than from the recording and its candidates.
+  std::optional<DisplayParameters<double>> display;
+  double absorption_db_per_m = 0.0;
+  double taper_spread_db = 10.0;  // assumed beforehand of each beam's taper
+  double level_spread_db = 60.0;  // and of the floors' levels, about where a first look puts them
+  double slope_spread_db_per_m = 10.0;
+  int max_iterations = 150;
+  std::function<void(const std::string& line)> progress;
+};
+
+struct NoiseModelChoice {
+  DisplayLaw display = DisplayLaw::kLog;
+  SpeckleLaw speckle = SpeckleLaw::kGamma;
+  TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
+  bool floor_after_gain = false;
+  double nats_per_pixel = 0.0;  // -log likelihood of the held-out pings; of the pings used where none is
+  bool chosen = false;
+};
+
+struct NoiseFit {
+  bool usable = false;
+  NoiseLaw law;
+  FitReport report;  // receiver.* and display.*
+  std::vector<NoiseModelChoice> choices;
+  NoiseCells cells;
+  std::vector<double> weight;  // by cell, 0 or 1
+  bool judged_on_held_out = false;
+  NoiseAgreement used;    // pings fitted
+  NoiseAgreement judged;  // pings held out; of those used where none is
+};
+
+// Throws DataError where the frames can't be used together; an end without a usable law is `usable` = false.
+NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& options);
+
+// "gamma" and "weighted".
+std::string_view ToString(SpeckleLaw law);
+
+}  // namespace sonarcal

@@ -1,0 +1,130 @@
+// Speckle and its way through the display.
+//
+// Speckle: the power of a pixel is P x with E[x] = 1. Two laws of x, both of variance 1 / L:
+//   kGamma     Gamma with shape L: an average of L equal looks, L > 0 (L = 1: exponential)
+//   kWeighted  the average of unequal looks that `LooksAsWeights` names, which is what
+//              `SampleAcousticImage` draws; closed form for 1 <= L <= 2, where
+//              F(x) = 1 - (exp(-y) - w exp(-y / w)) / (1 - w), y = (1 + w) x; beyond that Gamma.
+//
+// Display: v rises with power, hence by change of variable P(displayed <= v) = F(PowerFromDisplay(v) / P),
+// and the mean displayed value, clipped to 0..1, is the integral of 1 - P(displayed <= v) over 0..1.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/SpecialFunctions>
+#include <vector>
+
+#include "sim/physics/display.h"
+#include "sim/physics/receiver.h"
+
+namespace sonarcal {
+
+enum class SpeckleLaw { kGamma, kWeighted };
+
+// P(x <= ratio); 0 at or below 0. looks > 0 (kWeighted: >= 1).
+inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
+  if (!(ratio > 0.0)) return 0.0;
+  if (!(ratio < 1e300)) return 1.0;
+  if (looks == 1.0) return -std::expm1(-ratio);
+  if (law == SpeckleLaw::kWeighted && looks < 2.0) {
+    const double w = LooksAsWeights(looks).second;
+    const double y = (1.0 + w) * ratio;
+    if (w > 1e-9 && 1.0 - w > 1e-6) {
+      return std::max(0.0, (-std::expm1(-y) + w * std::expm1(-y / w)) / (1.0 - w));
+    }
+    if (w <= 1e-9) return -std::expm1(-y);
+  }
+  return Eigen::numext::igamma(looks, looks * ratio);
+}
+
+// P(x > ratio), to full relative accuracy where 1 - SpeckleCdf has lost its digits.
+inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
+  if (!(ratio > 0.0)) return 1.0;
+  if (!(ratio < 1e300)) return 0.0;
+  if (looks == 1.0) return std::exp(-ratio);
+  if (law == SpeckleLaw::kWeighted && looks < 2.0) {
+    const double w = LooksAsWeights(looks).second;
+    const double y = (1.0 + w) * ratio;
+    if (w <= 1e-9) return std::exp(-y);
+    if (1.0 - w > 1e-6) return (std::exp(-y) - w * std::exp(-y / w)) / (1.0 - w);
+  }
+  return Eigen::numext::igammac(looks, looks * ratio);
+}
+
+// Density of x: the derivative of SpeckleCdf. 0 at or below 0.
+inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
+  if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
+  if (looks == 1.0) return std::exp(-ratio);
+  if (law == SpeckleLaw::kWeighted && looks < 2.0) {
+    const double w = LooksAsWeights(looks).second;
+    const double y = (1.0 + w) * ratio;
+    if (w <= 1e-9) return std::exp(-y);
+    if (1.0 - w > 1e-6) return (1.0 + w) * (std::exp(-y) - std::exp(-y / w)) / (1.0 - w);
+  }
+  return std::exp(looks * std::log(looks * ratio) - looks * ratio - std::lgamma(looks)) / ratio;
+}
+
+// P(displayed <= v) where the mean power is `power` > 0. Before clipping: at 0 it is the share that is
+// clipped to 0, and 1 less what is at 1 the share that is clipped to full scale.
+inline double DisplayedCdf(const DisplayParameters<double>& display, double looks, double power, double value,
+                           SpeckleLaw law = SpeckleLaw::kGamma) {
+  return SpeckleCdf(looks, PowerFromDisplay(display, value) / power, law);
+}
+
+// Mean of the displayed value, clipped to 0..1 and rounded to multiples of 1 / steps: the sum over grey
+// levels of the chance to lie above the edge between two.
+inline double MeanDisplayedGrey(const DisplayParameters<double>& display, double looks, double power,
+                                int steps, SpeckleLaw law = SpeckleLaw::kGamma) {
+  double mean = 0.0;
+  for (int k = 0; k < steps; ++k) mean += 1.0 - DisplayedCdf(display, looks, power, (k + 0.5) / steps, law);
+  return mean / steps;
+}
+
+// Mean of the displayed value, clipped to 0..1 and not rounded: the limit of the above, within 1e-5.
+inline double MeanDisplayed(const DisplayParameters<double>& display, double looks, double power,
+                            SpeckleLaw law = SpeckleLaw::kGamma) {
+  constexpr int kSteps = 1024;  // the midpoint rule
+  return MeanDisplayedGrey(display, looks, power, kSteps, law);
+}
+
+// MeanDisplayed of many pixels: tabulated by level, every 0.1 dB, and interpolated; within 2e-5 of it.
+class MeanDisplayTable {
+ public:
+  MeanDisplayTable(const DisplayParameters<double>& display, double looks,
+                   SpeckleLaw law = SpeckleLaw::kGamma)
+      : display_(display) {
+    // Levels at which speckle leaves nothing to change: 70 dB below and 20 dB above what is shown. A power
+    // law shows a thousandth of full scale at 60 dB / exponent below it.
+    const double span_db =
+        display.law == DisplayLaw::kPower ? 80.0 / display.exponent : display.db_max - display.db_min + 40.0;
+    low_db_ = display.db_max - span_db;
+    const int count = static_cast<int>(std::ceil((span_db + 40.0) / kStepDb)) + 1;
+    for (int i = 0; i < count; ++i) {
+      mean_.push_back(MeanDisplayed(display, looks, PowerOfLevel(low_db_ + i * kStepDb), law));
+    }
+  }
+
+  double operator()(double power) const {
+    const double level_db = LevelOfPower(std::max(power, kSilencePower));
+    const double position = (level_db - low_db_) / kStepDb;
+    if (position <= 0.0) {
+      return display_.law == DisplayLaw::kPower
+                 ? mean_.front() * PowerOfLevel(0.5 * display_.exponent * (level_db - low_db_))
+                 : mean_.front();
+    }
+    const std::size_t i = static_cast<std::size_t>(position);
+    if (i + 1 >= mean_.size()) return mean_.back();
+    const double fraction = position - static_cast<double>(i);
+    return (1.0 - fraction) * mean_[i] + fraction * mean_[i + 1];
+  }
+
+ private:
+  static constexpr double kStepDb = 0.1;
+
+  DisplayParameters<double> display_;
+  double low_db_ = 0.0;
+  std::vector<double> mean_;
+};
+
+}  // namespace sonarcal

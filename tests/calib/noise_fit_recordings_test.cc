@@ -1,0 +1,95 @@
+// The noise law on real recordings, with the thresholds it has to keep on pings that were not fitted.
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "calib/noise_fit.h"
+#include "data_io/open_recording.h"
+#include "tests/support/recordings.h"
+
+namespace sonarcal {
+namespace {
+
+void Print(const char* what, const NoiseFit& fit) {
+  std::cout << what << ": KS " << fit.judged.ks << ", W1 " << fit.judged.wasserstein_grey << " grey, cell KS "
+            << fit.judged.cell_ks_median << " / " << fit.judged.cell_ks_p95 << ", " << fit.report.solve_s
+            << " s, looks " << fit.law.receiver.looks << ", span "
+            << fit.law.display.db_max - fit.law.display.db_min << ", display "
+            << static_cast<int>(fit.law.display.law) << ", speckle " << ToString(fit.law.speckle) << ", gain "
+            << static_cast<int>(fit.law.receiver.time_varied_gain) << "\n";
+  for (const NoiseModelChoice& c : fit.choices) {
+    std::cout << "   " << static_cast<int>(c.display) << " " << ToString(c.speckle) << " "
+              << static_cast<int>(c.time_varied_gain) << " " << c.floor_after_gain << " " << c.nats_per_pixel
+              << (c.chosen ? " *" : "") << "\n";
+  }
+}
+
+std::vector<int> Every(int stride, int frames) {
+  std::vector<int> list;
+  for (int i = stride - 1; i < frames; i += stride) list.push_back(i);
+  return list;
+}
+
+TEST(NoiseFitRecordingsTest, DidsonSixtyPingsTellTheOthers) {
+  SONARCAL_NEEDS_RECORDING(folder, "didson_hull/background");
+  const auto recording = OpenRecording(folder);
+  NoiseFitOptions options;
+  options.held_out = Every(4, recording->frame_count());
+  const NoiseFit fit = FitNoise(*recording, options);
+  Print("60 pings", fit);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_EQ(fit.law.display.law, DisplayLaw::kSoftLog);
+  EXPECT_LE(fit.judged.ks, 0.012);
+  EXPECT_LE(fit.judged.wasserstein_grey, 0.10);
+  EXPECT_LE(fit.judged.cell_ks_median, 0.026);
+}
+
+TEST(NoiseFitRecordingsTest, DidsonFivePingsAreNearlyAsGood) {
+  SONARCAL_NEEDS_RECORDING(folder, "didson_hull/background");
+  const auto recording = OpenRecording(folder);
+  NoiseFitOptions options;
+  for (int i = 0; i < recording->frame_count(); ++i) {
+    if (i % 16 != 5) options.held_out.push_back(i);
+  }
+  const NoiseFit fit = FitNoise(*recording, options);
+  Print("five pings", fit);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_EQ(fit.report.frames_used.size(), 5u);
+  EXPECT_LE(fit.judged.ks, 0.015);
+  EXPECT_LE(fit.judged.wasserstein_grey, 0.15);
+  EXPECT_LE(fit.judged.cell_ks_median, 0.028);
+}
+
+// The recordings below hold scenes. What is taken for background is a window of range where the beams show
+// open water or even ground, less the cells that stand out by 2.5 robust standard deviations. One smooth law
+// does not describe them beyond such a window.
+TEST(NoiseFitRecordingsTest, ArisBackgroundFollowsItsDisplay) {
+  SONARCAL_NEEDS_RECORDING(file, "aris1200_telephoto/sample.aris");
+  NoiseFitOptions options;
+  options.held_out = {1, 3, 5};
+  options.range_min_m = 8.33;
+  options.range_max_m = 10.33;
+  options.reject_beyond = 2.5;
+  const NoiseFit fit = FitNoise(*OpenRecording(file), options);
+  Print("ARIS 1200", fit);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_LE(fit.judged.ks, 0.010);
+  EXPECT_NEAR(fit.law.receiver.looks, 1.35, 0.1);
+  EXPECT_EQ(fit.law.speckle, SpeckleLaw::kWeighted);
+}
+
+TEST(NoiseFitRecordingsTest, OculusBackgroundFollowsItsPowerLaw) {
+  SONARCAL_NEEDS_RECORDING(file, "oculus_m1200d/one_ping_8bit.raw");
+  NoiseFitOptions options;
+  options.range_min_m = 1.53;
+  options.range_max_m = 1.76;
+  options.reject_beyond = 2.5;
+  const NoiseFit fit = FitNoise(*OpenRecording(file), options);
+  Print("Oculus", fit);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_FALSE(fit.judged_on_held_out);  // there is one ping
+  EXPECT_LE(fit.judged.ks, 0.015);
+}
+
+}  // namespace
+}  // namespace sonarcal

@@ -1,0 +1,272 @@
+#include "calib/noise_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/noise_solver.h"
+#include "data_io/types/error.h"
+#include "sim/random.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr int kBeams = 6;
+
+// Synthetic pings, drawn from a law itself: independent pixels, no drift.
+struct Source {
+  NoiseLaw law;
+  RecordingInfo info;
+
+  explicit Source(NoiseLaw of, int bins = 128) : law(std::move(of)) {
+    info.source = "synthetic pings";
+    info.synthetic = true;
+    info.sonar.axes.range_min_m = 2.0;
+    info.sonar.axes.range_max_m = 10.0;
+    info.sonar.axes.range_bins = bins;
+    for (int beam = 0; beam < kBeams; ++beam) info.sonar.axes.beam_azimuth_rad.push_back(0.01 * beam);
+    info.scale.full_scale = 255.0;
+  }
+
+  MemoryRecording Draw(int pings, std::uint64_t seed) const {
+    const PolarAxes& axes = info.sonar.axes;
+    std::vector<Frame> frames;
+    for (int ping = 0; ping < pings; ++ping) {
+      const CounterRandom random(seed, static_cast<std::uint32_t>(ping));
+      Frame frame{{}, {axes, info.scale, Grid<float>(axes.range_bins, kBeams)}};
+      for (std::size_t i = 0; i < frame.image.value.size(); ++i) {
+        const int bin = static_cast<int>(i) / kBeams;
+        const double mean =
+            NoisePower(law.receiver, axes.range_centre_m(bin), static_cast<int>(i) % kBeams, 0.0);
+        const auto [whole, last] = LooksAsWeights(law.receiver.looks);
+        const auto [u, v] = random.Uniform2(i);
+        const double power = mean * (-std::log(u) - last * std::log(v)) / (1.0 + last);
+        const double value = std::clamp(DisplayValue(law.display, power), 0.0, 1.0);
+        frame.image.value.values()[i] = static_cast<float>(std::round(255.0 * value));
+      }
+      frames.push_back(std::move(frame));
+    }
+    return {info, std::move(frames)};
+  }
+};
+
+NoiseLaw TwoFloors() {
+  NoiseLaw law;
+  law.display = {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftLog, .soft_db = -1.7};
+  law.receiver.noise_db = 6.0;
+  law.receiver.noise_slope_db_per_m = -1.5;
+  law.receiver.noise_taper_db = {-4.0, -1.0, 2.0, 3.0, 1.0, -1.0};
+  law.receiver.noise_after_gain_db = -3.0;
+  law.receiver.noise_after_gain_taper_db = {0.5, -0.5, 0.0, 0.2, -0.2, 0.0};
+  return law;
+}
+
+NoiseLaw Logarithm(double looks) {
+  NoiseLaw law;
+  law.display = {.db_min = 0.0, .db_max = 80.0};
+  law.receiver.noise_db = 22.0;
+  law.receiver.noise_slope_db_per_m = 0.5;
+  law.receiver.noise_taper_db = {-2.0, 0.0, 1.0, 1.0, 0.0, 0.0};
+  law.receiver.looks = looks;
+  return law;
+}
+
+NoiseCells CellsOf(const Source& source) {
+  return {.axes = source.info.sonar.axes, .first_bin = 0, .last_bin = 128, .band_bins = 8, .full_scale = 255};
+}
+
+NoiseCounts CountsOf(const MemoryRecording& recording, const NoiseCells& cells) {
+  std::vector<NoiseCounts> pings;
+  for (int i = 0; i < recording.frame_count(); ++i) {
+    pings.push_back(CountGrey(recording.ReadFrame(i).image, cells));
+  }
+  return AddCounts(pings, cells);
+}
+
+TEST(NoiseLikelihoodTest, ChancesAddUpToOneAndDerivativesAreTheirs) {
+  for (NoiseLaw law : {TwoFloors(), Logarithm(1.4)}) {
+    for (const SpeckleLaw speckle : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted}) {
+      law.speckle = speckle;
+      const GreyLevels grey(law, 255);
+      const double power = 3.0;
+      double sum = 0.0;
+      for (int level = 0; level < 256; ++level) sum += grey.OfLevel(level, power).value;
+      EXPECT_NEAR(sum, 1.0, 1e-9);
+
+      NoiseLaw moved = law;
+      constexpr double kStep = 1e-4;
+      for (const int level : {0, 9, 40}) {
+        const GreyLevels::Chance chance = grey.OfLevel(level, power);
+        const double by_noise = (grey.OfLevel(level, power * std::exp(kStep)).value -
+                                 grey.OfLevel(level, power * std::exp(-kStep)).value) /
+                                (2.0 * kStep);
+        EXPECT_NEAR(chance.derivative[0], by_noise, 1e-6);
+        moved = law;
+        moved.display.db_max += kStep;
+        EXPECT_NEAR(chance.derivative[2],
+                    (GreyLevels(moved, 255).OfLevel(level, power).value - chance.value) / kStep, 1e-5);
+        moved = law;
+        moved.display.soft_db += kStep;
+        EXPECT_NEAR(chance.derivative[3],
+                    (GreyLevels(moved, 255).OfLevel(level, power).value - chance.value) / kStep, 1e-5);
+        moved = law;
+        moved.receiver.looks *= std::exp(kStep);
+        EXPECT_NEAR(chance.derivative[1],
+                    (GreyLevels(moved, 255).OfLevel(level, power).value - chance.value) / kStep, 1e-4);
+      }
+    }
+  }
+}
+
+TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
+  const Source source(TwoFloors());
+  const NoiseCells cells = CellsOf(source);
+  const NoiseCounts counts = CountsOf(source.Draw(3, 5), cells);
+  NoiseFitOptions options;
+  options.max_iterations = 0;  // stay at the start, away from the optimum
+  const NoiseSolution at = SolveNoise(TwoFloors(), true, counts, cells, {}, options);
+  const Eigen::VectorXd score = NoiseScore(at, counts, cells, {}, 0.0);
+  double pixels = 3.0 * 128 * kBeams;
+  const auto log_likelihood = [&](const NoiseLaw& law) {
+    return -pixels * Agreement(law, counts, cells, {}, 0.0).nats_per_pixel;
+  };
+  const auto check = [&](int place, double& number, NoiseLaw& law) {
+    const double kept = number;
+    number = kept + 1e-4;
+    const double up = log_likelihood(law);
+    number = kept - 1e-4;
+    const double down = log_likelihood(law);
+    number = kept;
+    EXPECT_NEAR(score[place], (up - down) / 2e-4, 2e-3 * (1.0 + std::abs(score[place]))) << place;
+  };
+  NoiseLaw law = at.law;
+  check(at.layout.noise_db, *law.receiver.noise_db, law);
+  check(at.layout.slope, law.receiver.noise_slope_db_per_m, law);
+  check(at.layout.after_db, *law.receiver.noise_after_gain_db, law);
+  check(at.layout.span_db, law.display.db_max, law);
+  check(at.layout.soft_db, law.display.soft_db, law);
+  check(at.layout.taper + 2, law.receiver.noise_taper_db[2], law);
+  check(at.layout.after_taper + 4, law.receiver.noise_after_gain_taper_db[4], law);
+}
+
+TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
+  const Source source(TwoFloors());
+  const NoiseFit fit = FitNoise(source.Draw(60, 1), {});
+  ASSERT_TRUE(fit.usable);
+  EXPECT_EQ(fit.law.display.law, DisplayLaw::kSoftLog);
+  EXPECT_TRUE(fit.law.receiver.noise_after_gain_db.has_value());
+  EXPECT_EQ(fit.report.frames_held_out.size(), 20u);
+  EXPECT_LT(fit.judged.ks, 0.01);
+  EXPECT_LT(fit.judged.wasserstein_grey, 0.1);
+  EXPECT_NEAR(*fit.law.receiver.noise_after_gain_db, -3.0, 0.6);
+  EXPECT_NEAR(fit.law.display.db_max, 60.0, 2.0);
+  int chosen = 0;
+  for (const NoiseModelChoice& choice : fit.choices) chosen += choice.chosen;
+  EXPECT_EQ(chosen, 1);
+}
+
+TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
+  Source source(Logarithm(1.35));
+  source.info.scale.db_span = 80.0;
+  const NoiseFit fit = FitNoise(source.Draw(12, 2), {});
+  ASSERT_TRUE(fit.usable);
+  EXPECT_EQ(fit.law.speckle, SpeckleLaw::kWeighted);  // that is how they were drawn
+  EXPECT_NEAR(fit.law.receiver.looks, 1.35, 0.05);
+  EXPECT_EQ(fit.law.display.db_max, 80.0);
+  EXPECT_LT(fit.judged.ks, 0.015);
+  const FittedParameter* looks = fit.report.Find("receiver.looks");
+  ASSERT_TRUE(looks && looks->sigma);
+  EXPECT_LT(std::abs(looks->value - 1.35), 4.0 * *looks->sigma);
+}
+
+TEST(NoiseFitTest, LeavesOutCellsThatHoldATarget) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  const MemoryRecording clean = source.Draw(9, 3);
+  std::vector<Frame> frames;
+  for (int i = 0; i < clean.frame_count(); ++i) {
+    frames.push_back(clean.ReadFrame(i));
+    for (int bin = 60; bin < 75; ++bin) {
+      for (int beam = 2; beam < 4; ++beam) frames.back().image.value(bin, beam) += 60.0f;
+    }
+  }
+  NoiseFitOptions options;
+  options.reject_beyond = 4.0;
+  const NoiseFit fit = FitNoise(MemoryRecording(source.info, frames), options);
+  ASSERT_TRUE(fit.usable);
+  const FittedParameter* level = fit.report.Find("receiver.noise_db");
+  ASSERT_TRUE(level);
+  for (std::size_t i = 0; i < fit.weight.size(); ++i) {
+    const int band = (static_cast<int>(i) / kBeams);
+    const int beam = static_cast<int>(i) % kBeams;
+    if (band == 8 && (beam == 2 || beam == 3)) {
+      EXPECT_EQ(fit.weight[i], 0.0) << beam;
+    }
+  }
+  EXPECT_LT(std::count(fit.weight.begin(), fit.weight.end(), 0.0), 12);
+  EXPECT_LT(fit.judged.ks, 0.015);
+}
+
+// A quick form of the coverage study: how often the 68 % interval holds the truth, over synthetic sets.
+TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  Source source(Logarithm(1.0));
+  const NoiseLaw& truth = source.law;
+  const NoiseCells cells = CellsOf(source);
+  constexpr int kSets = 60;
+  constexpr int kPings = 40;  // so many that a sandwich over pings is no Student's t
+  int within = 0;
+  int within_two = 0;
+  int counted = 0;
+  for (int set = 0; set < kSets; ++set) {
+    const MemoryRecording recording = source.Draw(kPings, 100 + set);
+    std::vector<NoiseCounts> pings;
+    for (int i = 0; i < kPings; ++i) pings.push_back(CountGrey(recording.ReadFrame(i).image, cells));
+    const NoiseCounts all = AddCounts(pings, cells);
+    NoiseLaw start = truth;
+    start.receiver.noise_db = 20.0;
+    const NoiseSolution solution = SolveNoise(start, true, all, cells, {}, {});
+    ASSERT_TRUE(solution.converged);
+    const int count = solution.layout.count;
+    const Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+    Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(count, count);
+    for (const NoiseCounts& ping : pings) {
+      const Eigen::VectorXd score = NoiseScore(solution, ping, cells, {}, 0.0);
+      meat += score * score.transpose();
+    }
+    const Eigen::MatrixXd covariance = bread * meat * bread * (kPings / (kPings - 1.0));
+    const auto count_in = [&](int place, double value, double true_value) {
+      const double z = std::abs(value - true_value) / std::sqrt(covariance(place, place));
+      within += z < 1.0;
+      within_two += z < 1.96;
+      ++counted;
+    };
+    const NoiseLaw& law = solution.law;
+    count_in(solution.layout.noise_db, *law.receiver.noise_db, *truth.receiver.noise_db);
+    count_in(solution.layout.slope, law.receiver.noise_slope_db_per_m, truth.receiver.noise_slope_db_per_m);
+    count_in(solution.layout.span_db, law.display.db_max, truth.display.db_max);
+    for (int beam = 0; beam < kBeams; ++beam) {
+      count_in(solution.layout.taper + beam, law.receiver.noise_taper_db[beam],
+               truth.receiver.noise_taper_db[beam]);
+    }
+  }
+  // 540 intervals, about 400 of them independent: two standard deviations are 5 % and 2.5 %.
+  RecordProperty("share_within_one_sigma", std::to_string(static_cast<double>(within) / counted));
+  EXPECT_NEAR(static_cast<double>(within) / counted, 0.68, 0.05);
+  EXPECT_NEAR(static_cast<double>(within_two) / counted, 0.95, 0.03);
+}
+
+TEST(NoiseFitTest, RefusesWhatItCannotUse) {
+  const Source source(Logarithm(1.0));
+  NoiseFitOptions options;
+  options.held_out = {0, 1, 2};
+  EXPECT_THROW(FitNoise(source.Draw(3, 1), options), DataError);
+  options.held_out = {7};
+  EXPECT_THROW(FitNoise(source.Draw(3, 1), options), DataError);
+  options.held_out = {};
+  options.range_min_m = 9.99;
+  EXPECT_THROW(FitNoise(source.Draw(3, 1), options), DataError);
+}
+
+}  // namespace
+}  // namespace sonarcal
