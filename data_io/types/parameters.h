@@ -89,8 +89,8 @@ enum class TimeVariedGain {
 struct ReceiverParameters {
   double gain_db = 0.0;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
-  std::optional<double> noise_db = {};     // level of the floor at range 0, before TVG; absent = no such noise
-  double noise_slope_db_per_m = 0.0;  // a trend with range that the TVG does not explain
+  std::optional<double> noise_db = {};  // level of the floor at range 0, before TVG; absent = no such noise
+  double noise_slope_db_per_m = 0.0;    // a trend with range that the TVG does not explain
   std::vector<double> noise_taper_db = {};         // by beam; empty = 0 everywhere
   std::optional<double> noise_after_gain_db = {};  // level of the floor added behind the TVG; absent = none
   std::vector<double> noise_after_gain_taper_db = {};  // by beam; empty = 0 everywhere
