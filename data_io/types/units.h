@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 namespace sonarcal {
 
@@ -13,11 +14,13 @@ inline constexpr double kRadPerDeg = kPi / 180.0;
 
 template <typename T>
 constexpr T DegFromRad(const T& angle_rad) {
+  static_assert(!std::is_integral_v<T>, "whole numbers would truncate the result");
   return angle_rad * T(kDegPerRad);
 }
 
 template <typename T>
 constexpr T RadFromDeg(const T& angle_deg) {
+  static_assert(!std::is_integral_v<T>, "whole numbers would truncate the result");
   return angle_deg * T(kRadPerDeg);
 }
 
