@@ -16,6 +16,7 @@
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
 #include "apps/run_output.h"
+#include "calib/acoustic_fit.h"
 #include "data_io/atomic_output.h"
 #include "data_io/json_writer.h"
 #include "data_io/open_recording.h"
@@ -27,9 +28,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-FitConfig ResolveConfig(const FitCommandOptions& options) {
+FitConfig ResolveConfig(const FitCommandOptions& options, EchoModel model) {
   FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
   if (!options.free.empty()) config.free = options.free;
+  if (!config.free) config.free = model == EchoModel::kPaper ? PaperFreeByDefault() : AcousticFreeByDefault();
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out;
   return config;
@@ -43,7 +45,8 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"params", options.params.string()},
                {"config", options.config.empty() ? Json(nullptr) : Json(options.config.string())},
                {"out", options.out.string()},
-               {"free", config.free},
+               {"model", ToString(fit.initial.model)},
+               {"free", *config.free},
                {"fixed", config.fixed},
                {"bounds", bounds},
                {"held_out", fit.fit.report.frames_held_out},
@@ -149,8 +152,8 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only");
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only");
   const ThreadLimit threads(options.rays.threads);
-  const FitConfig config = ResolveConfig(options);
   const ParameterSet initial = ReadParameters(options.params);
+  const FitConfig config = ResolveConfig(options, initial.model);
   const auto recording = OpenRecording(options.real);
   RunOutput output(options.out);
   const RecordingFit fit = Fit(options, *recording, config, initial);
@@ -186,7 +189,9 @@ ExitStatus RunFit(const FitCommandOptions& options) {
 
 void SetupFit(CLI::App& app) {
   auto options = std::make_shared<FitCommandOptions>();
-  CLI::App* command = AddCommand(app, "fit", "Fits the paper model's parameters to a recording with poses");
+  CLI::App* command = AddCommand(
+      app, "fit",
+      "Fits the parameters of the model that --params names, paper or acoustic, to a recording with poses");
   command
       ->add_option("--real", options->real,
                    "Recording to fit to; each frame needs a pose, except with --noise-only")
@@ -207,10 +212,12 @@ void SetupFit(CLI::App& app) {
   };
   add_list("--held-out", options->held_out,
            "Frames the fit does not see, counted from 0 (default: the last third)", "N,N");
-  add_list("--free", options->free,
-           "What is fitted: materials, display, jitter, source_level, or names with * (default: materials, "
-           "display.db_max and the range and azimuth errors)",
-           "NAME,NAME");
+  add_list(
+      "--free", options->free,
+      "What is fitted: materials, noise, psf, pose, display, jitter, source_level, or names with * (default: "
+      "materials, with the paper model display.db_max and the range and azimuth errors, with the acoustic "
+      "model receiver.noise_db)",
+      "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");
   command->add_flag("--noise-only", options->noise_only,

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "apps/simulate_recording.h"
+#include "calib/acoustic_fit.h"
 #include "data_io/pose_io.h"
 #include "data_io/types/error.h"
+#include "data_io/types/units.h"
+#include "sim/power_response.h"
 
 namespace sonarcal {
 namespace {
@@ -17,17 +21,13 @@ namespace {
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
 
-// What the parameters expect in each frame of a recording, on its own grey scale.
+using RenderFrame = std::function<PolarImage(int frame)>;
+
+// What parameters expect in each frame of a recording, on its own grey scale.
 class ExpectedRecording final : public RecordingSource {
  public:
-  ExpectedRecording(const RecordingSource& recorded, const std::vector<EchoHistogram>& echoes,
-                    const ImageGeometry& geometry, const std::vector<std::string>& material_names,
-                    const ParameterSet& parameters, const std::string& name)
-      : recorded_(recorded),
-        echoes_(echoes),
-        geometry_(geometry),
-        parameters_(PaperParametersFor(parameters, material_names)),
-        info_(recorded.info()) {
+  ExpectedRecording(const RecordingSource& recorded, RenderFrame render, const std::string& name)
+      : recorded_(recorded), render_(std::move(render)), info_(recorded.info()) {
     info_.source = name;
     info_.synthetic = true;
   }
@@ -37,32 +37,70 @@ class ExpectedRecording final : public RecordingSource {
   FrameInfo frame_info(int index) const override { return recorded_.frame_info(index); }
 
   Frame ReadFrame(int index) const override {
-    const std::vector<double> values = ExpectedPaperImage(echoes_.at(index), geometry_, parameters_);
-    Frame frame{
-        frame_info(index),
-        {geometry_.axes, info_.scale, Grid<float>(geometry_.axes.range_bins, geometry_.axes.beam_count())}};
-    std::transform(values.begin(), values.end(), frame.image.value.values().begin(),
-                   [&](double value) { return static_cast<float>(value * info_.scale.full_scale); });
+    Frame frame{frame_info(index), render_(index)};
+    const double factor = info_.scale.full_scale / frame.image.scale.full_scale;
+    for (float& value : frame.image.value.values()) value = static_cast<float>(value * factor);
+    frame.image.scale = info_.scale;
     return frame;
   }
 
  private:
   const RecordingSource& recorded_;
-  const std::vector<EchoHistogram>& echoes_;
-  const ImageGeometry& geometry_;
-  PaperParameters<double> parameters_;
+  RenderFrame render_;
   RecordingInfo info_;
 };
 
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial) {
-  if (initial.model != EchoModel::kPaper) {
-    throw DataError("the parameters name the model 'acoustic', but only 'paper' can be fitted");
+  if (initial.model == EchoModel::kCoherent) {
+    throw DataError(
+        "the parameters name the model 'coherent', but only 'paper' and 'acoustic' can be fitted");
   }
   const RecordingInfo& info = recording.info();
   if (info.scale.quantity != Quantity::kGrey) {
     throw DataError("{}: the images hold {}, expected grey levels", info.source,
                     ToString(info.scale.quantity));
   }
+}
+
+// The display a recording states wins over that of the parameters: levels are read through it.
+std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
+  DisplayParameters<double>& display = parameters.display;
+  if (!scale.db_min || !scale.db_max || display.law == DisplayLaw::kPower) return {};
+  if (display.db_min == *scale.db_min && display.db_max == *scale.db_max) return {};
+  const std::string note = fmt::format(
+      "the recording's display ({:g} .. {:g} dB) is used, not that of the parameters ({:g} .. {:g} dB)",
+      *scale.db_min, *scale.db_max, display.db_min, display.db_max);
+  display.db_min = *scale.db_min;
+  display.db_max = *scale.db_max;
+  return note;
+}
+
+// Rays for a model whose beams have flanks: beyond the outer beams, and in elevation to where a beam of this
+// width hears next to nothing; steps of at most a quarter of a beam and a fiftieth of a degree, so that a
+// floor far away has no combs.
+SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
+                                     const ParameterSet& parameters) {
+  constexpr double kElevationWidths = 4.0;
+  constexpr double kMostElevationDeg = 120.0;
+  constexpr double kRowDeg = 0.02;
+  constexpr double kMarginWidths = 3.0;
+  constexpr double kMostMarginDeg = 20.0;
+  ParameterSet complete = parameters;
+  CompleteResponse(sonar, complete);
+  SimulationOptions options = rays.For(sonar, water);
+  RayFanOptions& fan = options.fan;
+  fan.elevation_span_deg = std::min(kElevationWidths * complete.beam.elevation_width_deg, kMostElevationDeg);
+  fan.azimuth_margin_deg = std::min(kMarginWidths * complete.beam.azimuth_width_deg, kMostMarginDeg);
+  if (rays.rays.empty()) {
+    const std::vector<double>& azimuth_rad = sonar.axes.beam_azimuth_rad;
+    const double spacing_deg =
+        DegFromRad((azimuth_rad.back() - azimuth_rad.front()) / std::max(1, sonar.axes.beam_count() - 1));
+    const double width_deg = std::max(complete.beam.azimuth_width_deg, 1e-3);
+    const int per_beam = std::clamp(static_cast<int>(std::ceil(4.0 * spacing_deg / width_deg)), 1, 8);
+    fan.cols = per_beam * sonar.axes.beam_count();
+    fan.rows = static_cast<int>(std::ceil(fan.elevation_span_deg / kRowDeg));
+  }
+  return options;
 }
 
 std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::vector<TimedPose>& poses,
@@ -75,11 +113,12 @@ std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::ve
   return echoes;
 }
 
-std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<FitFrame>& frames,
+std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistogram>& echoes,
+                                                    const std::vector<int>& frames,
                                                     const std::vector<std::string>& material_names) {
   std::vector<double> weight(material_names.size() * kIncidenceNodes, 0.0);
-  for (const FitFrame& frame : frames) {
-    for (const EchoHistogram::Entry& entry : frame.echoes.entries) weight[entry.node] += entry.weight;
+  for (const int frame : frames) {
+    for (const EchoHistogram::Entry& entry : echoes[frame].entries) weight[entry.node] += entry.weight;
   }
   std::map<std::string, IncidenceRange> seen;
   for (std::size_t material = 0; material < material_names.size(); ++material) {
@@ -136,6 +175,53 @@ std::map<int, Mask> RegionsAround(const std::string& material, const std::vector
   return regions;
 }
 
+std::vector<std::uint8_t> UsedPixels(const FitRecordingOptions& options) {
+  if (!options.pixels) return {};
+  return {options.pixels->values().begin(), options.pixels->values().end()};
+}
+
+FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
+                   const ImageGeometry& geometry, const std::vector<std::string>& materials,
+                   const std::vector<int>& used, const FitRecordingOptions& options,
+                   const ParameterSet& initial) {
+  std::vector<FitFrame> frames;
+  for (const int index : used) {
+    frames.push_back({.index = index,
+                      .echoes = echoes[index],
+                      .measured = MeasuredForFit(recording.ReadFrame(index).image),
+                      .use = UsedPixels(options)});
+  }
+  return FitPaperModel(frames, geometry, materials, initial, options.config, options.fit);
+}
+
+PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry,
+                      const PaperParameters<double>& parameters) {
+  const std::vector<double> values = ExpectedPaperImage(echoes, geometry, parameters);
+  PolarImage image{
+      geometry.axes,
+      {.quantity = Quantity::kGrey, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(geometry.axes.range_bins, geometry.axes.beam_count())};
+  std::transform(values.begin(), values.end(), image.value.values().begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return image;
+}
+
+// `initial` receives a noise level where it has none.
+FitResult FitAcoustic(const RecordingSource& recording, const Simulator& simulator,
+                      const std::vector<TimedPose>& poses, const std::vector<int>& used,
+                      const FitRecordingOptions& options, ParameterSet& initial) {
+  std::vector<AcousticFrame> frames;
+  for (const int index : used) {
+    frames.push_back({.index = index,
+                      .world_from_sonar = poses[index].world_from_sonar,
+                      .recorded = RecordedPowers(recording.ReadFrame(index).image, initial.display),
+                      .use = UsedPixels(options)});
+  }
+  if (!initial.receiver.noise_db) initial.receiver.noise_db = NoiseStartDb(frames, initial.receiver.looks);
+  AcousticFit fit = FitAcousticModel(simulator, frames, initial, options.config, options.fit);
+  return {.parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
+}
+
 }  // namespace
 
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
@@ -149,7 +235,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const SonarModel& sonar = recording.info().sonar;
   const WaterChoice water = ChooseWater(initial, recording.info().water);
   say(water.note);
-  const Simulator simulator(scene, sonar, options.rays.For(sonar, water.water));
+  ParameterSet start = initial;
+  const bool acoustic = initial.model == EchoModel::kAcoustic;
+  if (acoustic) say(TakeDisplay(recording.info().scale, start));
+  const Simulator simulator(scene, sonar,
+                            acoustic ? AcousticSimulation(options.rays, sonar, water.water, start)
+                                     : options.rays.For(sonar, water.water));
   if (const std::string caveat = AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
       !caveat.empty()) {
     say("warning: " + caveat);
@@ -160,34 +251,41 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const double trace_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - trace_start).count();
 
-  std::vector<FitFrame> frames;
-  for (const int index : split.used) {
-    frames.push_back({.index = index,
-                      .echoes = echoes[index],
-                      .measured = MeasuredForFit(recording.ReadFrame(index).image)});
-    if (options.pixels)
-      frames.back().use.assign(options.pixels->values().begin(), options.pixels->values().end());
-  }
-  const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   const std::vector<std::string>& materials = simulator.caster().material_names();
   RecordingFit result{.rays = {simulator.fan().cols(), simulator.fan().rows()},
-                      .fit = FitPaperModel(frames, geometry, materials, initial, options.config, options.fit),
-                      .initial = initial,
-                      .seen = IncidenceSeen(frames, materials),
+                      .fit = {},
+                      .initial = start,
+                      .seen = IncidenceSeen(echoes, split.used, materials),
                       .judged_on_held_out = !split.held_out.empty(),
                       .before = {},
                       .after = {},
                       .pictures_before = {},
                       .pictures_after = {}};
+  std::function<RenderFrame(const ParameterSet&)> expected_by;
+  const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
+  if (acoustic) {
+    result.fit = FitAcoustic(recording, simulator, poses, split.used, options, result.initial);
+    expected_by = [&](const ParameterSet& parameters) {
+      return [&](int frame) {
+        return simulator.RenderExpected(simulator.TraceEchoes(poses[frame].world_from_sonar), parameters);
+      };
+    };
+  } else {
+    result.fit = FitPaper(recording, echoes, geometry, materials, split.used, options, start);
+    expected_by = [&](const ParameterSet& parameters) {
+      return [&, paper = PaperParametersFor(parameters, materials)](int frame) {
+        return PaperImage(echoes.at(frame), geometry, paper);
+      };
+    };
+  }
   FitReport& report = result.fit.report;
   report.frames_held_out = split.held_out;
   report.trace_s = trace_s;
   report.rays_cast = simulator.caster().rays_cast();
   if (!result.fit.usable) return result;
 
-  const ExpectedRecording before(recording, echoes, geometry, materials, initial, "initial parameters");
-  const ExpectedRecording after(recording, echoes, geometry, materials, result.fit.parameters,
-                                "fitted parameters");
+  const ExpectedRecording before(recording, expected_by(result.initial), "initial parameters");
+  const ExpectedRecording after(recording, expected_by(result.fit.parameters), "fitted parameters");
   CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
   if (!options.object_material.empty()) {
     judge.regions = RegionsAround(options.object_material, echoes, materials, sonar.axes);

@@ -1,5 +1,5 @@
-// A fit of the paper model to a recording, start to end: trace, fit, and judge on frames the fit did not see.
-// What `fit` writes as files, and other commands report.
+// A fit of the paper or the acoustic model to a recording, start to end: trace, fit, and judge on frames the
+// fit did not see. What `fit` writes as files, and other commands report.
 #pragma once
 
 #include <functional>

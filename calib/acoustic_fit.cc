@@ -46,9 +46,10 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
 }
 
 AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                             const ParameterSet& initial, const FitConfig& config,
-                             const FitOptions& options) {
+                             const ParameterSet& initial, const FitConfig& given, const FitOptions& options) {
   if (frames.empty()) throw DataError("fit: no frames");
+  FitConfig config = given;
+  if (!config.free) config.free = AcousticFreeByDefault();
   AcousticFrameModel model(simulator, frames, initial);
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
@@ -108,6 +109,10 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
     report.parameters[i].lower = catalog[i].lower;
     report.parameters[i].upper = catalog[i].upper;
   }
+  // Poses that nobody freed are data, not parameters.
+  std::erase_if(report.parameters, [](const FittedParameter& parameter) {
+    return parameter.name.starts_with("pose.") && parameter.status == ParameterStatus::kFixed;
+  });
   if (!start_costs.empty()) report.start_costs = start_costs;
   if (!only_geometry) report.cost_initial = cost_initial;
   report.iterations = iterations;

@@ -390,11 +390,17 @@ ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitC
   return Fitter(model, initial, config, options).Run();
 }
 
+std::vector<std::string> PaperFreeByDefault() {
+  return {"materials", "display.db_max", "jitter.sigma_range_m", "jitter.sigma_azimuth_deg"};
+}
+
 FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
                         const std::vector<std::string>& material_names, const ParameterSet& initial,
                         const FitConfig& config, const FitOptions& options) {
   const PaperFrameModel model(frames, geometry, material_names, initial);
-  ModelFit fit = Fit(model, model.Values(initial), config, options);
+  FitConfig complete = config;
+  if (!complete.free) complete.free = PaperFreeByDefault();
+  ModelFit fit = Fit(model, model.Values(initial), complete, options);
   FitResult result{.parameters = initial, .report = std::move(fit.report), .usable = fit.usable};
   model.Store(fit.values, result.parameters);
   return result;

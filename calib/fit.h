@@ -41,6 +41,10 @@ struct FitResult {
   bool usable = false;  // false: no solution that may be used
 };
 
+// What a fit of the paper model frees by default. The gauge: source level and db_min stay, so that the level
+// is carried by the materials.
+std::vector<std::string> PaperFreeByDefault();
+
 // All frames share `geometry` and `material_names` (those of the scene). Throws DataError for a configuration
 // that names nothing free, or frames that do not fit the geometry.
 FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,

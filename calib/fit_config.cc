@@ -57,7 +57,11 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
     names.clear();
     for (const JsonReader& item : list->Items()) names.push_back(item.String());
   };
-  read_names("free", config.free);
+  std::vector<std::string> free;
+  if (root.Find("free")) {
+    read_names("free", free);
+    config.free = free;
+  }
   read_names("fixed", config.fixed);
   if (const auto bounds = root.Find("bounds")) {
     for (const auto& [name, range] : bounds->Members()) {
@@ -79,7 +83,8 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
 
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog) {
   std::vector<bool> free(catalog.size(), false);
-  for (const std::string& pattern : config.free) {
+  SONARCAL_CHECK(config.free.has_value(), "nobody says what is free");
+  for (const std::string& pattern : *config.free) {
     ForMatches(pattern, catalog, [&](std::size_t i) { free[i] = true; });
   }
   for (const std::string& pattern : config.fixed) {

@@ -9,7 +9,7 @@
 //    "held_out": [2, 5]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
-// display, jitter, source_level. `fixed` wins over `free`.
+// noise, psf (beam and pulse), pose, display, jitter, source_level. `fixed` wins over `free`.
 #pragma once
 
 #include <filesystem>
@@ -24,9 +24,7 @@
 namespace sonarcal {
 
 struct FitConfig {
-  // The default gauge: source level and db_min stay, so that the level is carried by the materials.
-  std::vector<std::string> free = {"materials", "display.db_max", "jitter.sigma_range_m",
-                                   "jitter.sigma_azimuth_deg"};
+  std::optional<std::vector<std::string>> free;  // absent: what the model's fit frees by default
   std::vector<std::string> fixed;
   std::map<std::string, std::pair<double, double>> bounds;
   // Frames the fit does not see; absent: the last third, at least one where there are two.
@@ -35,8 +33,8 @@ struct FitConfig {
 
 FitConfig ReadFitConfig(const std::filesystem::path& path);
 
-// Which entries of a catalogue are free; also narrows the entries' bounds. Throws DataError for a name or
-// pattern that matches nothing.
+// Which entries of a catalogue are free (config.free must be given); also narrows the entries' bounds. Throws
+// DataError for a name or pattern that matches nothing.
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog);
 
 struct FrameSplit {
