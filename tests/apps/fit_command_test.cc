@@ -104,10 +104,10 @@ TEST_F(FitCommand, MistakesCostOneSentence) {
   expect_failure(Arguments("--held-out 0,1,2,3"), "all 4 frames are held out");
   expect_failure(Arguments("--object lighthouse"), "lighthouse");
 
-  ParameterSet acoustic = StartingParameters();
-  acoustic.model = EchoModel::kAcoustic;
-  WriteParameters(world_ / "start.json", acoustic);
-  expect_failure(Arguments(), "only 'paper' can be fitted");
+  ParameterSet coherent = StartingParameters();
+  coherent.model = EchoModel::kCoherent;
+  WriteParameters(world_ / "start.json", coherent);
+  expect_failure(Arguments(), "only 'paper' and 'acoustic' can be fitted");
 }
 
 TEST_F(FitCommand, ARecordingWithoutPosesIsRefused) {
@@ -143,10 +143,12 @@ TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
   const TinyWorld world;
   const auto recording = OpenRecording(world.WriteSimulated("real"));
   const MemoryRecording single(recording->info(), {recording->ReadFrame(0)});
-  FitRecordingOptions options{
-      .config = {.free = {"display.db_max"}, .fixed = {}, .bounds = {}, .held_out = {}},
-      .fit = {},
-      .comparison = {}};
+  FitRecordingOptions options{.config = {.free = std::vector<std::string>{"display.db_max"},
+                                         .fixed = {},
+                                         .bounds = {},
+                                         .held_out = {}},
+                              .fit = {},
+                              .comparison = {}};
   options.rays.rays = "96x200";
   options.fit.starts = 1;
   options.pictures = false;

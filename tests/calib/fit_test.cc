@@ -85,8 +85,10 @@ TEST_F(PaperFitTest, AMaterialThatIsNotSeenIsNotIdentifiable) {
   for (FitFrame& frame : frames) frame.echoes.materials = 3;
   ParameterSet start = SmallTankTruth();
   start.materials["lid"];
-  const FitConfig config{
-      .free = {"material.lid.gsab.*", "display.db_max"}, .fixed = {}, .bounds = {}, .held_out = {}};
+  const FitConfig config{.free = std::vector<std::string>{"material.lid.gsab.*", "display.db_max"},
+                         .fixed = {},
+                         .bounds = {},
+                         .held_out = {}};
   const FitResult fit = FitPaperModel(frames, geometry_, materials_, start, config, {});
   ASSERT_TRUE(fit.usable);
   const FittedParameter* lid = fit.report.Find("material.lid.gsab.C");
@@ -100,8 +102,10 @@ TEST_F(PaperFitTest, AMaterialThatIsNotSeenIsNotIdentifiable) {
 TEST_F(PaperFitTest, TheGaugeIsNotGivenASmallSigma) {
   // Source level, db_min and a common factor on every curve are one number: freeing all must leave some of it
   // held.
-  const FitConfig config{
-      .free = {"source_level", "display", "materials"}, .fixed = {}, .bounds = {}, .held_out = {}};
+  const FitConfig config{.free = std::vector<std::string>{"source_level", "display", "materials"},
+                         .fixed = {},
+                         .bounds = {},
+                         .held_out = {}};
   const FitResult fit = FitPaperModel(NoisyFrames(9), geometry_, materials_, SmallTankTruth(), config, {});
   ASSERT_TRUE(fit.usable);
   EXPECT_FALSE(fit.report.unidentifiable_directions.empty());
@@ -120,7 +124,8 @@ TEST_F(PaperFitTest, TheGaugeIsNotGivenASmallSigma) {
 TEST_F(PaperFitTest, PixelsThatDoNotCountDoNotBendTheFit) {
   std::vector<FitFrame> frames = NoisyFrames(10);
   frames.resize(2);
-  const FitConfig config{.free = {"display.db_max"}, .fixed = {}, .bounds = {}, .held_out = {}};
+  const FitConfig config{
+      .free = std::vector<std::string>{"display.db_max"}, .fixed = {}, .bounds = {}, .held_out = {}};
   FitOptions options;
   options.starts = 1;
   for (FitFrame& frame : frames) {
@@ -141,8 +146,14 @@ TEST_F(PaperFitTest, WhatCannotBeFittedIsRefused) {
   const auto fit = [&](const FitConfig& config, const std::vector<FitFrame>& with) {
     FitPaperModel(with, geometry_, materials_, SmallTankTruth(), config, {});
   };
-  EXPECT_THROW(fit({.free = {"materiels"}, .fixed = {}, .bounds = {}, .held_out = {}}, frames), DataError);
-  EXPECT_THROW(fit({.free = {"display.db_max"}, .fixed = {"display"}, .bounds = {}, .held_out = {}}, frames),
+  EXPECT_THROW(
+      fit({.free = std::vector<std::string>{"materiels"}, .fixed = {}, .bounds = {}, .held_out = {}}, frames),
+      DataError);
+  EXPECT_THROW(fit({.free = std::vector<std::string>{"display.db_max"},
+                    .fixed = {"display"},
+                    .bounds = {},
+                    .held_out = {}},
+                   frames),
                DataError);
   EXPECT_THROW(fit({}, {}), DataError);
   std::vector<FitFrame> short_frame = frames;

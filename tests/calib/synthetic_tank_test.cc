@@ -1,98 +1,94 @@
-// The acoustic fit on recordings made by another kind of simulation, with their truth. Synthetic recordings.
+// The acoustic fit on a SYNTHETIC recording made by another kind of simulation (complex point scatterers, an
+// array of elements), against its truth.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 
 #include <nlohmann/json.hpp>
 
 #include "calib/acoustic_fit.h"
-#include "calib/problem_builder.h"
 #include "data_io/open_recording.h"
 #include "data_io/scene_io.h"
-#include "data_io/types/units.h"
 #include "sim/physics/gsab.h"
-#include "sim/simulator.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {
 namespace {
 
-TEST(SyntheticTank, CurvesAndNoiseComeBack) {
-  const auto folder = testing::FindRecording("synthetic_tank");
-  if (!folder) GTEST_SKIP() << "no recordings";
-  const auto recording = OpenRecording(*folder);
-  const Scene scene = ReadGltf(*folder / "scene.gltf");
-  const nlohmann::json truth = nlohmann::json::parse(std::ifstream(*folder / "truth.json"));
-  SimulationOptions options;
-  options.fan = {.sampling = Sampling::kBeams, .cols = 256, .rows = 4000, .elevation_span_deg = 80.0};
-  options.water = recording->info().water.value_or(Water{});
-  const Simulator simulator(scene, recording->info().sonar, options);
-  const SonarModel& sonar = simulator.sonar();
-  ParameterSet initial;
-  initial.model = EchoModel::kAcoustic;
-  initial.source_level_db = 200.0;
-  initial.display = {.db_min = 82.0, .db_max = 148.0};
-  for (const std::string& name : simulator.caster().material_names()) {
-    initial.materials[name].gsab = {.a = 0.05, .b_deg = 5, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15};
+constexpr std::array<int, 6> kFrames = {0, 1, 3, 4, 5, 7};
+
+// What a user of that sonar knows: its beam and pulse, and that materials are neither mirrors nor black.
+ParameterSet WhatIsKnown(const ImageScale& scale) {
+  ParameterSet known;
+  known.model = EchoModel::kAcoustic;
+  known.source_level_db = 200.0;
+  known.display = {.db_min = scale.db_min.value(), .db_max = scale.db_max.value()};
+  known.materials["default"].gsab = {.a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
+  known.beam.azimuth_width_deg = 1.0;
+  known.beam.elevation_width_deg = 20.0;
+  known.beam.azimuth_pattern = AzimuthPattern::kAperture;
+  known.beam.elevation_pattern = ElevationPattern::kAperture;
+  known.pulse.length_m = 0.0254;
+  return known;
+}
+
+// Angles that the truth says are covered: by at least this many pixels a bin of five degrees.
+constexpr int kCovered = 400;
+
+void ExpectCurve(const nlohmann::json& truth, const std::string& material,
+                 const GsabParameters<double>& fitted, double tolerance_db) {
+  const nlohmann::json& g = truth.at("gsab").at(material);
+  const GsabParameters<double> true_curve = {g["A"], g["B"], g["C"], g["D"], g["E"], g["F"]};
+  const nlohmann::json& pixels = truth.at("incidence_coverage").at("pixels").at(material);
+  int covered = 0;
+  for (std::size_t bin = 0; bin < pixels.size(); ++bin) {
+    if (pixels[bin].get<int>() < kCovered) continue;
+    ++covered;
+    const double deg = 5.0 * static_cast<double>(bin) + 2.5;
+    EXPECT_NEAR(GsabDb(fitted, deg), GsabDb(true_curve, deg), tolerance_db) << material << " at " << deg;
   }
-  initial.pulse.length_m = 0.0254;
-  initial.beam = {.azimuth_width_deg = 1.0,
-                  .elevation_width_deg = 20.0,
-                  .azimuth_pattern = AzimuthPattern::kAperture,
-                  .azimuth_taper = 1.0,
-                  .elevation_pattern = ElevationPattern::kAperture};
+  EXPECT_GT(covered, 0);
+}
+
+TEST(SyntheticTank, CurvesAndNoiseComeBack) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank");
+  const auto recording = OpenRecording(folder);
+  const nlohmann::json truth = nlohmann::json::parse(std::ifstream(folder / "truth.json"));
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams,
+                 .cols = recording->info().sonar.axes.beam_count(),
+                 .rows = 4000,
+                 .elevation_span_deg = 80.0,
+                 .azimuth_margin_deg = 3.0};
+  options.water = recording->info().water.value();
+  const Simulator simulator(ReadGltf(folder / "scene.gltf"), recording->info().sonar, options);
+  ParameterSet initial = WhatIsKnown(recording->info().scale);
   std::vector<AcousticFrame> frames;
-  for (int i = 0; i < 6; ++i) {
-    const Frame frame = recording->ReadFrame(i);
-    frames.push_back({.index = i,
-                      .world_from_sonar = *frame.info.world_from_sonar,
+  for (const int index : kFrames) {
+    const Frame frame = recording->ReadFrame(index);
+    frames.push_back({.index = index,
+                      .world_from_sonar = frame.info.world_from_sonar.value(),
                       .recorded = RecordedPowers(frame.image, initial.display)});
   }
   initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
-  fmt::print("noise start {}\n", *initial.receiver.noise_db);
-  {
-    ParameterSet at_truth = initial;
-    at_truth.receiver.noise_db = 94.0;
-    for (const std::string& name : simulator.caster().material_names()) {
-      const auto& t = truth["gsab"][name];
-      at_truth.materials[name].gsab = {t["A"], t["B"], t["C"], t["D"], t["E"], t["F"]};
-    }
-    const AcousticFrameModel model(simulator, frames, at_truth);
-    fmt::print("cost at truth {}\n", CostAt(model, model.initial_values(), 6));
-    std::ofstream out("/tmp/lead/means.bin", std::ios::binary);
-    for (int i = 0; i < 6; ++i) {
-      const std::vector<double> mean = model.MeanPower(i, model.initial_values());
-      out.write(reinterpret_cast<const char*>(mean.data()), 8 * mean.size());
-      std::vector<double> rec;
-      for (const auto& r : frames[i].recorded) rec.push_back(r.power);
-      out.write(reinterpret_cast<const char*>(rec.data()), 8 * rec.size());
-    }
-    fmt::print("{} x {}\n", sonar.axes.range_bins, sonar.axes.beam_count());
-    fmt::print("entries a pixel {}\n", double(model.echoes(0).entries.size()) / (660 * 256));
-    if (std::getenv("TRUTH_ONLY")) return;
-  }
-  FitConfig config;
-  config.free = AcousticFreeByDefault();
   FitOptions fit_options;
-  fit_options.starts = std::getenv("STARTS") ? atoi(std::getenv("STARTS")) : 1;
-  fit_options.search_level = std::getenv("STARTS") != nullptr;
-  fit_options.progress = [](const std::string& line) { fmt::print("{}\n", line); };
-  const AcousticFit fit = FitAcousticModel(simulator, frames, initial, config, fit_options);
-  fmt::print("{} iterations {} cost {} -> {} in {} s\n", fit.report.termination, fit.report.iterations,
-             fit.report.cost_initial, fit.report.cost_final, fit.report.solve_s);
-  for (const auto& p : fit.report.parameters) {
-    if (p.name.starts_with("pose")) continue;
-    fmt::print("{:28} {:10.5g} +- {:8.3g} {}\n", p.name, p.value, p.sigma.value_or(NAN), ToString(p.status));
-  }
-  for (const auto& [name, material] : fit.parameters.materials) {
-    const auto& t = truth["gsab"][name];
-    const GsabParameters<double> true_curve = {t["A"], t["B"], t["C"], t["D"], t["E"], t["F"]};
-    fmt::print("{}:", name);
-    for (double deg = 0; deg <= 88; deg += 8)
-      fmt::print(" {}:{:.2f}", deg, GsabDb(material.gsab, deg) - GsabDb(true_curve, deg));
-    fmt::print("\n");
+  fit_options.starts = 2;
+  const std::int64_t rays_before = simulator.caster().rays_cast();
+  const AcousticFit fit = FitAcousticModel(simulator, frames, initial, {}, fit_options);
+  EXPECT_EQ(simulator.caster().rays_cast() - rays_before,
+            static_cast<std::int64_t>(kFrames.size()) * simulator.fan().size())
+      << "each frame is traced once";
+  ASSERT_TRUE(fit.usable) << fit.report.termination;
+  EXPECT_NEAR(fit.parameters.receiver.noise_db.value(), truth["noise_level_db"].get<double>(), 0.3);
+  ExpectCurve(truth, "floor", fit.parameters.Material("floor").gsab, 1.5);
+  ExpectCurve(truth, "mockup", fit.parameters.Material("mockup").gsab, 1.5);
+  for (const char* name : {"material.floor.gsab.C", "material.floor.gsab.D", "material.mockup.gsab.C"}) {
+    const FittedParameter* parameter = fit.report.Find(name);
+    ASSERT_NE(parameter, nullptr);
+    EXPECT_TRUE(parameter->sigma.has_value()) << name;
   }
 }
 
