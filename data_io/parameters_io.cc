@@ -25,8 +25,10 @@ constexpr JsonWords<AzimuthPattern, 3> kAzimuthPatterns = {{{"gaussian", Azimuth
 constexpr JsonWords<JitterGrowth, 2> kGrowths = {
     {{"root", JitterGrowth::kRoot}, {"linear", JitterGrowth::kLinear}}};
 
-constexpr JsonWords<DisplayLaw, 3> kDisplayLaws = {
-    {{"log", DisplayLaw::kLog}, {"soft_log", DisplayLaw::kSoftLog}, {"power", DisplayLaw::kPower}}};
+constexpr JsonWords<DisplayLaw, 4> kDisplayLaws = {{{"log", DisplayLaw::kLog},
+                                                    {"soft_log", DisplayLaw::kSoftLog},
+                                                    {"soft_amplitude", DisplayLaw::kSoftAmplitude},
+                                                    {"power", DisplayLaw::kPower}}};
 constexpr JsonWords<TimeVariedGain, 4> kTimeVariedGains = {
     {{"none", TimeVariedGain::kNone},
      {"20logR", TimeVariedGain::k20LogR},

@@ -34,9 +34,10 @@ struct MaterialParameters {
 // How received power P becomes a grey value v, 0..1 of full scale before clipping; evaluated by
 // sim/physics/display.h.
 enum class DisplayLaw {
-  kLog,      // v = (10 log10 P - db_min) / (db_max - db_min)
-  kSoftLog,  // v = (10 log10(P + 10^(soft_db / 10)) - db_min) / (db_max - db_min)
-  kPower,    // v = (P / 10^(db_max / 10))^(exponent / 2)
+  kLog,            // v = (10 log10 P - db_min) / (db_max - db_min)
+  kSoftLog,        // v = (10 log10(P + 10^(soft_db / 10)) - db_min) / (db_max - db_min)
+  kSoftAmplitude,  // v = (20 log10(sqrt(P) + 10^(soft_db / 20)) - db_min) / (db_max - db_min)
+  kPower,          // v = (P / 10^(db_max / 10))^(exponent / 2)
 };
 
 // Levels shown as 0 and as full scale, and the law between them.
@@ -45,7 +46,7 @@ struct DisplayParameters {
   T db_min = T(0.0);
   T db_max = T(255.0);
   DisplayLaw law = DisplayLaw::kLog;
-  double soft_db = 0.0;   // kSoftLog: level that a logarithm is softened with
+  double soft_db = 0.0;   // soft laws: level that a logarithm is softened with
   double exponent = 1.0;  // kPower: of the amplitude
 
   bool operator==(const DisplayParameters&) const = default;

@@ -3,6 +3,8 @@
 //
 //   kLog      v = (10 log10 P - db_min) / (db_max - db_min)                            ARIS
 //   kSoftLog  v = (10 log10(P + 10^(soft_db / 10)) - db_min) / (db_max - db_min)       DIDSON
+//   kSoftAmplitude
+//             v = (20 log10(sqrt(P) + 10^(soft_db / 20)) - db_min) / (db_max - db_min) ARIS 3000
 //   kPower    v = (P / 10^(db_max / 10))^(exponent / 2)                                Oculus
 //
 // v rises with P everywhere. To add a law: a word in types/parameters.h and data_io/parameters_io.cc, a case
@@ -32,6 +34,10 @@ T PowerOfLevel(const T& level_db) {
   return exp(level_db * T(std::numbers::ln10 / 10.0));
 }
 
+inline double AmplitudeOfLevel(double level_db) {
+  return PowerOfLevel(0.5 * level_db);
+}
+
 template <typename T>
 T LevelOfPower(const T& power) {
   using std::log;
@@ -49,6 +55,11 @@ T DisplayValue(const DisplayParameters<T>& display, const T& power) {
       return LogDisplay(display, LevelOfPower(audible));
     case DisplayLaw::kSoftLog:
       return LogDisplay(display, LevelOfPower(T(audible + T(PowerOfLevel(display.soft_db)))));
+    case DisplayLaw::kSoftAmplitude: {
+      using std::sqrt;
+      return LogDisplay(display,
+                        T(T(2.0) * LevelOfPower(T(sqrt(audible) + AmplitudeOfLevel(display.soft_db)))));
+    }
     case DisplayLaw::kPower:
       return exp(T(0.5 * display.exponent) * (log(audible) - display.db_max * T(std::numbers::ln10 / 10.0)));
   }
@@ -57,7 +68,7 @@ T DisplayValue(const DisplayParameters<T>& display, const T& power) {
 }
 
 // The power shown as v: the inverse of DisplayValue. 0 where no power is shown that low: at or below the soft
-// floor v = (soft_db - db_min) / (db_max - db_min) of kSoftLog, and at or below 0 of kPower.
+// floor v = (soft_db - db_min) / (db_max - db_min) of both soft laws, and at or below 0 of kPower.
 template <typename T>
 T PowerFromDisplay(const DisplayParameters<T>& display, const T& value) {
   using std::exp;
@@ -69,6 +80,11 @@ T PowerFromDisplay(const DisplayParameters<T>& display, const T& value) {
       const T softened = PowerOfLevel(T(display.db_min + value * (display.db_max - display.db_min)));
       const T power = softened - T(PowerOfLevel(display.soft_db));
       return power > T(0.0) ? power : T(0.0);
+    }
+    case DisplayLaw::kSoftAmplitude: {
+      const T softened = PowerOfLevel(T(0.5 * (display.db_min + value * (display.db_max - display.db_min))));
+      const T amplitude = softened - T(AmplitudeOfLevel(display.soft_db));
+      return amplitude > T(0.0) ? T(amplitude * amplitude) : T(0.0);
     }
     case DisplayLaw::kPower:
       if (!(value > T(0.0))) return T(0.0);
@@ -86,6 +102,11 @@ inline double DisplaySlope(const DisplayParameters<double>& display, double powe
       return per_db * 10.0 / std::numbers::ln10 / power;
     case DisplayLaw::kSoftLog:
       return per_db * 10.0 / std::numbers::ln10 / (power + PowerOfLevel(display.soft_db));
+    case DisplayLaw::kSoftAmplitude: {
+      const double amplitude = std::sqrt(power);
+      return per_db * 10.0 / std::numbers::ln10 /
+             (amplitude * (amplitude + AmplitudeOfLevel(display.soft_db)));
+    }
     case DisplayLaw::kPower:
       return 0.5 * display.exponent * DisplayValue(display, power) / power;
   }

@@ -12,7 +12,8 @@ namespace {
 std::vector<DisplayParameters<double>> EachLaw() {
   return {{.db_min = 40.0, .db_max = 120.0},
           {.db_min = 10.0, .db_max = 74.0, .law = DisplayLaw::kSoftLog, .soft_db = 8.0},
-          {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kPower, .exponent = 0.498}};
+          {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kPower, .exponent = 0.498},
+          {.db_min = 10.0, .db_max = 74.0, .law = DisplayLaw::kSoftAmplitude, .soft_db = 8.0}};
 }
 
 TEST(DisplayTest, LogRunsFromMinimumToMaximum) {
@@ -30,6 +31,15 @@ TEST(DisplayTest, SoftLogHasAFloorAndIsALogarithmFarAboveIt) {
   EXPECT_NEAR(DisplayValue(soft, PowerOfLevel(8.0)), (8.0 + 10.0 * std::log10(2.0) - 10.0) / 64.0, 1e-14);
   EXPECT_NEAR(DisplayValue(soft, 1e9), LogDisplay(soft, 90.0), 1e-9);
   EXPECT_EQ(PowerFromDisplay(soft, -2.0 / 64.0 - 1e-9), 0.0);  // no power is shown below the soft floor
+}
+
+TEST(DisplayTest, SoftAmplitudeAddsBeforeTheLogarithmIsTaken) {
+  const DisplayParameters<double> soft = EachLaw()[3];
+  EXPECT_NEAR(DisplayValue(soft, 0.0), (8.0 - 10.0) / 64.0, 1e-14);
+  // An amplitude as large as the one added doubles it.
+  EXPECT_NEAR(DisplayValue(soft, PowerOfLevel(8.0)), (8.0 + 20.0 * std::log10(2.0) - 10.0) / 64.0, 1e-14);
+  EXPECT_NEAR(DisplayValue(soft, 1e14), LogDisplay(soft, 140.0), 1e-6);
+  EXPECT_EQ(PowerFromDisplay(soft, -2.0 / 64.0 - 1e-9), 0.0);
 }
 
 TEST(DisplayTest, PowerLawIsAPowerOfTheAmplitude) {

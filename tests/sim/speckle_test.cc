@@ -14,6 +14,7 @@ namespace {
 const std::vector<DisplayParameters<double>> kDisplays = {
     {.db_min = 0.0, .db_max = 60.0},
     {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftLog, .soft_db = -1.8},
+    {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftAmplitude, .soft_db = -1.8},
     {.db_min = 0.0, .db_max = 30.0, .law = DisplayLaw::kPower, .exponent = 0.5}};
 
 TEST(SpeckleTest, CumulativeFunctionsHaveTheirClosedForms) {
