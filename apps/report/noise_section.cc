@@ -14,7 +14,7 @@ namespace sonarcal {
 namespace {
 
 Table ChoiceTable(const NoiseFit& fit) {
-  Table table{.caption = "Candidates, by -log likelihood of the pings they are judged on; the least is best",
+  Table table{.caption = "Candidates, by -log likelihood of the pings they are chosen on; the least is best",
               .columns = {{"Display law"},
                           {"Speckle", {}, false},
                           {"Time-varied gain", {}, false},
@@ -125,7 +125,25 @@ Picture ResidualMap(const NoiseAgreement& agreement) {
           .crisp = true};
 }
 
+std::string Pings(std::size_t count) {
+  return fmt::format("{} ping{}", count, count == 1 ? "" : "s");
+}
+
+std::string Others(std::size_t count) {
+  return fmt::format("{} other{}", count, count == 1 ? "" : "s");
+}
+
 }  // namespace
+
+std::string NoiseJudgedText(const NoiseFit& fit) {
+  if (!fit.judged_on_held_out) return "judged on the frames it was fitted to, as none is held out";
+  if (fit.judged_apart_from_choice) {
+    return fmt::format("judged on {} that neither it nor the choice among candidates has seen; {} chose",
+                       Pings(fit.frames_judged_on.size()), Others(fit.frames_chosen_on.size()));
+  }
+  return fmt::format("judged on {} that it was not fitted to, but that chose it among the candidates",
+                     Pings(fit.frames_judged_on.size()));
+}
 
 void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
   const std::string on = fit.judged_on_held_out ? "on pings that were not fitted" : "on the pings fitted";
@@ -136,10 +154,23 @@ void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
                       .note = on},
                      {.label = "KS by cell, median",
                       .value = FormatNumber(fit.judged.cell_ks_median, 3),
-                      .note = fmt::format("cells of {} bins x {} beams", kJudgeBins, kJudgeBeams)}});
+                      .note = fmt::format("cells of {} bins x {} beams", kJudgeBins, kJudgeBeams)},
+                     {.label = "Whitened residual",
+                      .value = fmt::format("{} ± {}", FormatNumber(fit.judged.whitened.mean, 3),
+                                           FormatNumber(fit.judged.whitened.spread, 3)),
+                      .note = "mean and spread over pixels; 0 ± 1 for a true law"}});
+  const std::string judged =
+      fmt::format("Noise law of {}, {}.", Pings(fit.report.frames_used.size()), NoiseJudgedText(fit));
   if (!fit.judged_on_held_out) {
     report.Callout(CalloutKind::kLimit, "Judged on what was fitted",
-                   "No ping was held out, so agreement is better here than it will be on others.");
+                   judged +
+                       " Agreement is better here than it will be on others, and the richer candidates "
+                       "are at an advantage.");
+  } else if (!fit.judged_apart_from_choice) {
+    report.Callout(CalloutKind::kLimit, "Chosen and judged on the same pings",
+                   judged + " From four held-out pings on, half of them only choose and half only judge.");
+  } else {
+    report.Paragraph(judged);
   }
   report.Section("Grey values recorded and predicted");
   report.Add({HistogramChart(fit.judged), MeanChart(fit, true), MeanChart(fit, false)},
@@ -151,7 +182,11 @@ void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
   report.Add(ValueTable(fit));
   report.Add({TaperChart(fit)}, "Level of each beam's noise, relative to the mean over beams");
   if (!fit.report.unidentifiable_directions.empty()) {
-    report.Callout(CalloutKind::kLimit, "Not told by the data", fit.report.unidentifiable_directions.front());
+    report.Callout(
+        CalloutKind::kLimit, "Not told by the pings",
+        "Values called unidentifiable have no sigma: with the others they describe these pings, and "
+        "alone they mean nothing.");
+    report.List(fit.report.unidentifiable_directions);
   }
 }
 
