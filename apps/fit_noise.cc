@@ -6,8 +6,6 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/provenance.h"
-#include "apps/report/comparison_section.h"
-#include "apps/report/fit_section.h"
 #include "apps/report/noise_section.h"
 #include "apps/run_output.h"
 #include "calib/noise_fit.h"
@@ -122,7 +120,10 @@ std::string SummaryText(const NoiseFit& fit, const std::string& recording, const
 
 HtmlReport MakeReport(const NoiseFit& fit, const RecordingInfo& info, const Json& provenance) {
   HtmlReport report("Noise law of a sonar", RecordingName(info));
-  AddSyntheticCallout(report, info.synthetic, RecordingName(info));
+  if (info.synthetic) {
+    report.Callout(CalloutKind::kSynthetic, "The recording is synthetic",
+                   RecordingName(info) + " is simulated, not recorded by a sonar.");
+  }
   AddNoiseSections(report, fit);
   report.Section("How this was made");
   report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));

@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kPingsForDrift = 5;  // from here on sigmas see how pings drift
 constexpr double kUnknownSpanDb = 60.0;
-constexpr double kRelevantNats = 2e-5;  // a pixel: what each step to a richer law has to gain
 constexpr int kRejections = 6;
 constexpr std::size_t kHeldOutToSplit = 4;  // from here on some choose and others judge
 

@@ -49,6 +49,9 @@ struct NoiseFitOptions {
   std::function<void(const std::string& line)> progress;
 };
 
+// What each step to a richer law (another display, speckle, a gain, a second floor) has to gain.
+inline constexpr double kRelevantNats = 2e-5;  // a pixel
+
 struct NoiseModelChoice {
   DisplayLaw display = DisplayLaw::kLog;
   SpeckleLaw speckle = SpeckleLaw::kGamma;

@@ -119,8 +119,8 @@ TEST_F(FitNoiseCommand, TheReportShowsTheLawAndWhatItLeaves) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
-  for (const char* part : {"receiver.noise_db", "Whitened residual", "<svg", "synthetic", "Candidates",
-                           "neither it nor the choice among candidates has seen"}) {
+  for (const char* part : {"receiver.noise_db", "Whitened residual", "<svg", "The recording is synthetic",
+                           "Candidates", "neither it nor the choice among candidates has seen"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
   EXPECT_THAT(html, Not(HasSubstr("Judged on what was fitted")));
