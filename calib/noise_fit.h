@@ -45,7 +45,7 @@ struct NoiseFitOptions {
   double taper_spread_db = 10.0;  // assumed beforehand of each beam's taper
   double level_spread_db = 60.0;  // and of the floors' levels, about where a first look puts them
   double slope_spread_db_per_m = 10.0;
-  int max_iterations = 150;
+  int max_iterations = 400;
   std::function<void(const std::string& line)> progress;
 };
 
