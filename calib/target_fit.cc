@@ -13,17 +13,18 @@ namespace {
 FitConfig ConfigFor(const Scene& target, const SonarModel& sonar, const Pose& world_from_sonar,
                     const TargetFitOptions& options) {
   FitConfig config;
-  config.free = {"receiver.noise_db", "beam.azimuth_width_deg", "pulse.length_m"};
+  std::vector<std::string> free = {"receiver.noise_db", "beam.azimuth_width_deg", "pulse.length_m"};
   for (const std::string& material : target.material_names) {
-    config.free.push_back("material." + material + ".gsab.C");
-    config.free.push_back("material." + material + ".gsab.D");
+    free.push_back("material." + material + ".gsab.C");
+    free.push_back("material." + material + ".gsab.D");
   }
   const double bin_m = sonar.axes.range_bin_m();
   config.bounds["beam.azimuth_width_deg"] = {options.beam_width_min_deg, options.beam_width_max_deg};
   config.bounds["pulse.length_m"] = {bin_m, options.pulse_max_bins * bin_m};
   config.held_out.emplace();
+  if (options.free_pose) free.emplace_back("pose.0.*");
+  config.free = free;
   if (!options.free_pose) return config;
-  config.free.emplace_back("pose.0.*");
   constexpr const char* kShifts[] = {"x_m", "y_m", "z_m"};
   for (int axis = 0; axis < 3; ++axis) {
     const double at = world_from_sonar.position_m(axis);
