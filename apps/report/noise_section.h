@@ -1,8 +1,6 @@
 // A noise fit (calib/noise_fit.h) as sections of a report.
 #pragma once
 
-#include <string>
-
 #include "apps/report/html_report.h"
 #include "calib/noise_fit.h"
 
@@ -11,8 +9,5 @@ namespace sonarcal {
 // Agreement, the choice of model, values, grey values recorded against predicted, noise by range and by beam,
 // and the map of what is left.
 void AddNoiseSections(HtmlReport& report, const NoiseFit& fit);
-
-// "judged on ...": the pings that the agreement reported is on, and whether they were seen before.
-std::string NoiseJudgedText(const NoiseFit& fit);
 
 }  // namespace sonarcal

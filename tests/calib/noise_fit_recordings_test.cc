@@ -30,14 +30,13 @@ std::vector<int> Every(int stride, int frames) {
   return list;
 }
 
-TEST(NoiseFitRecordingsTest, DidsonFortyPingsTellTheOthers) {
+TEST(NoiseFitRecordingsTest, DidsonSixtyPingsTellTheOthers) {
   SONARCAL_NEEDS_RECORDING(folder, "didson_hull/background");
   const auto recording = OpenRecording(folder);
   NoiseFitOptions options;
-  // Half of these judge: 20 pings. In a cell of 8 x 8 pixels fewer leave a KS of 0.03 to chance alone.
-  options.held_out = Every(2, recording->frame_count());
+  options.held_out = Every(4, recording->frame_count());
   const NoiseFit fit = FitNoise(*recording, options);
-  Print("40 pings", fit);
+  Print("60 pings", fit);
   ASSERT_TRUE(fit.usable);
   EXPECT_EQ(fit.law.display.law, DisplayLaw::kSoftLog);
   EXPECT_LE(fit.judged.ks, 0.012);
