@@ -65,7 +65,8 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
   json["correlation"] = {{"names", report.correlation_names}, {"matrix", std::move(matrix)}};
   // A likelihood's residuals (those of a scene by the acoustic model) are whitened as they come, and
   // have no raw form.
-  const bool likelihood = report.Find("receiver.noise_db") != nullptr && report.Find("source_level_db") != nullptr;
+  const bool likelihood =
+      report.Find("receiver.noise_db") != nullptr && report.Find("source_level_db") != nullptr;
   const ResidualSummary& whitened = likelihood ? report.raw : report.whitened;
   json["residuals"] = {{"raw", nullptr},
                        {"whitened", {{"mean", whitened.mean}, {"spread", whitened.spread}}}};
