@@ -11,9 +11,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "calib/acoustic_evaluation.h"
 #include "calib/frame_model.h"
 #include "calib/power_likelihood.h"
 #include "data_io/types/image.h"
@@ -29,6 +31,7 @@ struct AcousticFrame {
   Pose world_from_sonar;
   std::vector<RecordedPower> recorded;  // range_bins x beams
   std::vector<std::uint8_t> use = {};   // 1 for the pixels that count; empty: all
+  std::vector<float> weight = {};       // of each pixel's likelihood, 0..1; empty: 1
 };
 
 // The powers behind an image's grey values: what its display shows as a value, or as its ends.
@@ -51,8 +54,9 @@ class AcousticFrameModel final : public FrameModel {
   }
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
-  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
-                PixelTerms& terms) const override;
+  bool IsLikelihood() const override { return true; }
+  std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
+                                      Terms wanted) const override;
 
   const ParameterValues& initial_values() const { return initial_values_; }
   // The parameters with these values, and what no catalog entry names as given at first.
@@ -69,15 +73,7 @@ class AcousticFrameModel final : public FrameModel {
   const PixelEchoes& echoes(int frame) const { return echoes_[frame].at_point; }
 
  private:
-  // Echoes at the point, and what a unit of each geometric parameter adds to them.
-  struct FrameEchoes {
-    PixelEchoes at_point;
-    std::vector<int> entries;
-    std::vector<PixelEchoes> slopes;
-  };
-  void MeansAt(int frame, const ParameterValues& values, std::span<const int> active,
-               std::vector<double>& mean, std::vector<double>& jacobian) const;
-  std::vector<double> Curves(const ParameterSet& parameters, std::span<const int> curves) const;
+  AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
   FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
 
   const Simulator& simulator_;

@@ -2,37 +2,28 @@
 
 #include <ceres/solver.h>
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <thread>
 
+#include "calib/fit_starts.h"
 #include "calib/identifiability.h"
 #include "calib/problem_builder.h"
 #include "data_io/types/error.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
 
-// Curves to start from besides the one given, relative to C = 1: narrow, middling and wide peaks.
-struct StartShape {
-  double a;
-  double b_deg;
-  double e;
-  double f_deg;
-  double d;
-};
-constexpr std::array<StartShape, 3> kStartShapes = {
-    {{100.0, 2.0, 10.0, 10.0, 1.0}, {30.0, 5.0, 5.0, 16.0, 1.5}, {10.0, 8.0, 3.0, 30.0, 2.0}}};
-
 // Relative change of cost at which a trial start is told from another.
 constexpr double kRoughTolerance = 1e-5;
 constexpr int kRoughIterations = 20;
+constexpr std::size_t kRoughPixels = 200'000;
+constexpr std::size_t kMostEvery = 16;
+constexpr double kLikelihoodTolerance = 1e-2;
 
 // The state of a fit while it runs: what is still free, and why the rest is not.
 class Fitter {
@@ -44,11 +35,12 @@ class Fitter {
     state_.values = initial_;
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       status_.push_back(free[i] ? ParameterStatus::kFree : ParameterStatus::kFixed);
-      if (free[i]) MoveInsideBounds(i);
     }
+    MoveInsideBounds(catalog_, free, state_.values);
     if (std::none_of(free.begin(), free.end(), [](bool value) { return value; })) {
       throw DataError("fit: no parameter is free");
     }
+    if (model_.IsLikelihood()) SetPriors();
     report_.cost_initial = CostAt(model_, initial_, model_.frame_count());
   }
 
@@ -65,9 +57,13 @@ class Fitter {
         report_.termination = "the frames determine none of the free parameters";
         break;
       }
-      usable = Solve(options_.function_tolerance, options_.max_iterations);
+      usable = Solve(Tolerance(), options_.max_iterations);
       if (!usable) break;
       OrderGaussians();
+      if (model_.IsLikelihood()) {
+        FlagWhatPriorsDecide();
+        break;
+      }
       if (!FreezeUndetermined()) break;
     }
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -80,8 +76,14 @@ class Fitter {
     if (options_.progress) options_.progress(line);
   }
 
-  void MoveInsideBounds(std::size_t index) {
-    state_.values[index] = std::clamp(state_.values[index], catalog_[index].lower, catalog_[index].upper);
+  // Of what nobody says otherwise: the value given, within a step that would be a surprise.
+  void SetPriors() {
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      CatalogEntry& entry = catalog_[i];
+      if (status_[i] != ParameterStatus::kFree || entry.prior) continue;
+      entry.prior =
+          Prior{.coordinate = entry.CoordinateFromValue(state_.values[i]), .sigma = entry.typical_step};
+    }
   }
 
   void Freeze(std::size_t index, const std::string& why) {
@@ -104,62 +106,15 @@ class Fitter {
     }
   }
 
-  // Index of a parameter, -1 where the model has none of that name.
-  int Find(const std::string& name) const {
-    for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (catalog_[i].name == name) return static_cast<int>(i);
-    }
-    return -1;
-  }
-
   bool IsFree(const std::string& name) const {
-    const int index = Find(name);
+    const int index = FindEntry(catalog_, name);
     return index >= 0 && status_[index] == ParameterStatus::kFree;
   }
 
-  static bool IsAmplitude(const CatalogEntry& entry) {
-    return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;  // A, C, E
-  }
-
-  // Levels far from the recorded ones leave every pixel at a clamp, where nothing has a slope: tries dB
-  // ranges and common level offsets on the first frame and starts from the best.
-  void SearchLevel() {
-    bool amplitudes_free = true;
-    for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (IsAmplitude(catalog_[i]))
-        amplitudes_free = amplitudes_free && status_[i] != ParameterStatus::kFixed;
-    }
-    const int db_min = Find("display.db_min");
-    const int db_max = Find("display.db_max");
-    const bool span_free = db_max >= 0 && status_[db_max] == ParameterStatus::kFree;
-    if (!span_free && !amplitudes_free) return;
-    Say("looking for a starting level and dB range");
-    const ParameterValues start = state_.values;
-    ParameterValues best = start;
-    double best_cost = CostAt(model_, start, 1);
-    const auto try_level = [&](double span_db, double offset_db) {
-      ParameterValues trial = start;
-      if (span_free) trial[db_max] = trial[db_min] + span_db;
-      for (std::size_t i = 0; i < catalog_.size(); ++i) {
-        if (IsAmplitude(catalog_[i])) trial[i] *= PowerFromDb(offset_db);
-      }
-      const double cost = CostAt(model_, trial, 1);
-      if (cost < best_cost) {
-        best_cost = cost;
-        best = trial;
-      }
-    };
-    std::vector<double> spans = {span_free ? start[db_max] - start[db_min] : 0.0};
-    if (span_free) spans.insert(spans.end(), {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0});
-    for (const double span_db : spans) {
-      for (double offset_db = -60.0; offset_db <= 60.0; offset_db += 10.0) {
-        if (amplitudes_free || offset_db == 0.0) try_level(span_db, offset_db);
-      }
-    }
-    state_.values = best;
-    for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      if (status_[i] == ParameterStatus::kFree) MoveInsideBounds(i);
-    }
+  std::vector<bool> Free() const {
+    std::vector<bool> free;
+    for (const ParameterStatus status : status_) free.push_back(status == ParameterStatus::kFree);
+    return free;
   }
 
   void Activate() {
@@ -169,20 +124,19 @@ class Fitter {
     }
   }
 
-  // A backscatter curve has more than one valley: narrow and wide Gaussians can trade places. Solves roughly
-  // from the given curve and from others, and goes on from the best.
+  // Solves roughly from the given curves and from others, and goes on from the best.
   void SolveFromSeveralStarts() {
     const ParameterValues given = state_.values;
     ParameterValues best = given;
     double best_cost = std::numeric_limits<double>::infinity();
+    Activate();
+    if (state_.active.empty()) return;
     for (int start = 0; start < options_.starts; ++start) {
-      state_.values = given;
-      if (start > 0) SetCurveShapes(kStartShapes[(start - 1) % kStartShapes.size()]);
-      if (options_.search_level) SearchLevel();
-      Activate();
-      if (state_.active.empty()) return;
       Say(fmt::format("start {} of {}", start + 1, options_.starts));
-      if (!Solve(kRoughTolerance, std::min(kRoughIterations, options_.max_iterations))) continue;
+      state_.values = start == 0 ? given : WithCurveShape(catalog_, Free(), given, start);
+      if (options_.search_level) state_.values = SearchLevel(model_, catalog_, Free(), state_.values);
+      if (!Solve(kRoughTolerance, std::min(kRoughIterations, options_.max_iterations), RoughEvery()))
+        continue;
       report_.start_costs.push_back(report_.cost_final);
       if (report_.cost_final < best_cost) {
         best_cost = report_.cost_final;
@@ -192,25 +146,31 @@ class Fitter {
     state_.values = best;
   }
 
-  void SetCurveShapes(const StartShape& shape) {
-    for (std::size_t i = 0; i < catalog_.size(); ++i) {
-      const CatalogEntry& entry = catalog_[i];
-      if (entry.group != ParameterGroup::kGsab || status_[i] != ParameterStatus::kFree) continue;
-      const std::array<double, 6> start = {shape.a, shape.b_deg, 1.0, shape.d, shape.e, shape.f_deg};
-      state_.values[i] = std::clamp(start[entry.index], entry.lower, entry.upper);
-    }
+  // Of the range bins, one run in so many is enough to tell valleys apart. A model whose pixels come all
+  // together saves nothing by it.
+  int RoughEvery() const {
+    if (!model_.IsLikelihood()) return 1;
+    const std::size_t pixels = model_.pixel_count() * static_cast<std::size_t>(model_.frame_count());
+    return static_cast<int>(std::clamp<std::size_t>(pixels / kRoughPixels, 1, kMostEvery));
   }
 
-  bool Solve(double function_tolerance, int max_iterations) {
+  // A hundredth of a log-likelihood is nothing that a fit could be judged by.
+  double Tolerance() const {
+    if (!model_.IsLikelihood()) return options_.function_tolerance;
+    const double cost = CostAt(model_, state_.values, model_.frame_count());
+    return cost > 0.0 ? std::max(options_.function_tolerance, kLikelihoodTolerance / cost)
+                      : options_.function_tolerance;
+  }
+
+  bool Solve(double function_tolerance, int max_iterations, int every = 1) {
     Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), model_.frame_count(),
                     model_.frame_count() == 1 ? "" : "s"));
     std::vector<double> coordinates = state_.Coordinates(catalog_);
-    const auto problem = BuildProblem(model_, catalog_, state_, coordinates);
+    const auto problem = BuildProblem(model_, catalog_, state_, coordinates, every);
     ceres::Solver::Options solver;
     solver.max_num_iterations = max_iterations;
     solver.function_tolerance = function_tolerance;
-    solver.num_threads =
-        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
+    solver.num_threads = 1;  // a frame's pixels are shared out among threads, not the frames
     solver.logging_type = ceres::SILENT;
     // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
     solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
@@ -253,7 +213,37 @@ class Fitter {
     }
     if (interior_.empty()) return {};
     const FitState interior{.active = interior_, .values = state_.values};
-    return Accumulate(model_, catalog_, interior, options_, &report_.raw);
+    ResidualSummary residuals;
+    NormalEquations equations = Accumulate(model_, catalog_, interior, options_, &residuals);
+    if (model_.IsLikelihood()) {
+      report_.whitened = residuals;
+    } else {
+      report_.raw = residuals;
+      if (residuals.spread > 0.0)
+        report_.whitened = {.mean = residuals.mean / residuals.spread, .spread = 1.0};
+    }
+    return equations;
+  }
+
+  // With priors nothing is singular, and nothing needs to be held: what the data leave to the prior is
+  // flagged.
+  void FlagWhatPriorsDecide() {
+    const NormalEquations equations = AccumulateInterior();
+    if (interior_.empty()) return;
+    covariance_ = JackknifeCovariance(equations);
+    std::vector<NamedCoordinate> coordinates;
+    for (std::size_t i = 0; i < interior_.size(); ++i) {
+      const CatalogEntry& entry = catalog_[interior_[i]];
+      const double step = entry.prior->sigma;
+      coordinates.push_back({entry.name, step, entry.logarithmic});
+      const auto k = static_cast<Eigen::Index>(i);
+      // Not a number where one block alone determines a parameter: that counts as open.
+      if (!(covariance_(k, k) <= kOpenShare * step * step))
+        status_[interior_[i]] = ParameterStatus::kUnidentifiable;
+    }
+    if (!covariance_.allFinite()) return;
+    for (std::string& words : OpenDirections(covariance_, coordinates))
+      report_.unidentifiable_directions.push_back(std::move(words));
   }
 
   // Freezes what the data leave open, one parameter after the other until the rest is determined; false where
@@ -293,8 +283,6 @@ class Fitter {
   }
 
   void Finish() {
-    report_.whitened = {.mean = report_.raw.spread > 0.0 ? report_.raw.mean / report_.raw.spread : 0.0,
-                        .spread = report_.raw.spread > 0.0 ? 1.0 : 0.0};
     std::vector<std::optional<double>> sigma(catalog_.size());
     if (covariance_.rows() == static_cast<Eigen::Index>(interior_.size())) {
       for (std::size_t i = 0; i < interior_.size(); ++i) {
@@ -387,7 +375,9 @@ ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitC
              const FitOptions& options) {
   options.Check();
   if (model.frame_count() == 0) throw DataError("fit: no frames");
-  return Fitter(model, initial, config, options).Run();
+  if (options.threads == 0) return Fitter(model, initial, config, options).Run();
+  tbb::task_arena arena(options.threads);
+  return arena.execute([&] { return Fitter(model, initial, config, options).Run(); });
 }
 
 std::vector<std::string> PaperFreeByDefault() {

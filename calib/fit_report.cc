@@ -63,16 +63,11 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
     matrix.push_back(std::move(values));
   }
   json["correlation"] = {{"names", report.correlation_names}, {"matrix", std::move(matrix)}};
-  // A likelihood's residuals (those of a scene by the acoustic model) are whitened as they come, and
-  // have no raw form.
-  const bool likelihood =
-      report.Find("receiver.noise_db") != nullptr && report.Find("source_level_db") != nullptr;
-  const ResidualSummary& whitened = likelihood ? report.raw : report.whitened;
   json["residuals"] = {{"raw", nullptr},
-                       {"whitened", {{"mean", whitened.mean}, {"spread", whitened.spread}}}};
-  if (!likelihood) {
+                       {"whitened", {{"mean", report.whitened.mean}, {"spread", report.whitened.spread}}}};
+  if (report.raw) {
     json["residuals"]["raw"] = {
-        {"mean", report.raw.mean}, {"spread", report.raw.spread}, {"unit", "full scale"}};
+        {"mean", report.raw->mean}, {"spread", report.raw->spread}, {"unit", "full scale"}};
   }
   json["start_costs"] = report.start_costs;
   json["cost_initial"] = FiniteOrNull(report.cost_initial);

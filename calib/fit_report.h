@@ -34,9 +34,9 @@ struct FitReport {
   std::vector<std::string> unidentifiable_directions;  // in words
   std::vector<std::string> correlation_names;          // free parameters
   Eigen::MatrixXd correlation;
-  ResidualSummary raw;              // grey levels, of full scale 1
-  ResidualSummary whitened;         // divided by their own standard deviation
-  std::vector<double> start_costs;  // where each start ended, roughly solved
+  std::optional<ResidualSummary> raw;  // grey levels, of full scale 1; a likelihood has none
+  ResidualSummary whitened;            // of standard deviation 1 where the model is right
+  std::vector<double> start_costs;     // where each start ended, roughly solved
   double cost_initial = 0.0;
   double cost_final = 0.0;
   int iterations = 0;

@@ -7,10 +7,12 @@
 //   d residual / d parameter = slope x d eta / d parameter
 //   expected information     = information x (d eta / d parameter)(d eta / d parameter)^T
 //
-// and half the sum of squared residuals is the negative log-likelihood, up to a constant.
+// and half the sum of squared residuals is the negative log-likelihood, up to a constant and, for the paper
+// model, which knows no noise, up to a factor.
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,12 +24,21 @@ namespace sonarcal {
 // One value for each entry of a catalog, in the entry's unit.
 using ParameterValues = std::vector<double>;
 
-// A frame's pixels, range bin by range bin. A pixel that does not count has zeros everywhere.
+// Pixels of a run of range bins, bin by bin. A pixel that does not count has zeros everywhere.
 struct PixelTerms {
   std::vector<double> residual;
   std::vector<double> slope;         // d residual / d eta
   std::vector<double> information;   // expected square of the score d (residual^2 / 2) / d eta
   std::vector<double> eta_jacobian;  // pixels x active parameters, row by row
+};
+
+// A frame at one set of values. It refers to its model, and is used before the model changes.
+class FrameEvaluation {
+ public:
+  virtual ~FrameEvaluation() = default;
+
+  // The range bins [first, last); from any number of threads. False where the model has no value.
+  virtual bool Bins(int first, int last, PixelTerms& terms) const = 0;
 };
 
 class FrameModel {
@@ -43,13 +54,24 @@ class FrameModel {
   virtual bool ShowsMaterial(int material) const = 0;  // in any frame
   virtual const std::vector<std::string>& material_names() const = 0;
 
-  // What Evaluate fills besides the residuals: nothing, what a solver needs (slope and Jacobian with respect
+  // Whether half the sum of squares is a negative log-likelihood, noise and all: then a prior can be weighed
+  // against it.
+  virtual bool IsLikelihood() const = 0;
+
+  // What is asked for besides the residuals: nothing, what a solver needs (slope and Jacobian with respect
   // to the entries `active` of the catalog), or information too.
   enum class Terms { kResiduals, kDerivatives, kInformation };
 
-  // False where the model has no value.
-  virtual bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
-                        PixelTerms& terms) const = 0;
+  // Null where the model has no value.
+  virtual std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values,
+                                              std::span<const int> active, Terms wanted) const = 0;
+
+  // A whole frame at once.
+  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
+                PixelTerms& terms) const {
+    const auto evaluation = At(frame, values, active, wanted);
+    return evaluation != nullptr && evaluation->Bins(0, range_bins(), terms);
+  }
 
   std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
 };

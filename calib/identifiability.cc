@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "data_io/types/error.h"
 
@@ -13,6 +15,63 @@ namespace {
 
 // Parameters that take part in a direction with at least this share of its largest component are named.
 constexpr double kNamedShare = 0.3;
+
+// Those that take part, the one that moves most first.
+std::vector<int> Participants(const Eigen::VectorXd& direction) {
+  std::vector<int> order(direction.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return std::abs(direction(a)) > std::abs(direction(b)); });
+  const double least = kNamedShare * std::abs(direction(order[0]));
+  std::erase_if(order, [&](int i) { return std::abs(direction(i)) < least; });
+  return order;
+}
+
+// "a with the opposite of b".
+std::string MovingTogether(const Eigen::VectorXd& direction, const std::vector<int>& participants,
+                           const std::vector<std::string>& names) {
+  std::string text;
+  for (const int i : participants) {
+    const bool same = direction(i) * direction(participants[0]) > 0.0;
+    text += fmt::format("{}{}{}", text.empty() ? "" : " with ", same ? "" : "the opposite of ", names[i]);
+  }
+  return text;
+}
+
+// What is known best of parameters that move together: a product of powers where all are logarithms, a sum
+// otherwise. Empty where nothing of them is known much better than beforehand.
+std::string KnownAllTheSame(const Eigen::MatrixXd& covariance,
+                            const std::vector<NamedCoordinate>& coordinates) {
+  constexpr double kKnownShare = 0.1;
+  constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;
+  const auto n = static_cast<Eigen::Index>(coordinates.size());
+  Eigen::VectorXd step(n);
+  for (Eigen::Index i = 0; i < n; ++i) step(i) = coordinates[i].step;
+  const Eigen::MatrixXd scaled =
+      step.cwiseInverse().asDiagonal() * covariance * step.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  if (solver.eigenvalues()(0) > kKnownShare) return {};
+  Eigen::VectorXd factor = solver.eigenvectors().col(0).cwiseQuotient(step);
+  Eigen::Index largest = 0;
+  factor.cwiseAbs().maxCoeff(&largest);
+  factor /= factor(largest);
+  const double sigma = std::sqrt(factor.dot(covariance * factor));
+  const bool product =
+      std::all_of(coordinates.begin(), coordinates.end(), [](const auto& c) { return c.logarithmic; });
+  std::string text;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (std::abs(factor(i)) < 0.01) continue;
+    const std::string& name = coordinates[i].name;
+    if (product) {
+      text += fmt::format("{}{}^{:.2f}", text.empty() ? "" : " ", name, factor(i));
+    } else {
+      const std::string of = coordinates[i].logarithmic ? fmt::format("ln({})", name) : name;
+      text += fmt::format("{}{:.2f} {}", text.empty() ? "" : " + ", factor(i), of);
+    }
+  }
+  if (product) return fmt::format("only 10 log10({}) is known, to {:.2g} dB", text, kDbPerNeper * sigma);
+  return fmt::format("only {} is known, to {:.2g}", text, sigma);
+}
 
 }  // namespace
 
@@ -23,6 +82,7 @@ NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
   }
   NormalEquations held = equations;
   held.information = equations.information(kept, kept);
+  if (equations.prior.size() > 0) held.prior = equations.prior(kept);
   for (std::size_t i = 0; i < equations.blocks.size(); ++i) {
     held.blocks[i].information = equations.blocks[i].information(kept, kept);
     held.blocks[i].score = equations.blocks[i].score(kept);
@@ -49,34 +109,62 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
   const double sigma_of_largest = std::sqrt(variance / eigenvalue) * direction.cwiseAbs().maxCoeff();
   if (eigenvalue > rounding && sigma_of_largest <= 1.0) return std::nullopt;
 
-  std::vector<int> order(n);
-  for (int i = 0; i < n; ++i) order[i] = i;
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::abs(direction(a)) > std::abs(direction(b)); });
-  const double largest = std::abs(direction(order[0]));
-  std::string text;
-  for (const int i : order) {
-    if (std::abs(direction(i)) < kNamedShare * largest) break;
-    const double sign = direction(i) * direction(order[0]) > 0.0 ? 1.0 : -1.0;
-    text +=
-        fmt::format("{}{}{}", text.empty() ? "" : " with ", sign < 0.0 ? "the opposite of " : "", names[i]);
-  }
-  return OpenDirection{order[0], text};
+  const std::vector<int> participants = Participants(direction);
+  return OpenDirection{participants[0], MovingTogether(direction, participants, names)};
 }
 
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   const Eigen::Index n = equations.information.rows();
+  Eigen::MatrixXd information = equations.information;
+  if (equations.prior.size() > 0) information.diagonal() += equations.prior;
   // Scaled to a unit diagonal first: parameters differ by many orders of magnitude.
-  const Eigen::VectorXd scale = equations.information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const auto solve = [&](const Eigen::MatrixXd& of, const auto& right) {
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * of * scale.asDiagonal();
+    return Eigen::MatrixXd(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right));
+  };
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (const NormalEquations::Block& block : equations.blocks) {
-    const Eigen::MatrixXd rest =
-        scale.asDiagonal() * (equations.information - block.information) * scale.asDiagonal();
-    const Eigen::VectorXd change = scale.asDiagonal() * rest.ldlt().solve(scale.asDiagonal() * block.score);
+    const Eigen::VectorXd change = solve(information - block.information, block.score);
     covariance += change * change.transpose();
   }
   const double count = static_cast<double>(equations.blocks.size());
-  return covariance * ((count - 1.0) / count);
+  covariance *= (count - 1.0) / count;
+  if (equations.prior.size() > 0) {
+    const Eigen::MatrixXd of_prior =
+        solve(information, Eigen::MatrixXd(equations.prior.cwiseSqrt().asDiagonal()));
+    covariance += of_prior * of_prior.transpose();
+  }
+  return covariance;
+}
+
+std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,
+                                        const std::vector<NamedCoordinate>& coordinates) {
+  const auto n = static_cast<Eigen::Index>(coordinates.size());
+  SONARCAL_CHECK(covariance.rows() == n, "a covariance of {} for {} coordinates", covariance.rows(), n);
+  std::vector<std::string> words;
+  if (n == 0) return words;
+  Eigen::VectorXd inverse_step(n);
+  std::vector<std::string> names;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    inverse_step(i) = 1.0 / coordinates[i].step;
+    names.push_back(coordinates[i].name);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(inverse_step.asDiagonal() * covariance *
+                                                              inverse_step.asDiagonal());
+  for (Eigen::Index k = n; k-- > 0 && solver.eigenvalues()(k) > kOpenShare;) {
+    const Eigen::VectorXd direction = solver.eigenvectors().col(k);
+    const std::vector<int> participants = Participants(direction);
+    std::string text = MovingTogether(direction, participants, names);
+    if (participants.size() > 1) {
+      std::vector<NamedCoordinate> of;
+      for (const int i : participants) of.push_back(coordinates[i]);
+      const std::string known = KnownAllTheSame(covariance(participants, participants), of);
+      if (!known.empty()) text += ": " + known;
+    }
+    words.push_back(text);
+  }
+  return words;
 }
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance) {

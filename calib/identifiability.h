@@ -16,6 +16,7 @@ struct NormalEquations {
     Eigen::VectorXd score;        // J_b^T r_b
   };
   Eigen::MatrixXd information;  // J^T J
+  Eigen::VectorXd prior;        // 1 / variance of what is known beforehand; empty: nothing
   std::vector<Block> blocks;    // those in which something depends on a parameter
   double residual_square = 0.0;
   long residual_count = 0;
@@ -40,8 +41,24 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // d_b = (J^T J - J_b^T J_b)^-1 J_b^T r_b, it is (B - 1) / B sum d_b d_b^T. This is the cluster-robust
 // sandwich with its small-sample correction CR3 (Cameron & Miller, J. Human Resources 50(2), 2015, section
 // VI.B): a parameter that hangs on few blocks gets the wide sigma it deserves. Not finite where one block
-// alone determines a parameter.
+// alone determines a parameter. A prior P adds its information to J^T J, and (J^T J + P)^-1 P (J^T J + P)^-1
+// to the covariance: of what the data leave open, the prior's own variance remains.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
+
+// A coordinate as words need it.
+struct NamedCoordinate {
+  std::string name;
+  double step = 1.0;         // its prior's sigma, or a change that would be a surprise
+  bool logarithmic = false;  // the logarithm of anything
+};
+
+// The directions in which more than half of a prior's variance is left, the worst first, in words: which
+// parameters move together, and what of them is known all the same.
+std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,
+                                        const std::vector<NamedCoordinate>& coordinates);
+
+// Share of a variance of step^2 above which a parameter or a direction is called open.
+inline constexpr double kOpenShare = 0.5;
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance);
 

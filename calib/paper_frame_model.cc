@@ -3,6 +3,7 @@
 #include <ceres/jet.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -13,6 +14,31 @@ namespace {
 // Derivatives carried at once through the shading of cells.
 constexpr int kStride = 8;
 using Dual = ceres::Jet<double, kStride>;
+
+// The blur ties a frame's pixels together, so all are computed at once and handed out run by run.
+class WholeFrame final : public FrameEvaluation {
+ public:
+  WholeFrame(PixelTerms terms, std::size_t pixels_per_bin, std::size_t columns)
+      : terms_(std::move(terms)), pixels_per_bin_(pixels_per_bin), columns_(columns) {}
+
+  bool Bins(int first, int last, PixelTerms& terms) const override {
+    const auto copy = [&](const std::vector<double>& from, std::size_t per_pixel, std::vector<double>& to) {
+      const std::size_t stride = from.empty() ? 0 : pixels_per_bin_ * per_pixel;
+      to.assign(from.begin() + static_cast<std::ptrdiff_t>(first * stride),
+                from.begin() + static_cast<std::ptrdiff_t>(last * stride));
+    };
+    copy(terms_.residual, 1, terms.residual);
+    copy(terms_.slope, 1, terms.slope);
+    copy(terms_.information, 1, terms.information);
+    copy(terms_.eta_jacobian, columns_, terms.eta_jacobian);
+    return true;
+  }
+
+ private:
+  PixelTerms terms_;
+  std::size_t pixels_per_bin_;
+  std::size_t columns_;
+};
 
 // Errors wider than this many bins and beams are no errors of a ray any more; a configuration may say
 // otherwise.
@@ -70,18 +96,22 @@ PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) const 
 
 // Derivatives are those of the forward model in dual numbers; Ceres' own wrapper would carry them through the
 // blur pixel by pixel, which is ten times the work.
-bool PaperFrameModel::Evaluate(int frame, const ParameterValues& values, std::span<const int> active,
-                               Terms wanted, PixelTerms& terms) const {
+std::unique_ptr<FrameEvaluation> PaperFrameModel::At(int frame, const ParameterValues& values,
+                                                     std::span<const int> active, Terms wanted) const {
   const FitFrame& of = frames_[frame];
   const PaperParameters<double> parameters = ParametersAt<double>([&](int entry) { return values[entry]; });
-  if (!(parameters.display.db_max > parameters.display.db_min)) return false;
+  if (!(parameters.display.db_max > parameters.display.db_min)) return nullptr;
   const PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
   const std::vector<double>& image = evaluation.image();
+  const auto finish = [&](PixelTerms terms) {
+    return std::make_unique<WholeFrame>(std::move(terms), beams(), active.size());
+  };
+  PixelTerms terms;
   terms.residual.resize(image.size());
   for (std::size_t i = 0; i < image.size(); ++i) {
     terms.residual[i] = Counts(frame, i) ? image[i] - of.measured[i] : 0.0;
   }
-  if (wanted == Terms::kResiduals) return true;
+  if (wanted == Terms::kResiduals) return finish(std::move(terms));
   terms.slope.assign(image.size(), 1.0);
   terms.information.assign(image.size(), 1.0);
   const std::size_t count = active.size();
@@ -99,7 +129,7 @@ bool PaperFrameModel::Evaluate(int frame, const ParameterValues& values, std::sp
         terms.eta_jacobian[i * count + first + k] = counts ? images[k][i] : 0.0;
     }
   }
-  return true;
+  return finish(std::move(terms));
 }
 
 }  // namespace sonarcal

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,8 +37,9 @@ class PaperFrameModel final : public FrameModel {
   }
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
-  bool Evaluate(int frame, const ParameterValues& values, std::span<const int> active, Terms wanted,
-                PixelTerms& terms) const override;
+  bool IsLikelihood() const override { return false; }
+  std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
+                                      Terms wanted) const override;
 
   ParameterValues Values(const ParameterSet& parameters) const;
   void Store(const ParameterValues& values, ParameterSet& parameters) const;

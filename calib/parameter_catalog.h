@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,12 @@
 namespace sonarcal {
 
 enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse, kPose };
+
+// What is known of a parameter beforehand: a normal law of its coordinate.
+struct Prior {
+  double coordinate = 0.0;
+  double sigma = 1.0;
+};
 
 struct CatalogEntry {
   std::string name;
@@ -34,6 +41,7 @@ struct CatalogEntry {
   double upper = 0.0;
   bool logarithmic = false;
   double typical_step = 1.0;
+  std::optional<Prior> prior = {};
 
   double CoordinateFromValue(double value) const { return logarithmic ? std::log(value) : value; }
 

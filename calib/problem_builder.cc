@@ -1,12 +1,15 @@
 #include "calib/problem_builder.h"
 
 #include <ceres/cost_function.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "data_io/types/error.h"
@@ -14,77 +17,179 @@
 namespace sonarcal {
 namespace {
 
-// A frame's pixels, a hundred thousand residuals, as few residuals as there are parameters and one more, with
-// the same cost, gradient and J^T J: with J^T J = V diag(l) V^T,
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Range bins that are evaluated at once: their Jacobian stays in a cache.
+constexpr int kBandBins = 4;
+
+// d value / d coordinate of the active entries.
+Eigen::VectorXd ValueSlopes(const std::vector<CatalogEntry>& catalog, const FitState& state) {
+  Eigen::VectorXd slopes(static_cast<Eigen::Index>(state.active.size()));
+  for (std::size_t k = 0; k < state.active.size(); ++k) {
+    slopes(static_cast<Eigen::Index>(k)) = catalog[state.active[k]].ValueSlope(state.values[state.active[k]]);
+  }
+  return slopes;
+}
+
+// Calls work(band, first bin, last bin) for runs of `bins_per_band` range bins, in any order.
+template <typename Work>
+void ForBands(int range_bins, int bins_per_band, const Work& work) {
+  const int bands = (range_bins + bins_per_band - 1) / bins_per_band;
+  tbb::parallel_for(0, bands, [&](int band) {
+    work(band, band * bins_per_band, std::min((band + 1) * bins_per_band, range_bins));
+  });
+}
+
+// Sums over the pixels of a frame.
+struct FrameSums {
+  Eigen::MatrixXd information;  // expected, or more where the model is far off
+  Eigen::VectorXd gradient;     // of half the sum of squares
+  double residual_square = 0.0;
+};
+
+// With derivatives or without; of one band in `every`, others in the next frame. Bands are added in their
+// order, so that the number of threads changes nothing.
+std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                                  const FitState& state, int frame, bool derivatives, int every = 1) {
+  const auto evaluation =
+      model.At(frame, state.values, state.active,
+               derivatives ? FrameModel::Terms::kInformation : FrameModel::Terms::kResiduals);
+  if (evaluation == nullptr) return std::nullopt;
+  const auto n = static_cast<Eigen::Index>(derivatives ? state.active.size() : 0);
+  const Eigen::VectorXd value_slope = derivatives ? ValueSlopes(catalog, state) : Eigen::VectorXd();
+  std::vector<FrameSums> bands((model.range_bins() + kBandBins - 1) / kBandBins);
+  std::atomic<bool> valid{true};
+  ForBands(model.range_bins(), kBandBins, [&](int band, int first, int last) {
+    if ((band + frame) % every != 0) return;
+    thread_local PixelTerms terms;  // keeps its memory from one band to the next
+    if (!evaluation->Bins(first, last, terms)) {
+      valid = false;
+      return;
+    }
+    const auto pixels = static_cast<Eigen::Index>(terms.residual.size());
+    const Eigen::Map<const Eigen::VectorXd> residual(terms.residual.data(), pixels);
+    bands[band].residual_square = residual.squaredNorm();
+    if (!derivatives) return;
+    Eigen::Map<RowMajor> rows(terms.eta_jacobian.data(), pixels, n);
+    const Eigen::Map<const Eigen::ArrayXd> slope(terms.slope.data(), pixels);
+    bands[band].gradient = rows.transpose() * (slope * residual.array()).matrix();
+    // Never less than the slope's own square: then |r'| can't exceed |r|.
+    const Eigen::Map<const Eigen::ArrayXd> information(terms.information.data(), pixels);
+    rows.array().colwise() *= information.max(slope.square()).sqrt();
+    bands[band].information = Eigen::MatrixXd::Zero(n, n);
+    bands[band].information.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+  });
+  if (!valid) return std::nullopt;
+  FrameSums sums{.information = Eigen::MatrixXd::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
+  for (const FrameSums& band : bands) {
+    sums.residual_square += band.residual_square;
+    if (!derivatives || band.gradient.size() == 0) continue;
+    sums.information += band.information;
+    sums.gradient += band.gradient;
+  }
+  if (derivatives) {
+    const Eigen::MatrixXd full = sums.information.selfadjointView<Eigen::Lower>();
+    sums.information = value_slope.asDiagonal() * full * value_slope.asDiagonal();
+    sums.gradient = value_slope.cwiseProduct(sums.gradient);
+  }
+  return sums;
+}
+
+// A frame's pixels, a hundred thousand residuals, as few residuals as parameters that it depends on and one
+// more, with the same cost and gradient g and, in place of J^T J, the expected information V diag(l) V^T
+// (Fisher scoring: of single pixels' slopes J^T J is a noisy guess at it):
 //
-//   J' = diag(sqrt(l)) V^T,  r' = diag(1 / sqrt(l)) V^T J^T r,  and the rest of |r| in the last residual.
+//   J' = diag(sqrt(l)) V^T,  r' = diag(1 / sqrt(l)) V^T g,  and the rest of |r| in the last residual.
 //
 // That is all that a Levenberg-Marquardt step asks for; the large Jacobian is never stored.
 class FrameCost final : public ceres::CostFunction {
  public:
   FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
-            int frame)
-      : model_(model), catalog_(catalog), state_(state), frame_(frame) {
-    set_num_residuals(static_cast<int>(state.active.size()) + 1);
+            int frame, int every)
+      : model_(model), catalog_(catalog), state_(state), frame_(frame), every_(every) {
+    for (std::size_t k = 0; k < state.active.size(); ++k) {
+      const CatalogEntry& entry = catalog[state.active[k]];
+      if (entry.frame >= 0 && entry.frame != frame) continue;
+      mine_.active.push_back(state.active[k]);
+      columns_.push_back(static_cast<Eigen::Index>(k));
+    }
+    set_num_residuals(static_cast<int>(columns_.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
   }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    FitState state = state_;
-    state.SetCoordinates(catalog_, {blocks[0], blocks[0] + state.active.size()});
+    FitState all = state_;
+    all.SetCoordinates(catalog_, {blocks[0], blocks[0] + state_.active.size()});
+    const FitState state{.active = mine_.active, .values = std::move(all.values)};
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    thread_local PixelTerms terms;  // keeps its memory from one evaluation to the next
-    if (!model_.Evaluate(frame_, state.values, state.active,
-                         derivatives ? FrameModel::Terms::kDerivatives : FrameModel::Terms::kResiduals,
-                         terms)) {
-      return false;
+    // A step is tried first, and its derivatives asked for when it was good: summed at once, and kept.
+    const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
+    if (!sums_ || point != point_) {
+      sums_ = SumFrame(model_, catalog_, state, frame_, true, every_);
+      point_ = point;
     }
-    const auto pixels = static_cast<Eigen::Index>(terms.residual.size());
-    const Eigen::Map<const Eigen::VectorXd> residual(terms.residual.data(), pixels);
-    const auto n = static_cast<Eigen::Index>(state.active.size());
+    const auto& sums = sums_;
+    if (!sums) return false;
+    const auto n = static_cast<Eigen::Index>(columns_.size());
     Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
     out.setZero();
     if (!derivatives) {
-      out(n) = residual.norm();
+      out(n) = std::sqrt(sums->residual_square);
       return true;
     }
-    Eigen::VectorXd value_slope(n);
-    for (Eigen::Index k = 0; k < n; ++k)
-      value_slope(k) = catalog_[state.active[k]].ValueSlope(state.values[state.active[k]]);
-    Eigen::Map<RowMajor> rows(terms.eta_jacobian.data(), pixels, n);
-    const Eigen::Map<const Eigen::VectorXd> slope(terms.slope.data(), pixels);
-    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
-    constexpr Eigen::Index kChunk = 1024;
-    for (Eigen::Index first = 0; first < pixels; first += kChunk) {
-      const Eigen::Index count = std::min(kChunk, pixels - first);
-      const RowMajor chunk =
-          slope.segment(first, count).asDiagonal() * rows.middleRows(first, count) * value_slope.asDiagonal();
-      information.noalias() += chunk.transpose() * chunk;
-      gradient.noalias() += chunk.transpose() * residual.segment(first, count);
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
-    const double smallest = 1e-14 * std::max(solver.eigenvalues()(n - 1), 0.0);
-    Eigen::Map<RowMajor> jacobian(jacobians[0], n + 1, n);
+    Eigen::Map<RowMajor> jacobian(jacobians[0], n + 1, static_cast<Eigen::Index>(state_.active.size()));
     jacobian.setZero();
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double eigenvalue = solver.eigenvalues()(k);
-      if (!(eigenvalue > smallest)) continue;  // a direction that moves nothing has no gradient either
-      const double root = std::sqrt(eigenvalue);
-      jacobian.row(k) = root * solver.eigenvectors().col(k).transpose();
-      out(k) = solver.eigenvectors().col(k).dot(gradient) / root;
+    if (n > 0) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sums->information);
+      const double smallest = 1e-14 * std::max(solver.eigenvalues()(n - 1), 0.0);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double eigenvalue = solver.eigenvalues()(k);
+        if (!(eigenvalue > smallest)) continue;  // a direction that moves nothing has no gradient either
+        const double root = std::sqrt(eigenvalue);
+        jacobian(k, columns_) = root * solver.eigenvectors().col(k).transpose();
+        out(k) = solver.eigenvectors().col(k).dot(sums->gradient) / root;
+      }
     }
-    out(n) = std::sqrt(std::max(residual.squaredNorm() - out.squaredNorm(), 0.0));
+    out(n) = std::sqrt(std::max(sums->residual_square - out.squaredNorm(), 0.0));
     return true;
   }
 
  private:
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
   const FrameModel& model_;
   const std::vector<CatalogEntry>& catalog_;
   const FitState& state_;
   int frame_;
+  int every_;
+  mutable std::optional<FrameSums> sums_;  // at this point
+  mutable std::vector<double> point_;
+  FitState mine_;                      // its active entries only
+  std::vector<Eigen::Index> columns_;  // their places among all active ones
+};
+
+// What is known of the active entries beforehand.
+class PriorCost final : public ceres::CostFunction {
+ public:
+  PriorCost(const std::vector<CatalogEntry>& catalog, const FitState& state)
+      : catalog_(catalog), state_(state) {
+    set_num_residuals(static_cast<int>(state.active.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    const std::size_t n = state_.active.size();
+    if (jacobians != nullptr && jacobians[0] != nullptr) std::fill_n(jacobians[0], n * n, 0.0);
+    for (std::size_t k = 0; k < n; ++k) {
+      const CatalogEntry& entry = catalog_[state_.active[k]];
+      const double root = entry.prior ? 1.0 / entry.prior->sigma : 0.0;
+      residuals[k] = entry.prior ? root * (blocks[0][k] - entry.prior->coordinate) : 0.0;
+      if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][k * n + k] = root;
+    }
+    return true;
+  }
+
+ private:
+  const std::vector<CatalogEntry>& catalog_;
+  const FitState& state_;
 };
 
 }  // namespace
@@ -104,11 +209,13 @@ void FitState::SetCoordinates(const std::vector<CatalogEntry>& catalog,
 
 std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
-                                             std::vector<double>& coordinates) {
+                                             std::vector<double>& coordinates, int every) {
   auto problem = std::make_unique<ceres::Problem>();
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    problem->AddResidualBlock(new FrameCost(model, catalog, state, frame), nullptr, coordinates.data());
+    problem->AddResidualBlock(new FrameCost(model, catalog, state, frame, every), nullptr,
+                              coordinates.data());
   }
+  problem->AddResidualBlock(new PriorCost(catalog, state), nullptr, coordinates.data());
   for (std::size_t i = 0; i < state.active.size(); ++i) {
     const CatalogEntry& entry = catalog[state.active[i]];
     const int index = static_cast<int>(i);
@@ -121,53 +228,61 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options, ResidualSummary* residuals) {
   const int beams = model.beams();
-  const int block_rows = (model.range_bins() + options.block_bins - 1) / options.block_bins;
-  const int block_cols = (beams + options.block_beams - 1) / options.block_beams;
   const auto n = static_cast<Eigen::Index>(state.active.size());
+  const Eigen::VectorXd value_slope = ValueSlopes(catalog, state);
+  struct Band {
+    std::vector<NormalEquations::Block> blocks;
+    double sum = 0.0;
+    double square = 0.0;
+    long count = 0;
+  };
 
   NormalEquations equations;
   equations.information = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd value_slope(n);
-  for (Eigen::Index k = 0; k < n; ++k)
-    value_slope(k) = catalog[state.active[k]].ValueSlope(state.values[state.active[k]]);
-
+  equations.prior = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const CatalogEntry& entry = catalog[state.active[k]];
+    if (entry.prior) equations.prior(k) = 1.0 / (entry.prior->sigma * entry.prior->sigma);
+  }
   double sum = 0.0;
-  PixelTerms terms;
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Rows rows(options.block_bins * options.block_beams, n);
-  Eigen::VectorXd scores(rows.rows());
-  Eigen::VectorXd roots(rows.rows());
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    SONARCAL_CHECK(model.Evaluate(frame, state.values, state.active, FrameModel::Terms::kInformation, terms),
-                   "the model gives no value here");
-    const Eigen::Map<const Rows> jacobian(terms.eta_jacobian.data(),
-                                          static_cast<Eigen::Index>(model.pixel_count()), n);
-    for (int block_row = 0; block_row < block_rows; ++block_row) {
-      for (int block_col = 0; block_col < block_cols; ++block_col) {
-        Eigen::Index count = 0;
-        for (int bin = block_row * options.block_bins;
-             bin < std::min((block_row + 1) * options.block_bins, model.range_bins()); ++bin) {
-          for (int beam = block_col * options.block_beams;
-               beam < std::min((block_col + 1) * options.block_beams, beams); ++beam) {
-            const std::size_t pixel = static_cast<std::size_t>(bin) * beams + beam;
-            if (!model.Counts(frame, pixel)) continue;
-            const double residual = terms.residual[pixel];
-            ++equations.residual_count;
-            sum += residual;
-            equations.residual_square += residual * residual;
-            rows.row(count) =
-                jacobian.row(static_cast<Eigen::Index>(pixel)).cwiseProduct(value_slope.transpose());
-            scores(count) = residual * terms.slope[pixel];
-            roots(count) = std::sqrt(terms.information[pixel]);
-            ++count;
+    const auto evaluation = model.At(frame, state.values, state.active, FrameModel::Terms::kInformation);
+    SONARCAL_CHECK(evaluation != nullptr, "the model gives no value here");
+    std::vector<Band> bands((model.range_bins() + options.block_bins - 1) / options.block_bins);
+    ForBands(model.range_bins(), options.block_bins, [&](int band_idx, int first, int last) {
+      thread_local PixelTerms terms;
+      SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
+      Band& band = bands[band_idx];
+      const Eigen::Map<const RowMajor> jacobian(terms.eta_jacobian.data(),
+                                                static_cast<Eigen::Index>(terms.residual.size()), n);
+      for (int first_beam = 0; first_beam < beams; first_beam += options.block_beams) {
+        NormalEquations::Block block{.information = Eigen::MatrixXd::Zero(n, n),
+                                     .score = Eigen::VectorXd::Zero(n)};
+        for (int bin = first; bin < last; ++bin) {
+          for (int beam = first_beam; beam < std::min(first_beam + options.block_beams, beams); ++beam) {
+            if (!model.Counts(frame, static_cast<std::size_t>(bin) * beams + beam)) continue;
+            const std::size_t i = static_cast<std::size_t>(bin - first) * beams + beam;
+            const double residual = terms.residual[i];
+            ++band.count;
+            band.sum += residual;
+            band.square += residual * residual;
+            const auto row = jacobian.row(static_cast<Eigen::Index>(i)).transpose();
+            block.score.noalias() += residual * terms.slope[i] * row;
+            block.information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[i]);
           }
         }
-        if (count == 0) continue;
-        NormalEquations::Block block;
-        block.score = rows.topRows(count).transpose() * scores.head(count);
         if (block.score.isZero(0.0)) continue;
-        const Rows weighted = roots.head(count).asDiagonal() * rows.topRows(count);
-        block.information = weighted.transpose() * weighted;
+        const Eigen::MatrixXd full = block.information.selfadjointView<Eigen::Lower>();
+        block.information = value_slope.asDiagonal() * full * value_slope.asDiagonal();
+        block.score = value_slope.cwiseProduct(block.score);
+        band.blocks.push_back(std::move(block));
+      }
+    });
+    for (Band& band : bands) {
+      sum += band.sum;
+      equations.residual_square += band.square;
+      equations.residual_count += band.count;
+      for (NormalEquations::Block& block : band.blocks) {
         equations.information += block.information;
         equations.blocks.push_back(std::move(block));
       }
@@ -184,11 +299,10 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
 
 double CostAt(const FrameModel& model, const ParameterValues& values, int frames) {
   double cost = 0.0;
-  PixelTerms terms;
   for (int frame = 0; frame < frames; ++frame) {
-    if (!model.Evaluate(frame, values, {}, FrameModel::Terms::kResiduals, terms))
-      return std::numeric_limits<double>::infinity();
-    for (const double residual : terms.residual) cost += 0.5 * residual * residual;
+    const auto sums = SumFrame(model, model.catalog(), {.active = {}, .values = values}, frame, false);
+    if (!sums) return std::numeric_limits<double>::infinity();
+    cost += 0.5 * sums->residual_square;
   }
   return cost;
 }

@@ -23,11 +23,12 @@ struct FitState {
 };
 
 // One parameter block (`coordinates`, one value an active entry, kept within the entries' bounds), one
-// residual block a frame. Model, catalog (its bounds may be narrower than the model's own), state and
-// coordinates must outlive the problem.
+// residual block a frame and one for the priors. Of a frame's range bins, one run in `every` counts. For one
+// thread. Model, catalog (its bounds may be narrower than the model's
+// own), state and coordinates must outlive the problem.
 std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
-                                             std::vector<double>& coordinates);
+                                             std::vector<double>& coordinates, int every = 1);
 
 // Scores and expected information at a state, with respect to the coordinates of its active entries, summed
 // over blocks of pixels. `residuals` (where given) receives their mean and spread.
@@ -35,7 +36,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);
 
-// Half the sum of squares over the first `frames` frames, without a problem.
+// Half the sum of squares over the first `frames` frames, without a problem and without priors.
 double CostAt(const FrameModel& model, const ParameterValues& values, int frames);
 
 }  // namespace sonarcal

@@ -163,23 +163,4 @@ PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, doubl
   return difference;
 }
 
-ImageStack SumPixelEchoes(const PixelEchoes& echoes, std::span<const double> nodes, int count) {
-  SONARCAL_CHECK(nodes.size() == echoes.materials * CoarseIncidenceDeg().size() * count,
-                 "{} values for {} materials of {} nodes", nodes.size(), echoes.materials,
-                 CoarseIncidenceDeg().size());
-  const std::size_t pixels = echoes.start.size() - 1;
-  ImageStack stack{count, std::vector<double>(pixels * count, 0.0)};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels, 4096), [&](const auto& range) {
-    for (std::size_t pixel = range.begin(); pixel != range.end(); ++pixel) {
-      double* out = &stack.values[pixel * count];
-      for (std::uint32_t e = echoes.start[pixel]; e < echoes.start[pixel + 1]; ++e) {
-        const double weight = echoes.entries[e].weight;
-        const double* at = &nodes[static_cast<std::size_t>(echoes.entries[e].node) * count];
-        for (int k = 0; k < count; ++k) out[k] += weight * at[k];
-      }
-    }
-  });
-  return stack;
-}
-
 }  // namespace sonarcal

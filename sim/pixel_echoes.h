@@ -11,6 +11,8 @@
 // less than kNegligibleShare of a pixel's sum is left out.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -46,7 +48,28 @@ PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from
 // (above - below) x scale, entry by entry.
 PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale);
 
-// For each pixel, `count` sums over its entries: of node values (material nodes x count, node by node).
-ImageStack SumPixelEchoes(const PixelEchoes& echoes, std::span<const double> nodes, int count);
+// What a pixel needs to know of a curve at a node: its power, and the derivatives by A, B, C, D, E and F.
+inline constexpr int kCurveTerms = 7;
+inline constexpr int kCurveStride = 8;  // in a table: aligned for vector instructions
+
+// Adds a pixel's echoes, material by material: `sums` holds kCurveStride values for each material, `curves`
+// as many for each node of each material. Of materials that the pixel does not show, nothing is touched.
+inline void AddCurves(const PixelEchoes& echoes, std::size_t pixel, std::span<const double> curves,
+                      std::span<double> sums) {
+  const auto nodes = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
+  std::uint32_t e = echoes.start[pixel];
+  const std::uint32_t last = echoes.start[pixel + 1];
+  while (e < last) {
+    const std::uint32_t material = echoes.entries[e].node / nodes;
+    const std::uint32_t next_material = (material + 1) * nodes;
+    std::array<double, kCurveStride> of{};
+    for (; e < last && echoes.entries[e].node < next_material; ++e) {
+      const double weight = echoes.entries[e].weight;
+      const double* at = &curves[std::size_t{kCurveStride} * echoes.entries[e].node];
+      for (int k = 0; k < kCurveStride; ++k) of[k] += weight * at[k];
+    }
+    for (int k = 0; k < kCurveStride; ++k) sums[std::size_t{kCurveStride} * material + k] += of[k];
+  }
+}
 
 }  // namespace sonarcal

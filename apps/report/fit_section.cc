@@ -246,10 +246,11 @@ void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
     report.Paragraph("Not seen in the frames used: " + material + ".");
 
   report.Subsection("Residuals and run");
-  const char* unit = result.Find("receiver.noise_db") != nullptr ? "(deviance of speckle)" : "of full scale";
+  const char* unit = result.raw ? "of full scale" : "(deviance of speckle)";
+  const ResidualSummary residual = result.raw.value_or(result.whitened);
   report.Facts(
-      {{"Residual, mean", fmt::format("{:.5f} {}", result.raw.mean, unit)},
-       {"Residual, spread", fmt::format("{:.5f} {}", result.raw.spread, unit)},
+      {{"Residual, mean", fmt::format("{:.5f} {}", residual.mean, unit)},
+       {"Residual, spread", fmt::format("{:.5f} {}", residual.spread, unit)},
        {"Cost", fmt::format("{:.6g} before, {:.6g} after", result.cost_initial, result.cost_final)},
        {"Iterations", fmt::format("{}", result.iterations)},
        {"Ended", result.termination},

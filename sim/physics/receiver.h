@@ -6,8 +6,10 @@
 #include <numbers>
 #include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
+#include <vector>
 
 #include "data_io/types/error.h"
+#include "data_io/types/image.h"
 #include "data_io/types/parameters.h"
 #include "data_io/types/units.h"
 #include "sim/physics/display.h"
@@ -60,6 +62,39 @@ inline double NoisePower(const ReceiverParameters& receiver, double range_m, int
   }
   return power;
 }
+
+// NoisePower of every bin and beam at little cost: both floors are products of a term by bin and one by beam.
+class NoiseFloor {
+ public:
+  NoiseFloor(const ReceiverParameters& receiver, const PolarAxes& axes, double absorption_db_per_m) {
+    CheckTapers(receiver, axes.beam_count());
+    ReceiverParameters before = receiver;
+    before.noise_taper_db.clear();
+    before.noise_after_gain_db.reset();
+    for (int bin = 0; bin < axes.range_bins; ++bin) {
+      before_gain_by_bin_.push_back(NoisePower(before, axes.range_centre_m(bin), 0, absorption_db_per_m));
+    }
+    for (int beam = 0; beam < axes.beam_count(); ++beam) {
+      const auto taper_db = [beam](const std::vector<double>& taper) {
+        return taper.empty() ? 0.0 : taper[beam];
+      };
+      taper_.push_back(PowerOfLevel(taper_db(receiver.noise_taper_db)));
+      after_gain_.push_back(
+          receiver.noise_after_gain_db
+              ? PowerOfLevel(*receiver.noise_after_gain_db + taper_db(receiver.noise_after_gain_taper_db))
+              : 0.0);
+    }
+  }
+
+  // The floor that time-varied gain raises: noise_db, its trend and taper.
+  double BeforeGain(int bin, int beam) const { return before_gain_by_bin_[bin] * taper_[beam]; }
+  double Power(int bin, int beam) const { return BeforeGain(bin, beam) + after_gain_[beam]; }
+
+ private:
+  std::vector<double> before_gain_by_bin_;
+  std::vector<double> taper_;
+  std::vector<double> after_gain_;
+};
 
 // E[10 log10 power] - 10 log10 E[power] = (10 / ln 10) (psi(L) - ln L), dB: -2.507 at one look. looks > 0.
 inline double MeanLogSpeckleDb(double looks) {

@@ -153,15 +153,16 @@ TEST_F(SmallTankModels, CeresIsToldTheSumsOverAllPixels) {
   double expected_cost = 0.0;
   for (int frame = 0; frame < model.frame_count(); ++frame) {
     PixelTerms terms;
-    ASSERT_TRUE(model.Evaluate(frame, state.values, state.active, Terms::kDerivatives, terms));
+    ASSERT_TRUE(model.Evaluate(frame, state.values, state.active, Terms::kInformation, terms));
     for (std::size_t pixel = 0; pixel < terms.residual.size(); ++pixel) {
       Eigen::VectorXd row(n);
       for (Eigen::Index k = 0; k < n; ++k) {
-        row(k) = terms.slope[pixel] * terms.eta_jacobian[pixel * n + k] *
+        row(k) = terms.eta_jacobian[pixel * n + k] *
                  catalog[state.active[k]].ValueSlope(state.values[state.active[k]]);
       }
-      expected += row * row.transpose();
-      expected_gradient += terms.residual[pixel] * row;
+      const double information = std::max(terms.information[pixel], terms.slope[pixel] * terms.slope[pixel]);
+      expected += information * row * row.transpose();
+      expected_gradient += terms.residual[pixel] * terms.slope[pixel] * row;
       expected_cost += 0.5 * terms.residual[pixel] * terms.residual[pixel];
     }
   }

@@ -1,0 +1,96 @@
+// A frame of the acoustic model at one set of values: the mean power of each pixel, its derivatives, and the
+// likelihood of what was recorded there. This is where a fit of the acoustic model spends its time.
+//
+// Curves are tabulated once for all pixels, with their derivatives; a pixel then sums its few incidence
+// nodes, material by material.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calib/frame_model.h"
+#include "calib/power_likelihood.h"
+#include "data_io/types/parameters.h"
+#include "data_io/types/sonar_model.h"
+#include "sim/physics/receiver.h"
+#include "sim/pixel_echoes.h"
+
+namespace sonarcal {
+
+// What was recorded in a frame.
+struct RecordedFrame {
+  std::span<const RecordedPower> power;  // range_bins x beams
+  std::span<const std::uint8_t> use;     // 1 for the pixels that count; empty: all
+  std::span<const float> weight;         // of each pixel's likelihood, 0..1; empty: 1
+};
+
+// Echoes about a point, and what a unit of each geometric parameter adds to them.
+struct FrameEchoes {
+  PixelEchoes at_point;
+  std::vector<int> entries;  // of the catalog
+  std::vector<PixelEchoes> slopes;
+};
+
+// What a model knows before it looks at a frame.
+struct AcousticState {
+  const std::vector<CatalogEntry>& catalog;
+  const std::vector<std::string>& material_names;
+  const SonarModel& sonar;
+  double absorption_db_per_m = 0.0;
+  const ParameterSet& parameters;
+  const ParameterValues& values;
+  const ParameterValues& point;  // about which echoes are linear
+};
+
+class AcousticEvaluation final : public FrameEvaluation {
+ public:
+  // Echoes and recorded frame must outlive the evaluation.
+  AcousticEvaluation(const AcousticState& state, const FrameEchoes& echoes, const RecordedFrame& recorded,
+                     std::span<const int> active, FrameModel::Terms wanted);
+
+  bool Bins(int first, int last, PixelTerms& terms) const override;
+
+  // Mean power of every pixel.
+  std::vector<double> Means() const;
+
+ private:
+  // What a column of the Jacobian is of, and where a pixel finds it.
+  enum class Of { kCurve, kLevel, kNoise, kNoiseSlope, kGeometry, kNothing };
+  struct Column {
+    Of of = Of::kNothing;
+    int index = 0;  // kCurve: among the pixel's sums; kGeometry: among its slopes
+  };
+  // Sums over one pixel's echoes.
+  struct Sums {
+    std::vector<double> curves;  // kCurveStride for each material
+    std::vector<double> slopes;  // by geometric parameter
+    std::vector<double> scratch;
+    double power = 0.0;  // all materials together
+  };
+
+  Sums MakeSums() const;
+  Column PlanColumn(const AcousticState& state, int entry) const;
+  void SumEchoes(std::size_t pixel, Sums& sums) const;
+  void FillRow(int bin, int beam, const Sums& sums, double mean, double* row) const;
+  bool Counts(std::size_t pixel) const { return recorded_.use.empty() || recorded_.use[pixel] != 0; }
+
+  const FrameEchoes& echoes_;
+  RecordedFrame recorded_;
+  FrameModel::Terms wanted_;
+  int bins_;
+  int beams_;
+  std::size_t materials_;
+  std::vector<Column> columns_;
+  std::vector<double> curves_;   // kCurveStride for each node of each material
+  std::vector<double> moved_;    // of each geometric parameter, from the point
+  std::vector<double> gain_;     // by bin
+  std::vector<double> range_m_;  // by bin
+  NoiseFloor noise_;
+  double looks_;
+  double lowest_;  // power at the bottom of the display, and at its top
+  double highest_;
+};
+
+}  // namespace sonarcal

@@ -1,0 +1,87 @@
+#include "calib/fit_starts.h"
+
+#include <algorithm>
+#include <array>
+
+#include "calib/problem_builder.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+// Curves to start from, relative to C = 1: narrow, middling and wide peaks.
+struct StartShape {
+  double a;
+  double b_deg;
+  double e;
+  double f_deg;
+  double d;
+};
+constexpr std::array<StartShape, 3> kStartShapes = {
+    {{100.0, 2.0, 10.0, 10.0, 1.0}, {30.0, 5.0, 5.0, 16.0, 1.5}, {10.0, 8.0, 3.0, 30.0, 2.0}}};
+
+}  // namespace
+
+int FindEntry(const std::vector<CatalogEntry>& catalog, const std::string& name) {
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (catalog[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
+                      ParameterValues& values) {
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (free[i]) values[i] = std::clamp(values[i], catalog[i].lower, catalog[i].upper);
+  }
+}
+
+ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                            const std::vector<bool>& free, const ParameterValues& start) {
+  bool amplitudes_free = true;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (IsAmplitude(catalog[i])) amplitudes_free = amplitudes_free && free[i];
+  }
+  const int db_min = FindEntry(catalog, "display.db_min");
+  const int db_max = FindEntry(catalog, "display.db_max");
+  const bool span_free = db_max >= 0 && free[db_max];
+  if (!span_free && !amplitudes_free) return start;
+  ParameterValues best = start;
+  double best_cost = CostAt(model, start, 1);
+  const auto try_level = [&](double span_db, double offset_db) {
+    ParameterValues trial = start;
+    if (span_free) trial[db_max] = trial[db_min] + span_db;
+    for (std::size_t i = 0; i < catalog.size(); ++i) {
+      if (IsAmplitude(catalog[i])) trial[i] *= PowerFromDb(offset_db);
+    }
+    const double cost = CostAt(model, trial, 1);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = trial;
+    }
+  };
+  std::vector<double> spans = {span_free ? start[db_max] - start[db_min] : 0.0};
+  if (span_free) spans.insert(spans.end(), {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0});
+  for (const double span_db : spans) {
+    for (double offset_db = -60.0; offset_db <= 60.0; offset_db += 10.0) {
+      if (amplitudes_free || offset_db == 0.0) try_level(span_db, offset_db);
+    }
+  }
+  MoveInsideBounds(catalog, free, best);
+  return best;
+}
+
+ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
+                               const ParameterValues& start, int shape_number) {
+  const StartShape& shape = kStartShapes[(shape_number - 1) % kStartShapes.size()];
+  ParameterValues values = start;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    const CatalogEntry& entry = catalog[i];
+    if (entry.group != ParameterGroup::kGsab || !free[i]) continue;
+    const std::array<double, 6> of = {shape.a, shape.b_deg, 1.0, shape.d, shape.e, shape.f_deg};
+    values[i] = std::clamp(of[entry.index], entry.lower, entry.upper);
+  }
+  return values;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,32 @@
+// Where a fit starts from. Levels far from the recorded ones leave every pixel at a clamp, where nothing has
+// a slope; and a backscatter curve has more than one valley, as narrow and wide Gaussians can trade places.
+#pragma once
+
+#include <vector>
+
+#include "calib/frame_model.h"
+
+namespace sonarcal {
+
+// A parameter's place in a catalog, -1 where it has none of that name.
+int FindEntry(const std::vector<CatalogEntry>& catalog, const std::string& name);
+
+// Amplitude of a backscatter curve: A, C or E.
+inline bool IsAmplitude(const CatalogEntry& entry) {
+  return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;
+}
+
+// Tries dB ranges and common level offsets of all curves on the first frame, as far as they are free, and
+// returns the values that explain it best, within the bounds.
+ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                            const std::vector<bool>& free, const ParameterValues& start);
+
+// The values with other curves for the materials that are free: `shape` counts from 1, any number of them.
+ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
+                               const ParameterValues& start, int shape);
+
+// Values outside their bounds moved to them.
+void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
+                      ParameterValues& values);
+
+}  // namespace sonarcal

@@ -1,0 +1,101 @@
+// A fit beside the ray tracing that it rests on, in the same run: 30 frames of 256 beams x 330 bins, 1500 x
+// 1200 rays each, 12 free parameters, on a SYNTHETIC recording of the paper's tank by the acoustic model.
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "calib/acoustic_fit.h"
+#include "sim/scenes.h"
+#include "sim/simulator.h"
+#include "sim/sonar_presets.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr int kFrames = 30;
+
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+ParameterSet Truth() {
+  ParameterSet truth;
+  truth.model = EchoModel::kAcoustic;
+  truth.source_level_db = 200.0;
+  truth.display = {.db_min = 82.0, .db_max = 148.0};
+  truth.materials["default"].gsab = {.a = 0.1, .b_deg = 4.0, .c = 0.001, .d = 1.4, .e = 0.004, .f_deg = 9.0};
+  truth.materials["floor"].gsab = {.a = 0.1, .b_deg = 5.0, .c = 0.002, .d = 1.8, .e = 0.01, .f_deg = 12.0};
+  truth.materials["mockup"].gsab = {.a = 0.12, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0};
+  truth.receiver.noise_db = 94.0;
+  return truth;
+}
+
+// The poses of the paper's tank, and the same turned and tilted: floors and faces at all angles.
+std::vector<Pose> Poses() {
+  std::vector<Pose> poses;
+  for (int i = 0; poses.size() < kFrames; ++i) {
+    for (int set = 1; set <= 3; ++set) {
+      for (const Pose& pose : PaperTankPoses(set)) {
+        if (poses.size() == kFrames) return poses;
+        const double pitch_rad = RadFromDeg(-10.0 * i);
+        poses.push_back({pose.rotation * RotationFromYawPitchRoll(RadFromDeg(5.0 * i), pitch_rad, 0.0),
+                         pose.position_m});
+      }
+    }
+  }
+  return poses;
+}
+
+void FitBesideTracing(benchmark::State& state) {
+  const SonarPreset& preset = FindSonarPreset("p900-45");
+  SonarModel sonar = preset.sonar;
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams, .cols = 1500, .rows = 1200, .elevation_span_deg = 60.0};
+  options.water = preset.water;
+  options.noise = true;
+  const Simulator simulator(MakePaperTank(), sonar, options);
+  const ParameterSet truth = Truth();
+  std::vector<AcousticFrame> frames;
+  for (const Pose& pose : Poses()) {
+    const int index = static_cast<int>(frames.size());
+    const PolarImage image = simulator.Render(pose, truth, index);
+    frames.push_back(
+        {.index = index, .world_from_sonar = pose, .recorded = RecordedPowers(image, truth.display)});
+  }
+  ParameterSet initial = truth;
+  for (const char* material : {"floor", "mockup"}) {
+    initial.materials[material].gsab = {
+        .a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
+  }
+  FitConfig config;
+  config.free = {"material.floor.*", "material.mockup.*"};
+
+  for (auto unused : state) {
+    const double start = Now();
+    for (const AcousticFrame& frame : frames) {
+      const EchoList echoes = simulator.TraceEchoes(frame.world_from_sonar);
+      benchmark::DoNotOptimize(echoes.range_m.data());
+    }
+    const double traced = Now();
+    const AcousticFrameModel model(simulator, frames, initial);
+    const double gathered = Now();
+    const ModelFit fit = Fit(model, model.initial_values(), config);
+    const double solved = Now();
+    if (!fit.usable) state.SkipWithError(fit.report.termination.c_str());
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    state.counters["trace_s"] = traced - start;
+    state.counters["trace_and_gather_s"] = gathered - traced;
+    state.counters["solve_s"] = solved - gathered;
+    state.counters["solve_over_trace"] = (solved - gathered) / (traced - start);
+    state.counters["iterations"] = fit.report.iterations;
+    state.counters["peak_memory_MiB"] = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  }
+}
+BENCHMARK(FitBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
+
+}  // namespace
+}  // namespace sonarcal
