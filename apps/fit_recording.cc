@@ -13,10 +13,14 @@
 #include "data_io/pose_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "sim/acoustic_fan.h"
 #include "sim/power_response.h"
 
 namespace sonarcal {
 namespace {
+
+// A pinhole sees less than 180 degrees.
+constexpr double kWidestFrustumDeg = 120.0;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
@@ -75,30 +79,20 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
   return note;
 }
 
-// Rays for a model whose beams have flanks: beyond the outer beams, and in elevation to where a beam of this
-// width hears next to nothing; steps of at most a quarter of a beam and a fiftieth of a degree, so that a
-// floor far away has no combs.
+// Of the rays that the acoustic model wants, as many as are asked for.
 SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                      const ParameterSet& parameters) {
-  constexpr double kElevationWidths = 4.0;
-  constexpr double kMostElevationDeg = 120.0;
-  constexpr double kRowDeg = 0.02;
-  constexpr double kMarginWidths = 3.0;
-  constexpr double kMostMarginDeg = 20.0;
-  ParameterSet complete = parameters;
-  CompleteResponse(sonar, complete);
   SimulationOptions options = rays.For(sonar, water);
-  RayFanOptions& fan = options.fan;
-  fan.elevation_span_deg = std::min(kElevationWidths * complete.beam.elevation_width_deg, kMostElevationDeg);
-  fan.azimuth_margin_deg = std::min(kMarginWidths * complete.beam.azimuth_width_deg, kMostMarginDeg);
-  if (rays.rays.empty()) {
-    const std::vector<double>& azimuth_rad = sonar.axes.beam_azimuth_rad;
-    const double spacing_deg =
-        DegFromRad((azimuth_rad.back() - azimuth_rad.front()) / std::max(1, sonar.axes.beam_count() - 1));
-    const double width_deg = std::max(complete.beam.azimuth_width_deg, 1e-3);
-    const int per_beam = std::clamp(static_cast<int>(std::ceil(4.0 * spacing_deg / width_deg)), 1, 8);
-    fan.cols = per_beam * sonar.axes.beam_count();
-    fan.rows = static_cast<int>(std::ceil(fan.elevation_span_deg / kRowDeg));
+  const RayFanOptions asked = options.fan;
+  options.fan = AcousticFanOptions(sonar, parameters);
+  if (!rays.rays.empty()) {
+    options.fan.sampling = asked.sampling;
+    options.fan.cols = asked.cols;
+    options.fan.rows = asked.rows;
+    if (asked.sampling == Sampling::kFrustum) {
+      options.fan.row_crowding = 1.0;
+      options.fan.elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg);
+    }
   }
   return options;
 }

@@ -67,7 +67,7 @@ void AddRayOptions(CLI::App& command, RayOptions& options) {
       .add_option(
           "--rays", options.rays,
           fmt::format("Columns x rows of rays over the field of view (default: {}x{} for frustum, {} a "
-                      "beam x {} for beams)",
+                      "beam x {} for beams; for the acoustic model, rays by the shape of its beam)",
                       kFrustumRays.cols, kFrustumRays.rows, kColumnsPerBeam, kBeamRows))
       ->type_name("WxH");
   AddChoice(command, "--normals", options.normals, kNormals,

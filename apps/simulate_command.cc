@@ -19,6 +19,7 @@
 #include "data_io/parameters_io.h"
 #include "data_io/recording_io.h"
 #include "data_io/scene_io.h"
+#include "sim/acoustic_fan.h"
 
 namespace sonarcal {
 namespace {
@@ -84,11 +85,14 @@ void PrintCaveats(const SimulateOptions& options, const Simulator& simulator, co
 }
 
 Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulator, EchoModel model) {
+  const RayFanOptions& fan = simulator.options().fan;
+  RayOptions rays = options.rays;
+  rays.sampling = fan.sampling;
   Json json = {{"scene", options.scene.string()},   {"sonar", options.sonar},
                {"params", options.params.string()}, {"poses", options.poses.string()},
                {"out", options.out.string()},       {"model", ToString(model)}};
-  json.update(RayOptionsJson(options.rays, {simulator.fan().cols(), simulator.fan().rows()}));
-  json.update({{"margin_deg", simulator.options().fan.azimuth_margin_deg},
+  json.update(RayOptionsJson(rays, {simulator.fan().cols(), simulator.fan().rows()}));
+  json.update({{"margin_deg", fan.azimuth_margin_deg},
                {"bits", options.bits},
                {"noise", IsRandom(options, model)},
                {"frozen_speckle", options.frozen_speckle},
@@ -109,6 +113,8 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
 
   SimulationOptions simulation = options.rays.For(choice.sonar, water.water);
+  if (parameters.model == EchoModel::kAcoustic && options.rays.rays.empty())
+    simulation.fan = AcousticFanOptions(choice.sonar, parameters);
   simulation.bits = options.bits;
   simulation.noise = IsRandom(options, parameters.model);
   simulation.frozen_speckle = options.frozen_speckle;

@@ -87,7 +87,7 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::vector<double> moved_;    // of each geometric parameter, from the point
   std::vector<double> gain_;     // by bin
   std::vector<double> range_m_;  // by bin
-  NoiseFloor noise_;
+  ReceiverNoise noise_;
   double looks_;
   double lowest_;  // power at the bottom of the display, and at its top
   double highest_;

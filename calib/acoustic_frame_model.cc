@@ -1,5 +1,7 @@
 #include "calib/acoustic_frame_model.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -125,8 +127,9 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
 
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
   point_ = values;
-  std::vector<FrameEchoes> echoes;
-  for (int frame = 0; frame < frame_count(); ++frame) echoes.push_back(EchoesAbout(frame, values, geometric));
+  std::vector<FrameEchoes> echoes(frames_.size());
+  tbb::parallel_for(0, frame_count(),
+                    [&](int frame) { echoes[frame] = EchoesAbout(frame, values, geometric); });
   echoes_ = std::move(echoes);
 }
 

@@ -17,8 +17,9 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kFormat = "sonar-parameters/1";
 constexpr JsonWords<EchoModel, 3> kModels = {
     {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
-constexpr JsonWords<ElevationPattern, 2> kElevationPatterns = {
-    {{"gaussian", ElevationPattern::kGaussian}, {"aperture", ElevationPattern::kAperture}}};
+constexpr JsonWords<ElevationPattern, 3> kElevationPatterns = {{{"gaussian", ElevationPattern::kGaussian},
+                                                                {"aperture", ElevationPattern::kAperture},
+                                                                {"cosine", ElevationPattern::kCosine}}};
 constexpr JsonWords<AzimuthPattern, 3> kAzimuthPatterns = {{{"gaussian", AzimuthPattern::kGaussian},
                                                             {"aperture", AzimuthPattern::kAperture},
                                                             {"table", AzimuthPattern::kTable}}};

@@ -13,7 +13,7 @@
 //                 "noise_after_gain_db", "noise_after_gain_taper_db": [dB a beam], "looks"},
 //    "beam": {"azimuth_width_deg", "elevation_width_deg", "azimuth_pattern": "gaussian" | "aperture" |
 //    "table",
-//             "elevation_pattern": "gaussian" | "aperture", "elevation_taper": 0..1,
+//             "elevation_pattern": "gaussian" | "aperture" | "cosine", "elevation_taper": 0..1,
 //             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle]},
 //    "pulse": {"length_m"},
 //    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}

@@ -157,7 +157,7 @@ std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterS
 
 Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSet& parameters) {
   const PolarAxes& axes = geometry.sonar.axes;
-  const NoiseFloor floor(parameters.receiver, axes, geometry.absorption_db_per_m);
+  const ReceiverNoise floor(parameters.receiver, axes, geometry.absorption_db_per_m);
   Grid<double> noise(axes.range_bins, axes.beam_count());
   for (int bin = 0; bin < noise.rows(); ++bin) {
     for (int beam = 0; beam < noise.cols(); ++beam) noise(bin, beam) = floor.Power(bin, beam);

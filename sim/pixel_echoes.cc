@@ -3,9 +3,11 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -31,9 +33,46 @@ std::array<NodeShare, kIncidenceNodes> CoarseShares() {
   return shares;
 }
 
-struct NodeWeight {
-  std::uint32_t node;
-  double weight;
+// Power by incidence node and column of the ray fan: a line of columns for each node that occurs. Reused from
+// bin to bin.
+class NodeLines {
+ public:
+  NodeLines(std::size_t nodes, int columns) : columns_(columns), slot_(nodes, -1) {}
+
+  void Clear() {
+    for (const std::uint32_t node : nodes_) slot_[node] = -1;
+    nodes_.clear();
+  }
+  void Add(std::uint32_t node, int column, double power) {
+    int& slot = slot_[node];
+    if (slot < 0) {
+      slot = static_cast<int>(nodes_.size());
+      nodes_.push_back(node);
+      const std::size_t end = nodes_.size() * columns_;
+      if (power_.size() < end) power_.resize(end);
+      std::fill(power_.begin() + static_cast<std::ptrdiff_t>(end - columns_),
+                power_.begin() + static_cast<std::ptrdiff_t>(end), 0.0);
+    }
+    power_[static_cast<std::size_t>(slot) * columns_ + column] += power;
+  }
+  // Nodes that occur, in their order.
+  std::vector<std::uint32_t> Sorted() const {
+    std::vector<std::uint32_t> sorted = nodes_;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }
+  double Through(const PowerResponse::Window& window, std::uint32_t node) const {
+    const auto length = static_cast<Eigen::Index>(window.weight.size());
+    const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + window.first];
+    return Eigen::Map<const Eigen::VectorXd>(window.weight.data(), length)
+        .dot(Eigen::Map<const Eigen::VectorXd>(line, length));
+  }
+
+ private:
+  std::size_t columns_;
+  std::vector<int> slot_;  // by node, -1 where it does not occur
+  std::vector<std::uint32_t> nodes_;
+  std::vector<double> power_;
 };
 
 }  // namespace
@@ -59,57 +98,34 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
   std::vector<std::vector<PixelEchoes::Entry>> of_pixel(static_cast<std::size_t>(bins) * beams);
 
   tbb::parallel_for(tbb::blocked_range<int>(0, bins, 8), [&](const tbb::blocked_range<int>& range) {
-    std::vector<double> dense(nodes, 0.0);
-    std::vector<std::uint32_t> touched;
-    const auto add = [&](std::uint32_t node, double weight) {
-      if (weight == 0.0) return;
-      if (dense[node] == 0.0) touched.push_back(node);
-      dense[node] += weight;
-    };
-    std::vector<std::vector<NodeWeight>> by_column(echoes.cols);
+    NodeLines lines(nodes, echoes.cols);
+    std::vector<double> weights;
     for (int bin = range.begin(); bin != range.end(); ++bin) {
-      for (std::vector<NodeWeight>& column : by_column) column.clear();
+      lines.Clear();
       const auto [first_row, last_row] = response.RowsOfBin(bin);
       for (std::size_t i = row_start[first_row]; i < row_start[last_row]; ++i) {
         const EchoPower::Cell& cell = echoes.cells[i];
         const double pulse = response.PulseWeight(bin, cell.row);
-        std::vector<NodeWeight>& column = by_column[cell.col];
         for (std::uint32_t e = cell.first_entry; e < cell.last_entry; ++e) {
           const std::uint32_t fine = echoes.entries[e].node;
           const NodeShare& share = shares[fine % kIncidenceNodes];
           const std::uint32_t node = fine / kIncidenceNodes * coarse_count + share.node;
-          const double weight = pulse * echoes.entries[e].power;
-          column.push_back({node, weight * (1.0 - share.of_next)});
-          column.push_back({node + 1, weight * share.of_next});
+          const double power = pulse * echoes.entries[e].power;
+          if (share.of_next < 1.0) lines.Add(node, cell.col, power * (1.0 - share.of_next));
+          if (share.of_next > 0.0) lines.Add(node + 1, cell.col, power * share.of_next);
         }
       }
-      // One entry a node of each column.
-      for (std::vector<NodeWeight>& column : by_column) {
-        for (const auto& [node, weight] : column) add(node, weight);
-        column.clear();
-        for (const std::uint32_t node : touched) {
-          column.push_back({node, dense[node]});
-          dense[node] = 0.0;
-        }
-        touched.clear();
-      }
+      const std::vector<std::uint32_t> present = lines.Sorted();
       for (int beam = 0; beam < beams; ++beam) {
         const PowerResponse::Window& window = response.azimuth(beam);
-        double total = 0.0;
-        for (std::size_t i = 0; i < window.weight.size(); ++i) {
-          for (const auto& [node, weight] : by_column[window.first + i]) {
-            add(node, window.weight[i] * weight);
-            total += window.weight[i] * weight;
-          }
-        }
+        weights.clear();
+        for (const std::uint32_t node : present) weights.push_back(lines.Through(window, node));
+        const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
         auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
-        std::sort(touched.begin(), touched.end());
-        for (const std::uint32_t node : touched) {
-          if (dense[node] > kNegligibleShare * total)
-            pixel.push_back({node, static_cast<float>(dense[node])});
-          dense[node] = 0.0;
+        for (std::size_t i = 0; i < present.size(); ++i) {
+          if (weights[i] > kNegligibleShare * total)
+            pixel.push_back({present[i], static_cast<float>(weights[i])});
         }
-        touched.clear();
       }
     }
   });

@@ -23,6 +23,9 @@ void RayFanOptions::Check() const {
     throw DataError("rays: elevation span {} degrees, expected 0 (the sonar's own) .. 180",
                     elevation_span_deg);
   }
+  if (!(row_crowding >= 1.0 && row_crowding <= 100.0)) {
+    throw DataError("rays: row crowding {}, expected 1 (even) .. 100", row_crowding);
+  }
   if (!(azimuth_margin_deg >= 0.0 && azimuth_margin_deg <= 60.0)) {
     throw DataError("rays: azimuth margin {} degrees, expected 0 .. 60", azimuth_margin_deg);
   }
@@ -81,9 +84,15 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     add_margin(beam_edges_rad_[beams], (beam_edges_rad_[beams] - beam_edges_rad_[beams - 1]) / cols_per_beam,
                false);
     cols_ = static_cast<int>(azimuth_rad_.size());
-    row_height_rad_ = span_rad / rows_;
-    for (int row = 0; row < rows_; ++row)
-      row_elevation_rad_.push_back(0.5 * span_rad - (row + 0.5) * row_height_rad_);
+    const double even = 1.0 / options.row_crowding;
+    const auto edge_rad = [&](int row) {
+      const double u = 1.0 - 2.0 * row / rows_;
+      return 0.5 * span_rad * (even + (1.0 - even) * u * u) * u;
+    };
+    for (int row = 0; row < rows_; ++row) {
+      row_elevation_rad_.push_back(0.5 * (edge_rad(row) + edge_rad(row + 1)));
+      row_height_rad_.push_back(edge_rad(row) - edge_rad(row + 1));
+    }
   }
 
   rays_per_beam_.assign(beams, 0);
@@ -112,7 +121,7 @@ Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) co
                            row_slope_[row] + v * slope_height_)
         .normalized();
   }
-  const double elevation = row_elevation_rad_[row] + v * row_height_rad_;
+  const double elevation = row_elevation_rad_[row] + v * row_height_rad_[row];
   const double azimuth = azimuth_rad_[col] + u * column_width_rad_[col];
   return {std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
           std::sin(elevation)};
@@ -131,8 +140,8 @@ double RayFan::SolidAngleSr(int row, int col) const {
     return slope_width_ * slope_height_ / (length * length * length);
   }
   const double elevation = row_elevation_rad_[row];
-  return column_width_rad_[col] *
-         (std::sin(elevation + 0.5 * row_height_rad_) - std::sin(elevation - 0.5 * row_height_rad_));
+  return column_width_rad_[col] * (std::sin(elevation + 0.5 * row_height_rad_[row]) -
+                                   std::sin(elevation - 0.5 * row_height_rad_[row]));
 }
 
 }  // namespace sonarcal

@@ -4,8 +4,8 @@
 //            centres at half-integers. Horizontally from the outer edge of the first beam to that of the
 //            last.
 //   beams    equal angles over each beam's azimuth interval and over elevation: what an array does; fewer
-//   rays
-//            for the same image, and the default for calibration.
+//            rays for the same image, and the default for calibration. Rows may crowd about the horizon,
+//            where a small angle is a long way on the floor.
 //
 // A margin adds columns beyond the outer edges of the outer beams: what lies there is in those beams' flanks
 // and side lobes. It is for models that have them; one that gives each ray to the beam it falls in needs
@@ -32,6 +32,9 @@ struct RayFanOptions {
   // Azimuth cast beyond either outer edge. kFrustum: the same number of columns covers it too; kBeams: as
   // many more columns as it takes, of the outer beam's width. Up to 60.
   double azimuth_margin_deg = 0.0;
+  // kBeams: mean height of a row over that at the horizon, 1 (even) .. 100. With u = -1..1 down the rows,
+  // elevation is span / 2 x (u / crowding + (1 - 1 / crowding) u^3).
+  double row_crowding = 1.0;
 
   // Throws DataError naming field, value and limit.
   void Check() const;
@@ -78,7 +81,7 @@ class RayFan {
   double slope_width_ = 0.0;  // kFrustum: sides of a pixel on the plane at unit distance
   double slope_height_ = 0.0;
   std::vector<double> row_elevation_rad_;
-  double row_height_rad_ = 0.0;
+  std::vector<double> row_height_rad_;  // kBeams
 };
 
 }  // namespace sonarcal

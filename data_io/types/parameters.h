@@ -111,16 +111,18 @@ enum class AzimuthPattern {
 enum class ElevationPattern {
   kGaussian,
   kAperture,  // a line aperture shaded by (1 - taper) + taper cos^2, the same on transmit and on receive
+  kCosine,    // the same shaded by a cosine
 };
 
-// Half-power widths of the beam, two-way; 0 = take the sonar's own.
+// Half-power widths of the beam, two-way; 0 = take the sonar's own. Where nobody says otherwise a beam has
+// side lobes: without them, what lies right below a sonar is not there at all.
 struct BeamParameters {
   double azimuth_width_deg = 0.0;
   double elevation_width_deg = 0.0;
-  AzimuthPattern azimuth_pattern = AzimuthPattern::kGaussian;
+  AzimuthPattern azimuth_pattern = AzimuthPattern::kAperture;
   double azimuth_taper = 1.0;  // kAperture: 0 uniform (side lobes -13 dB) .. 1 Hann (-31 dB)
-  ElevationPattern elevation_pattern = ElevationPattern::kGaussian;
-  double elevation_taper = 0.6;  // kAperture: 0 uniform, 0.6 like a cosine, 1 Hann
+  ElevationPattern elevation_pattern = ElevationPattern::kCosine;
+  double elevation_taper = 1.0;  // kAperture: 0 uniform .. 1 Hann
   std::vector<double> azimuth_table_db =
       {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
 

@@ -64,9 +64,9 @@ inline double NoisePower(const ReceiverParameters& receiver, double range_m, int
 }
 
 // NoisePower of every bin and beam at little cost: both floors are products of a term by bin and one by beam.
-class NoiseFloor {
+class ReceiverNoise {
  public:
-  NoiseFloor(const ReceiverParameters& receiver, const PolarAxes& axes, double absorption_db_per_m) {
+  ReceiverNoise(const ReceiverParameters& receiver, const PolarAxes& axes, double absorption_db_per_m) {
     CheckTapers(receiver, axes.beam_count());
     ReceiverParameters before = receiver;
     before.noise_taper_db.clear();

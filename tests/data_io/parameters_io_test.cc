@@ -155,7 +155,8 @@ TEST(ParametersIoTest, BeamPatternsAreNamedAndTheirTablesOdd) {
       ParseParameters(with_beam(R"("azimuth_pattern": "aperture", "azimuth_taper": 0.4)"), "p.json").beam;
   EXPECT_EQ(aperture.azimuth_pattern, AzimuthPattern::kAperture);
   EXPECT_EQ(aperture.azimuth_taper, 0.4);
-  EXPECT_EQ(ParseParameters(kExample, "p.json").beam.azimuth_pattern, AzimuthPattern::kGaussian);
+  EXPECT_EQ(ParseParameters(kExample, "p.json").beam.azimuth_pattern, AzimuthPattern::kAperture);
+  EXPECT_EQ(ParseParameters(kExample, "p.json").beam.elevation_pattern, ElevationPattern::kCosine);
   const BeamParameters table =
       ParseParameters(with_beam(R"("azimuth_pattern": "table", "azimuth_table_db": [-9, 0, -8])"), "p.json")
           .beam;

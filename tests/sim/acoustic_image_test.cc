@@ -33,7 +33,9 @@ ParameterSet TestParameters() {
   p.source_level_db = 180.0;
   p.receiver.gain_db = 5.0;
   p.materials["default"].gsab = {.a = 0.16, .b_deg = 6.0, .c = 4e-3, .d = 2.0, .e = 0.016, .f_deg = 20.0};
-  p.display = {.db_min = -200.0, .db_max = 400.0};  // clips nothing, and can be undone
+  p.display = {.db_min = -200.0, .db_max = 400.0};     // clips nothing, and can be undone
+  p.beam.azimuth_pattern = AzimuthPattern::kGaussian;  // closed forms
+  p.beam.elevation_pattern = ElevationPattern::kGaussian;
   return p;
 }
 

@@ -73,6 +73,37 @@ TEST(ApertureField, SeriesAndQuotientMeet) {
 }
 
 // Harris 1978, Table I: rectangle -13 dB, Hann -32 dB; to two digits by the extremum of the closed forms.
+// Against the integral of the shading over the aperture, by the midpoint rule; and Harris' side lobe.
+TEST(CosineApertureField, IsTheFourierIntegralOfItsShading) {
+  for (const double v : {0.0, 0.2, 0.5, 0.500001, 0.8, 1.5, 2.7}) {
+    constexpr int kSteps = 20000;
+    double field = 0.0;
+    double weight = 0.0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double s = (i + 0.5) / kSteps - 0.5;
+      field += std::cos(std::numbers::pi * s) * std::cos(2.0 * std::numbers::pi * v * s);
+      weight += std::cos(std::numbers::pi * s);
+    }
+    EXPECT_NEAR(CosineApertureField(v), field / weight, 1e-8) << v;
+  }
+  double highest = 0.0;
+  for (double v = 1.5; v < 5.0; v += 1e-3) highest = std::max(highest, std::abs(CosineApertureField(v)));
+  EXPECT_NEAR(20.0 * std::log10(highest), -23.0, 0.1);
+}
+
+TEST(ElevationResponse, IsAHalfAtHalfTheWidth) {
+  for (const auto pattern :
+       {ElevationPattern::kGaussian, ElevationPattern::kAperture, ElevationPattern::kCosine}) {
+    const ElevationResponse response(pattern, RadFromDeg(20.0), 0.3);
+    EXPECT_NEAR(response.Power(RadFromDeg(10.0)), 0.5, 1e-9);
+    EXPECT_EQ(response.Power(0.0), 1.0);
+  }
+  // The aperture of the SYNTHETIC tank's truth: 2.4503 wavelengths for 20 degrees.
+  const ElevationResponse response(ElevationPattern::kCosine, RadFromDeg(20.0), 0.0);
+  const double one_way = CosineApertureField(2.4503 * std::sin(RadFromDeg(35.0)));
+  EXPECT_NEAR(response.Power(RadFromDeg(35.0)), std::pow(one_way, 4), 1e-7);
+}
+
 TEST(AzimuthPower, HighestSideLobe) {
   const struct {
     double taper;

@@ -211,6 +211,23 @@ TEST(Beams, ElevationsAreEvenOverTheSpan) {
     EXPECT_NEAR(DegFromRad(fan.ElevationRad(row, 3)), expected_deg[row], 1e-12);
 }
 
+TEST(Beams, CrowdedRowsCoverTheSameSpan) {
+  RayFanOptions options = Options(Sampling::kBeams, 40, 200);
+  const double even_sr = TotalSolidAngle(RayFan(UnevenSonar(), options));
+  options.row_crowding = 5.0;
+  const RayFan fan(UnevenSonar(), options);
+  EXPECT_NEAR(TotalSolidAngle(fan), even_sr, 1e-12);
+  const double even_deg = 20.0 / 200;
+  const auto height_deg = [&](int row) {
+    return DegFromRad(fan.ElevationRad(row, 0) - fan.ElevationRad(row + 1, 0));
+  };
+  EXPECT_NEAR(height_deg(99), even_deg / 5.0, 1e-4);
+  // The slope of u / 5 + 4 u^3 / 5 where the first two rows meet.
+  EXPECT_NEAR(height_deg(0), even_deg * (0.2 + 2.4 * 0.99 * 0.99), 1e-4);
+  options.row_crowding = 0.5;
+  EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<DataError>(HasSubstr("row crowding 0.5")));
+}
+
 template <typename Make>
 void ExpectRefused(const Make& make, const std::string& words) {
   EXPECT_THAT(make, ThrowsMessage<DataError>(HasSubstr(words)));

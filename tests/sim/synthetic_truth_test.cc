@@ -41,8 +41,9 @@ class SyntheticTank : public ::testing::Test {
     options.fan = {.sampling = Sampling::kBeams,
                    .cols = 2 * 256,
                    .rows = 2500,
-                   .elevation_span_deg = 42.0,
-                   .azimuth_margin_deg = 4.0};
+                   .elevation_span_deg = 176.0,
+                   .azimuth_margin_deg = 4.0,
+                   .row_crowding = 6.0};
     options.water = *recording_->info().water;
     simulator_.emplace(ReadGltf(folder / "scene.gltf"), recording_->info().sonar, options);
   }

@@ -1,0 +1,44 @@
+#include "sim/acoustic_fan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "data_io/types/units.h"
+#include "sim/power_response.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no side lobes
+constexpr double kMostElevationDeg = 176.0;
+constexpr double kRowDeg = 0.04;  // on average; crowded, a sixth of that at the horizon
+constexpr double kCrowding = 6.0;
+constexpr double kMarginWidths = 3.0;  // of azimuth
+constexpr double kMostMarginDeg = 20.0;
+constexpr double kColumnsPerWidth = 4.0;
+constexpr int kMostColumnsPerBeam = 8;
+
+}  // namespace
+
+RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters) {
+  ParameterSet complete = parameters;
+  CompleteResponse(sonar, complete);
+  const BeamParameters& beam = complete.beam;
+  const std::vector<double>& azimuth_rad = sonar.axes.beam_azimuth_rad;
+  const double spacing_deg =
+      DegFromRad((azimuth_rad.back() - azimuth_rad.front()) / std::max(1, sonar.axes.beam_count() - 1));
+  const double width_deg = std::max(beam.azimuth_width_deg, 1e-3);
+  const int per_beam = std::clamp(static_cast<int>(std::ceil(kColumnsPerWidth * spacing_deg / width_deg)), 1,
+                                  kMostColumnsPerBeam);
+  const double span_deg = beam.elevation_pattern == ElevationPattern::kGaussian
+                              ? std::min(kGaussianWidths * beam.elevation_width_deg, kMostElevationDeg)
+                              : kMostElevationDeg;
+  return {.sampling = Sampling::kBeams,
+          .cols = per_beam * sonar.axes.beam_count(),
+          .rows = static_cast<int>(std::ceil(span_deg / kRowDeg)),
+          .elevation_span_deg = span_deg,
+          .azimuth_margin_deg = std::min(kMarginWidths * beam.azimuth_width_deg, kMostMarginDeg),
+          .row_crowding = kCrowding};
+}
+
+}  // namespace sonarcal

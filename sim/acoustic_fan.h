@@ -1,0 +1,18 @@
+// The rays that the acoustic model wants where nobody asks for others.
+//
+// Beams have flanks: the fan reaches beyond the outer beams, and in elevation to where a beam of this width
+// hears next to nothing. With side lobes that is nowhere: the floor right below a sonar returns its echo from
+// straight on, and without it a noise floor comes out 0.3 dB too high. Rows crowd about the horizon, so that
+// a floor far away has no combs.
+#pragma once
+
+#include "data_io/types/parameters.h"
+#include "data_io/types/sonar_model.h"
+#include "sim/ray_fan.h"
+
+namespace sonarcal {
+
+// Throws DataError where neither parameters nor sonar know the beam's width.
+RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters);
+
+}  // namespace sonarcal
