@@ -6,8 +6,6 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/provenance.h"
-#include "apps/report/comparison_section.h"
-#include "apps/report/fit_section.h"
 #include "apps/report/noise_section.h"
 #include "apps/run_output.h"
 #include "calib/noise_fit.h"
@@ -20,12 +18,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json ResidualJson(const ResidualSummary& residual) {
+  return {{"mean", residual.mean}, {"spread", residual.spread}};
+}
+
 Json AgreementJson(const NoiseAgreement& agreement) {
   return {{"ks", agreement.ks},
           {"wasserstein_1_grey", agreement.wasserstein_grey},
           {"cell_ks_median", agreement.cell_ks_median},
           {"cell_ks_p95", agreement.cell_ks_p95},
           {"cell", fmt::format("{} bins x {} beams", kJudgeBins, kJudgeBeams)},
+          {"whitened_residual", ResidualJson(agreement.whitened)},
           {"nats_per_pixel", agreement.nats_per_pixel}};
 }
 
@@ -49,14 +52,16 @@ double ShareLeftOut(const NoiseFit& fit) {
 }
 
 std::string FitJson(const NoiseFit& fit) {
-  const Json extra = {
-      {"model_choice", ChoicesJson(fit)},
-      {"speckle", ToString(fit.law.speckle)},
-      {"agreement",
-       {{"judged_on_held_out", fit.judged_on_held_out},
-        {"frames_used", AgreementJson(fit.used)},
-        {"frames_held_out", fit.judged_on_held_out ? AgreementJson(fit.judged) : Json(nullptr)},
-        {"share_of_cells_left_out", ShareLeftOut(fit)}}}};
+  const Json extra = {{"model_choice", ChoicesJson(fit)},
+                      {"speckle", ToString(fit.law.speckle)},
+                      {"agreement",
+                       {{"judged_on_held_out", fit.judged_on_held_out},
+                        {"judged_apart_from_choice", fit.judged_apart_from_choice},
+                        {"frames_chosen_on", fit.frames_chosen_on},
+                        {"frames_judged_on", fit.frames_judged_on},
+                        {"frames_used", AgreementJson(fit.used)},
+                        {"frames_judged", AgreementJson(fit.judged)},
+                        {"share_of_cells_left_out", ShareLeftOut(fit)}}}};
   const std::string members = extra.dump();
   return FitReportJson(fit.report, members.substr(1, members.size() - 2));
 }
@@ -89,10 +94,9 @@ Provenance ProvenanceOf(const FitCommandOptions& options, const NoiseFit& fit) {
 }
 
 std::string SummaryText(const NoiseFit& fit, const std::string& recording, const std::filesystem::path& out) {
-  std::string text =
-      fmt::format("{}: noise law of {} pings, judged on {}\n", recording, fit.report.frames_used.size(),
-                  fit.judged_on_held_out ? fmt::format("{} others", fit.report.frames_held_out.size())
-                                         : std::string("the same, as none is held out"));
+  const std::size_t pings = fit.report.frames_used.size();
+  std::string text = fmt::format("{}: noise law of {} ping{}, {}\n", recording, pings, pings == 1 ? "" : "s",
+                                 NoiseJudgedText(fit));
   text += fmt::format(
       "  display {}, {} speckle, gain {}, {}\n", ToString(fit.law.display.law), ToString(fit.law.speckle),
       ToString(fit.law.receiver.time_varied_gain),
@@ -103,9 +107,12 @@ std::string SummaryText(const NoiseFit& fit, const std::string& recording, const
                         p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit,
                         p.status == ParameterStatus::kFree ? "" : "  " + std::string(ToString(p.status)));
   }
+  for (const std::string& sentence : fit.report.unidentifiable_directions) text += "  " + sentence + "\n";
   text += fmt::format("  KS {:.4f}, Wasserstein-1 {:.3f} grey, KS by cell {:.3f} median, {:.3f} at 95 %\n",
                       fit.judged.ks, fit.judged.wasserstein_grey, fit.judged.cell_ks_median,
                       fit.judged.cell_ks_p95);
+  text += fmt::format("  whitened residual {:.3f} +- {:.3f}, 0 +- 1 for a true law\n",
+                      fit.judged.whitened.mean, fit.judged.whitened.spread);
   if (ShareLeftOut(fit) > 0.0)
     text += fmt::format("  {:.1f} % of the cells left out\n", 100.0 * ShareLeftOut(fit));
   return text + fmt::format("report: {}\n", (out / "report.html").string());
@@ -113,7 +120,10 @@ std::string SummaryText(const NoiseFit& fit, const std::string& recording, const
 
 HtmlReport MakeReport(const NoiseFit& fit, const RecordingInfo& info, const Json& provenance) {
   HtmlReport report("Noise law of a sonar", RecordingName(info));
-  AddSyntheticCallout(report, info.synthetic, RecordingName(info));
+  if (info.synthetic) {
+    report.Callout(CalloutKind::kSynthetic, "The recording is synthetic",
+                   RecordingName(info) + " is simulated, not recorded by a sonar.");
+  }
   AddNoiseSections(report, fit);
   report.Section("How this was made");
   report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));

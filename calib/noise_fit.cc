@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kPingsForDrift = 5;  // from here on sigmas see how pings drift
 constexpr double kUnknownSpanDb = 60.0;
-constexpr double kRelevantNats = 2e-5;  // a pixel: what a richer law has to gain to be taken
 constexpr int kRejections = 6;
+constexpr std::size_t kHeldOutToSplit = 4;  // from here on some choose and others judge
 
 struct Pings {
   std::vector<NoiseCounts> each;
@@ -67,6 +67,25 @@ std::vector<int> HeldOut(const RecordingSource& recording, const NoiseFitOptions
   return held_out;
 }
 
+Pings ReadPings(const RecordingSource& recording, const std::vector<int>& frames, const NoiseCells& cells) {
+  Pings pings;
+  for (const int frame : frames) pings.each.push_back(CountGrey(recording.ReadFrame(frame).image, cells));
+  pings.all = AddCounts(pings.each, cells);
+  return pings;
+}
+
+// The later of the held-out frames judge, apart from those that chose, as pings near in time are alike.
+void SetJudges(const std::vector<int>& held_out, const std::vector<int>& frames_used, NoiseFit& fit) {
+  fit.judged_on_held_out = !held_out.empty();
+  fit.judged_apart_from_choice = held_out.size() >= kHeldOutToSplit;
+  fit.frames_chosen_on = fit.judged_on_held_out ? held_out : frames_used;
+  fit.frames_judged_on = fit.frames_chosen_on;
+  if (!fit.judged_apart_from_choice) return;
+  const auto half = static_cast<std::ptrdiff_t>(held_out.size() / 2);
+  fit.frames_chosen_on.assign(held_out.begin(), held_out.begin() + half);
+  fit.frames_judged_on.assign(held_out.begin() + half, held_out.end());
+}
+
 double MeanRangeM(const NoiseCells& cells) {
   return 0.5 * (cells.RangeM(0) + cells.RangeM(cells.bands() - 1));
 }
@@ -101,6 +120,12 @@ struct Form {
   bool floor_after_gain = true;
 };
 
+// Steps from the plainest form.
+int Richness(const Form& form) {
+  return (form.display.law == DisplayLaw::kSoftLog) + (form.speckle != SpeckleLaw::kGamma) +
+         (form.time_varied_gain != TimeVariedGain::kNone) + form.floor_after_gain;
+}
+
 // Starting values of a form; `net_db`: change of the floor before the gain over the window, as displayed.
 NoiseLaw StartOf(const Form& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
                  double absorption_db_per_m) {
@@ -134,19 +159,23 @@ class Fitter {
   struct Fitted {
     NoiseLaw start;
     NoiseSolution solution;
+    std::vector<double> start_costs;  // where each start ended
   };
 
   // The best of several starts: a floor that falls with range, and one that rises.
   Fitted Fit(const Form& form) const {
     Fitted best;
+    std::vector<double> costs;
     for (const double net_db :
          form.floor_after_gain ? std::vector<double>{-8.0, 8.0} : std::vector<double>{0.0}) {
       const NoiseLaw start = StartOf(form, used_.all, cells_, net_db, options_.absorption_db_per_m);
       NoiseSolution solution = SolveNoise(start, form.fit_span, used_.all, cells_, weight_, options_);
+      costs.push_back(solution.cost);
       if (best.solution.value.size() == 0 || solution.cost < best.solution.cost) {
-        best = {start, std::move(solution)};
+        best = {start, std::move(solution), {}};
       }
     }
+    best.start_costs = std::move(costs);
     return best;
   }
 
@@ -250,18 +279,13 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   NoiseFit fit;
   fit.cells = CellsOf(recording.info(), options);
   const std::vector<int> held_out = HeldOut(recording, options);
-  Pings used;
-  Pings judged;
   std::vector<int> frames_used;
   for (int frame = 0; frame < recording.frame_count(); ++frame) {
-    const bool apart = std::binary_search(held_out.begin(), held_out.end(), frame);
-    (apart ? judged : used).each.push_back(CountGrey(recording.ReadFrame(frame).image, fit.cells));
-    if (!apart) frames_used.push_back(frame);
+    if (!std::binary_search(held_out.begin(), held_out.end(), frame)) frames_used.push_back(frame);
   }
-  used.all = AddCounts(used.each, fit.cells);
-  judged.all = AddCounts(judged.each, fit.cells);
-  fit.judged_on_held_out = !held_out.empty();
-  const NoiseCounts& judge = fit.judged_on_held_out ? judged.all : used.all;
+  SetJudges(held_out, frames_used, fit);
+  const Pings used = ReadPings(recording, frames_used, fit.cells);
+  const Pings choosing = ReadPings(recording, fit.frames_chosen_on, fit.cells);
 
   Fitter fitter(used, fit.cells, options);
   const std::vector<Form> forms = DisplayForms(recording.info(), options);
@@ -270,10 +294,11 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   Fitter::Fitted best;
   Form best_form;
   int chosen = -1;
+  double best_score = 0.0;
   const auto try_form = [&](const Form& form) {
     Fitter::Fitted fitted = fitter.Fit(form);
     const NoiseAgreement agreement =
-        Agreement(fitted.solution.law, judge, fit.cells, fit.weight, options.absorption_db_per_m);
+        Agreement(fitted.solution.law, choosing.all, fit.cells, fit.weight, options.absorption_db_per_m);
     fit.choices.push_back({form.display.law, form.speckle, form.time_varied_gain, form.floor_after_gain,
                            agreement.nats_per_pixel});
     if (options.progress) {
@@ -282,10 +307,10 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
                       ToString(form.speckle), ToString(form.time_varied_gain),
                       form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel));
     }
-    const bool better =
-        chosen < 0 || agreement.nats_per_pixel < fit.choices[chosen].nats_per_pixel - kRelevantNats;
-    if (!better) return;
+    const double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
+    if (chosen >= 0 && score >= best_score) return;
     chosen = static_cast<int>(fit.choices.size()) - 1;
+    best_score = score;
     best = std::move(fitted);
     best_form = form;
   };
@@ -307,28 +332,15 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   fit.law = solution.law;
   fit.usable = solution.converged && solution.value.allFinite();
   fit.report = NoiseReport(solution, best.start, fitter.Covariance(solution), best_form.fit_span,
-                           static_cast<int>(used.each.size()));
+                           static_cast<int>(used.each.size()), fit.cells);
+  fit.report.start_costs = best.start_costs;
   fit.report.frames_used = frames_used;
   fit.report.frames_held_out = held_out;
   fit.used = Agreement(fit.law, used.all, fit.cells, fit.weight, options.absorption_db_per_m);
-  fit.judged = Agreement(fit.law, judge, fit.cells, fit.weight, options.absorption_db_per_m);
-  const auto off = [&](const NoiseAgreement& of) {
-    double sum = 0.0;
-    double square = 0.0;
-    double count = 0.0;
-    for (std::size_t i = 0; i < of.recorded_mean.size(); ++i) {
-      if (std::isnan(of.recorded_mean.values()[i])) continue;
-      const double residual =
-          static_cast<double>(of.recorded_mean.values()[i] - of.predicted_mean.values()[i]) /
-          fit.cells.full_scale;
-      sum += residual;
-      square += residual * residual;
-      count += 1.0;
-    }
-    return ResidualSummary{sum / count,
-                           std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)))};
-  };
-  fit.report.raw = off(fit.judged);
+  const Pings judging = ReadPings(recording, fit.frames_judged_on, fit.cells);
+  fit.judged = Agreement(fit.law, judging.all, fit.cells, fit.weight, options.absorption_db_per_m);
+  fit.report.raw = fit.used.raw;
+  fit.report.whitened = fit.used.whitened;
   fit.report.solve_s = Seconds(begin);
   return fit;
 }

@@ -7,12 +7,15 @@
 // where it doesn't, the looks are held at 1 and the span is fitted.
 //
 // The display law, the time-varied gain and whether there is a floor behind it are chosen by the likelihood
-// of held-out pings among candidates; the table is kept. Solved by Fisher scoring (Gauss-Newton on the
-// likelihood itself: a multinomial law is no sum of squares) on counts of grey by cell.
+// of held-out pings among candidates; the table is kept. Of four held-out pings or more the earlier half
+// chooses and the later half judges, so that the agreement reported was not chosen for; two or three do both.
+// Solved by Fisher scoring (Gauss-Newton on the likelihood itself: a multinomial law is no sum of squares) on
+// counts of grey by cell.
 //
 // Sigmas are those of a sandwich over pings, which drift as wholes; with fewer than five pings, over range
 // bands of each ping. What the pings tell less about than half of what was assumed beforehand
-// (NoiseFitOptions) is called unidentifiable and gets no sigma.
+// (NoiseFitOptions), or to no better than 20 dB, is called unidentifiable, gets no sigma, and is named in
+// words.
 #pragma once
 
 #include <functional>
@@ -42,16 +45,19 @@ struct NoiseFitOptions {
   double taper_spread_db = 10.0;  // assumed beforehand of each beam's taper
   double level_spread_db = 60.0;  // and of the floors' levels, about where a first look puts them
   double slope_spread_db_per_m = 10.0;
-  int max_iterations = 150;
+  int max_iterations = 400;
   std::function<void(const std::string& line)> progress;
 };
+
+// What each step to a richer law (another display, speckle, a gain, a second floor) has to gain.
+inline constexpr double kRelevantNats = 2e-5;  // a pixel
 
 struct NoiseModelChoice {
   DisplayLaw display = DisplayLaw::kLog;
   SpeckleLaw speckle = SpeckleLaw::kGamma;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
   bool floor_after_gain = false;
-  double nats_per_pixel = 0.0;  // -log likelihood of the held-out pings; of the pings used where none is
+  double nats_per_pixel = 0.0;  // -log likelihood of the pings of frames_chosen_on
   bool chosen = false;
 };
 
@@ -62,9 +68,14 @@ struct NoiseFit {
   std::vector<NoiseModelChoice> choices;
   NoiseCells cells;
   std::vector<double> weight;  // by cell, 0 or 1
+  // Frames of which the likelihood chose, and of which agreement is reported. Where none is held out, both
+  // are the frames fitted.
+  std::vector<int> frames_chosen_on;
+  std::vector<int> frames_judged_on;
   bool judged_on_held_out = false;
+  bool judged_apart_from_choice = false;
   NoiseAgreement used;    // pings fitted
-  NoiseAgreement judged;  // pings held out; of those used where none is
+  NoiseAgreement judged;  // pings of frames_judged_on
 };
 
 // Throws DataError where the frames can't be used together; an end without a usable law is `usable` = false.

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "calib/noise_solver.h"
+#include "calib/quantile_residual.h"
 #include "data_io/types/error.h"
 #include "sim/random.h"
 
@@ -119,6 +122,56 @@ TEST(NoiseLikelihoodTest, ChancesAddUpToOneAndDerivativesAreTheirs) {
   }
 }
 
+// By numbers: the place in the interval drawn, its quantile found by bisection.
+TEST(QuantileResidualTest, AveragesOverTheInterval) {
+  const auto quantile = [](double chance) {
+    double low = -40.0;
+    double high = 40.0;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = 0.5 * (low + high);
+      (0.5 * std::erfc(-middle / std::numbers::sqrt2) < chance ? low : high) = middle;
+    }
+    return low;
+  };
+  for (const auto& [from, to] : {std::pair{0.0, 0.3}, {0.2, 0.7}, {0.45, 0.451}, {0.6, 1.0}}) {
+    const QuantileMoments moments = QuantileResidual({from, 1.0 - from}, {to, 1.0 - to});
+    double mean = 0.0;
+    double square = 0.0;
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double z = quantile(from + (to - from) * (i + 0.5) / kSteps);
+      mean += z / kSteps;
+      square += z * z / kSteps;
+    }
+    EXPECT_NEAR(moments.mean, mean, 2e-4);
+    EXPECT_NEAR(moments.square, square, 1e-3);
+  }
+  // Far in a tail, and where the law gives the interval no chance, still numbers.
+  EXPECT_NEAR(QuantileResidual({1.0, 1e-20}, {1.0, 1e-21}).mean, 9.3, 0.1);
+  EXPECT_NEAR(QuantileResidual({1.0, 0.0}, {1.0, 0.0}).mean, 37.0, 0.1);
+  EXPECT_NEAR(QuantileResidual({0.0, 1.0}, {0.0, 1.0}).mean, -37.0, 0.1);
+}
+
+TEST(NoiseLikelihoodTest, WhitenedResidualsAreStandardUnderTheTrueLawOnly) {
+  for (const NoiseLaw& law : {TwoFloors(), Logarithm(1.0)}) {
+    const Source source(law);
+    const NoiseCells cells = CellsOf(source);
+    const NoiseCounts counts = CountsOf(source.Draw(20, 8), cells);
+    // 15360 pixels: one standard deviation of the mean is 0.008, of the spread 0.006. A cell takes the level
+    // of its middle for its 8 bins, which adds 0.01 or so to the spread.
+    const NoiseAgreement truth = Agreement(law, counts, cells, {}, 0.0);
+    EXPECT_NEAR(truth.whitened.mean, 0.0, 0.03);
+    EXPECT_NEAR(truth.whitened.spread, 1.0, 0.03);
+    EXPECT_NEAR(truth.raw.mean, 0.0, 0.003);
+    NoiseLaw quieter = law;
+    *quieter.receiver.noise_db -= 2.0;
+    EXPECT_GT(Agreement(quieter, counts, cells, {}, 0.0).whitened.mean, 0.15);
+    NoiseLaw narrower = law;
+    narrower.display.db_max += 15.0;
+    EXPECT_GT(Agreement(narrower, counts, cells, {}, 0.0).whitened.spread, 1.1);
+  }
+}
+
 TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
   const Source source(TwoFloors());
   const NoiseCells cells = CellsOf(source);
@@ -152,13 +205,16 @@ TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
 
 TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
   const Source source(TwoFloors());
-  const NoiseFit fit = FitNoise(source.Draw(60, 1), {});
+  const NoiseFit fit = FitNoise(source.Draw(300, 1), {});
   ASSERT_TRUE(fit.usable);
   EXPECT_EQ(fit.law.display.law, DisplayLaw::kSoftLog);
   EXPECT_TRUE(fit.law.receiver.noise_after_gain_db.has_value());
-  EXPECT_EQ(fit.report.frames_held_out.size(), 20u);
+  EXPECT_EQ(fit.report.frames_held_out.size(), 100u);
+  EXPECT_EQ(fit.frames_judged_on.size(), 50u);  // chance alone gives a KS of 0.007 at most, 19 times of 20
   EXPECT_LT(fit.judged.ks, 0.01);
   EXPECT_LT(fit.judged.wasserstein_grey, 0.1);
+  EXPECT_NEAR(fit.report.whitened.mean, 0.0, 0.01);
+  EXPECT_NEAR(fit.report.whitened.spread, 1.0, 0.03);
   EXPECT_NEAR(*fit.law.receiver.noise_after_gain_db, -3.0, 0.6);
   EXPECT_NEAR(fit.law.display.db_max, 60.0, 2.0);
   int chosen = 0;
@@ -169,7 +225,7 @@ TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
 TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
   Source source(Logarithm(1.35));
   source.info.scale.db_span = 80.0;
-  const NoiseFit fit = FitNoise(source.Draw(12, 2), {});
+  const NoiseFit fit = FitNoise(source.Draw(66, 2), {});  // judged on 11: KS of 0.015 by chance, at most
   ASSERT_TRUE(fit.usable);
   EXPECT_EQ(fit.law.speckle, SpeckleLaw::kWeighted);  // that is how they were drawn
   EXPECT_NEAR(fit.law.receiver.looks, 1.35, 0.05);
@@ -178,6 +234,65 @@ TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
   const FittedParameter* looks = fit.report.Find("receiver.looks");
   ASSERT_TRUE(looks && looks->sigma);
   EXPECT_LT(std::abs(looks->value - 1.35), 4.0 * *looks->sigma);
+}
+
+TEST(NoiseFitTest, SaysWhatAShortWindowLeavesOpen) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  const MemoryRecording recording = source.Draw(9, 4);
+  NoiseFitOptions options;
+  options.range_min_m = 9.0;
+  options.range_max_m = 9.5;  // one band: no trend to be seen, and range 0 is far
+  const NoiseFit fit = FitNoise(recording, options);
+  ASSERT_TRUE(fit.usable);
+  for (const char* name : {"receiver.noise_db", "receiver.noise_slope_db_per_m"}) {
+    const FittedParameter* parameter = fit.report.Find(name);
+    ASSERT_TRUE(parameter) << name;
+    EXPECT_EQ(parameter->status, ParameterStatus::kUnidentifiable) << name;
+    EXPECT_FALSE(parameter->sigma) << name;
+    EXPECT_EQ(std::count(fit.report.correlation_names.begin(), fit.report.correlation_names.end(), name), 0);
+  }
+  ASSERT_EQ(fit.report.unidentifiable_directions.size(), 1u);
+  const std::string& sentence = fit.report.unidentifiable_directions.front();
+  EXPECT_NE(sentence.find("receiver.noise_db and receiver.noise_slope_db_per_m move together"),
+            std::string::npos);
+  EXPECT_NE(sentence.find("9.00 to 9.50 m"), std::string::npos) << sentence;
+  const auto level_db = [](const NoiseLaw& law) {
+    return *law.receiver.noise_db + 9.25 * law.receiver.noise_slope_db_per_m;
+  };
+  EXPECT_NEAR(level_db(fit.law), level_db(source.law), 1.0);
+
+  const NoiseFit whole = FitNoise(recording, {});
+  ASSERT_TRUE(whole.report.Find("receiver.noise_db")->sigma);
+  EXPECT_LT(*whole.report.Find("receiver.noise_db")->sigma, 1.0);
+  for (const std::string& direction : whole.report.unidentifiable_directions) {
+    EXPECT_EQ(direction.find("receiver.noise_db"), std::string::npos) << direction;
+  }
+}
+
+TEST(NoiseFitTest, SomeHeldOutPingsChooseAndOthersJudge) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  const NoiseFit twelve = FitNoise(source.Draw(12, 5), {});
+  EXPECT_EQ(twelve.report.frames_held_out, (std::vector<int>{8, 9, 10, 11}));
+  EXPECT_EQ(twelve.frames_chosen_on, (std::vector<int>{8, 9}));
+  EXPECT_EQ(twelve.frames_judged_on, (std::vector<int>{10, 11}));
+  EXPECT_TRUE(twelve.judged_apart_from_choice);
+  const auto chosen = std::find_if(twelve.choices.begin(), twelve.choices.end(),
+                                   [](const NoiseModelChoice& choice) { return choice.chosen; });
+  ASSERT_NE(chosen, twelve.choices.end());
+  EXPECT_NE(chosen->nats_per_pixel, twelve.judged.nats_per_pixel);
+
+  const NoiseFit six = FitNoise(source.Draw(6, 5), {});
+  EXPECT_EQ(six.frames_chosen_on, (std::vector<int>{4, 5}));
+  EXPECT_EQ(six.frames_judged_on, six.frames_chosen_on);
+  EXPECT_TRUE(six.judged_on_held_out);
+  EXPECT_FALSE(six.judged_apart_from_choice);
+
+  const NoiseFit one = FitNoise(source.Draw(1, 5), {});
+  EXPECT_EQ(one.frames_judged_on, one.report.frames_used);
+  EXPECT_FALSE(one.judged_on_held_out);
+  EXPECT_EQ(one.judged.ks, one.used.ks);
 }
 
 TEST(NoiseFitTest, LeavesOutCellsThatHoldATarget) {
