@@ -36,9 +36,16 @@ struct NoiseFitOptions {
   std::optional<double> range_min_m;  // window that is free of targets; absent: all
   std::optional<double> range_max_m;
   int band_bins = 8;  // range bins that share a cell
-  // Cells whose mean grey lies further from the fitted law than this many robust standard deviations of all
-  // cells are left out, and the fit is repeated: for pings with a few targets. 0: none is.
+  // Cells that lie further from the plainest law than this many robust standard deviations of all cells are
+  // left out (calib/noise_background.h): for pings with a few targets. 0: none is.
   double reject_beyond = 0.0;
+  // The window is found by rule, within range_min_m..range_max_m: of all windows that are this share of the
+  // bands long the one that the plainest law describes best. For recordings without target-free pings.
+  bool find_background = false;
+  double background_share = 0.1;
+  // Every second band is not fitted, and the pings are judged on it alone: where held-out pings show the
+  // same frozen speckle as those fitted. Of a single frame it is done unasked.
+  bool hold_out_bands = false;
   // Where set, the display is taken from here rather than from the recording and its candidates.
   std::optional<DisplayParameters<double>> display;
   double absorption_db_per_m = 0.0;
@@ -58,6 +65,7 @@ struct NoiseModelChoice {
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
   bool floor_after_gain = false;
   double nats_per_pixel = 0.0;  // -log likelihood of the pings of frames_chosen_on
+  bool converged = false;       // else it is never chosen
   bool chosen = false;
 };
 
@@ -67,12 +75,13 @@ struct NoiseFit {
   FitReport report;  // receiver.* and display.*
   std::vector<NoiseModelChoice> choices;
   NoiseCells cells;
-  std::vector<double> weight;  // by cell, 0 or 1
+  std::vector<double> weight;   // by cell, 0 or 1: what counts as background
+  bool bands_held_out = false;  // odd bands, counted from 0: not fitted, and alone judged on
   // Frames of which the likelihood chose, and of which agreement is reported. Where none is held out, both
   // are the frames fitted.
   std::vector<int> frames_chosen_on;
   std::vector<int> frames_judged_on;
-  bool judged_on_held_out = false;
+  bool judged_on_held_out = false;  // pings or bands
   bool judged_apart_from_choice = false;
   NoiseAgreement used;    // pings fitted
   NoiseAgreement judged;  // pings of frames_judged_on

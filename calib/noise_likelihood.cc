@@ -156,6 +156,7 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
   NoiseAgreement agreement;
   agreement.recorded_mean = Grid<float>(cells.bands(), cells.beams(), kNone);
   agreement.predicted_mean = Grid<float>(cells.bands(), cells.beams(), kNone);
+  agreement.whitened_mean = Grid<float>(cells.bands(), cells.beams(), kNone);
 
   Moments raw;
   Moments whitened;
@@ -174,6 +175,7 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
       below = next;
     }
     double recorded_sum = 0.0;
+    double whitened_sum = 0.0;
     double pixels = 0.0;
     for (const auto& [level, count] : counts[cell]) {
       agreement.nats_per_pixel -= count * std::log(std::max(chance[level], 1e-30));
@@ -184,9 +186,11 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
       const QuantileMoments quantile =
           QuantileResidual(grey.Bound(level - 1, power), grey.Bound(level, power));
       whitened.Add(quantile.mean, quantile.square, count);
+      whitened_sum += count * quantile.mean;
     }
     if (pixels == 0.0) continue;
     agreement.recorded_mean(band, beam) = static_cast<float>(recorded_sum / pixels);
+    agreement.whitened_mean(band, beam) = static_cast<float>(whitened_sum / pixels);
     agreement.predicted_mean(band, beam) = static_cast<float>(predicted_mean);
     all.Add(counts[cell], chance);
     blocks[static_cast<std::size_t>(band / judge_bands) * judge_cols + beam / kJudgeBeams].Add(counts[cell],

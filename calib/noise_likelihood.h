@@ -67,6 +67,7 @@ struct NoiseAgreement {
   std::vector<double> predicted;
   Grid<float> recorded_mean;  // bands x beams, grey; NaN where left out
   Grid<float> predicted_mean;
+  Grid<float> whitened_mean;  // of the whitened residuals
 };
 
 inline constexpr int kJudgeBins = 8;

@@ -291,8 +291,18 @@ TEST(NoiseFitTest, SomeHeldOutPingsChooseAndOthersJudge) {
 
   const NoiseFit one = FitNoise(source.Draw(1, 5), {});
   EXPECT_EQ(one.frames_judged_on, one.report.frames_used);
-  EXPECT_FALSE(one.judged_on_held_out);
-  EXPECT_EQ(one.judged.ks, one.used.ks);
+  EXPECT_TRUE(one.bands_held_out);
+  EXPECT_TRUE(one.judged_on_held_out);
+  for (int band = 0; band < one.cells.bands(); ++band) {
+    EXPECT_EQ(std::isnan(one.used.recorded_mean(band, 0)), band % 2 == 1) << band;
+    EXPECT_EQ(std::isnan(one.judged.recorded_mean(band, 0)), band % 2 == 0) << band;
+  }
+
+  NoiseFitOptions itself;
+  itself.choose_held_out = false;
+  const NoiseFit alone = FitNoise(source.Draw(1, 5), itself);
+  EXPECT_FALSE(alone.judged_on_held_out);
+  EXPECT_EQ(alone.judged.ks, alone.used.ks);
 }
 
 TEST(NoiseFitTest, LeavesOutCellsThatHoldATarget) {
