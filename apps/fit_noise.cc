@@ -40,9 +40,16 @@ Json ChoicesJson(const NoiseFit& fit) {
                        {"time_varied_gain", ToString(choice.time_varied_gain)},
                        {"floor_after_gain", choice.floor_after_gain},
                        {"nats_per_pixel", choice.nats_per_pixel},
+                       {"converged", choice.converged},
                        {"chosen", choice.chosen}});
   }
   return choices;
+}
+
+std::pair<double, double> WindowM(const NoiseCells& cells) {
+  const PolarAxes& axes = cells.axes;
+  return {axes.range_min_m + cells.first_bin * axes.range_bin_m(),
+          axes.range_min_m + cells.last_bin * axes.range_bin_m()};
 }
 
 double ShareLeftOut(const NoiseFit& fit) {
@@ -52,11 +59,14 @@ double ShareLeftOut(const NoiseFit& fit) {
 }
 
 std::string FitJson(const NoiseFit& fit) {
-  const Json extra = {{"model_choice", ChoicesJson(fit)},
+  const auto [near_m, far_m] = WindowM(fit.cells);
+  const Json extra = {{"window", {{"found_by_rule", fit.window_found}, {"range_m", {near_m, far_m}}}},
+                      {"model_choice", ChoicesJson(fit)},
                       {"speckle", ToString(fit.law.speckle)},
                       {"agreement",
                        {{"judged_on_held_out", fit.judged_on_held_out},
                         {"judged_apart_from_choice", fit.judged_apart_from_choice},
+                        {"odd_bands_held_out", fit.bands_held_out},
                         {"frames_chosen_on", fit.frames_chosen_on},
                         {"frames_judged_on", fit.frames_judged_on},
                         {"frames_used", AgreementJson(fit.used)},
@@ -72,6 +82,8 @@ NoiseFitOptions ToNoiseOptions(const FitCommandOptions& options) {
   noise.range_min_m = options.range_min_m;
   noise.range_max_m = options.range_max_m;
   noise.reject_beyond = options.reject_beyond;
+  noise.find_background = options.find_background;
+  noise.hold_out_bands = options.hold_out_bands;
   if (!options.params.empty()) noise.display = ReadParameters(options.params).display;
   noise.progress = [&options](const std::string& line) { PrintNote(options.common, line); };
   return noise;
@@ -87,7 +99,9 @@ Provenance ProvenanceOf(const FitCommandOptions& options, const NoiseFit& fit) {
                                           {"held_out", fit.report.frames_held_out},
                                           {"range_min_m", number(options.range_min_m)},
                                           {"range_max_m", number(options.range_max_m)},
-                                          {"reject_beyond", options.reject_beyond}},
+                                          {"reject_beyond", options.reject_beyond},
+                                          {"find_background", options.find_background},
+                                          {"hold_out_bands", options.hold_out_bands}},
                         .inputs = {options.real}};
   if (!options.params.empty()) provenance.inputs.push_back(options.params);
   return provenance;
@@ -97,6 +111,7 @@ std::string SummaryText(const NoiseFit& fit, const std::string& recording, const
   const std::size_t pings = fit.report.frames_used.size();
   std::string text = fmt::format("{}: noise law of {} ping{}, {}\n", recording, pings, pings == 1 ? "" : "s",
                                  NoiseJudgedText(fit));
+  if (fit.window_found) text += "  " + NoiseWindowText(fit) + "\n";
   text += fmt::format(
       "  display {}, {} speckle, gain {}, {}\n", ToString(fit.law.display.law), ToString(fit.law.speckle),
       ToString(fit.law.receiver.time_varied_gain),

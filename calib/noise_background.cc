@@ -9,9 +9,12 @@ namespace sonarcal {
 namespace {
 
 constexpr int kRejections = 6;
-constexpr int kFewestBands = 8;           // of a window: fewer show no trend with range
-constexpr double kOneLevel = 0.9;         // share of pixels
-constexpr double kWindowReject = 2.5;     // robust standard deviations, for the law that measures a window
+constexpr int kMeasureIterations = 30;
+constexpr int kFewestBands = 8;        // of a window: fewer show no trend with range
+constexpr double kOneLevel = 0.9;      // share of pixels
+constexpr double kWindowReject = 2.5;  // robust standard deviations, for the law that measures a window
+constexpr double kOneGrey = 1.0;
+constexpr double kAsGood = 1.25;
 constexpr double kPerMedianOff = 1.4826;  // standard deviation of a normal law, by its median distance
 
 double Median(std::vector<double> values) {
@@ -26,8 +29,11 @@ std::vector<double> Measure(const NoiseForm& form, const NoiseCounts& counts, co
   NoiseForm plain = form;
   plain.floor_after_gain = false;
   plain.time_varied_gain = TimeVariedGain::kNone;
+  plain.speckle = SpeckleLaw::kWeighted;  // quicker by far, and near enough
+  NoiseFitOptions quick = options;
+  quick.max_iterations = kMeasureIterations;
   const NoiseLaw start = StartOf(plain, counts, cells, 0.0, options.absorption_db_per_m);
-  const NoiseSolution solution = SolveNoise(start, plain.fit_span, counts, cells, weight, options);
+  const NoiseSolution solution = SolveNoise(start, plain.fit_span, counts, cells, weight, quick);
   const NoiseAgreement agreement = Agreement(solution.law, counts, cells, {}, options.absorption_db_per_m);
   std::vector<double> measure;
   for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -94,7 +100,6 @@ bool IsOfOneLevel(const NoiseCounts& counts, int full_scale) {
 std::vector<double> KeepBackground(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
                                    double reject_beyond, const NoiseFitOptions& options) {
   if (!(reject_beyond > 0.0)) return std::vector<double>(cells.count(), 1.0);
-  constexpr double kOneGrey = 1.0;
   std::vector<double> weight = Within(PolishedGrey(counts, cells), reject_beyond, kOneGrey);
   for (int round = 0; round < kRejections; ++round) {
     std::vector<double> next = Within(Measure(form, counts, cells, weight, options), reject_beyond, 0.0);
@@ -105,8 +110,9 @@ std::vector<double> KeepBackground(const NoiseForm& form, const NoiseCounts& cou
 }
 
 std::vector<BackgroundWindow> BackgroundWindows(const NoiseForm& form, const NoiseCounts& counts,
-                                                const NoiseCells& cells, const NoiseFitOptions& options) {
-  const int length = std::clamp(static_cast<int>(std::lround(options.background_share * cells.bands())),
+                                                const NoiseCells& cells, double share,
+                                                const NoiseFitOptions& options) {
+  const int length = std::clamp(static_cast<int>(std::lround(share * cells.bands())),
                                 std::min(kFewestBands, cells.bands()), cells.bands());
   std::vector<BackgroundWindow> windows;
   for (int band = 0; band + length <= cells.bands(); band += std::max(1, length / 2)) {
@@ -116,23 +122,37 @@ std::vector<BackgroundWindow> BackgroundWindows(const NoiseForm& form, const Noi
     const auto first = counts.begin() + band * cells.beams();
     const NoiseCounts within(first, first + length * cells.beams());
     if (IsOfOneLevel(within, cells.full_scale)) continue;
-    const std::vector<double> weight = KeepBackground(form, within, window, kWindowReject, options);
+    const std::vector<double> weight = Within(PolishedGrey(within, window), kWindowReject, kOneGrey);
     double square = 0.0;
     for (const double value : Measure(form, within, window, weight, options)) square += value * value;
-    windows.push_back({window.first_bin, window.last_bin, std::sqrt(square / window.count())});
+    const int free = cells.beams() + 2;  // levels of the beams, trend, and looks or span
+    windows.push_back(
+        {window.first_bin, window.last_bin, std::sqrt(square / std::max(1, window.count() - free))});
   }
   return windows;
 }
 
 BackgroundWindow FindBackground(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
                                 const NoiseFitOptions& options) {
-  const std::vector<BackgroundWindow> windows = BackgroundWindows(form, counts, cells, options);
+  std::vector<BackgroundWindow> windows;
+  for (const double share : {0.1, 0.2, 0.4}) {
+    const auto more = BackgroundWindows(form, counts, cells, share, options);
+    windows.insert(windows.end(), more.begin(), more.end());
+  }
   if (windows.empty()) {
     throw DataError("no window of range holds noise: nine pixels of ten are of one grey level in each");
   }
-  return *std::min_element(
-      windows.begin(), windows.end(),
-      [](const BackgroundWindow& a, const BackgroundWindow& b) { return a.spread < b.spread; });
+  const auto by_spread = [](const BackgroundWindow& a, const BackgroundWindow& b) {
+    return a.spread < b.spread;
+  };
+  const double least = std::min_element(windows.begin(), windows.end(), by_spread)->spread;
+  const double most = kAsGood * std::max(1.0, least);
+  std::erase_if(windows, [most](const BackgroundWindow& window) { return window.spread > most; });
+  return *std::min_element(windows.begin(), windows.end(),
+                           [&](const BackgroundWindow& a, const BackgroundWindow& b) {
+                             const int longer = (a.last_bin - a.first_bin) - (b.last_bin - b.first_bin);
+                             return longer != 0 ? longer > 0 : by_spread(a, b);
+                           });
 }
 
 }  // namespace sonarcal

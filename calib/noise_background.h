@@ -22,16 +22,20 @@ std::vector<double> KeepBackground(const NoiseForm& form, const NoiseCounts& cou
 struct BackgroundWindow {
   int first_bin = 0;
   int last_bin = 0;
-  double spread = 0.0;  // of the measure over the window's cells, its target cells included
+  double spread =
+      0.0;  // of the measure over the window's cells, its target cells included, per degree of freedom
 };
 
-// All windows of `options.background_share` of the bands of `cells` that start at multiples of half their
-// length, nearest first. Passed over are those of which nine pixels of ten are of one grey level, as they say
-// nothing.
+// All windows of this share of the bands of `cells` (but 8 bands at least) that start at multiples of half
+// their length, nearest first. The law of each is fitted once, to the cells near the medians. Passed over are
+// windows of which nine pixels of ten are of one grey level, as they say nothing.
 std::vector<BackgroundWindow> BackgroundWindows(const NoiseForm& form, const NoiseCounts& counts,
-                                                const NoiseCells& cells, const NoiseFitOptions& options);
+                                                const NoiseCells& cells, double share,
+                                                const NoiseFitOptions& options);
 
-// The one of least spread. Throws DataError where all are passed over.
+// The longest window, of a tenth, two or four tenths of the bands, whose spread is no more than
+// 1.25 times the least of all windows, or 1.25; of several as long the one of least spread. Throws DataError
+// where all are passed over.
 BackgroundWindow FindBackground(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
                                 const NoiseFitOptions& options);
 

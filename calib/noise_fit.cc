@@ -188,6 +188,7 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
     const BackgroundWindow window = FindBackground(forms.front(), used.all, fit.cells, options);
     fit.cells.first_bin = window.first_bin;
     fit.cells.last_bin = window.last_bin;
+    fit.window_found = true;
     used = ReadPings(recording, frames_used, fit.cells);
   }
   const Pings choosing = ReadPings(recording, fit.frames_chosen_on, fit.cells);
@@ -222,21 +223,33 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
     best = std::move(fitted);
     best_form = form;
   };
-  for (const NoiseForm& form : forms) try_form(form);
-  if (chosen < 0) best_form = forms.front();
-  const NoiseForm display_chosen = best_form;
+  for (NoiseForm form : forms) {
+    form.floor_after_gain = false;  // many times quicker, and as telling of the display
+    try_form(form);
+  }
+  const NoiseForm display_chosen = chosen < 0 ? forms.front() : best_form;
   for (const TimeVariedGain gain :
        {TimeVariedGain::kNone, TimeVariedGain::k20LogR, TimeVariedGain::k40LogR}) {
     for (const bool floor_after_gain : {true, false}) {
-      if (gain == TimeVariedGain::kNone && floor_after_gain) continue;  // tried
+      if (gain == TimeVariedGain::kNone && !floor_after_gain) continue;  // tried
       NoiseForm form = display_chosen;
       form.time_varied_gain = gain;
       form.floor_after_gain = floor_after_gain;
       try_form(form);
     }
   }
+  if (best_form.floor_after_gain) {  // which a softened display may have stood for
+    const NoiseForm floors_chosen = best_form;
+    for (NoiseForm form : forms) {
+      if (form.display.law == display_chosen.display.law && form.speckle == display_chosen.speckle) continue;
+      form.time_varied_gain = floors_chosen.time_varied_gain;
+      try_form(form);
+    }
+  }
   if (chosen < 0) {
     fit.report.termination = "ended before any candidate converged";
+    fit.report.frames_used = frames_used;
+    fit.report.frames_held_out = held_out;
     return fit;
   }
   fit.choices[chosen].chosen = true;

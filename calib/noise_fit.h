@@ -39,10 +39,9 @@ struct NoiseFitOptions {
   // Cells that lie further from the plainest law than this many robust standard deviations of all cells are
   // left out (calib/noise_background.h): for pings with a few targets. 0: none is.
   double reject_beyond = 0.0;
-  // The window is found by rule, within range_min_m..range_max_m: of all windows that are this share of the
-  // bands long the one that the plainest law describes best. For recordings without target-free pings.
+  // The window is found by rule, within range_min_m..range_max_m: the longest that the plainest law describes
+  // about as well as any (FindBackground). For recordings without target-free pings.
   bool find_background = false;
-  double background_share = 0.1;
   // Every second band is not fitted, and the pings are judged on it alone: where held-out pings show the
   // same frozen speckle as those fitted. Of a single frame it is done unasked.
   bool hold_out_bands = false;
@@ -52,7 +51,7 @@ struct NoiseFitOptions {
   double taper_spread_db = 10.0;  // assumed beforehand of each beam's taper
   double level_spread_db = 60.0;  // and of the floors' levels, about where a first look puts them
   double slope_spread_db_per_m = 10.0;
-  int max_iterations = 400;
+  int max_iterations = 200;
   std::function<void(const std::string& line)> progress;
 };
 
@@ -75,6 +74,7 @@ struct NoiseFit {
   FitReport report;  // receiver.* and display.*
   std::vector<NoiseModelChoice> choices;
   NoiseCells cells;
+  bool window_found = false;    // by rule: cells.first_bin and cells.last_bin
   std::vector<double> weight;   // by cell, 0 or 1: what counts as background
   bool bands_held_out = false;  // odd bands, counted from 0: not fitted, and alone judged on
   // Frames of which the likelihood chose, and of which agreement is reported. Where none is held out, both

@@ -14,21 +14,23 @@ namespace sonarcal {
 namespace {
 
 Table ChoiceTable(const NoiseFit& fit) {
-  Table table{
-      .caption = fmt::format("Candidates, by -log likelihood of the pings they are chosen on; the least "
-                             "is best, but each step to a richer law has to gain {:.5f}",
-                             kRelevantNats),
-      .columns = {{"Display law"},
-                  {"Speckle", {}, false},
-                  {"Time-varied gain", {}, false},
-                  {"Floor behind the gain", {}, false},
-                  {"-log likelihood", "nats a pixel"}},
-      .rows = {}};
+  Table table{.caption = fmt::format(
+                  "Candidates, by -log likelihood of the pings they are chosen on; the least "
+                  "is best, but each step to a richer law has to gain {:.5f}, and one that has not "
+                  "converged is never chosen",
+                  kRelevantNats),
+              .columns = {{"Display law"},
+                          {"Speckle", {}, false},
+                          {"Time-varied gain", {}, false},
+                          {"Floor behind the gain", {}, false},
+                          {"-log likelihood", "nats a pixel"}},
+              .rows = {}};
   for (const NoiseModelChoice& choice : fit.choices) {
-    table.rows.push_back({{std::string(ToString(choice.display)), std::string(ToString(choice.speckle)),
-                           std::string(ToString(choice.time_varied_gain)),
-                           choice.floor_after_gain ? "yes" : "no", FormatNumber(choice.nats_per_pixel, 5)},
-                          choice.chosen ? RowStyle::kStrong : RowStyle::kPlain});
+    table.rows.push_back(
+        {{std::string(ToString(choice.display)), std::string(ToString(choice.speckle)),
+          std::string(ToString(choice.time_varied_gain)), choice.floor_after_gain ? "yes" : "no",
+          FormatNumber(choice.nats_per_pixel, 5) + (choice.converged ? "" : ", not converged")},
+         choice.chosen ? RowStyle::kStrong : RowStyle::kPlain});
   }
   return table;
 }
@@ -144,8 +146,27 @@ std::string Others(std::size_t count) {
 
 }  // namespace
 
+std::string NoiseWindowText(const NoiseFit& fit) {
+  const PolarAxes& axes = fit.cells.axes;
+  return fmt::format(
+      "window {:.2f} to {:.2f} m, found by rule: the longest of those that one floor with a trend describes "
+      "about as well as any",
+      axes.range_min_m + fit.cells.first_bin * axes.range_bin_m(),
+      axes.range_min_m + fit.cells.last_bin * axes.range_bin_m());
+}
+
 std::string NoiseJudgedText(const NoiseFit& fit) {
   if (!fit.judged_on_held_out) return "judged on the frames it was fitted to, as none is held out";
+  if (fit.bands_held_out) {
+    std::string text =
+        fmt::format("judged on every second band of {} range bins, not fitted, of ", fit.cells.band_bins);
+    const bool same_pings = fit.frames_judged_on == fit.report.frames_used;
+    text += same_pings ? "the " + std::string(fit.frames_judged_on.size() == 1 ? "ping" : "pings") + " fitted"
+                       : Pings(fit.frames_judged_on.size()) + " not fitted";
+    if (fit.judged_apart_from_choice)
+      return text + fmt::format("; {} chose", Others(fit.frames_chosen_on.size()));
+    return text + "; it chose among the candidates too";
+  }
   if (fit.judged_apart_from_choice) {
     return fmt::format("judged on {} that neither it nor the choice among candidates has seen; {} chose",
                        Pings(fit.frames_judged_on.size()), Others(fit.frames_chosen_on.size()));
@@ -155,7 +176,9 @@ std::string NoiseJudgedText(const NoiseFit& fit) {
 }
 
 void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
-  const std::string on = fit.judged_on_held_out ? "on pings that were not fitted" : "on the pings fitted";
+  const std::string on = fit.bands_held_out       ? "on bands that were not fitted"
+                         : fit.judged_on_held_out ? "on pings that were not fitted"
+                                                  : "on the pings fitted";
   report.KeyFigures({{.label = "KS, all pixels", .value = FormatNumber(fit.judged.ks, 4), .note = on},
                      {.label = "Wasserstein-1",
                       .value = FormatNumber(fit.judged.wasserstein_grey, 3),
@@ -176,11 +199,12 @@ void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
                        " Agreement is better here than it will be on others, and the richer candidates "
                        "are at an advantage.");
   } else if (!fit.judged_apart_from_choice) {
-    report.Callout(CalloutKind::kLimit, "Chosen and judged on the same pings",
+    report.Callout(CalloutKind::kLimit, "Chosen and judged on the same data",
                    judged + " From four held-out pings on, half of them only choose and half only judge.");
   } else {
     report.Paragraph(judged);
   }
+  if (fit.window_found) report.Paragraph("Background: " + NoiseWindowText(fit) + ".");
   report.Section("Grey values recorded and predicted");
   report.Add({HistogramChart(fit.judged), MeanChart(fit, true), MeanChart(fit, false)},
              "Recorded " + on + ", and predicted by the law");

@@ -12,6 +12,9 @@ namespace sonarcal {
 // and the map of what is left.
 void AddNoiseSections(HtmlReport& report, const NoiseFit& fit);
 
+// "window ...": where it was found, and how.
+std::string NoiseWindowText(const NoiseFit& fit);
+
 // "judged on ...": the pings that the agreement reported is on, and whether they were seen before.
 std::string NoiseJudgedText(const NoiseFit& fit);
 

@@ -126,16 +126,17 @@ TEST_F(FitNoiseCommand, TheReportShowsTheLawAndWhatItLeaves) {
   EXPECT_THAT(html, Not(HasSubstr("Judged on what was fitted")));
 }
 
-TEST_F(FitNoiseCommand, OneFrameIsJudgedOnItselfAndThatIsSaid) {
+TEST_F(FitNoiseCommand, OneFrameIsJudgedOnBandsNotFittedAndThatIsSaid) {
   Keep(1);
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("judged on the frames it was fitted to"));
-  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"),
-              HasSubstr("judged on the frames it was fitted to"));
+  const char* said = "judged on every second band of 8 range bins, not fitted, of the ping fitted";
+  EXPECT_THAT(outcome.out, HasSubstr(said));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr(said));
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
-  EXPECT_EQ(json["agreement"]["judged_on_held_out"], false);
-  EXPECT_EQ(json["agreement"]["frames_judged"], json["agreement"]["frames_used"]);
+  EXPECT_EQ(json["agreement"]["judged_on_held_out"], true);
+  EXPECT_EQ(json["agreement"]["odd_bands_held_out"], true);
+  EXPECT_NE(json["agreement"]["frames_judged"], json["agreement"]["frames_used"]);
 }
 
 TEST_F(FitNoiseCommand, FewHeldOutFramesChooseAndJudgeAndThatIsSaid) {
@@ -143,11 +144,20 @@ TEST_F(FitNoiseCommand, FewHeldOutFramesChooseAndJudgeAndThatIsSaid) {
   const Outcome outcome = RunSonarcal(Arguments("--held-out 2,5"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("judged on 2 pings that it was not fitted to, but that chose it"));
-  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"),
-              HasSubstr("Chosen and judged on the same pings"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("Chosen and judged on the same data"));
   const nlohmann::json agreement = testing::ReadJsonFile(world_ / "out/fit.json")["agreement"];
   EXPECT_EQ(agreement["judged_apart_from_choice"], false);
   EXPECT_EQ(agreement["frames_chosen_on"], agreement["frames_judged_on"]);
+}
+
+TEST_F(FitNoiseCommand, TheWindowFoundIsSaid) {
+  const Outcome outcome = RunSonarcal(Arguments("--find-background --reject-beyond 3"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("found by rule"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("found by rule"));
+  const nlohmann::json window = testing::ReadJsonFile(world_ / "out/fit.json")["window"];
+  EXPECT_EQ(window["found_by_rule"], true);
+  EXPECT_LT(window["range_m"][0].get<double>(), window["range_m"][1].get<double>());
 }
 
 TEST_F(FitNoiseCommand, MistakesCostOneSentence) {

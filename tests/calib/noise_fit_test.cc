@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calib/noise_information.h"
 #include "calib/noise_solver.h"
 #include "calib/quantile_residual.h"
 #include "data_io/types/error.h"
@@ -201,6 +202,80 @@ TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
   check(at.layout.soft_db, law.display.soft_db, law);
   check(at.layout.taper + 2, law.receiver.noise_taper_db[2], law);
   check(at.layout.after_taper + 4, law.receiver.noise_after_gain_taper_db[4], law);
+}
+
+// x = power / N is exponential: its score in ln N is x - 1, of variance 1. Quantisation takes a little.
+TEST(NoiseInformationTest, OfAnExponentialPixelIsOne) {
+  const NoiseLaw law = Logarithm(1.0);
+  const GreyLevels grey(law, 255);
+  const double power = PowerOfLevel(35.0);  // neither clip is near
+  const PixelInformation information = ExpectedInformation(grey, 255, power);
+  EXPECT_NEAR(information(0, 0), 1.0, 0.01);
+  const InformationTable table(grey, 255, 0.01 * power, 100.0 * power);
+  for (const double ratio : {0.01, 0.037, 0.9, 1.0, 100.0}) {
+    const PixelInformation at = ExpectedInformation(grey, 255, ratio * power);
+    for (int i : {0, 2}) EXPECT_NEAR(table(ratio * power)(i, i), at(i, i), 0.01 * at(i, i)) << ratio;
+  }
+}
+
+// Pixels 30 dB above what the law says at the start: the outer product of their scores is a million where
+// the information is 1, and steps by it would be as much too small.
+TEST(NoiseSolverTest, FindsTheOptimumFromFarAway) {
+  for (const NoiseLaw& law : {Logarithm(1.0), TwoFloors()}) {
+    const Source source(law);
+    const NoiseCells cells = CellsOf(source);
+    const NoiseCounts counts = CountsOf(source.Draw(12, 6), cells);
+    const bool fit_span = law.display.law == DisplayLaw::kSoftLog;
+    NoiseFitOptions options;
+    options.level_spread_db = 1e4;  // the prior is about the start: it must not tell the two apart
+    options.max_iterations = 60;
+    const NoiseSolution near = SolveNoise(law, fit_span, counts, cells, {}, options);
+    NoiseLaw start = law;
+    *start.receiver.noise_db -= 30.0;
+    const NoiseSolution far = SolveNoise(start, fit_span, counts, cells, {}, options);
+    EXPECT_TRUE(near.converged);
+    EXPECT_TRUE(far.converged);
+    EXPECT_NEAR(far.cost, near.cost, 0.5);
+    EXPECT_TRUE(far.value.allFinite());
+  }
+}
+
+TEST(NoiseFitTest, NoCandidateIsChosenThatHasNotConverged) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  NoiseFitOptions options;
+  options.max_iterations = 1;
+  const NoiseFit fit = FitNoise(source.Draw(6, 7), options);
+  EXPECT_FALSE(fit.usable);
+  ASSERT_FALSE(fit.choices.empty());
+  for (const NoiseModelChoice& choice : fit.choices) {
+    EXPECT_FALSE(choice.converged);
+    EXPECT_FALSE(choice.chosen);
+  }
+  EXPECT_EQ(fit.report.termination, "ended before any candidate converged");
+}
+
+TEST(NoiseFitTest, FindsTheWindowWithoutStructure) {
+  Source source(Logarithm(1.0), 512);
+  source.info.scale.db_span = 80.0;
+  const MemoryRecording clean = source.Draw(3, 9);
+  std::vector<Frame> frames;
+  for (int i = 0; i < clean.frame_count(); ++i) {
+    frames.push_back(clean.ReadFrame(i));
+    // Objects on the near half, each over 12 bins and two beams.
+    for (int bin = 0; bin < 256; ++bin) {
+      for (int beam = 0; beam < kBeams; ++beam) {
+        if ((bin / 12 + beam / 2) % 3 == 0) frames.back().image.value(bin, beam) += 40.0f;
+      }
+    }
+  }
+  NoiseFitOptions options;
+  options.find_background = true;
+  const NoiseFit fit = FitNoise(MemoryRecording(source.info, frames), options);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_TRUE(fit.window_found);
+  EXPECT_GE(fit.cells.first_bin, 256);
+  EXPECT_GE(fit.cells.last_bin - fit.cells.first_bin, 100);
 }
 
 TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
