@@ -7,10 +7,12 @@
 // where it doesn't, the looks are held at 1 and the span is fitted.
 //
 // The display law, the time-varied gain and whether there is a floor behind it are chosen by the likelihood
-// of held-out pings among candidates; the table is kept. Of four held-out pings or more the earlier half
-// chooses and the later half judges, so that the agreement reported was not chosen for; two or three do both.
-// Solved by Fisher scoring (Gauss-Newton on the likelihood itself: a multinomial law is no sum of squares) on
-// counts of grey by cell.
+// of held-out pings among candidates that converged; the table is kept. Display and speckle are tried with
+// one floor first, then gains and floors with the best of them; where two floors win, the other displays are
+// tried with two as well. Of four held-out pings or more the earlier half chooses and the later half judges,
+// so that the agreement reported was not chosen for; two or three do both. Of a single frame every second
+// band is held out in place of pings.
+// Solved by Fisher scoring with Levenberg's damping (calib/noise_solver.h) on counts of grey by cell.
 //
 // Sigmas are those of a sandwich over pings, which drift as wholes; with fewer than five pings, over range
 // bands of each ping. What the pings tell less about than half of what was assumed beforehand
