@@ -226,6 +226,12 @@ void SetupFit(CLI::App& app) {
       ->type_name("M");
   command->add_option("--range-max", options->range_max_m, "Noise only: farthest range used (default: all)")
       ->type_name("M");
+  command->add_flag("--find-background", options->find_background,
+                    "Noise only: find the window of range that holds no targets, by rule");
+  command->add_flag(
+      "--hold-out-bands", options->hold_out_bands,
+      "Noise only: judge on every second band of 8 range bins, which is not fitted (default: of a "
+      "single frame alone)");
   command
       ->add_option("--reject-beyond", options->reject_beyond,
                    "Noise only: leave out cells this many robust standard deviations off, 0 for none")

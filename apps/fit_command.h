@@ -35,6 +35,8 @@ struct FitCommandOptions {
   std::optional<double> range_min_m;
   std::optional<double> range_max_m;
   double reject_beyond = 0.0;
+  bool find_background = false;
+  bool hold_out_bands = false;
   std::string object;  // material that the object is made of; empty: look in the whole image
   ComparisonOptions comparison;
 };

@@ -6,8 +6,6 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/provenance.h"
-#include "apps/report/comparison_section.h"
-#include "apps/report/fit_section.h"
 #include "apps/report/noise_section.h"
 #include "apps/run_output.h"
 #include "calib/noise_fit.h"
@@ -20,12 +18,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json ResidualJson(const ResidualSummary& residual) {
+  return {{"mean", residual.mean}, {"spread", residual.spread}};
+}
+
 Json AgreementJson(const NoiseAgreement& agreement) {
   return {{"ks", agreement.ks},
           {"wasserstein_1_grey", agreement.wasserstein_grey},
           {"cell_ks_median", agreement.cell_ks_median},
           {"cell_ks_p95", agreement.cell_ks_p95},
           {"cell", fmt::format("{} bins x {} beams", kJudgeBins, kJudgeBeams)},
+          {"whitened_residual", ResidualJson(agreement.whitened)},
           {"nats_per_pixel", agreement.nats_per_pixel}};
 }
 
@@ -37,9 +40,16 @@ Json ChoicesJson(const NoiseFit& fit) {
                        {"time_varied_gain", ToString(choice.time_varied_gain)},
                        {"floor_after_gain", choice.floor_after_gain},
                        {"nats_per_pixel", choice.nats_per_pixel},
+                       {"converged", choice.converged},
                        {"chosen", choice.chosen}});
   }
   return choices;
+}
+
+std::pair<double, double> WindowM(const NoiseCells& cells) {
+  const PolarAxes& axes = cells.axes;
+  return {axes.range_min_m + cells.first_bin * axes.range_bin_m(),
+          axes.range_min_m + cells.last_bin * axes.range_bin_m()};
 }
 
 double ShareLeftOut(const NoiseFit& fit) {
@@ -49,14 +59,19 @@ double ShareLeftOut(const NoiseFit& fit) {
 }
 
 std::string FitJson(const NoiseFit& fit) {
-  const Json extra = {
-      {"model_choice", ChoicesJson(fit)},
-      {"speckle", ToString(fit.law.speckle)},
-      {"agreement",
-       {{"judged_on_held_out", fit.judged_on_held_out},
-        {"frames_used", AgreementJson(fit.used)},
-        {"frames_held_out", fit.judged_on_held_out ? AgreementJson(fit.judged) : Json(nullptr)},
-        {"share_of_cells_left_out", ShareLeftOut(fit)}}}};
+  const auto [near_m, far_m] = WindowM(fit.cells);
+  const Json extra = {{"window", {{"found_by_rule", fit.window_found}, {"range_m", {near_m, far_m}}}},
+                      {"model_choice", ChoicesJson(fit)},
+                      {"speckle", ToString(fit.law.speckle)},
+                      {"agreement",
+                       {{"judged_on_held_out", fit.judged_on_held_out},
+                        {"judged_apart_from_choice", fit.judged_apart_from_choice},
+                        {"odd_bands_held_out", fit.bands_held_out},
+                        {"frames_chosen_on", fit.frames_chosen_on},
+                        {"frames_judged_on", fit.frames_judged_on},
+                        {"frames_used", AgreementJson(fit.used)},
+                        {"frames_judged", AgreementJson(fit.judged)},
+                        {"share_of_cells_left_out", ShareLeftOut(fit)}}}};
   const std::string members = extra.dump();
   return FitReportJson(fit.report, members.substr(1, members.size() - 2));
 }
@@ -67,6 +82,8 @@ NoiseFitOptions ToNoiseOptions(const FitCommandOptions& options) {
   noise.range_min_m = options.range_min_m;
   noise.range_max_m = options.range_max_m;
   noise.reject_beyond = options.reject_beyond;
+  noise.find_background = options.find_background;
+  noise.hold_out_bands = options.hold_out_bands;
   if (!options.params.empty()) noise.display = ReadParameters(options.params).display;
   noise.progress = [&options](const std::string& line) { PrintNote(options.common, line); };
   return noise;
@@ -82,17 +99,19 @@ Provenance ProvenanceOf(const FitCommandOptions& options, const NoiseFit& fit) {
                                           {"held_out", fit.report.frames_held_out},
                                           {"range_min_m", number(options.range_min_m)},
                                           {"range_max_m", number(options.range_max_m)},
-                                          {"reject_beyond", options.reject_beyond}},
+                                          {"reject_beyond", options.reject_beyond},
+                                          {"find_background", options.find_background},
+                                          {"hold_out_bands", options.hold_out_bands}},
                         .inputs = {options.real}};
   if (!options.params.empty()) provenance.inputs.push_back(options.params);
   return provenance;
 }
 
 std::string SummaryText(const NoiseFit& fit, const std::string& recording, const std::filesystem::path& out) {
-  std::string text =
-      fmt::format("{}: noise law of {} pings, judged on {}\n", recording, fit.report.frames_used.size(),
-                  fit.judged_on_held_out ? fmt::format("{} others", fit.report.frames_held_out.size())
-                                         : std::string("the same, as none is held out"));
+  const std::size_t pings = fit.report.frames_used.size();
+  std::string text = fmt::format("{}: noise law of {} ping{}, {}\n", recording, pings, pings == 1 ? "" : "s",
+                                 NoiseJudgedText(fit));
+  if (fit.window_found) text += "  " + NoiseWindowText(fit) + "\n";
   text += fmt::format(
       "  display {}, {} speckle, gain {}, {}\n", ToString(fit.law.display.law), ToString(fit.law.speckle),
       ToString(fit.law.receiver.time_varied_gain),
@@ -103,9 +122,12 @@ std::string SummaryText(const NoiseFit& fit, const std::string& recording, const
                         p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit,
                         p.status == ParameterStatus::kFree ? "" : "  " + std::string(ToString(p.status)));
   }
+  for (const std::string& sentence : fit.report.unidentifiable_directions) text += "  " + sentence + "\n";
   text += fmt::format("  KS {:.4f}, Wasserstein-1 {:.3f} grey, KS by cell {:.3f} median, {:.3f} at 95 %\n",
                       fit.judged.ks, fit.judged.wasserstein_grey, fit.judged.cell_ks_median,
                       fit.judged.cell_ks_p95);
+  text += fmt::format("  whitened residual {:.3f} +- {:.3f}, 0 +- 1 for a true law\n",
+                      fit.judged.whitened.mean, fit.judged.whitened.spread);
   if (ShareLeftOut(fit) > 0.0)
     text += fmt::format("  {:.1f} % of the cells left out\n", 100.0 * ShareLeftOut(fit));
   return text + fmt::format("report: {}\n", (out / "report.html").string());
@@ -113,7 +135,10 @@ std::string SummaryText(const NoiseFit& fit, const std::string& recording, const
 
 HtmlReport MakeReport(const NoiseFit& fit, const RecordingInfo& info, const Json& provenance) {
   HtmlReport report("Noise law of a sonar", RecordingName(info));
-  AddSyntheticCallout(report, info.synthetic, RecordingName(info));
+  if (info.synthetic) {
+    report.Callout(CalloutKind::kSynthetic, "The recording is synthetic",
+                   RecordingName(info) + " is simulated, not recorded by a sonar.");
+  }
   AddNoiseSections(report, fit);
   report.Section("How this was made");
   report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));

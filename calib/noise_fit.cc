@@ -9,17 +9,18 @@
 #include <limits>
 #include <numeric>
 
+#include "calib/noise_background.h"
 #include "calib/noise_fit_report.h"
+#include "calib/noise_form.h"
 #include "calib/noise_solver.h"
 #include "data_io/parameters_io.h"
 
 namespace sonarcal {
 namespace {
 
-constexpr int kPingsForDrift = 5;  // from here on sigmas see how pings drift
-constexpr double kUnknownSpanDb = 60.0;
-constexpr double kRelevantNats = 2e-5;  // a pixel: what a richer law has to gain to be taken
-constexpr int kRejections = 6;
+constexpr int kFewestBandsToSplit = 4;
+constexpr int kPingsForDrift = 5;           // from here on sigmas see how pings drift
+constexpr std::size_t kHeldOutToSplit = 4;  // from here on some choose and others judge
 
 struct Pings {
   std::vector<NoiseCounts> each;
@@ -67,114 +68,67 @@ std::vector<int> HeldOut(const RecordingSource& recording, const NoiseFitOptions
   return held_out;
 }
 
-double MeanRangeM(const NoiseCells& cells) {
-  return 0.5 * (cells.RangeM(0) + cells.RangeM(cells.bands() - 1));
+Pings ReadPings(const RecordingSource& recording, const std::vector<int>& frames, const NoiseCells& cells) {
+  Pings pings;
+  for (const int frame : frames) pings.each.push_back(CountGrey(recording.ReadFrame(frame).image, cells));
+  pings.all = AddCounts(pings.each, cells);
+  return pings;
 }
 
-// The mean power that puts a high quantile of the grey values where it is: clipped zeros do not matter.
-double RoughNoisePower(const NoiseCounts& counts, const NoiseCells& cells,
-                       const DisplayParameters<double>& display) {
-  std::vector<double> histogram(cells.full_scale + 1);
-  double all = 0.0;
-  for (const auto& cell : counts) {
-    for (const auto& [level, count] : cell) {
-      histogram[level] += count;
-      all += count;
-    }
-  }
-  double below = 0.0;
-  for (int level = 0; level < cells.full_scale; ++level) {
-    below += histogram[level];
-    if (below >= 0.8 * all && below < all) {
-      const double power = PowerFromDisplay(display, (level + 0.5) / cells.full_scale);
-      return std::max(power, 1e-12) / -std::log1p(-below / all);
-    }
-  }
-  return PowerFromDisplay(display, 0.5);
+// The later of the held-out frames judge, apart from those that chose, as pings near in time are alike.
+void SetJudges(const std::vector<int>& held_out, const std::vector<int>& frames_used, NoiseFit& fit) {
+  fit.judged_on_held_out = !held_out.empty();
+  fit.judged_apart_from_choice = held_out.size() >= kHeldOutToSplit;
+  fit.frames_chosen_on = fit.judged_on_held_out ? held_out : frames_used;
+  fit.frames_judged_on = fit.frames_chosen_on;
+  if (!fit.judged_apart_from_choice) return;
+  const auto half = static_cast<std::ptrdiff_t>(held_out.size() / 2);
+  fit.frames_chosen_on.assign(held_out.begin(), held_out.begin() + half);
+  fit.frames_judged_on.assign(held_out.begin() + half, held_out.end());
 }
 
-struct Form {
-  DisplayParameters<double> display;
-  bool fit_span = false;
-  SpeckleLaw speckle = SpeckleLaw::kGamma;
-  TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
-  bool floor_after_gain = true;
-};
-
-// Starting values of a form; `net_db`: change of the floor before the gain over the window, as displayed.
-NoiseLaw StartOf(const Form& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
-                 double absorption_db_per_m) {
-  NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
-  const double level_db = LevelOfPower(RoughNoisePower(counts, cells, form.display));
-  if (form.display.law == DisplayLaw::kSoftLog && form.display.soft_db == 0.0) {
-    law.display.soft_db = std::max(form.display.db_min - 1.5, level_db - 12.0);
+// Of the cells that count as background those of even bands (0) or odd ones (1); all of them, where no bands
+// are held out.
+std::vector<double> OfBands(const NoiseFit& fit, int odd) {
+  std::vector<double> weight = fit.weight;
+  if (!fit.bands_held_out) return weight;
+  for (int i = 0; i < fit.cells.count(); ++i) {
+    if (i / fit.cells.beams() % 2 != odd) weight[i] = 0.0;
   }
-  ReceiverParameters& receiver = law.receiver;
-  receiver.looks = form.fit_span ? 1.0 : 1.3;
-  receiver.time_varied_gain = form.time_varied_gain;
-  const double near_m = cells.RangeM(0);
-  const double far_m = cells.RangeM(cells.bands() - 1);
-  const auto gain_db = [&](double range_m) {
-    return TimeVariedGainDb(form.time_varied_gain, range_m, absorption_db_per_m);
-  };
-  receiver.noise_slope_db_per_m =
-      (net_db - (gain_db(far_m) - gain_db(near_m))) / std::max(1e-3, far_m - near_m);
-  const double middle_m = MeanRangeM(cells);
-  const double shared_db = form.floor_after_gain ? 3.0 : 0.0;
-  receiver.noise_db = level_db - shared_db - gain_db(middle_m) - receiver.noise_slope_db_per_m * middle_m;
-  if (form.floor_after_gain) receiver.noise_after_gain_db = level_db - shared_db;
-  return law;
+  return weight;
 }
 
 class Fitter {
  public:
-  Fitter(const Pings& used, const NoiseCells& cells, const NoiseFitOptions& options)
-      : used_(used), cells_(cells), options_(options) {}
+  // `weight` by cell: of those fitted 1, else 0.
+  Fitter(const Pings& used, const NoiseCells& cells, const NoiseFitOptions& options,
+         std::vector<double> weight)
+      : used_(used), cells_(cells), options_(options), weight_(std::move(weight)) {}
 
   struct Fitted {
     NoiseLaw start;
     NoiseSolution solution;
+    std::vector<double> start_costs;  // where each start ended
   };
 
-  // The best of several starts: a floor that falls with range, and one that rises.
-  Fitted Fit(const Form& form) const {
+  // The best of several starts: a floor that falls with range, and one that rises. One that converged goes
+  // before one that did not.
+  Fitted Fit(const NoiseForm& form) const {
     Fitted best;
+    std::vector<double> costs;
     for (const double net_db :
          form.floor_after_gain ? std::vector<double>{-8.0, 8.0} : std::vector<double>{0.0}) {
       const NoiseLaw start = StartOf(form, used_.all, cells_, net_db, options_.absorption_db_per_m);
       NoiseSolution solution = SolveNoise(start, form.fit_span, used_.all, cells_, weight_, options_);
-      if (best.solution.value.size() == 0 || solution.cost < best.solution.cost) {
-        best = {start, std::move(solution)};
+      costs.push_back(solution.cost);
+      const NoiseSolution& least = best.solution;
+      if (least.value.size() == 0 || (solution.converged && !least.converged) ||
+          (solution.converged == least.converged && solution.cost < least.cost)) {
+        best = {start, std::move(solution), {}};
       }
     }
+    best.start_costs = std::move(costs);
     return best;
-  }
-
-  // Leaves out cells that the law does not explain, and fits again, until the same cells stay.
-  void Reject(const Form& form) {
-    weight_.assign(cells_.count(), 1.0);
-    if (!(options_.reject_beyond > 0.0)) return;
-    for (int round = 0; round < kRejections; ++round) {
-      const Fitted fitted = Fit(form);
-      const NoiseAgreement fit =
-          Agreement(fitted.solution.law, used_.all, cells_, {}, options_.absorption_db_per_m);
-      std::vector<double> off;
-      for (std::size_t i = 0; i < fit.recorded_mean.size(); ++i) {
-        off.push_back(fit.recorded_mean.values()[i] - fit.predicted_mean.values()[i]);
-      }
-      const auto median = [](std::vector<double> values) {
-        std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-        return values[values.size() / 2];
-      };
-      const double middle = median(off);
-      std::vector<double> distance;
-      for (const double value : off) distance.push_back(std::abs(value - middle));
-      const double limit = options_.reject_beyond * 1.4826 * median(distance);
-      std::vector<double> next;
-      for (const double value : distance) next.push_back(value <= limit ? 1.0 : 0.0);
-      if (next == weight_) break;
-      weight_ = std::move(next);
-    }
   }
 
   // Sandwich over pings, or over range bands of pings where there are few.
@@ -189,6 +143,8 @@ class Fitter {
         continue;
       }
       for (int band = 0; band < cells_.bands(); ++band) {
+        const auto first = weight_.begin() + band * cells_.beams();
+        if (std::none_of(first, first + cells_.beams(), [](double weight) { return weight > 0.0; })) continue;
         NoiseCounts alone(cells_.count());
         std::copy_n(ping.begin() + band * cells_.beams(), cells_.beams(),
                     alone.begin() + band * cells_.beams());
@@ -203,41 +159,12 @@ class Fitter {
     return bread * meat * bread * (blocks / (blocks - 1.0));
   }
 
-  const std::vector<double>& weight() const { return weight_; }
-
  private:
   const Pings& used_;
   const NoiseCells& cells_;
   const NoiseFitOptions& options_;
   std::vector<double> weight_;
 };
-
-std::vector<Form> DisplayForms(const RecordingInfo& info, const NoiseFitOptions& options) {
-  if (options.display) {
-    std::vector<Form> forms = {{.display = *options.display}};
-    forms.push_back({.display = *options.display, .speckle = SpeckleLaw::kWeighted});
-    return forms;
-  }
-  if (info.display_gamma) {
-    const DisplayParameters<double> power{
-        .db_min = -100.0, .db_max = 0.0, .law = DisplayLaw::kPower, .exponent = *info.display_gamma};
-    return {{.display = power}, {.display = power, .speckle = SpeckleLaw::kWeighted}};
-  }
-  DisplayParameters<double> display{.db_min = 0.0, .db_max = kUnknownSpanDb};
-  std::optional<double> span = info.scale.db_span;
-  if (info.scale.db_min && info.scale.db_max) {
-    display.db_min = *info.scale.db_min;
-    span = *info.scale.db_max - *info.scale.db_min;
-  }
-  if (span) display.db_max = display.db_min + *span;
-  std::vector<Form> forms;
-  for (const DisplayLaw law : {DisplayLaw::kLog, DisplayLaw::kSoftLog}) {
-    display.law = law;
-    forms.push_back({.display = display, .fit_span = !span});
-    if (span) forms.push_back({.display = display, .speckle = SpeckleLaw::kWeighted});
-  }
-  return forms;
-}
 
 double Seconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
@@ -250,56 +177,80 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   NoiseFit fit;
   fit.cells = CellsOf(recording.info(), options);
   const std::vector<int> held_out = HeldOut(recording, options);
-  Pings used;
-  Pings judged;
   std::vector<int> frames_used;
   for (int frame = 0; frame < recording.frame_count(); ++frame) {
-    const bool apart = std::binary_search(held_out.begin(), held_out.end(), frame);
-    (apart ? judged : used).each.push_back(CountGrey(recording.ReadFrame(frame).image, fit.cells));
-    if (!apart) frames_used.push_back(frame);
+    if (!std::binary_search(held_out.begin(), held_out.end(), frame)) frames_used.push_back(frame);
   }
-  used.all = AddCounts(used.each, fit.cells);
-  judged.all = AddCounts(judged.each, fit.cells);
-  fit.judged_on_held_out = !held_out.empty();
-  const NoiseCounts& judge = fit.judged_on_held_out ? judged.all : used.all;
-
-  Fitter fitter(used, fit.cells, options);
-  const std::vector<Form> forms = DisplayForms(recording.info(), options);
-  fitter.Reject(forms.front());
-  fit.weight = fitter.weight();
+  SetJudges(held_out, frames_used, fit);
+  Pings used = ReadPings(recording, frames_used, fit.cells);
+  const std::vector<NoiseForm> forms = DisplayForms(recording.info(), options);
+  if (options.find_background) {
+    const BackgroundWindow window = FindBackground(forms.front(), used.all, fit.cells, options);
+    fit.cells.first_bin = window.first_bin;
+    fit.cells.last_bin = window.last_bin;
+    fit.window_found = true;
+    used = ReadPings(recording, frames_used, fit.cells);
+  }
+  const Pings choosing = ReadPings(recording, fit.frames_chosen_on, fit.cells);
+  fit.weight = KeepBackground(forms.front(), used.all, fit.cells, options.reject_beyond, options);
+  fit.bands_held_out = fit.cells.bands() >= kFewestBandsToSplit &&
+                       (options.hold_out_bands || (options.choose_held_out && recording.frame_count() == 1));
+  fit.judged_on_held_out = fit.judged_on_held_out || fit.bands_held_out;
+  const std::vector<double> judging_weight = OfBands(fit, 1);
+  const Fitter fitter(used, fit.cells, options, OfBands(fit, 0));
   Fitter::Fitted best;
-  Form best_form;
+  NoiseForm best_form;
   int chosen = -1;
-  const auto try_form = [&](const Form& form) {
+  double best_score = 0.0;
+  const auto try_form = [&](const NoiseForm& form) {
     Fitter::Fitted fitted = fitter.Fit(form);
     const NoiseAgreement agreement =
-        Agreement(fitted.solution.law, judge, fit.cells, fit.weight, options.absorption_db_per_m);
+        Agreement(fitted.solution.law, choosing.all, fit.cells, judging_weight, options.absorption_db_per_m);
     fit.choices.push_back({form.display.law, form.speckle, form.time_varied_gain, form.floor_after_gain,
-                           agreement.nats_per_pixel});
+                           agreement.nats_per_pixel, fitted.solution.converged});
     if (options.progress) {
       options.progress(
-          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats a pixel", ToString(form.display.law),
+          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats a pixel{}", ToString(form.display.law),
                       ToString(form.speckle), ToString(form.time_varied_gain),
-                      form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel));
+                      form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel,
+                      fitted.solution.converged ? "" : ", not converged and so not chosen"));
     }
-    const bool better =
-        chosen < 0 || agreement.nats_per_pixel < fit.choices[chosen].nats_per_pixel - kRelevantNats;
-    if (!better) return;
+    const double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
+    if (!fitted.solution.converged || !std::isfinite(score)) return;
+    if (chosen >= 0 && score >= best_score) return;
     chosen = static_cast<int>(fit.choices.size()) - 1;
+    best_score = score;
     best = std::move(fitted);
     best_form = form;
   };
-  for (const Form& form : forms) try_form(form);
-  const Form display_chosen = best_form;
+  for (NoiseForm form : forms) {
+    form.floor_after_gain = false;  // many times quicker, and as telling of the display
+    try_form(form);
+  }
+  const NoiseForm display_chosen = chosen < 0 ? forms.front() : best_form;
   for (const TimeVariedGain gain :
        {TimeVariedGain::kNone, TimeVariedGain::k20LogR, TimeVariedGain::k40LogR}) {
     for (const bool floor_after_gain : {true, false}) {
-      if (gain == TimeVariedGain::kNone && floor_after_gain) continue;  // tried
-      Form form = display_chosen;
+      if (gain == TimeVariedGain::kNone && !floor_after_gain) continue;  // tried
+      NoiseForm form = display_chosen;
       form.time_varied_gain = gain;
       form.floor_after_gain = floor_after_gain;
       try_form(form);
     }
+  }
+  if (best_form.floor_after_gain) {  // which a softened display may have stood for
+    const NoiseForm floors_chosen = best_form;
+    for (NoiseForm form : forms) {
+      if (form.display.law == display_chosen.display.law && form.speckle == display_chosen.speckle) continue;
+      form.time_varied_gain = floors_chosen.time_varied_gain;
+      try_form(form);
+    }
+  }
+  if (chosen < 0) {
+    fit.report.termination = "ended before any candidate converged";
+    fit.report.frames_used = frames_used;
+    fit.report.frames_held_out = held_out;
+    return fit;
   }
   fit.choices[chosen].chosen = true;
 
@@ -307,28 +258,15 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   fit.law = solution.law;
   fit.usable = solution.converged && solution.value.allFinite();
   fit.report = NoiseReport(solution, best.start, fitter.Covariance(solution), best_form.fit_span,
-                           static_cast<int>(used.each.size()));
+                           static_cast<int>(used.each.size()), fit.cells);
+  fit.report.start_costs = best.start_costs;
   fit.report.frames_used = frames_used;
   fit.report.frames_held_out = held_out;
-  fit.used = Agreement(fit.law, used.all, fit.cells, fit.weight, options.absorption_db_per_m);
-  fit.judged = Agreement(fit.law, judge, fit.cells, fit.weight, options.absorption_db_per_m);
-  const auto off = [&](const NoiseAgreement& of) {
-    double sum = 0.0;
-    double square = 0.0;
-    double count = 0.0;
-    for (std::size_t i = 0; i < of.recorded_mean.size(); ++i) {
-      if (std::isnan(of.recorded_mean.values()[i])) continue;
-      const double residual =
-          static_cast<double>(of.recorded_mean.values()[i] - of.predicted_mean.values()[i]) /
-          fit.cells.full_scale;
-      sum += residual;
-      square += residual * residual;
-      count += 1.0;
-    }
-    return ResidualSummary{sum / count,
-                           std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)))};
-  };
-  fit.report.raw = off(fit.judged);
+  fit.used = Agreement(fit.law, used.all, fit.cells, OfBands(fit, 0), options.absorption_db_per_m);
+  const Pings judging = ReadPings(recording, fit.frames_judged_on, fit.cells);
+  fit.judged = Agreement(fit.law, judging.all, fit.cells, judging_weight, options.absorption_db_per_m);
+  fit.report.raw = fit.used.raw;
+  fit.report.whitened = fit.used.whitened;
   fit.report.solve_s = Seconds(begin);
   return fit;
 }

@@ -7,8 +7,10 @@
 
 namespace sonarcal {
 
-// `covariance` of solution.value, in the order of its layout.
+// `covariance` of solution.value, in the order of its layout. A parameter that the pings leave open (sigma of
+// more than half the spread assumed beforehand, or of more than 20 dB of a level) is unidentifiable: it keeps
+// its value, which with the others describes the pings as well as any, and gets no sigma.
 FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, const Eigen::MatrixXd& covariance,
-                      bool fit_span, int frames_used);
+                      bool fit_span, int frames_used, const NoiseCells& cells);
 
 }  // namespace sonarcal

@@ -62,6 +62,25 @@ struct Levels {
   double pixels = 0.0;
 };
 
+// Mean and spread from sums over pixels.
+class Moments {
+ public:
+  void Add(double mean, double square, double pixels) {
+    sum_ += pixels * mean;
+    square_ += pixels * square;
+    pixels_ += pixels;
+  }
+  ResidualSummary Summary() const {
+    const double mean = sum_ / pixels_;
+    return {mean, std::sqrt(std::max(0.0, square_ / pixels_ - mean * mean))};
+  }
+
+ private:
+  double sum_ = 0.0;
+  double square_ = 0.0;
+  double pixels_ = 0.0;
+};
+
 }  // namespace
 
 GreyLevels::GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks) : law_(law), by_looks_(by_looks) {
@@ -86,6 +105,14 @@ double GreyLevels::Cdf(int level, double noise_power) const {
   if (level < 0) return 0.0;
   if (level >= static_cast<int>(edge_power_.size())) return 1.0;
   return SpeckleCdf(law_.receiver.looks, edge_power_[level] / noise_power, law_.speckle);
+}
+
+QuantileBound GreyLevels::Bound(int level, double noise_power) const {
+  if (level < 0) return {.below = 0.0, .beyond = 1.0};
+  if (level >= static_cast<int>(edge_power_.size())) return {.below = 1.0, .beyond = 0.0};
+  const double ratio = edge_power_[level] / noise_power;
+  return {.below = Cdf(level, noise_power),
+          .beyond = SpeckleSurvival(law_.receiver.looks, ratio, law_.speckle)};
 }
 
 GreyLevels::Chance GreyLevels::Below(int level, double noise_power) const {
@@ -129,7 +156,10 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
   NoiseAgreement agreement;
   agreement.recorded_mean = Grid<float>(cells.bands(), cells.beams(), kNone);
   agreement.predicted_mean = Grid<float>(cells.bands(), cells.beams(), kNone);
+  agreement.whitened_mean = Grid<float>(cells.bands(), cells.beams(), kNone);
 
+  Moments raw;
+  Moments whitened;
   std::vector<double> chance(levels);
   for (int cell = 0; cell < cells.count(); ++cell) {
     if (!weight.empty() && weight[cell] == 0.0) continue;
@@ -145,14 +175,22 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
       below = next;
     }
     double recorded_sum = 0.0;
+    double whitened_sum = 0.0;
     double pixels = 0.0;
     for (const auto& [level, count] : counts[cell]) {
       agreement.nats_per_pixel -= count * std::log(std::max(chance[level], 1e-30));
       recorded_sum += static_cast<double>(count) * level;
       pixels += count;
+      const double off = (level - predicted_mean) / cells.full_scale;
+      raw.Add(off, off * off, count);
+      const QuantileMoments quantile =
+          QuantileResidual(grey.Bound(level - 1, power), grey.Bound(level, power));
+      whitened.Add(quantile.mean, quantile.square, count);
+      whitened_sum += count * quantile.mean;
     }
     if (pixels == 0.0) continue;
     agreement.recorded_mean(band, beam) = static_cast<float>(recorded_sum / pixels);
+    agreement.whitened_mean(band, beam) = static_cast<float>(whitened_sum / pixels);
     agreement.predicted_mean(band, beam) = static_cast<float>(predicted_mean);
     all.Add(counts[cell], chance);
     blocks[static_cast<std::size_t>(band / judge_bands) * judge_cols + beam / kJudgeBeams].Add(counts[cell],
@@ -160,6 +198,8 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
   }
   if (all.pixels == 0.0) throw DataError("no pixel is left to judge a noise law on");
 
+  agreement.raw = raw.Summary();
+  agreement.whitened = whitened.Summary();
   agreement.nats_per_pixel /= all.pixels;
   Normalise(all.recorded, all.pixels);
   Normalise(all.predicted, all.pixels);

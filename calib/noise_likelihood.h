@@ -6,7 +6,9 @@
 #include <array>
 #include <vector>
 
+#include "calib/fit_report.h"
 #include "calib/noise_histogram.h"
+#include "calib/quantile_residual.h"
 #include "data_io/types/parameters.h"
 #include "sim/physics/speckle.h"
 
@@ -38,6 +40,8 @@ class GreyLevels {
   // The cumulative chance with its derivatives; OfLevel is the difference of two.
   Chance Below(int level, double noise_power) const;
   static Chance Between(const Chance& lower, const Chance& upper);
+  // Without the derivatives.
+  QuantileBound Bound(int level, double noise_power) const;
   Chance OfLevel(int level, double noise_power) const {
     return Between(Below(level - 1, noise_power), Below(level, noise_power));
   }
@@ -57,10 +61,13 @@ struct NoiseAgreement {
   double wasserstein_grey = 0.0;  // mean shift between the distributions, grey levels
   double cell_ks_median = 0.0;    // the same difference by cell of 8 bins x 8 beams
   double cell_ks_p95 = 0.0;
+  ResidualSummary raw;           // of pixels: grey less the mean predicted, of full scale 1
+  ResidualSummary whitened;      // of pixels: calib/quantile_residual.h; mean 0 and spread 1 for a true law
   std::vector<double> recorded;  // share of each grey level
   std::vector<double> predicted;
   Grid<float> recorded_mean;  // bands x beams, grey; NaN where left out
   Grid<float> predicted_mean;
+  Grid<float> whitened_mean;  // of the whitened residuals
 };
 
 inline constexpr int kJudgeBins = 8;

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
+
+#include "calib/noise_information.h"
 
 namespace sonarcal {
 namespace {
@@ -21,6 +24,10 @@ constexpr double kConverged = 1e-3;
 constexpr double kGainedLittle = 0.02;
 constexpr int kLastSteps = 4;
 constexpr double kMostStepDb = 6.0;
+constexpr double kMostDamping = 1e8;
+constexpr double kFreeDamping = 1e-2;  // up to here a short step is not the damping's doing
+// Of the largest diagonal element: what damping takes for the least curvature of any parameter.
+constexpr double kLeastCurvature = 1e-8;
 
 NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, int beams) {
   NoiseLayout layout;
@@ -82,6 +89,33 @@ NoiseLaw FromVector(const NoiseLaw& form, const NoiseLayout& layout, const Eigen
   return law;
 }
 
+// Within what calib/noise_fit_report.cc states as bounds.
+bool WithinBounds(const NoiseLayout& layout, const Eigen::VectorXd& value) {
+  if (!value.allFinite()) return false;
+  for (int place = 0; place < layout.count; ++place) {
+    const double most = place == layout.slope ? kMostSlopeDbPerM : kMostLevelDb;
+    if (std::abs(value[place]) > most) return false;
+  }
+  return true;
+}
+
+// Levenberg's: a share of the diagonal's size, with a floor for what the pings say nothing of.
+Eigen::MatrixXd Damped(const Eigen::MatrixXd& information, double damping) {
+  const Eigen::VectorXd size = information.diagonal().cwiseAbs();
+  Eigen::MatrixXd damped = information;
+  damped.diagonal() += damping * size.cwiseMax(kLeastCurvature * size.maxCoeff());
+  return damped;
+}
+
+// Newton's step where the curvature of ln N leaves the information positive definite, else Fisher's.
+std::optional<Eigen::VectorXd> Step(const Eigen::MatrixXd& information, const Eigen::MatrixXd& curvature,
+                                    const Eigen::VectorXd& score, double damping) {
+  Eigen::LLT<Eigen::MatrixXd> solver(Damped(information + curvature, damping));
+  if (solver.info() != Eigen::Success) solver.compute(Damped(information, damping));
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return solver.solve(score);
+}
+
 constexpr int kMostOfACell = 7;
 
 // The parameters that a cell depends on, and how ln N and the levels' chances follow them.
@@ -130,53 +164,71 @@ CellParameters AtCell(const NoiseLaw& law, const NoiseLayout& layout, double ran
 struct Evaluation {
   double cost = 0.0;  // -log likelihood
   Eigen::VectorXd score;
-  // Sum of the outer products of each pixel's score, less what the curvature of ln N adds.
-  Eigen::MatrixXd information;
+  Eigen::MatrixXd information;  // expected: positive semi-definite
+  Eigen::MatrixXd curvature;    // what the curvature of ln N adds to it; may make it indefinite
 };
 
 Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseCounts& counts,
                     const NoiseCells& cells, const std::vector<double>& weight, double absorption_db_per_m,
                     bool with_information) {
   const GreyLevels grey(law, cells.full_scale, layout.log_looks >= 0);
-  Evaluation sum{.score = Eigen::VectorXd::Zero(layout.count), .information = {}};
-  if (with_information) sum.information = Eigen::MatrixXd::Zero(layout.count, layout.count);
+  Evaluation sum{.score = Eigen::VectorXd::Zero(layout.count), .information = {}, .curvature = {}};
+  constexpr int kKinds = GreyLevels::kDerivatives;
+  struct Used {
+    CellParameters parameters;
+    Eigen::Matrix<double, kKinds, kMostOfACell> jacobian;
+    double pixels = 0.0;
+    double by_log_noise = 0.0;  // score
+  };
+  std::vector<Used> used;
   for (int i = 0; i < cells.count(); ++i) {
     if (counts[i].empty() || (!weight.empty() && weight[i] == 0.0)) continue;
-    const CellParameters cell =
+    Used& cell = used.emplace_back();
+    cell.parameters =
         AtCell(law, layout, cells.RangeM(i / cells.beams()), i % cells.beams(), absorption_db_per_m);
-    // Score and information in ln N and the derivatives of GreyLevels first: few numbers a level.
-    constexpr int kKinds = GreyLevels::kDerivatives;
-    Eigen::Matrix<double, kKinds, 1> score = Eigen::Matrix<double, kKinds, 1>::Zero();
-    Eigen::Matrix<double, kKinds, kKinds> information = Eigen::Matrix<double, kKinds, kKinds>::Zero();
+    const CellParameters& parameters = cell.parameters;
+    // The score in ln N and the derivatives of GreyLevels first: few numbers a level.
+    Eigen::Vector<double, kKinds> score = Eigen::Vector<double, kKinds>::Zero();
     int last = -1;
     GreyLevels::Chance lower;
     for (const auto& [level, count] : counts[i]) {
-      if (level != last + 1) lower = grey.Below(level - 1, cell.noise_power);
-      const GreyLevels::Chance upper = grey.Below(level, cell.noise_power);
+      if (level != last + 1) lower = grey.Below(level - 1, parameters.noise_power);
+      const GreyLevels::Chance upper = grey.Below(level, parameters.noise_power);
       const GreyLevels::Chance chance = GreyLevels::Between(lower, upper);
       lower = upper;
       last = level;
       sum.cost -= count * std::log(chance.value);
-      const Eigen::Matrix<double, kKinds, 1> one =
-          Eigen::Map<const Eigen::Matrix<double, kKinds, 1>>(chance.derivative.data()) / chance.value;
-      score += count * one;
-      if (with_information) information += count * one * one.transpose();
+      score +=
+          count / chance.value * Eigen::Map<const Eigen::Vector<double, kKinds>>(chance.derivative.data());
+      cell.pixels += count;
     }
-    Eigen::Matrix<double, kKinds, kMostOfACell> jacobian =
-        Eigen::Matrix<double, kKinds, kMostOfACell>::Zero();
-    for (int p = 0; p < cell.count; ++p) {
-      jacobian(0, p) = cell.by_log_noise[p];
-      if (cell.grey_derivative[p] >= 0) jacobian(cell.grey_derivative[p], p) = 1.0;
+    cell.by_log_noise = score[0];
+    cell.jacobian.setZero();
+    for (int p = 0; p < parameters.count; ++p) {
+      cell.jacobian(0, p) = parameters.by_log_noise[p];
+      if (parameters.grey_derivative[p] >= 0) cell.jacobian(parameters.grey_derivative[p], p) = 1.0;
     }
-    const Eigen::Matrix<double, kMostOfACell, 1> by_parameter = jacobian.transpose() * score;
-    for (int p = 0; p < cell.count; ++p) sum.score[cell.place[p]] += by_parameter[p];
-    if (!with_information) continue;
+    const Eigen::Vector<double, kMostOfACell> by_parameter = cell.jacobian.transpose() * score;
+    for (int p = 0; p < parameters.count; ++p) sum.score[parameters.place[p]] += by_parameter[p];
+  }
+  if (!with_information) return sum;
+  sum.information = Eigen::MatrixXd::Zero(layout.count, layout.count);
+  sum.curvature = sum.information;
+  if (used.empty() || !std::isfinite(sum.cost)) return sum;
+  const auto [least, most] = std::minmax_element(used.begin(), used.end(), [](const Used& a, const Used& b) {
+    return a.parameters.noise_power < b.parameters.noise_power;
+  });
+  const InformationTable expected(grey, cells.full_scale, least->parameters.noise_power,
+                                  most->parameters.noise_power);
+  for (const Used& cell : used) {
+    const CellParameters& parameters = cell.parameters;
     const Eigen::Matrix<double, kMostOfACell, kMostOfACell> block =
-        jacobian.transpose() * information * jacobian;
-    for (int p = 0; p < cell.count; ++p) {
-      for (int q = 0; q < cell.count; ++q) {
-        sum.information(cell.place[p], cell.place[q]) +=
-            block(p, q) - score[0] * cell.bend * cell.curvature_sign[p] * cell.curvature_sign[q];
+        cell.pixels * cell.jacobian.transpose() * expected(parameters.noise_power) * cell.jacobian;
+    for (int p = 0; p < parameters.count; ++p) {
+      for (int q = 0; q < parameters.count; ++q) {
+        sum.information(parameters.place[p], parameters.place[q]) += block(p, q);
+        sum.curvature(parameters.place[p], parameters.place[q]) -=
+            cell.by_log_noise * parameters.bend * parameters.curvature_sign[p] * parameters.curvature_sign[q];
       }
     }
   }
@@ -239,6 +291,19 @@ void AddPriors(const NoiseSolution& solution, Evaluation& sum) {
   }
 }
 
+// A step from `from`, no longer than is wise, in the gauge of the tapers and with looks and span within
+// bounds.
+Eigen::VectorXd Next(const NoiseLayout& layout, const Eigen::VectorXd& from, const Eigen::VectorXd& step) {
+  Eigen::VectorXd next = from + step.cwiseMin(kMostStepDb).cwiseMax(-kMostStepDb);
+  CentreTapers(layout, next);
+  const auto clamp = [&next](int place, double lower, double upper) {
+    if (place >= 0) next[place] = std::clamp(next[place], lower, upper);
+  };
+  clamp(layout.log_looks, std::log(kFewestLooks), std::log(kMostLooks));
+  clamp(layout.span_db, kLeastSpanDb, kMostSpanDb);
+  return next;
+}
+
 }  // namespace
 
 Eigen::VectorXd NoiseScore(const NoiseSolution& solution, const NoiseCounts& counts, const NoiseCells& cells,
@@ -273,6 +338,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
     const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(kFewestLooks) &&
                             at_best.score[layout.log_looks] < 0.0;
     Eigen::MatrixXd information = at_best.information;
+    Eigen::MatrixXd curvature = at_best.curvature;
     Eigen::VectorXd score = at_best.score;
     if (hold_looks) {
       information.row(layout.log_looks).setZero();
@@ -286,37 +352,30 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
       solution.converged = true;
       break;
     }
-    Eigen::MatrixXd damped = information;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::LLT<Eigen::MatrixXd> solver(damped);
-    if (solver.info() != Eigen::Success) {
-      damping = std::max(1e-4, damping * 10.0);
-      continue;
-    }
-    const Eigen::VectorXd step = solver.solve(score);
-    if (damping <= 1e-2 && 0.5 * score.dot(step) < kConverged) {
+    const std::optional<Eigen::VectorXd> step = Step(information, curvature, score, damping);
+    if (step && damping <= kFreeDamping && 0.5 * score.dot(*step) < kConverged) {
       solution.converged = true;
       break;
     }
-    Eigen::VectorXd next = best + step.cwiseMin(kMostStepDb).cwiseMax(-kMostStepDb);
-    CentreTapers(layout, next);
-    if (layout.log_looks >= 0) {
-      next[layout.log_looks] =
-          std::clamp(next[layout.log_looks], std::log(kFewestLooks), std::log(kMostLooks));
-    }
-    if (layout.span_db >= 0) next[layout.span_db] = std::clamp(next[layout.span_db], 5.0, 400.0);
-    const Evaluation at_next = evaluate(next, true);
-    if (std::isfinite(at_next.cost) && at_next.cost < at_best.cost) {
-      gains.push_back(at_best.cost - at_next.cost);
-      best = next;
-      at_best = at_next;
-      damping = std::max(1e-6, damping * 0.1);
-    } else {
-      damping *= 10.0;
-      if (damping > 1e8) {
-        break;
+    bool better = false;
+    if (step) {
+      const Eigen::VectorXd next = Next(layout, best, *step);
+      if (WithinBounds(layout, next)) {
+        Evaluation at_next = evaluate(next, true);
+        better = std::isfinite(at_next.cost) && at_next.cost < at_best.cost;
+        if (better) {
+          if (damping <= kFreeDamping) {
+            gains.push_back(at_best.cost - at_next.cost);
+          } else {
+            gains.clear();
+          }
+          best = next;
+          at_best = std::move(at_next);
+        }
       }
     }
+    damping = better ? std::max(1e-6, damping * 0.1) : std::max(1e-4, damping * 10.0);
+    if (damping > kMostDamping) break;
   }
   at_best = evaluate(best, true);
   solution.cost = at_best.cost;

@@ -39,7 +39,13 @@ struct NoiseSolution {
 
 inline constexpr double kFewestLooks = 1.0;
 inline constexpr double kMostLooks = 100.0;
+inline constexpr double kLeastSpanDb = 5.0;
+inline constexpr double kMostSpanDb = 400.0;
+inline constexpr double kMostLevelDb = 500.0;  // either side of 0; of tapers and the soft floor too
+inline constexpr double kMostSlopeDbPerM = 1000.0;
 
+// Levenberg-Marquardt. Ends without `converged` where no step that is damped ever more lowers the cost, or
+// after options.max_iterations; the law is then the best that was seen, finite and within the bounds above.
 // `start` tells the form: which floors it has, its display law and gain. `fit_span`: the span is free, and
 // not the looks.
 NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts& counts,

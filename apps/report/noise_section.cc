@@ -14,7 +14,11 @@ namespace sonarcal {
 namespace {
 
 Table ChoiceTable(const NoiseFit& fit) {
-  Table table{.caption = "Candidates, by -log likelihood of the pings they are judged on; the least is best",
+  Table table{.caption = fmt::format(
+                  "Candidates, by -log likelihood of the pings they are chosen on; the least "
+                  "is best, but each step to a richer law has to gain {:.5f}, and one that has not "
+                  "converged is never chosen",
+                  kRelevantNats),
               .columns = {{"Display law"},
                           {"Speckle", {}, false},
                           {"Time-varied gain", {}, false},
@@ -22,10 +26,11 @@ Table ChoiceTable(const NoiseFit& fit) {
                           {"-log likelihood", "nats a pixel"}},
               .rows = {}};
   for (const NoiseModelChoice& choice : fit.choices) {
-    table.rows.push_back({{std::string(ToString(choice.display)), std::string(ToString(choice.speckle)),
-                           std::string(ToString(choice.time_varied_gain)),
-                           choice.floor_after_gain ? "yes" : "no", FormatNumber(choice.nats_per_pixel, 5)},
-                          choice.chosen ? RowStyle::kStrong : RowStyle::kPlain});
+    table.rows.push_back(
+        {{std::string(ToString(choice.display)), std::string(ToString(choice.speckle)),
+          std::string(ToString(choice.time_varied_gain)), choice.floor_after_gain ? "yes" : "no",
+          FormatNumber(choice.nats_per_pixel, 5) + (choice.converged ? "" : ", not converged")},
+         choice.chosen ? RowStyle::kStrong : RowStyle::kPlain});
   }
   return table;
 }
@@ -47,16 +52,19 @@ Table ValueTable(const NoiseFit& fit) {
 LineChart HistogramChart(const NoiseAgreement& agreement) {
   ChartSeries recorded{.name = "recorded", .x = {}, .y = {}, .style = SeriesStyle::kPoints};
   ChartSeries predicted{.name = "predicted", .x = {}, .y = {}};
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kLeastShown = 1e-7;
+  const auto shown = [](double share) { return share < kLeastShown ? kNone : std::log10(share); };
   for (std::size_t level = 0; level < agreement.recorded.size(); ++level) {
-    if (agreement.recorded[level] < 1e-7 && agreement.predicted[level] < 1e-7) continue;
+    if (agreement.recorded[level] < kLeastShown && agreement.predicted[level] < kLeastShown) continue;
     recorded.x.push_back(static_cast<double>(level));
-    recorded.y.push_back(std::log10(std::max(agreement.recorded[level], 1e-7)));
+    recorded.y.push_back(shown(agreement.recorded[level]));
     predicted.x.push_back(static_cast<double>(level));
-    predicted.y.push_back(std::log10(std::max(agreement.predicted[level], 1e-7)));
+    predicted.y.push_back(shown(agreement.predicted[level]));
   }
   return {.title = "Grey values",
-          .x = {.label = "grey"},
-          .y = {.label = "log10 of the share"},
+          .x = {.label = "grey level"},
+          .y = {.label = "log10 of the share of pixels"},
           .series = {recorded, predicted}};
 }
 
@@ -87,13 +95,14 @@ LineChart MeanChart(const NoiseFit& fit, bool by_range) {
     predicted.y.push_back(sum_predicted / cells);
   }
   return {.title = by_range ? "By range" : "By beam",
-          .x = {.label = by_range ? "range" : "beam", .unit = by_range ? "m" : ""},
-          .y = {.label = "mean grey"},
+          .x = {.label = by_range ? "range" : "beam, counted from 0", .unit = by_range ? "m" : ""},
+          .y = {.label = "mean grey level"},
           .series = {recorded, predicted}};
 }
 
 LineChart TaperChart(const NoiseFit& fit) {
-  LineChart chart{.title = "Noise by beam", .x = {.label = "beam"}, .y = {.label = "taper", .unit = "dB"}};
+  LineChart chart{
+      .title = "Tapers", .x = {.label = "beam, counted from 0"}, .y = {.label = "taper", .unit = "dB"}};
   const auto add = [&chart](const char* name, const std::vector<double>& taper) {
     if (taper.empty()) return;
     ChartSeries series{.name = name, .x = {}, .y = taper};
@@ -105,7 +114,8 @@ LineChart TaperChart(const NoiseFit& fit) {
   return chart;
 }
 
-Picture ResidualMap(const NoiseAgreement& agreement) {
+Picture ResidualMap(const NoiseFit& fit) {
+  const NoiseAgreement& agreement = fit.judged;
   Grid<float> residual(agreement.recorded_mean.rows(), agreement.recorded_mean.cols());
   double square = 0.0;
   int cells = 0;
@@ -117,18 +127,58 @@ Picture ResidualMap(const NoiseAgreement& agreement) {
   }
   const double limit = std::max(1e-3, 3.0 * std::sqrt(square / std::max(1, cells)));
   return {.png = EncodePng(StretchPolar(Colorize(residual, {-limit, limit}, ColorMap::kViridis))),
-          .caption =
-              fmt::format("Recorded less predicted mean grey, from {:.2f} (dark) to {:.2f} (bright); cells "
-                          "left out are darkest",
-                          -limit, limit),
+          .caption = fmt::format(
+              "Recorded less predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); "
+              "beams from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
+              -limit, limit, fit.cells.RangeM(0), fit.cells.RangeM(fit.cells.bands() - 1),
+              cells < static_cast<int>(residual.size()) ? "; cells left out are darkest" : ""),
           .alt = "map of residuals by range band and beam",
           .crisp = true};
 }
 
+std::string Pings(std::size_t count) {
+  return fmt::format("{} ping{}", count, count == 1 ? "" : "s");
+}
+
+std::string Others(std::size_t count) {
+  return fmt::format("{} other{}", count, count == 1 ? "" : "s");
+}
+
 }  // namespace
 
+std::string NoiseWindowText(const NoiseFit& fit) {
+  const PolarAxes& axes = fit.cells.axes;
+  return fmt::format(
+      "window {:.2f} to {:.2f} m, found by rule: the longest of those that one floor with a trend describes "
+      "about as well as any",
+      axes.range_min_m + fit.cells.first_bin * axes.range_bin_m(),
+      axes.range_min_m + fit.cells.last_bin * axes.range_bin_m());
+}
+
+std::string NoiseJudgedText(const NoiseFit& fit) {
+  if (!fit.judged_on_held_out) return "judged on the frames it was fitted to, as none is held out";
+  if (fit.bands_held_out) {
+    std::string text =
+        fmt::format("judged on every second band of {} range bins, not fitted, of ", fit.cells.band_bins);
+    const bool same_pings = fit.frames_judged_on == fit.report.frames_used;
+    text += same_pings ? "the " + std::string(fit.frames_judged_on.size() == 1 ? "ping" : "pings") + " fitted"
+                       : Pings(fit.frames_judged_on.size()) + " not fitted";
+    if (fit.judged_apart_from_choice)
+      return text + fmt::format("; {} chose", Others(fit.frames_chosen_on.size()));
+    return text + "; it chose among the candidates too";
+  }
+  if (fit.judged_apart_from_choice) {
+    return fmt::format("judged on {} that neither it nor the choice among candidates has seen; {} chose",
+                       Pings(fit.frames_judged_on.size()), Others(fit.frames_chosen_on.size()));
+  }
+  return fmt::format("judged on {} that it was not fitted to, but that chose it among the candidates",
+                     Pings(fit.frames_judged_on.size()));
+}
+
 void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
-  const std::string on = fit.judged_on_held_out ? "on pings that were not fitted" : "on the pings fitted";
+  const std::string on = fit.bands_held_out       ? "on bands that were not fitted"
+                         : fit.judged_on_held_out ? "on pings that were not fitted"
+                                                  : "on the pings fitted";
   report.KeyFigures({{.label = "KS, all pixels", .value = FormatNumber(fit.judged.ks, 4), .note = on},
                      {.label = "Wasserstein-1",
                       .value = FormatNumber(fit.judged.wasserstein_grey, 3),
@@ -136,22 +186,39 @@ void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
                       .note = on},
                      {.label = "KS by cell, median",
                       .value = FormatNumber(fit.judged.cell_ks_median, 3),
-                      .note = fmt::format("cells of {} bins x {} beams", kJudgeBins, kJudgeBeams)}});
+                      .note = fmt::format("cells of {} bins x {} beams", kJudgeBins, kJudgeBeams)},
+                     {.label = "Whitened residual",
+                      .value = FormatNumber(fit.judged.whitened.spread, 3),
+                      .note = fmt::format("spread over pixels, mean {}; 1 and 0 for a true law",
+                                          FormatNumber(fit.judged.whitened.mean, 3))}});
+  const std::string judged =
+      fmt::format("Noise law of {}, {}.", Pings(fit.report.frames_used.size()), NoiseJudgedText(fit));
   if (!fit.judged_on_held_out) {
     report.Callout(CalloutKind::kLimit, "Judged on what was fitted",
-                   "No ping was held out, so agreement is better here than it will be on others.");
+                   judged +
+                       " Agreement is better here than it will be on others, and the richer candidates "
+                       "are at an advantage.");
+  } else if (!fit.judged_apart_from_choice) {
+    report.Callout(CalloutKind::kLimit, "Chosen and judged on the same data",
+                   judged + " From four held-out pings on, half of them only choose and half only judge.");
+  } else {
+    report.Paragraph(judged);
   }
+  if (fit.window_found) report.Paragraph("Background: " + NoiseWindowText(fit) + ".");
   report.Section("Grey values recorded and predicted");
   report.Add({HistogramChart(fit.judged), MeanChart(fit, true), MeanChart(fit, false)},
              "Recorded " + on + ", and predicted by the law");
-  report.Add(
-      PictureRow{.caption = "What the law leaves", .pictures = {ResidualMap(fit.judged)}, .columns = 1});
+  report.Add(PictureRow{.caption = "What the law leaves", .pictures = {ResidualMap(fit)}, .columns = 1});
   report.Section("The law");
   report.Add(ChoiceTable(fit));
   report.Add(ValueTable(fit));
   report.Add({TaperChart(fit)}, "Level of each beam's noise, relative to the mean over beams");
   if (!fit.report.unidentifiable_directions.empty()) {
-    report.Callout(CalloutKind::kLimit, "Not told by the data", fit.report.unidentifiable_directions.front());
+    report.Callout(
+        CalloutKind::kLimit, "Not told by the pings",
+        "Values called unidentifiable have no sigma: with the others they describe these pings, and "
+        "alone they mean nothing.");
+    report.List(fit.report.unidentifiable_directions);
   }
 }
 

@@ -1,6 +1,8 @@
 // A noise fit (calib/noise_fit.h) as sections of a report.
 #pragma once
 
+#include <string>
+
 #include "apps/report/html_report.h"
 #include "calib/noise_fit.h"
 
@@ -9,5 +11,11 @@ namespace sonarcal {
 // Agreement, the choice of model, values, grey values recorded against predicted, noise by range and by beam,
 // and the map of what is left.
 void AddNoiseSections(HtmlReport& report, const NoiseFit& fit);
+
+// "window ...": where it was found, and how.
+std::string NoiseWindowText(const NoiseFit& fit);
+
+// "judged on ...": the pings that the agreement reported is on, and whether they were seen before.
+std::string NoiseJudgedText(const NoiseFit& fit);
 
 }  // namespace sonarcal

@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
+#include "calib/noise_form.h"
+#include "calib/noise_information.h"
 #include "calib/noise_solver.h"
+#include "calib/quantile_residual.h"
 #include "data_io/types/error.h"
 #include "sim/random.h"
 
@@ -119,6 +124,56 @@ TEST(NoiseLikelihoodTest, ChancesAddUpToOneAndDerivativesAreTheirs) {
   }
 }
 
+// By numbers: the place in the interval drawn, its quantile found by bisection.
+TEST(QuantileResidualTest, AveragesOverTheInterval) {
+  const auto quantile = [](double chance) {
+    double low = -40.0;
+    double high = 40.0;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = 0.5 * (low + high);
+      (0.5 * std::erfc(-middle / std::numbers::sqrt2) < chance ? low : high) = middle;
+    }
+    return low;
+  };
+  for (const auto& [from, to] : {std::pair{0.0, 0.3}, {0.2, 0.7}, {0.45, 0.451}, {0.6, 1.0}}) {
+    const QuantileMoments moments = QuantileResidual({from, 1.0 - from}, {to, 1.0 - to});
+    double mean = 0.0;
+    double square = 0.0;
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double z = quantile(from + (to - from) * (i + 0.5) / kSteps);
+      mean += z / kSteps;
+      square += z * z / kSteps;
+    }
+    EXPECT_NEAR(moments.mean, mean, 2e-4);
+    EXPECT_NEAR(moments.square, square, 1e-3);
+  }
+  // Far in a tail, and where the law gives the interval no chance, still numbers.
+  EXPECT_NEAR(QuantileResidual({1.0, 1e-20}, {1.0, 1e-21}).mean, 9.3, 0.1);
+  EXPECT_NEAR(QuantileResidual({1.0, 0.0}, {1.0, 0.0}).mean, 37.0, 0.1);
+  EXPECT_NEAR(QuantileResidual({0.0, 1.0}, {0.0, 1.0}).mean, -37.0, 0.1);
+}
+
+TEST(NoiseLikelihoodTest, WhitenedResidualsAreStandardUnderTheTrueLawOnly) {
+  for (const NoiseLaw& law : {TwoFloors(), Logarithm(1.0)}) {
+    const Source source(law);
+    const NoiseCells cells = CellsOf(source);
+    const NoiseCounts counts = CountsOf(source.Draw(20, 8), cells);
+    // 15360 pixels: one standard deviation of the mean is 0.008, of the spread 0.006. A cell takes the level
+    // of its middle for its 8 bins, which adds 0.01 or so to the spread.
+    const NoiseAgreement truth = Agreement(law, counts, cells, {}, 0.0);
+    EXPECT_NEAR(truth.whitened.mean, 0.0, 0.03);
+    EXPECT_NEAR(truth.whitened.spread, 1.0, 0.03);
+    EXPECT_NEAR(truth.raw.mean, 0.0, 0.003);
+    NoiseLaw quieter = law;
+    *quieter.receiver.noise_db -= 2.0;
+    EXPECT_GT(Agreement(quieter, counts, cells, {}, 0.0).whitened.mean, 0.15);
+    NoiseLaw narrower = law;
+    narrower.display.db_max += 15.0;
+    EXPECT_GT(Agreement(narrower, counts, cells, {}, 0.0).whitened.spread, 1.1);
+  }
+}
+
 TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
   const Source source(TwoFloors());
   const NoiseCells cells = CellsOf(source);
@@ -150,15 +205,114 @@ TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
   check(at.layout.after_taper + 4, law.receiver.noise_after_gain_taper_db[4], law);
 }
 
+// x = power / N is exponential: its score in ln N is x - 1, of variance 1. Quantisation takes a little.
+TEST(NoiseInformationTest, OfAnExponentialPixelIsOne) {
+  const NoiseLaw law = Logarithm(1.0);
+  const GreyLevels grey(law, 255);
+  const double power = PowerOfLevel(35.0);  // neither clip is near
+  const PixelInformation information = ExpectedInformation(grey, 255, power);
+  EXPECT_NEAR(information(0, 0), 1.0, 0.01);
+  const InformationTable table(grey, 255, 0.01 * power, 100.0 * power);
+  for (const double ratio : {0.01, 0.037, 0.9, 1.0, 100.0}) {
+    const PixelInformation at = ExpectedInformation(grey, 255, ratio * power);
+    for (int i : {0, 2}) EXPECT_NEAR(table(ratio * power)(i, i), at(i, i), 0.01 * at(i, i)) << ratio;
+  }
+}
+
+TEST(NoiseSolverTest, FindsTheOptimumFromFarAway) {
+  for (const NoiseLaw& law : {Logarithm(1.0), TwoFloors()}) {
+    const Source source(law);
+    const NoiseCells cells = CellsOf(source);
+    const NoiseCounts counts = CountsOf(source.Draw(12, 6), cells);
+    const bool fit_span = law.display.law == DisplayLaw::kSoftLog;
+    NoiseFitOptions options;
+    options.level_spread_db = 1e4;  // the prior is about the start: it must not tell the two apart
+    options.max_iterations = 60;
+    const NoiseSolution near = SolveNoise(law, fit_span, counts, cells, {}, options);
+    NoiseLaw start = law;
+    *start.receiver.noise_db -= 30.0;
+    const NoiseSolution far = SolveNoise(start, fit_span, counts, cells, {}, options);
+    EXPECT_TRUE(near.converged);
+    EXPECT_TRUE(far.converged);
+    EXPECT_NEAR(far.cost, near.cost, 0.5);
+    EXPECT_TRUE(far.value.allFinite());
+  }
+}
+
+// Targets stay in. The outer product of a target's scores is thousands of times its information, and steps
+// by it as much too small: one floor took 300 of them, and two floors ended at a damping of 1e146.
+TEST(NoiseSolverTest, ConvergesWhereSomePixelsAreFarTooBright) {
+  Source source(Logarithm(1.0));
+  const NoiseCells cells = CellsOf(source);
+  Frame frame = source.Draw(1, 3).ReadFrame(0);
+  for (int bin = 60; bin < 75; ++bin) {
+    for (int beam = 2; beam < 4; ++beam) frame.image.value(bin, beam) += 60.0f;
+  }
+  const NoiseCounts counts = CountGrey(frame.image, cells);
+  NoiseForm form{.display = source.law.display, .floor_after_gain = false};
+  NoiseFitOptions options;
+  options.max_iterations = 40;
+  const NoiseSolution one =
+      SolveNoise(StartOf(form, counts, cells, 0.0, 0.0), false, counts, cells, {}, options);
+  EXPECT_TRUE(one.converged);
+  form.floor_after_gain = true;
+  options.max_iterations = 200;
+  const NoiseSolution two =
+      SolveNoise(StartOf(form, counts, cells, 8.0, 0.0), false, counts, cells, {}, options);
+  EXPECT_TRUE(two.converged);
+  EXPECT_LE(two.cost, one.cost + 3.0);  // two floors can do what one does, but for what priors take
+}
+
+TEST(NoiseFitTest, NoCandidateIsChosenThatHasNotConverged) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  NoiseFitOptions options;
+  options.max_iterations = 1;
+  const NoiseFit fit = FitNoise(source.Draw(6, 7), options);
+  EXPECT_FALSE(fit.usable);
+  ASSERT_FALSE(fit.choices.empty());
+  for (const NoiseModelChoice& choice : fit.choices) {
+    EXPECT_FALSE(choice.converged);
+    EXPECT_FALSE(choice.chosen);
+  }
+  EXPECT_EQ(fit.report.termination, "ended before any candidate converged");
+}
+
+TEST(NoiseFitTest, FindsTheWindowWithoutStructure) {
+  Source source(Logarithm(1.0), 512);
+  source.info.scale.db_span = 80.0;
+  const MemoryRecording clean = source.Draw(3, 9);
+  std::vector<Frame> frames;
+  for (int i = 0; i < clean.frame_count(); ++i) {
+    frames.push_back(clean.ReadFrame(i));
+    // Objects on the near half, each over 12 bins and two beams.
+    for (int bin = 0; bin < 256; ++bin) {
+      for (int beam = 0; beam < kBeams; ++beam) {
+        if ((bin / 12 + beam / 2) % 3 == 0) frames.back().image.value(bin, beam) += 40.0f;
+      }
+    }
+  }
+  NoiseFitOptions options;
+  options.find_background = true;
+  const NoiseFit fit = FitNoise(MemoryRecording(source.info, frames), options);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_TRUE(fit.window_found);
+  EXPECT_GE(fit.cells.first_bin, 256);
+  EXPECT_GE(fit.cells.last_bin - fit.cells.first_bin, 100);
+}
+
 TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
   const Source source(TwoFloors());
-  const NoiseFit fit = FitNoise(source.Draw(60, 1), {});
+  const NoiseFit fit = FitNoise(source.Draw(300, 1), {});
   ASSERT_TRUE(fit.usable);
   EXPECT_EQ(fit.law.display.law, DisplayLaw::kSoftLog);
   EXPECT_TRUE(fit.law.receiver.noise_after_gain_db.has_value());
-  EXPECT_EQ(fit.report.frames_held_out.size(), 20u);
+  EXPECT_EQ(fit.report.frames_held_out.size(), 100u);
+  EXPECT_EQ(fit.frames_judged_on.size(), 50u);  // chance alone gives a KS of 0.007 at most, 19 times of 20
   EXPECT_LT(fit.judged.ks, 0.01);
   EXPECT_LT(fit.judged.wasserstein_grey, 0.1);
+  EXPECT_NEAR(fit.report.whitened.mean, 0.0, 0.01);
+  EXPECT_NEAR(fit.report.whitened.spread, 1.0, 0.03);
   EXPECT_NEAR(*fit.law.receiver.noise_after_gain_db, -3.0, 0.6);
   EXPECT_NEAR(fit.law.display.db_max, 60.0, 2.0);
   int chosen = 0;
@@ -169,7 +323,7 @@ TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
 TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
   Source source(Logarithm(1.35));
   source.info.scale.db_span = 80.0;
-  const NoiseFit fit = FitNoise(source.Draw(12, 2), {});
+  const NoiseFit fit = FitNoise(source.Draw(66, 2), {});  // judged on 11: KS of 0.015 by chance, at most
   ASSERT_TRUE(fit.usable);
   EXPECT_EQ(fit.law.speckle, SpeckleLaw::kWeighted);  // that is how they were drawn
   EXPECT_NEAR(fit.law.receiver.looks, 1.35, 0.05);
@@ -178,6 +332,75 @@ TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
   const FittedParameter* looks = fit.report.Find("receiver.looks");
   ASSERT_TRUE(looks && looks->sigma);
   EXPECT_LT(std::abs(looks->value - 1.35), 4.0 * *looks->sigma);
+}
+
+TEST(NoiseFitTest, SaysWhatAShortWindowLeavesOpen) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  const MemoryRecording recording = source.Draw(9, 4);
+  NoiseFitOptions options;
+  options.range_min_m = 9.0;
+  options.range_max_m = 9.5;  // one band: no trend to be seen, and range 0 is far
+  const NoiseFit fit = FitNoise(recording, options);
+  ASSERT_TRUE(fit.usable);
+  for (const char* name : {"receiver.noise_db", "receiver.noise_slope_db_per_m"}) {
+    const FittedParameter* parameter = fit.report.Find(name);
+    ASSERT_TRUE(parameter) << name;
+    EXPECT_EQ(parameter->status, ParameterStatus::kUnidentifiable) << name;
+    EXPECT_FALSE(parameter->sigma) << name;
+    EXPECT_EQ(std::count(fit.report.correlation_names.begin(), fit.report.correlation_names.end(), name), 0);
+  }
+  ASSERT_EQ(fit.report.unidentifiable_directions.size(), 1u);
+  const std::string& sentence = fit.report.unidentifiable_directions.front();
+  EXPECT_NE(sentence.find("receiver.noise_db and receiver.noise_slope_db_per_m move together"),
+            std::string::npos);
+  EXPECT_NE(sentence.find("9.00 to 9.50 m"), std::string::npos) << sentence;
+  const auto level_db = [](const NoiseLaw& law) {
+    return *law.receiver.noise_db + 9.25 * law.receiver.noise_slope_db_per_m;
+  };
+  EXPECT_NEAR(level_db(fit.law), level_db(source.law), 1.0);
+
+  const NoiseFit whole = FitNoise(recording, {});
+  ASSERT_TRUE(whole.report.Find("receiver.noise_db")->sigma);
+  EXPECT_LT(*whole.report.Find("receiver.noise_db")->sigma, 1.0);
+  for (const std::string& direction : whole.report.unidentifiable_directions) {
+    EXPECT_EQ(direction.find("receiver.noise_db"), std::string::npos) << direction;
+  }
+}
+
+TEST(NoiseFitTest, SomeHeldOutPingsChooseAndOthersJudge) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  const NoiseFit twelve = FitNoise(source.Draw(12, 5), {});
+  EXPECT_EQ(twelve.report.frames_held_out, (std::vector<int>{8, 9, 10, 11}));
+  EXPECT_EQ(twelve.frames_chosen_on, (std::vector<int>{8, 9}));
+  EXPECT_EQ(twelve.frames_judged_on, (std::vector<int>{10, 11}));
+  EXPECT_TRUE(twelve.judged_apart_from_choice);
+  const auto chosen = std::find_if(twelve.choices.begin(), twelve.choices.end(),
+                                   [](const NoiseModelChoice& choice) { return choice.chosen; });
+  ASSERT_NE(chosen, twelve.choices.end());
+  EXPECT_NE(chosen->nats_per_pixel, twelve.judged.nats_per_pixel);
+
+  const NoiseFit six = FitNoise(source.Draw(6, 5), {});
+  EXPECT_EQ(six.frames_chosen_on, (std::vector<int>{4, 5}));
+  EXPECT_EQ(six.frames_judged_on, six.frames_chosen_on);
+  EXPECT_TRUE(six.judged_on_held_out);
+  EXPECT_FALSE(six.judged_apart_from_choice);
+
+  const NoiseFit one = FitNoise(source.Draw(1, 5), {});
+  EXPECT_EQ(one.frames_judged_on, one.report.frames_used);
+  EXPECT_TRUE(one.bands_held_out);
+  EXPECT_TRUE(one.judged_on_held_out);
+  for (int band = 0; band < one.cells.bands(); ++band) {
+    EXPECT_EQ(std::isnan(one.used.recorded_mean(band, 0)), band % 2 == 1) << band;
+    EXPECT_EQ(std::isnan(one.judged.recorded_mean(band, 0)), band % 2 == 0) << band;
+  }
+
+  NoiseFitOptions itself;
+  itself.choose_held_out = false;
+  const NoiseFit alone = FitNoise(source.Draw(1, 5), itself);
+  EXPECT_FALSE(alone.judged_on_held_out);
+  EXPECT_EQ(alone.judged.ks, alone.used.ks);
 }
 
 TEST(NoiseFitTest, LeavesOutCellsThatHoldATarget) {
