@@ -40,6 +40,10 @@ FitConfig ResolveConfig(const FitCommandOptions& options, EchoModel model) {
 Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config, const RecordingFit& fit) {
   Json bounds = Json::object();
   for (const auto& [name, limits] : config.bounds) bounds[name] = {limits.first, limits.second};
+  Json priors = Json::object();
+  for (const auto& [name, prior] : config.priors) {
+    priors[name] = prior ? Json::array({prior->first, prior->second}) : Json("none");
+  }
   Json json = {{"real", options.real.string()},
                {"scene", options.scene.string()},
                {"params", options.params.string()},
@@ -49,6 +53,8 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"free", *config.free},
                {"fixed", config.fixed},
                {"bounds", bounds},
+               {"priors", priors},
+               {"trust_all", options.trust_all},
                {"held_out", fit.fit.report.frames_held_out},
                {"max_iterations", options.max_iterations},
                {"starts", options.starts},
@@ -63,6 +69,10 @@ std::string FitJson(const RecordingFit& fit) {
   if (fit.fit.usable) {
     extra = fmt::format(R"("metrics_before": {}, "metrics_after": {})", MetricsJson(fit.before),
                         MetricsJson(fit.after));
+    if (fit.sample_before && fit.sample_after) {
+      extra += fmt::format(R"(, "sample_metrics_before": {}, "sample_metrics_after": {})",
+                           MetricsJson(*fit.sample_before), MetricsJson(*fit.sample_after));
+    }
   }
   return FitReportJson(fit.fit.report, extra);
 }
@@ -91,7 +101,7 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
     }
     const std::string remark = p.status == ParameterStatus::kFree      ? std::string()
                                : p.status == ParameterStatus::kAtBound ? "  at a bound"
-                                                                       : "  unidentifiable, held";
+                                                                       : "  unidentifiable";
     text += fmt::format("  {:<{}}  {:>9.4g}  {:>9.4g}  {:>8}  {}{}\n", p.name, width, p.initial, p.value,
                         p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit, remark);
   }
@@ -109,7 +119,17 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
       after.polar.Over(domain).mean_absolute);
   add("intensity error, whole image", before.polar.whole.mean_absolute, after.polar.whole.mean_absolute);
   add("intensity error, fan", before.fan.Over(domain).mean_absolute, after.fan.Over(domain).mean_absolute);
-  add("IoU", before.polar.iou, after.polar.iou);
+  if (fit.sample_before && fit.sample_after) {
+    add("IoU, speckled sample", fit.sample_before->aggregate.macro.polar.iou,
+        fit.sample_after->aggregate.macro.polar.iou);
+  } else {
+    add("IoU", before.polar.iou, after.polar.iou);
+  }
+  if (report.down_weighted_share) {
+    text +=
+        fmt::format("{:.1f} % of the pixels used count for less than half: the scene does not explain them\n",
+                    100.0 * *report.down_weighted_share);
+  }
   text += fmt::format("{} rays traced in {:.1f} s, solved in {:.1f} s\n", report.rays_cast, report.trace_s,
                       report.solve_s);
   return text + fmt::format("report: {}\n", (out / "report.html").string());
@@ -121,6 +141,7 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   AddFitKeyFigures(report, fit);
   report.Section("Before and after");
   AddFitComparison(report, fit);
+  AddUnexplained(report, fit);
   report.Section("Fitted values");
   AddFittedValues(report, fit);
   AddMetricDefinitions(report, fit.after);
@@ -138,6 +159,7 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
   fit_options.fit.max_iterations = options.max_iterations;
   fit_options.fit.starts = options.starts;
   fit_options.fit.threads = options.rays.threads;
+  fit_options.fit.down_weight = !options.trust_all && initial.model == EchoModel::kAcoustic;
   fit_options.fit.progress = [&](const std::string& line) { PrintNote(options.common, line); };
   fit_options.on_note = [&](const std::string& sentence) { PrintNote(options.common, sentence); };
   Progress progress("Tracing", recording.frame_count(), options.common);
@@ -237,6 +259,8 @@ void SetupFit(CLI::App& app) {
                    "Noise only: leave out cells this many robust standard deviations off, 0 for none")
       ->type_name("N")
       ->check(CLI::Range(0.0, 100.0).description(""));
+  command->add_flag("--trust-all", options->trust_all,
+                    "Acoustic model: count all pixels in full, also those that the scene does not explain");
   AddRayOptions(*command, options->rays);
   command->add_option("--max-iterations", options->max_iterations, "Iterations of each solve at most")
       ->type_name("N")

@@ -29,6 +29,7 @@ struct FitCommandOptions {
   RayOptions rays{Sampling::kBeams};
   int max_iterations = 100;
   int starts = 4;
+  bool trust_all = false;  // count pixels in full that the scene does not explain
   // --noise-only (apps/fit_noise.h): no scene, no poses; of the others real, out, held_out and, for its
   // display, params are used.
   bool noise_only = false;

@@ -201,9 +201,9 @@ PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry
 }
 
 // `initial` receives a noise level where it has none.
-FitResult FitAcoustic(const RecordingSource& recording, const Simulator& simulator,
-                      const std::vector<TimedPose>& poses, const std::vector<int>& used,
-                      const FitRecordingOptions& options, ParameterSet& initial) {
+AcousticFit FitAcoustic(const RecordingSource& recording, const Simulator& simulator,
+                        const std::vector<TimedPose>& poses, const std::vector<int>& used,
+                        const FitRecordingOptions& options, ParameterSet& initial) {
   std::vector<AcousticFrame> frames;
   for (const int index : used) {
     frames.push_back({.index = index,
@@ -212,8 +212,7 @@ FitResult FitAcoustic(const RecordingSource& recording, const Simulator& simulat
                       .use = UsedPixels(options)});
   }
   if (!initial.receiver.noise_db) initial.receiver.noise_db = NoiseStartDb(frames, initial.receiver.looks);
-  AcousticFit fit = FitAcousticModel(simulator, frames, initial, options.config, options.fit);
-  return {.parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
+  return FitAcousticModel(simulator, frames, initial, options.config, options.fit);
 }
 
 }  // namespace
@@ -258,7 +257,13 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   std::function<RenderFrame(const ParameterSet&)> expected_by;
   const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {
-    result.fit = FitAcoustic(recording, simulator, poses, split.used, options, result.initial);
+    AcousticFit fit = FitAcoustic(recording, simulator, poses, split.used, options, result.initial);
+    result.fit = {
+        .parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
+    for (const std::vector<float>& weights : fit.weights) {
+      result.weights.emplace_back(sonar.axes.range_bins, sonar.axes.beam_count());
+      std::copy(weights.begin(), weights.end(), result.weights.back().values().begin());
+    }
     expected_by = [&](const ParameterSet& parameters) {
       return [&](int frame) {
         return simulator.RenderExpected(simulator.TraceEchoes(poses[frame].world_from_sonar), parameters);
@@ -289,6 +294,22 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   judge.noise_floor = false;
   result.before = Judge(recording, before, judge);
   result.before.noise_floor = result.after.noise_floor;
+  if (acoustic) {
+    SimulationOptions speckled = simulator.options();
+    speckled.noise = true;
+    const Simulator sampler(scene, sonar, speckled);
+    const auto sample_by = [&](const ParameterSet& parameters) {
+      return ExpectedRecording(
+          recording,
+          [&](int frame) {
+            return sampler.RenderEchoes(sampler.TraceEchoes(poses[frame].world_from_sonar), parameters,
+                                        frame);
+          },
+          "a speckled sample");
+    };
+    result.sample_before = Judge(recording, sample_by(result.initial), judge);
+    result.sample_after = Judge(recording, sample_by(result.fit.parameters), judge);
+  }
   if (options.pictures) {
     const std::vector<int> shown = TellingFrames(result.after);
     Judge(recording, before, judge, shown, &result.pictures_before);

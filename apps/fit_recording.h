@@ -49,6 +49,12 @@ struct RecordingFit {
   bool judged_on_held_out = true;
   MetricsReport before;
   MetricsReport after;
+  // The same of a speckled sample in place of the expected image, which no detector finds grain in: what
+  // occupancy and distributions are to be read from. The acoustic model only.
+  std::optional<MetricsReport> sample_before = {};
+  std::optional<MetricsReport> sample_after = {};
+  // What the scene does not explain: by frame used, one weight a pixel; empty: all counted in full.
+  std::vector<Grid<float>> weights = {};
   std::vector<FramePictures> pictures_before;  // of the same frames as those after
   std::vector<FramePictures> pictures_after;
 };

@@ -17,11 +17,37 @@ namespace {
 constexpr int kRounds = 8;
 constexpr double kSettled = 0.02;
 
+// Rounds of weighing down what the scene does not explain.
+constexpr int kWeightRounds = 2;
+
 // How far a round may move a geometric parameter from its point.
 double Reach(const CatalogEntry& entry, double value) {
   constexpr double kOfWidth = 0.2;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * value;
   return entry.index < 3 ? 0.02 : 1.0;  // m, degrees
+}
+
+// The configuration that lets geometric parameters move about a point only as far as they are linear there.
+FitConfig Near(const FitConfig& config, const std::vector<CatalogEntry>& catalog,
+               const std::vector<int>& geometric, const ParameterValues& point) {
+  FitConfig near = config;
+  for (const int entry : geometric) {
+    const double reach = Reach(catalog[entry], point[entry]);
+    near.bounds[catalog[entry].name] = {std::max(point[entry] - reach, catalog[entry].lower),
+                                        std::min(point[entry] + reach, catalog[entry].upper)};
+  }
+  return near;
+}
+
+// A fit in rounds starts each where the last one ended; what was known beforehand stays what it was.
+void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
+                const std::vector<CatalogEntry>& catalog, FitConfig& config) {
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    const CatalogEntry& entry = catalog[i];
+    if (!free[i] || entry.prior) continue;
+    const double value = std::clamp(initial[i], entry.lower, entry.upper);
+    config.priors[entry.name] = {value, entry.typical_step * entry.ValueSlope(value)};
+  }
 }
 
 }  // namespace
@@ -53,6 +79,7 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   AcousticFrameModel model(simulator, frames, initial);
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
+  GivePriors(model.initial_values(), free, catalog, config);
   std::vector<int> geometric;
   for (std::size_t i = 0; i < catalog.size(); ++i) {
     if (free[i] && IsGeometric(catalog[i])) geometric.push_back(static_cast<int>(i));
@@ -75,17 +102,13 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   const double cost_initial = only_geometry ? 0.0 : fit.report.cost_initial;
   int iterations = fit.report.iterations;
   double solve_s = fit.report.solve_s;
+  FitConfig near = config;
   for (int round = 0; round < kRounds && fit.usable && !geometric.empty(); ++round) {
     if (options.progress)
       options.progress(fmt::format("round {}: tracing about the point reached", round + 1));
     const ParameterValues point = fit.values;
     model.Linearise(point, geometric);
-    FitConfig near = config;
-    for (const int entry : geometric) {
-      const double reach = Reach(catalog[entry], point[entry]);
-      near.bounds[catalog[entry].name] = {std::max(point[entry] - reach, catalog[entry].lower),
-                                          std::min(point[entry] + reach, catalog[entry].upper)};
-    }
+    near = Near(config, catalog, geometric, point);
     fit = Fit(model, point, near, again);
     iterations += fit.report.iterations;
     solve_s += fit.report.solve_s;
@@ -97,13 +120,32 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
     if (largest < kSettled) break;
   }
 
+  for (int round = 0; round < kWeightRounds && fit.usable && options.down_weight; ++round) {
+    if (options.progress) options.progress("weighing down what the scene does not explain");
+    model.DownWeight(fit.values);
+    fit = Fit(model, fit.values, near, again);
+    iterations += fit.report.iterations;
+    solve_s += fit.report.solve_s;
+  }
+
   AcousticFit result{.parameters = model.Parameters(fit.values),
                      .world_from_sonar = {},
+                     .weights = {},
                      .report = std::move(fit.report),
                      .usable = fit.usable};
   for (int frame = 0; frame < model.frame_count(); ++frame)
     result.world_from_sonar.push_back(model.PoseOf(frame, fit.values));
   FitReport& report = result.report;
+  if (options.down_weight) {
+    std::size_t low = 0;
+    for (int frame = 0; frame < model.frame_count(); ++frame) {
+      result.weights.push_back(model.weights(frame));
+      low += std::count_if(model.weights(frame).begin(), model.weights(frame).end(),
+                           [](float weight) { return weight < 0.5F; });
+    }
+    report.down_weighted_share =
+        static_cast<double>(low) / static_cast<double>(model.frame_count() * model.pixel_count());
+  }
   for (std::size_t i = 0; i < report.parameters.size(); ++i) {
     report.parameters[i].initial = model.initial_values()[i];
     report.parameters[i].lower = catalog[i].lower;

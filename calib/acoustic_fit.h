@@ -3,7 +3,8 @@
 // The likelihood is that of speckle about the mean power of every pixel (calib/acoustic_frame_model.h); the
 // rest is calib/fit.h: several starts, sigmas from a sandwich over blocks of pixels, and what the data cannot
 // tell held and named. A fit of curves and receiver casts each frame's rays once. Where beam, pulse or poses
-// are free, it is solved in rounds about an ever better point, each tracing again.
+// are free, it is solved in rounds about an ever better point, each tracing again. On request
+// (FitOptions::down_weight) it is then solved again with what the scene does not explain counting less.
 #pragma once
 
 #include <string>
@@ -23,7 +24,8 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);
 
 struct AcousticFit {
   ParameterSet parameters;
-  std::vector<Pose> world_from_sonar;  // by frame; those given, where poses were not free
+  std::vector<Pose> world_from_sonar;       // by frame; those given, where poses were not free
+  std::vector<std::vector<float>> weights;  // by frame and pixel; empty: all counted in full
   FitReport report;
   bool usable = false;
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/down_weight.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 
@@ -56,6 +57,7 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
       frames_(frames),
       material_names_(simulator.caster().material_names()),
       initial_(initial),
+      weights_(frames.size()),
       shown_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
   CompleteResponse(simulator.sonar(), initial_);
@@ -133,6 +135,20 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
   echoes_ = std::move(echoes);
 }
 
+void AcousticFrameModel::DownWeight(const ParameterValues& values) {
+  const ParameterSet parameters = Parameters(values);
+  const PolarAxes& axes = simulator_.sonar().axes;
+  const double spacing_deg = DegFromRad((axes.beam_azimuth_rad.back() - axes.beam_azimuth_rad.front()) /
+                                        std::max(1, axes.beam_count() - 1));
+  const DownWeightOptions options{
+      .grain_bins = std::max(1.0, parameters.pulse.length_m / axes.range_bin_m()),
+      .grain_beams = std::max(1.0, parameters.beam.azimuth_width_deg / spacing_deg)};
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    weights_[frame] = CellWeights(frames_[frame].recorded, MeanPower(frame, values), frames_[frame].use,
+                                  range_bins(), beams(), parameters.receiver.looks, options);
+  }
+}
+
 AcousticState AcousticFrameModel::StateAt(const ParameterSet& parameters,
                                           const ParameterValues& values) const {
   return {.catalog = catalog_,
@@ -156,7 +172,7 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
   const std::span<const int> differentiated = wanted == Terms::kResiduals ? std::span<const int>{} : active;
   return std::make_unique<AcousticEvaluation>(
       StateAt(parameters, values), echoes_[frame],
-      RecordedFrame{.power = of.recorded, .use = of.use, .weight = of.weight}, differentiated, wanted);
+      RecordedFrame{.power = of.recorded, .use = of.use, .weight = weights_[frame]}, differentiated, wanted);
 }
 
 }  // namespace sonarcal

@@ -31,7 +31,6 @@ struct AcousticFrame {
   Pose world_from_sonar;
   std::vector<RecordedPower> recorded;  // range_bins x beams
   std::vector<std::uint8_t> use = {};   // 1 for the pixels that count; empty: all
-  std::vector<float> weight = {};       // of each pixel's likelihood, 0..1; empty: 1
 };
 
 // The powers behind an image's grey values: what its display shows as a value, or as its ends.
@@ -66,6 +65,10 @@ class AcousticFrameModel final : public FrameModel {
   // Moves the point that geometry is taken about; `geometric` are the catalog entries that will be active.
   void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
 
+  // Lets the pixels that the scene does not explain at these values count less (calib/down_weight.h).
+  void DownWeight(const ParameterValues& values);
+  const std::vector<float>& weights(int frame) const { return weights_[frame]; }  // empty: all count in full
+
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
 
@@ -84,6 +87,7 @@ class AcousticFrameModel final : public FrameModel {
   ParameterValues initial_values_;
   ParameterValues point_;
   std::vector<FrameEchoes> echoes_;
+  std::vector<std::vector<float>> weights_;
   std::vector<bool> shown_;
 };
 

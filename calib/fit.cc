@@ -234,7 +234,7 @@ class Fitter {
     std::vector<NamedCoordinate> coordinates;
     for (std::size_t i = 0; i < interior_.size(); ++i) {
       const CatalogEntry& entry = catalog_[interior_[i]];
-      const double step = entry.prior->sigma;
+      const double step = std::min(entry.prior->sigma, entry.typical_step);
       coordinates.push_back({entry.name, step, entry.logarithmic});
       const auto k = static_cast<Eigen::Index>(i);
       // Not a number where one block alone determines a parameter: that counts as open.
@@ -292,6 +292,7 @@ class Fitter {
         report_.correlation_names.push_back(entry.name);
       }
       report_.correlation = CorrelationFromCovariance(covariance_);
+      report_.curves = FittedCurves(catalog_, model_.material_names(), state_.values, interior_, covariance_);
     }
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       const CatalogEntry& entry = catalog_[i];
@@ -312,24 +313,30 @@ class Fitter {
     }
   }
 
-  // SL, db_min and the common factor of all A, C and E shift the same number.
+  // Source level, gain or db_min, and the common factor of all A, C and E shift the same number.
   void DescribeGauge() {
+    const bool acoustic = FindEntry(catalog_, "receiver.gain_db") >= 0;
+    const std::string other = acoustic ? "receiver.gain_db" : "display.db_min";
     std::vector<std::string> held;
-    for (const char* name : {"source_level_db", "display.db_min"}) {
+    for (const std::string& name : {std::string("source_level_db"), other}) {
       if (!IsFree(name)) held.emplace_back(name);
     }
     if (held.empty()) {
-      report_.gauge.emplace_back(
-          "source_level_db and display.db_min are both free: they shift one number with the materials' "
-          "amplitudes, "
-          "and what of them is reported is one of many equal answers");
+      report_.gauge.push_back(
+          fmt::format("source_level_db and {} are both free: they shift one number with the materials' "
+                      "amplitudes, and what of them is reported is one of many equal answers",
+                      other));
       return;
     }
     report_.gauge.push_back(
-        fmt::format("held {} at the values given: source level minus db_min and a common factor on A, C and "
-                    "E of all materials "
-                    "are one number, carried by the materials",
-                    fmt::join(held, " and ")));
+        fmt::format("held {} at the values given: source level {}, and a common factor on A, C and E of all "
+                    "materials are one number, carried by the materials",
+                    fmt::join(held, " and "), acoustic ? "and gain" : "minus db_min"));
+    if (acoustic) {
+      report_.gauge.emplace_back(
+          "every free parameter has a prior about the value given, one surprising step wide: a factor of ten "
+          "for powers, of e for the widths of a curve, 1 for D; fit.json's configuration may give others");
+    }
   }
 
   const FrameModel& model_;

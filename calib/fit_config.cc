@@ -36,10 +36,8 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
   std::string names;
   for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
   throw DataError(
-      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, display, jitter, "
-      "source_level), or a "
-      "name or "
-      "pattern among {}",
+      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, pose, display, jitter, "
+      "source_level), or a name or pattern among {}",
       pattern, names);
 }
 
@@ -71,6 +69,18 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
       config.bounds[name] = {limits[0], limits[1]};
     }
   }
+  if (const auto priors = root.Find("priors")) {
+    for (const auto& [name, prior] : priors->Members()) {
+      auto& of = config.priors[name];
+      if (!prior.is_array()) {
+        if (prior.String() != "none") prior.Fail("is neither [value, sigma] nor \"none\"");
+        continue;
+      }
+      const std::vector<double> numbers = prior.Numbers();
+      if (numbers.size() != 2 || !(numbers[1] > 0.0)) prior.Fail("is not [value, sigma] with sigma > 0");
+      of = {numbers[0], numbers[1]};
+    }
+  }
   if (const auto held_out = root.Find("held_out")) {
     config.held_out.emplace();
     for (const JsonReader& item : held_out->Items()) {
@@ -98,6 +108,22 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
       }
       entry.lower = range.first;
       entry.upper = range.second;
+    });
+  }
+  for (const auto& [pattern, prior] : config.priors) {
+    ForMatches(pattern, catalog, [&, &known = prior](std::size_t i) {
+      CatalogEntry& entry = catalog[i];
+      if (!known) {
+        entry.prior = Prior{.coordinate = 0.0, .sigma = std::numeric_limits<double>::infinity()};
+        return;
+      }
+      const auto [value, sigma] = *known;
+      if (entry.logarithmic && !(value > 0.0)) {
+        throw DataError("fit: prior value {} of {}, expected a positive one", value, entry.name);
+      }
+      // A sigma of a value, as one of its coordinate.
+      entry.prior =
+          Prior{.coordinate = entry.CoordinateFromValue(value), .sigma = sigma / entry.ValueSlope(value)};
     });
   }
   return free;

@@ -6,10 +6,13 @@
 //    "free":  ["materials", "display.db_max", "jitter.*"],
 //    "fixed": ["material.wall.gsab.*"],
 //    "bounds": {"material.floor.gsab.D": [0.5, 3.0]},
+//    "priors": {"beam.azimuth_width_deg": [1.0, 0.05], "receiver.noise_db": "none"},
 //    "held_out": [2, 5]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
-// noise, psf (beam and pulse), pose, display, jitter, source_level. `fixed` wins over `free`.
+// noise, psf (beam and pulse), pose, display, jitter, source_level. `fixed` wins over `free`. A prior is a
+// value and its sigma, in the parameter's unit, or nothing at all; it counts where the model's fit is a
+// likelihood, and there every parameter has one (parameter_catalog.h) unless it is given here.
 #pragma once
 
 #include <filesystem>
@@ -24,11 +27,12 @@
 namespace sonarcal {
 
 struct FitConfig {
-  std::optional<std::vector<std::string>> free;  // absent: what the model's fit frees by default
-  std::vector<std::string> fixed;
-  std::map<std::string, std::pair<double, double>> bounds;
+  std::optional<std::vector<std::string>> free = {};  // absent: what the model's fit frees by default
+  std::vector<std::string> fixed = {};
+  std::map<std::string, std::pair<double, double>> bounds = {};
+  std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: nothing is known
   // Frames the fit does not see; absent: the last third, at least one where there are two.
-  std::optional<std::vector<int>> held_out;
+  std::optional<std::vector<int>> held_out = {};
 };
 
 FitConfig ReadFitConfig(const std::filesystem::path& path);

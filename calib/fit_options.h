@@ -14,6 +14,7 @@ struct FitOptions {
   int block_bins = 8;                // pixels of a covariance block; wider than pulse and beam
   int block_beams = 16;
   bool search_level = true;  // look for a starting level and dB range before the first solve
+  bool down_weight = false;  // let pixels that the scene does not explain count less (acoustic model)
   std::function<void(const std::string&)> progress;  // told what is being done, one line at a time
 
   // Throws DataError naming field, value and limit.

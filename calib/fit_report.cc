@@ -69,6 +69,16 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
     json["residuals"]["raw"] = {
         {"mean", report.raw->mean}, {"spread", report.raw->spread}, {"unit", "full scale"}};
   }
+  json["curves"] = Json::array();
+  for (const FittedCurve& curve : report.curves) {
+    Json sigma_db = Json::array();
+    for (const double sigma : curve.sigma_db) sigma_db.push_back(FiniteOrNull(sigma));
+    json["curves"].push_back({{"material", curve.material},
+                              {"incidence_deg", curve.incidence_deg},
+                              {"backscatter_db", curve.backscatter_db},
+                              {"sigma_db", std::move(sigma_db)}});
+  }
+  if (report.down_weighted_share) json["down_weighted_share"] = *report.down_weighted_share;
   json["start_costs"] = report.start_costs;
   json["cost_initial"] = FiniteOrNull(report.cost_initial);
   json["cost_final"] = FiniteOrNull(report.cost_final);

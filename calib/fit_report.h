@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "calib/fitted_curve.h"
+
 namespace sonarcal {
 
 enum class ParameterStatus { kFree, kFixed, kUnidentifiable, kAtBound };
@@ -34,9 +36,11 @@ struct FitReport {
   std::vector<std::string> unidentifiable_directions;  // in words
   std::vector<std::string> correlation_names;          // free parameters
   Eigen::MatrixXd correlation;
-  std::optional<ResidualSummary> raw;  // grey levels, of full scale 1; a likelihood has none
-  ResidualSummary whitened;            // of standard deviation 1 where the model is right
-  std::vector<double> start_costs;     // where each start ended, roughly solved
+  std::vector<FittedCurve> curves;
+  std::optional<ResidualSummary> raw;         // grey levels, of full scale 1; a likelihood has none
+  ResidualSummary whitened;                   // of standard deviation 1 where the model is right
+  std::optional<double> down_weighted_share;  // of the pixels: they count for less than half
+  std::vector<double> start_costs;            // where each start ended, roughly solved
   double cost_initial = 0.0;
   double cost_final = 0.0;
   int iterations = 0;

@@ -8,7 +8,8 @@
 //
 // A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
 // itself for the rest. `typical_step` is a change of the coordinate that would be a surprise; a parameter
-// that the data leave freer than that is called unidentifiable.
+// that the data leave freer than that is called unidentifiable. In a fit by likelihood it is the prior's
+// sigma as well.
 //
 // To add a parameter: an entry in the catalog and a case in the slot of its model.
 #pragma once
@@ -24,7 +25,7 @@ namespace sonarcal {
 
 enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse, kPose };
 
-// What is known of a parameter beforehand: a normal law of its coordinate.
+// What is known of a parameter beforehand: a normal law of its coordinate; of infinite sigma, nothing.
 struct Prior {
   double coordinate = 0.0;
   double sigma = 1.0;

@@ -10,6 +10,8 @@
 
 #include "apps/report/comparison_section.h"
 #include "apps/report/html_text.h"
+#include "data_io/image_io.h"
+#include "data_io/picture.h"
 #include "sim/physics/gsab.h"
 
 namespace sonarcal {
@@ -19,6 +21,9 @@ constexpr double kCurveStepDeg = 0.5;
 // Curves fall without end towards 90 degrees; below this many decibels under their top they tell nothing.
 constexpr double kCurveDepthDb = 60.0;
 constexpr double kStrongCorrelation = 0.9;
+constexpr std::size_t kMapsShown = 3;
+constexpr double kSigmasOf95 = 1.96;
+constexpr double kWidestSigmaDb = 5.0;
 constexpr std::size_t kCorrelationsShown = 8;
 
 std::string Value(double value) {
@@ -32,7 +37,7 @@ const char* StatusText(ParameterStatus status) {
     case ParameterStatus::kFixed:
       return "fixed";
     case ParameterStatus::kUnidentifiable:
-      return "unidentifiable: held";
+      return "unidentifiable";
     case ParameterStatus::kAtBound:
       return "at a bound";
   }
@@ -90,6 +95,19 @@ ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab,
   return series;
 }
 
+// The 95 % band, where it says anything.
+ChartSeries BandOf(const FittedCurve& curve) {
+  ChartSeries band{
+      .name = "95 %", .x = curve.incidence_deg, .y = curve.backscatter_db, .style = SeriesStyle::kLine};
+  band.colour = 0;
+  for (std::size_t i = 0; i < band.y.size(); ++i) {
+    if (!(curve.sigma_db[i] < kWidestSigmaDb)) band.y[i] = std::numeric_limits<double>::quiet_NaN();
+    band.low.push_back(band.y[i] - kSigmasOf95 * curve.sigma_db[i]);
+    band.high.push_back(band.y[i] + kSigmasOf95 * curve.sigma_db[i]);
+  }
+  return band;
+}
+
 void ClipBelow(std::vector<ChartSeries>& all) {
   double top_db = -std::numeric_limits<double>::infinity();
   for (const ChartSeries& series : all) {
@@ -115,6 +133,9 @@ LineChart CurveChart(const std::string& material, const RecordingFit& fit) {
   if (seen != fit.seen.end()) {
     chart.series.push_back(CurveOf("fitted, angles seen", fitted, 0, SeriesStyle::kLine, seen->second));
     chart.series.push_back(CurveOf("fitted, not seen", fitted, 0, SeriesStyle::kDashed, {}));
+  }
+  for (const FittedCurve& curve : fit.fit.report.curves) {
+    if (curve.material == material) chart.series.push_back(BandOf(curve));
   }
   ClipBelow(chart.series);
   return chart;
@@ -181,6 +202,12 @@ void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit) {
   };
   const Aggregate::Views& before = fit.before.aggregate.macro;
   const Aggregate::Views& after = fit.after.aggregate.macro;
+  // No detector finds an object of speckle in an image without any: occupancy is that of a sample.
+  KeyFigure iou = figure("IoU of the object regions", before.polar.iou, after.polar.iou);
+  if (fit.sample_before && fit.sample_after) {
+    iou = figure("IoU of the object regions, speckled sample", fit.sample_before->aggregate.macro.polar.iou,
+                 fit.sample_after->aggregate.macro.polar.iou);
+  }
   const auto& parameters = fit.fit.report.parameters;
   const auto fitted = std::count_if(parameters.begin(), parameters.end(), [](const FittedParameter& p) {
     return p.status == ParameterStatus::kFree || p.status == ParameterStatus::kAtBound;
@@ -189,7 +216,7 @@ void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit) {
                             after.polar.Over(domain).mean_absolute),
                      figure("Intensity error, fan", before.fan.Over(domain).mean_absolute,
                             after.fan.Over(domain).mean_absolute),
-                     figure("IoU of the object regions", before.polar.iou, after.polar.iou),
+                     iou,
                      {.label = "Parameters fitted",
                       .value = fmt::format("{}", fitted),
                       .unit = {},
@@ -205,6 +232,10 @@ void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
   AddBeforeAfterTable(report, fit.before, fit.after,
                       fit.judged_on_held_out ? "Before and after the fit, on frames it did not see"
                                              : "Before and after the fit, on the frames it used");
+  if (fit.sample_before && fit.sample_after) {
+    AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
+                        "The same with a speckled sample in place of the expected image");
+  }
   AddPictureLegend(report);
   for (std::size_t i = 0; i < fit.pictures_after.size(); ++i) {
     const std::string frame = fmt::format("Frame {}", fit.pictures_after[i].index);
@@ -215,13 +246,32 @@ void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
   }
 }
 
+void AddUnexplained(HtmlReport& report, const RecordingFit& fit) {
+  if (fit.weights.empty() || !fit.fit.report.down_weighted_share) return;
+  report.Subsection("What the scene does not explain");
+  report.Paragraph(fmt::format(
+      "{:.2f} % of the pixels used counted for less than half in the fit, as their neighbourhood is brighter "
+      "or darker than speckle about the model allows.",
+      100.0 * *fit.fit.report.down_weighted_share));
+  PictureRow row{.caption = "Weights of the pixels used by the fit: white counts in full, black not at all",
+                 .pictures = {}};
+  constexpr int kHeightPx = 360;
+  for (std::size_t i = 0; i < std::min(fit.weights.size(), kMapsShown); ++i) {
+    row.pictures.push_back({.png = EncodePng(StretchPolar(
+                                Colorize(fit.weights[i], ValueWindow{0.0, 1.0}, ColorMap::kGrey), kHeightPx)),
+                            .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i])});
+  }
+  report.Add(row);
+}
+
 void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
   const FitReport& result = fit.fit.report;
   for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
   if (!result.unidentifiable_directions.empty()) {
-    report.Callout(CalloutKind::kLimit, "What these frames leave open",
-                   "The values below could not be told from the frames used. They were held, and no sigma is "
-                   "given for them.");
+    report.Callout(
+        CalloutKind::kLimit, "What these frames leave open",
+        "The values below could not be told from the frames used. They stand where they were held, "
+        "or where what was assumed beforehand puts them, and no sigma is given for them.");
     report.List(result.unidentifiable_directions);
   }
   report.Add(ValueTable(result));
@@ -238,9 +288,11 @@ void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
   }
   report.Subsection("Backscatter curves");
   if (!charts.empty()) {
-    report.Add(charts,
-               "Backscatter of each material before and after the fit. Solid where the frames used show "
-               "the material at that incidence; dashed where the curve is only continued.");
+    report.Add(
+        charts,
+        "Backscatter of each material before and after the fit. Solid where the frames used show "
+        "the material at that incidence; dashed where the curve is only continued. The band holds the curve "
+        "with 95 % confidence, within this model.");
   }
   for (const std::string& material : unseen)
     report.Paragraph("Not seen in the frames used: " + material + ".");

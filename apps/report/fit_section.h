@@ -15,6 +15,9 @@ void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit);
 // a section.
 void AddFitComparison(HtmlReport& report, const RecordingFit& fit);
 
+// Maps of the pixels that count less; nothing where all count in full.
+void AddUnexplained(HtmlReport& report, const RecordingFit& fit);
+
 // Values with sigma and status, the gauge, what the data leave open, backscatter curves, residuals. Within a
 // section.
 void AddFittedValues(HtmlReport& report, const RecordingFit& fit);

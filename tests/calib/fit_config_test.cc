@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "data_io/types/error.h"
 #include "tests/support/temp_dir.h"
 
@@ -35,6 +37,32 @@ TEST(FitConfigTest, AFileIsReadWhole) {
   }
   EXPECT_EQ(free_count, 6);
   EXPECT_THAT(SplitFrames(config, 4).used, ElementsAre(0, 1, 3));
+}
+
+TEST(FitConfigTest, PriorsAreOfValuesAndBecomePriorsOfCoordinates) {
+  const TempDir dir;
+  WriteFile(dir / "fit.json", R"({"format": "sonar-fit-config/1", "free": ["materials"],
+    "priors": {"material.floor.gsab.C": [0.002, 0.0002], "material.floor.gsab.D": [1.8, 0.1],
+               "material.wall.*": "none"}})");
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor", "wall"});
+  ApplyFitConfig(ReadFitConfig(dir / "fit.json"), catalog);
+  for (const CatalogEntry& entry : catalog) {
+    if (entry.name == "material.floor.gsab.C") {
+      EXPECT_DOUBLE_EQ(entry.prior.value().coordinate, std::log(0.002));
+      EXPECT_DOUBLE_EQ(entry.prior.value().sigma, 0.1);
+    } else if (entry.name == "material.floor.gsab.D") {
+      EXPECT_DOUBLE_EQ(entry.prior.value().coordinate, 1.8);
+      EXPECT_DOUBLE_EQ(entry.prior.value().sigma, 0.1);
+    } else if (entry.name.starts_with("material.wall.")) {
+      EXPECT_TRUE(std::isinf(entry.prior.value().sigma));
+    } else {
+      EXPECT_FALSE(entry.prior.has_value());
+    }
+  }
+  WriteFile(dir / "fit.json",
+            "{\"format\": \"sonar-fit-config/1\",\n\"priors\": {\"source_level_db\": [200, 0]}}");
+  EXPECT_THAT([&] { ReadFitConfig(dir / "fit.json"); },
+              ::testing::ThrowsMessage<DataError>(HasSubstr("sigma > 0")));
 }
 
 TEST(FitConfigTest, AnUnknownKeyIsRefusedWithItsLine) {

@@ -1,0 +1,27 @@
+// A fitted backscatter curve with its uncertainty: what single values of A .. F, which trade off against each
+// other, do not show.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "calib/frame_model.h"
+
+namespace sonarcal {
+
+struct FittedCurve {
+  std::string material;
+  std::vector<double> incidence_deg;
+  std::vector<double> backscatter_db;
+  std::vector<double> sigma_db;  // by linear propagation; 1.96 of it either way is a 95 % band
+};
+
+// The curves of the materials that `fitted` entries of the catalog belong to, every degree of 0 .. 90;
+// `covariance` is that of the coordinates of these entries, in their order.
+std::vector<FittedCurve> FittedCurves(const std::vector<CatalogEntry>& catalog,
+                                      const std::vector<std::string>& material_names,
+                                      const ParameterValues& values, const std::vector<int>& fitted,
+                                      const Eigen::MatrixXd& covariance);
+
+}  // namespace sonarcal
