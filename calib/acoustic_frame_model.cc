@@ -11,16 +11,18 @@
 namespace sonarcal {
 namespace {
 
+double BeamSpacingDeg(const SonarModel& sonar) {
+  const std::vector<double>& centres = sonar.axes.beam_azimuth_rad;
+  return DegFromRad((centres.back() - centres.front()) / std::max(1, sonar.axes.beam_count() - 1));
+}
+
 // Half the distance over which echoes are differenced: wide enough that the rays at an object's edge come and
 // go evenly, narrow beside bins and beams.
 double DifferenceStep(const CatalogEntry& entry, const ParameterValues& values, const SonarModel& sonar,
                       int index) {
   constexpr double kOfWidth = 0.03;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * values[index];
-  const double beam_deg =
-      DegFromRad((sonar.axes.beam_azimuth_rad.back() - sonar.axes.beam_azimuth_rad.front()) /
-                 std::max(1, sonar.axes.beam_count() - 1));
-  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m() : std::max(0.1, beam_deg);
+  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m() : std::max(0.1, BeamSpacingDeg(sonar));
 }
 
 }  // namespace
@@ -83,6 +85,13 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
     for (const PixelEchoes::Entry& entry : of.at_point.entries)
       shown_[entry.node / CoarseIncidenceDeg().size()] = true;
   }
+}
+
+FrameModel::Grain AcousticFrameModel::grain() const {
+  const SonarModel& sonar = simulator_.sonar();
+  const double spacing_deg = BeamSpacingDeg(sonar);
+  return {.bins = std::max(1.0, initial_.pulse.length_m / sonar.axes.range_bin_m()),
+          .beams = spacing_deg > 0.0 ? std::max(1.0, initial_.beam.azimuth_width_deg / spacing_deg) : 1.0};
 }
 
 ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const {
