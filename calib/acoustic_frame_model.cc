@@ -14,16 +14,18 @@
 namespace sonarcal {
 namespace {
 
+double BeamSpacingDeg(const SonarModel& sonar) {
+  const std::vector<double>& centres = sonar.axes.beam_azimuth_rad;
+  return DegFromRad((centres.back() - centres.front()) / std::max(1, sonar.axes.beam_count() - 1));
+}
+
 // Half the distance over which echoes are differenced: wide enough that the rays at an object's edge come and
 // go evenly, narrow beside bins and beams.
 double DifferenceStep(const CatalogEntry& entry, const ParameterValues& values, const SonarModel& sonar,
                       int index) {
   constexpr double kOfWidth = 0.03;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * values[index];
-  const double beam_deg =
-      DegFromRad((sonar.axes.beam_azimuth_rad.back() - sonar.axes.beam_azimuth_rad.front()) /
-                 std::max(1, sonar.axes.beam_count() - 1));
-  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m() : std::max(0.1, beam_deg);
+  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m() : std::max(0.1, BeamSpacingDeg(sonar));
 }
 
 }  // namespace
@@ -89,6 +91,13 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
   }
 }
 
+FrameModel::Grain AcousticFrameModel::grain() const {
+  const SonarModel& sonar = simulator_.sonar();
+  const double spacing_deg = BeamSpacingDeg(sonar);
+  return {.bins = std::max(1.0, initial_.pulse.length_m / sonar.axes.range_bin_m()),
+          .beams = spacing_deg > 0.0 ? std::max(1.0, initial_.beam.azimuth_width_deg / spacing_deg) : 1.0};
+}
+
 ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const {
   ParameterSet parameters = initial_;
   for (std::size_t i = 0; i < catalog_.size(); ++i) {
@@ -137,12 +146,7 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
 
 void AcousticFrameModel::DownWeight(const ParameterValues& values) {
   const ParameterSet parameters = Parameters(values);
-  const PolarAxes& axes = simulator_.sonar().axes;
-  const double spacing_deg = DegFromRad((axes.beam_azimuth_rad.back() - axes.beam_azimuth_rad.front()) /
-                                        std::max(1, axes.beam_count() - 1));
-  const DownWeightOptions options{
-      .grain_bins = std::max(1.0, parameters.pulse.length_m / axes.range_bin_m()),
-      .grain_beams = std::max(1.0, parameters.beam.azimuth_width_deg / spacing_deg)};
+  const DownWeightOptions options{.grain_bins = grain().bins, .grain_beams = grain().beams};
   for (int frame = 0; frame < frame_count(); ++frame) {
     weights_[frame] = CellWeights(frames_[frame].recorded, MeanPower(frame, values), frames_[frame].use,
                                   range_bins(), beams(), parameters.receiver.looks, options);

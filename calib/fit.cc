@@ -59,7 +59,10 @@ class Fitter {
       }
       usable = Solve(Tolerance(), options_.max_iterations);
       if (!usable) break;
-      OrderGaussians();
+      // With priors the two are not alike: the exchanged one is a start, no answer.
+      const bool exchanged = OrderGaussians();
+      if (exchanged && model_.IsLikelihood()) usable = Solve(Tolerance(), options_.max_iterations);
+      if (!usable) break;
       if (model_.IsLikelihood()) {
         FlagWhatPriorsDecide();
         break;
@@ -185,15 +188,18 @@ class Fitter {
   }
 
   // B < F by convention: the two Gaussians of a curve may be exchanged without changing it.
-  void OrderGaussians() {
+  bool OrderGaussians() {
+    bool exchanged = false;
     for (std::size_t i = 0; i + 5 < catalog_.size(); ++i) {
       if (catalog_[i].group != ParameterGroup::kGsab || catalog_[i].index != 0) continue;
       double* gsab = &state_.values[i];  // A, B, C, D, E, F
       if (gsab[1] > gsab[5]) {
         std::swap(gsab[0], gsab[4]);
         std::swap(gsab[1], gsab[5]);
+        exchanged = true;
       }
     }
+    return exchanged;
   }
 
   bool AtBound(std::size_t index) const {

@@ -11,10 +11,10 @@ struct FitOptions {
   double function_tolerance = 1e-8;  // relative change of cost that ends a solve
   int starts = 4;                    // curves to start from; the best valley is kept
   int threads = 0;                   // 0 = all cores
-  int block_bins = 8;                // pixels of a covariance block; wider than pulse and beam
-  int block_beams = 16;
-  bool search_level = true;  // look for a starting level and dB range before the first solve
-  bool down_weight = false;  // let pixels that the scene does not explain count less (acoustic model)
+  int block_bins = 8;                // pixels of a covariance block, at least: where pulse or beam are wide,
+  int block_beams = 16;              // eight of their widths
+  bool search_level = true;          // look for a starting level and dB range before the first solve
+  bool down_weight = false;          // let pixels that the scene does not explain count less (acoustic model)
   std::function<void(const std::string&)> progress;  // told what is being done, one line at a time
 
   // Throws DataError naming field, value and limit.

@@ -54,6 +54,14 @@ class FrameModel {
   virtual bool ShowsMaterial(int material) const = 0;  // in any frame
   virtual const std::vector<std::string>& material_names() const = 0;
 
+  // Over how many pixels beam and pulse spread an echo, by their half-power widths: so far apart, speckle is
+  // alike, and pixels are not independent.
+  struct Grain {
+    double bins = 1.0;
+    double beams = 1.0;
+  };
+  virtual Grain grain() const { return {}; }
+
   // Whether half the sum of squares is a negative log-likelihood, noise and all: then a prior can be weighed
   // against it.
   virtual bool IsLikelihood() const = 0;

@@ -40,6 +40,15 @@ void ForBands(int range_bins, int bins_per_band, const Work& work) {
   });
 }
 
+// Pixels of a covariance block along one axis. What speckle shares across a block's edge is lost to the
+// sandwich: of a Gaussian response of width w, a share 0.48 w / n of the variance where blocks are n long. So
+// they are at least eight widths long, as far as that leaves a few blocks in a frame.
+int BlockSize(int given, double grain, int extent, int fewest) {
+  constexpr double kWidths = 8.0;
+  const int wanted = static_cast<int>(std::ceil(kWidths * grain - 1e-6));
+  return std::max(given, std::min(wanted, extent / fewest));
+}
+
 // Sums over the pixels of a frame.
 struct FrameSums {
   Eigen::MatrixXd information;  // expected, or more where the model is far off
@@ -228,6 +237,8 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options, ResidualSummary* residuals) {
   const int beams = model.beams();
+  const int block_bins = BlockSize(options.block_bins, model.grain().bins, model.range_bins(), 4);
+  const int block_beams = BlockSize(options.block_beams, model.grain().beams, beams, 2);
   const auto n = static_cast<Eigen::Index>(state.active.size());
   const Eigen::VectorXd value_slope = ValueSlopes(catalog, state);
   struct Band {
@@ -248,18 +259,18 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   for (int frame = 0; frame < model.frame_count(); ++frame) {
     const auto evaluation = model.At(frame, state.values, state.active, FrameModel::Terms::kInformation);
     SONARCAL_CHECK(evaluation != nullptr, "the model gives no value here");
-    std::vector<Band> bands((model.range_bins() + options.block_bins - 1) / options.block_bins);
-    ForBands(model.range_bins(), options.block_bins, [&](int band_idx, int first, int last) {
+    std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
+    ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
       thread_local PixelTerms terms;
       SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
       Band& band = bands[band_idx];
       const Eigen::Map<const RowMajor> jacobian(terms.eta_jacobian.data(),
                                                 static_cast<Eigen::Index>(terms.residual.size()), n);
-      for (int first_beam = 0; first_beam < beams; first_beam += options.block_beams) {
+      for (int first_beam = 0; first_beam < beams; first_beam += block_beams) {
         NormalEquations::Block block{.information = Eigen::MatrixXd::Zero(n, n),
                                      .score = Eigen::VectorXd::Zero(n)};
         for (int bin = first; bin < last; ++bin) {
-          for (int beam = first_beam; beam < std::min(first_beam + options.block_beams, beams); ++beam) {
+          for (int beam = first_beam; beam < std::min(first_beam + block_beams, beams); ++beam) {
             if (!model.Counts(frame, static_cast<std::size_t>(bin) * beams + beam)) continue;
             const std::size_t i = static_cast<std::size_t>(bin - first) * beams + beam;
             const double residual = terms.residual[i];

@@ -71,6 +71,43 @@ TEST(LeastDeterminedTest, IsSilentWhereAllIsSeen) {
   EXPECT_FALSE(LeastDetermined(equations, Eigen::Vector2d(1.0, 1.0), {"a", "b"}).has_value());
 }
 
+// Two coordinates of which only the sum was seen, with this sigma, and a third that was seen itself.
+Eigen::MatrixXd OnlyTheSumIsSeen(double step, double sigma) {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Identity(3, 3);
+  information /= step * step;
+  const Eigen::Vector3d sum(1.0, 1.0, 0.0);
+  information += sum * sum.transpose() / (sigma * sigma);
+  information(2, 2) += 1.0 / (sigma * sigma);
+  return information.inverse();
+}
+
+TEST(OpenDirectionsTest, OfTwoAmplitudesSeenAsAProductOnlyTheProductIsKnown) {
+  constexpr double kStep = 2.3;
+  const auto words =
+      OpenDirections(OnlyTheSumIsSeen(kStep, 0.05),
+                     {{"gain", kStep, true}, {"amplitude", kStep, true}, {"width", kStep, true}});
+  ASSERT_EQ(words.size(), 1U);
+  EXPECT_THAT(words[0], ::testing::HasSubstr("gain"));
+  EXPECT_THAT(words[0], ::testing::HasSubstr("amplitude"));
+  EXPECT_THAT(words[0], ::testing::HasSubstr(" with the opposite of "));
+  EXPECT_THAT(words[0], ::testing::HasSubstr("only 10 log10(gain^1.00 amplitude^1.00) is known"));
+  // 0.05 neper of power.
+  EXPECT_THAT(words[0], ::testing::HasSubstr("to 0.22 dB"));
+  EXPECT_THAT(words[0], ::testing::Not(::testing::HasSubstr("width")));
+}
+
+TEST(OpenDirectionsTest, OfTwoLevelsSeenAsASumOnlyTheSumIsKnown) {
+  const auto words = OpenDirections(OnlyTheSumIsSeen(20.0, 0.5),
+                                    {{"level", 20.0, false}, {"gain", 20.0, false}, {"noise", 20.0, false}});
+  ASSERT_EQ(words.size(), 1U);
+  EXPECT_THAT(words[0], ::testing::HasSubstr("only 1.00 level + 1.00 gain is known, to 0.5"));
+}
+
+TEST(OpenDirectionsTest, IsSilentWhereAllIsSeen) {
+  const Eigen::MatrixXd covariance = 0.01 * Eigen::MatrixXd::Identity(2, 2);
+  EXPECT_TRUE(OpenDirections(covariance, {{"a", 1.0, true}, {"b", 1.0, true}}).empty());
+}
+
 TEST(HoldParameterTest, DropsItsRowAndColumn) {
   const NormalEquations held = HoldParameter(Line({0.0, 1.0, 2.0}, {0.1, 0.2, 0.3}), 0);
   ASSERT_EQ(held.information.rows(), 1);

@@ -1,0 +1,85 @@
+// Whether a fit's sigmas are true, in the quick form; the long one is scripts/coverage.sh. Fewer data sets
+// leave more to chance, and the limits are widened by that and nothing else: three standard deviations of a
+// binomial share, or of a mean square.
+#include "tests/calib/coverage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calib/problem_builder.h"
+#include "tests/calib/small_tank.h"
+
+namespace sonarcal::testing {
+namespace {
+
+void ExpectShare(double share, double lowest, double highest, int count, const std::string& of) {
+  const auto chance = [count](double p) { return 3.0 * std::sqrt(p * (1.0 - p) / count); };
+  EXPECT_GE(share, lowest - chance(lowest)) << of;
+  EXPECT_LE(share, highest + chance(highest)) << of;
+}
+
+void ExpectCovered(const CoverageTable& table) {
+  EXPECT_EQ(table.failed, 0);
+  int determined = 0;
+  for (const CoverageRow& row : table.rows) {
+    if (row.determined < table.data_sets) continue;
+    ++determined;
+    ExpectShare(row.covered_68, 0.63, 0.73, row.determined, row.name);
+    ExpectShare(row.covered_95, 0.92, 0.98, row.determined, row.name);
+  }
+  EXPECT_GE(determined, 10) << "of 13";
+}
+
+TEST(CoverageTest, IndependentPixels) {
+  CoverageOptions options;
+  options.data_sets = 40;
+  options.fit.starts = 1;
+  const CoverageTable table = StudyCoverage(options);
+  ExpectCovered(table);
+  const double chance = 3.0 * std::sqrt(2.0 / static_cast<double>(table.data_sets * table.rows.size()));
+  EXPECT_NEAR(table.variance_over_bound, 1.0, 0.1 + chance);
+}
+
+TEST(CoverageTest, GrainedPixels) {
+  CoverageOptions options;
+  options.speckle = Speckle::kGrained;
+  options.data_sets = 40;
+  options.seed = 2;
+  options.fit.starts = 1;
+  const CoverageTable table = StudyCoverage(options);
+  ExpectCovered(table);
+  // A grain is some pixels: whoever counts pixels as independent has sigmas that are too small.
+  for (const CoverageRow& row : table.rows) {
+    if (row.name == "receiver.noise_db") continue;  // independent in every pixel
+    EXPECT_GT(row.mean_sigma, 1.3 * row.bound) << row.name;
+  }
+}
+
+int Blocks(double beam_width_deg, double pulse_bins) {
+  SonarModel sonar = SmallSonar();  // 160 bins, 48 beams 0.6 degrees apart
+  sonar.azimuth_beam_width_deg = beam_width_deg;
+  const Simulator simulator(SmallTank(), sonar, SmallTankOptions());
+  ParameterSet parameters = SmallTankTruth();
+  parameters.model = EchoModel::kAcoustic;
+  parameters.receiver.noise_db = 120.0;
+  parameters.pulse.length_m = pulse_bins * sonar.axes.range_bin_m();
+  const std::vector<AcousticFrame> frames = {{.index = 0,
+                                              .world_from_sonar = SmallTankPoses()[0],
+                                              .recorded = std::vector<RecordedPower>(160 * 48, {1e11})}};
+  const AcousticFrameModel model(simulator, frames, parameters);
+  const int noise = 2;
+  EXPECT_EQ(model.catalog()[noise].name, "receiver.noise_db");
+  const FitState state{.active = {noise}, .values = model.initial_values()};
+  return static_cast<int>(Accumulate(model, model.catalog(), state, {}).blocks.size());
+}
+
+TEST(CovarianceBlocksTest, AreEightBeamsAndPulsesLongWhereAFrameHasRoom) {
+  EXPECT_EQ(Blocks(1.0, 1.0), 20 * 3) << "8 bins, 16 beams: what FitOptions ask for at least";
+  EXPECT_EQ(Blocks(1.0, 2.0), 10 * 3) << "16 bins";
+  EXPECT_EQ(Blocks(1.8, 1.0), 20 * 2) << "24 beams";
+  EXPECT_EQ(Blocks(6.0, 30.0), 4 * 2) << "a few blocks are left";
+}
+
+}  // namespace
+}  // namespace sonarcal::testing
