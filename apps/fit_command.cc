@@ -28,10 +28,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-FitConfig ResolveConfig(const FitCommandOptions& options, EchoModel model) {
+FitConfig ResolveConfig(const FitCommandOptions& options, const ParameterSet& initial) {
   FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
   if (!options.free.empty()) config.free = options.free;
-  if (!config.free) config.free = model == EchoModel::kPaper ? PaperFreeByDefault() : AcousticFreeByDefault();
+  if (!config.free) {
+    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault() : AcousticFreeByDefault(initial);
+  }
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out;
   return config;
@@ -175,7 +177,7 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only");
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ReadParameters(options.params);
-  const FitConfig config = ResolveConfig(options, initial.model);
+  const FitConfig config = ResolveConfig(options, initial);
   const auto recording = OpenRecording(options.real);
   RunOutput output(options.out);
   const RecordingFit fit = Fit(options, *recording, config, initial);
@@ -238,7 +240,7 @@ void SetupFit(CLI::App& app) {
       "--free", options->free,
       "What is fitted: materials, noise, psf, pose, display, jitter, source_level, or names with * (default: "
       "materials, with the paper model display.db_max and the range and azimuth errors, with the acoustic "
-      "model receiver.noise_db)",
+      "model receiver.noise_db and, where it is not given, pulse.length_m)",
       "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");

@@ -14,8 +14,8 @@ namespace {
 
 // Rounds about a new point, at most; and the move, in parts of what a round may move, below which no other
 // round follows.
-constexpr int kRounds = 8;
-constexpr double kSettled = 0.02;
+constexpr int kRounds = 10;
+constexpr double kSettled = 0.05;
 
 // Rounds of weighing down what the scene does not explain.
 constexpr int kWeightRounds = 2;
@@ -52,8 +52,10 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
 
 }  // namespace
 
-std::vector<std::string> AcousticFreeByDefault() {
-  return {"materials", "receiver.noise_db"};
+std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial) {
+  std::vector<std::string> free = {"materials", "receiver.noise_db"};
+  if (!(initial.pulse.length_m > 0.0)) free.emplace_back("pulse.length_m");
+  return free;
 }
 
 double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
@@ -75,7 +77,7 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
                              const ParameterSet& initial, const FitConfig& given, const FitOptions& options) {
   if (frames.empty()) throw DataError("fit: no frames");
   FitConfig config = given;
-  if (!config.free) config.free = AcousticFreeByDefault();
+  if (!config.free) config.free = AcousticFreeByDefault(initial);
   AcousticFrameModel model(simulator, frames, initial);
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
@@ -92,32 +94,41 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
     const CatalogEntry& entry = catalog[i++];
     return !value || IsGeometric(entry);
   });
+  FitOptions start = options;
+  start.rough = !geometric.empty();
   ModelFit fit{.values = model.initial_values(), .report = {}, .usable = true};
-  if (!only_geometry) fit = Fit(model, fit.values, geometric.empty() ? config : radiometry, options);
+  if (!only_geometry) fit = Fit(model, fit.values, geometric.empty() ? config : radiometry, start);
 
-  FitOptions again = options;
-  again.starts = 1;
-  again.search_level = false;
   std::vector<double> start_costs = fit.report.start_costs;
   const double cost_initial = only_geometry ? 0.0 : fit.report.cost_initial;
   int iterations = fit.report.iterations;
   double solve_s = fit.report.solve_s;
+  FitOptions again = options;
+  again.starts = 1;
+  again.search_level = false;
   FitConfig near = config;
-  for (int round = 0; round < kRounds && fit.usable && !geometric.empty(); ++round) {
+  bool settled = geometric.empty();
+  for (int round = 0; round < kRounds && fit.usable && !settled; ++round) {
     if (options.progress)
       options.progress(fmt::format("round {}: tracing about the point reached", round + 1));
     const ParameterValues point = fit.values;
     model.Linearise(point, geometric);
     near = Near(config, catalog, geometric, point);
+    again.rough = true;
     fit = Fit(model, point, near, again);
     iterations += fit.report.iterations;
-    solve_s += fit.report.solve_s;
     double largest = 0.0;
     for (const int entry : geometric) {
       largest =
           std::max(largest, std::abs(fit.values[entry] - point[entry]) / Reach(catalog[entry], point[entry]));
     }
-    if (largest < kSettled) break;
+    settled = largest < kSettled;
+  }
+  again.rough = false;
+  if (!geometric.empty() && fit.usable) {
+    fit = Fit(model, fit.values, near, again);
+    iterations += fit.report.iterations;
+    solve_s += fit.report.solve_s;
   }
 
   for (int round = 0; round < kWeightRounds && fit.usable && options.down_weight; ++round) {

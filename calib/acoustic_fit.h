@@ -15,9 +15,10 @@
 
 namespace sonarcal {
 
-// What a fit of the acoustic model frees where nobody says: curves and noise floor. The gauge: gain and
-// source level stay, so that the materials carry the level; beam and pulse stay as the sonar's own.
-std::vector<std::string> AcousticFreeByDefault();
+// What a fit of the acoustic model frees where nobody says: curves and noise floor, and the pulse where its
+// length is not given, as a level per area hangs on it. The gauge: gain and source level stay, so that the
+// materials carry the level; the beam stays as the sonar's own.
+std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial);
 
 // Level of the noise floor in the darkest fifth of the recorded pixels, dB: where a fit starts.
 double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);

@@ -98,6 +98,20 @@ FrameModel::Grain AcousticFrameModel::grain() const {
           .beams = spacing_deg > 0.0 ? std::max(1.0, initial_.beam.azimuth_width_deg / spacing_deg) : 1.0};
 }
 
+int AcousticFrameModel::first_of_pose(int frame) const {
+  constexpr double kSameM = 1e-3;
+  constexpr double kSameRad = 1e-3;
+  const Pose& pose = frames_[frame].world_from_sonar;
+  for (int other = 0; other < frame; ++other) {
+    const Pose& earlier = frames_[other].world_from_sonar;
+    if ((earlier.position_m - pose.position_m).norm() < kSameM &&
+        earlier.rotation.angularDistance(pose.rotation) < kSameRad) {
+      return other;
+    }
+  }
+  return frame;
+}
+
 ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const {
   ParameterSet parameters = initial_;
   for (std::size_t i = 0; i < catalog_.size(); ++i) {
@@ -119,10 +133,16 @@ Pose AcousticFrameModel::PoseOf(int frame, const ParameterValues& values) const 
 
 FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
-  const auto gather = [&](const ParameterValues& at) {
-    return GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
+  const EchoPower at_pose = EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
+  // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
+  const auto gather = [&](const ParameterValues& at, const CatalogEntry& moved) {
+    const bool arrives_alike =
+        moved.group == ParameterGroup::kPulse || (moved.group == ParameterGroup::kBeam && moved.index == 0);
+    return arrives_alike ? ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
+                         : GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
   };
-  FrameEchoes echoes{.at_point = gather(values), .entries = {}, .slopes = {}};
+  FrameEchoes echoes{
+      .at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values)), .entries = {}, .slopes = {}};
   for (const int entry : geometric) {
     if (catalog_[entry].group == ParameterGroup::kPose && catalog_[entry].frame != frame) continue;
     const double step = DifferenceStep(catalog_[entry], values, simulator_.sonar(), entry);
@@ -131,7 +151,8 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
     above[entry] += step;
     below[entry] -= step;
     echoes.entries.push_back(entry);
-    echoes.slopes.push_back(Difference(gather(above), gather(below), 1.0 / (2.0 * step)));
+    echoes.slopes.push_back(
+        Difference(gather(above, catalog_[entry]), gather(below, catalog_[entry]), 1.0 / (2.0 * step)));
   }
   return echoes;
 }

@@ -54,6 +54,7 @@ class AcousticFrameModel final : public FrameModel {
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
   Grain grain() const override;
+  int first_of_pose(int frame) const override;
   bool IsLikelihood() const override { return true; }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;

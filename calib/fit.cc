@@ -47,8 +47,10 @@ class Fitter {
   ModelFit Run() {
     FreezeUnseenMaterials();
     const auto start = std::chrono::steady_clock::now();
-    SolveFromSeveralStarts();
-    bool usable = false;
+    // A single start from where an earlier fit ended needs no trial.
+    if (options_.rough || options_.starts > 1 || options_.search_level) SolveFromSeveralStarts();
+    bool usable = !report_.start_costs.empty();
+    if (options_.rough) return {.values = state_.values, .report = std::move(report_), .usable = usable};
     // Each round but the last freezes at least one parameter, so there are at most as many as parameters.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {
       Activate();

@@ -62,6 +62,10 @@ class FrameModel {
   };
   virtual Grain grain() const { return {}; }
 
+  // The first frame that shares a frame's pose, the frame itself where none does: as long as nothing moves
+  // speckle stays, and more frames of it tell little more.
+  virtual int first_of_pose(int frame) const { return frame; }
+
   // Whether half the sum of squares is a negative log-likelihood, noise and all: then a prior can be weighed
   // against it.
   virtual bool IsLikelihood() const = 0;

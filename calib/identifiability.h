@@ -52,13 +52,14 @@ struct NamedCoordinate {
   bool logarithmic = false;  // the logarithm of anything
 };
 
-// The directions in which more than kOpenShare of a prior's variance is left, the worst first, in words: which
-// parameters move together, and what of them is known all the same.
+// The directions in which more than kOpenShare of a prior's variance is left, the worst first, in words:
+// which parameters move together, and what of them is known all the same.
 std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,
                                         const std::vector<NamedCoordinate>& coordinates);
 
-// Share of a prior's variance above which a parameter or a direction is called open. Below it the prior hardly
-// pulls: where its centre is off by 2 sigma, a 68 % interval still covers 61 % (at a share of a half, 28 %).
+// Share of a prior's variance above which a parameter or a direction is called open. Below it the prior
+// hardly pulls: where its centre is off by 2 sigma, a 68 % interval still covers 61 % (at a share of a half,
+// 28 %).
 inline constexpr double kOpenShare = 0.1;
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance);

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -256,6 +257,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
     if (entry.prior) equations.prior(k) = 1.0 / (entry.prior->sigma * entry.prior->sigma);
   }
   double sum = 0.0;
+  std::map<int, std::vector<NormalEquations::Block>> of_pose;
   for (int frame = 0; frame < model.frame_count(); ++frame) {
     const auto evaluation = model.At(frame, state.values, state.active, FrameModel::Terms::kInformation);
     SONARCAL_CHECK(evaluation != nullptr, "the model gives no value here");
@@ -282,21 +284,36 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
             block.information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[i]);
           }
         }
-        if (block.score.isZero(0.0)) continue;
         const Eigen::MatrixXd full = block.information.selfadjointView<Eigen::Lower>();
         block.information = value_slope.asDiagonal() * full * value_slope.asDiagonal();
         block.score = value_slope.cwiseProduct(block.score);
         band.blocks.push_back(std::move(block));
       }
     });
+    std::vector<NormalEquations::Block> blocks;
     for (Band& band : bands) {
       sum += band.sum;
       equations.residual_square += band.square;
       equations.residual_count += band.count;
       for (NormalEquations::Block& block : band.blocks) {
         equations.information += block.information;
-        equations.blocks.push_back(std::move(block));
+        blocks.push_back(std::move(block));
       }
+    }
+    // Frames of one pose share their speckle, and so their blocks.
+    std::vector<NormalEquations::Block>& shared = of_pose[model.first_of_pose(frame)];
+    if (shared.empty()) {
+      shared = std::move(blocks);
+      continue;
+    }
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      shared[i].information += blocks[i].information;
+      shared[i].score += blocks[i].score;
+    }
+  }
+  for (auto& [frame, blocks] : of_pose) {
+    for (NormalEquations::Block& block : blocks) {
+      if (!block.score.isZero(0.0)) equations.blocks.push_back(std::move(block));
     }
   }
   if (residuals != nullptr) {

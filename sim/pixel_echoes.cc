@@ -142,19 +142,29 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
   return gathered;
 }
 
-PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,
-                              const ParameterSet& given) {
+EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar, const ParameterSet& given) {
   ParameterSet parameters = given;
   CompleteResponse(simulator.sonar(), parameters);
   const BeamParameters& beam = parameters.beam;
-  const EchoPower echoes = GatherEchoPower(
+  return GatherEchoPower(
       simulator.TraceEchoes(world_from_sonar), simulator.fan(), simulator.sonar().axes,
       {.absorption_db_per_m = simulator.absorption_db_per_m(),
        .elevation = ElevationResponse(beam.elevation_pattern, RadFromDeg(beam.elevation_width_deg),
                                       beam.elevation_taper),
        .range_steps = RangeStepsFor(simulator.sonar(), parameters)});
+}
+
+PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
+                                const ParameterSet& given) {
+  ParameterSet parameters = given;
+  CompleteResponse(simulator.sonar(), parameters);
   return GatherPixelEchoes(echoes, MakePowerResponse(simulator.sonar(), parameters, echoes.column_azimuth_rad,
                                                      echoes.range_steps));
+}
+
+PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,
+                              const ParameterSet& parameters) {
+  return ThroughBeamAndPulse(simulator, EchoesOfPose(simulator, world_from_sonar, parameters), parameters);
 }
 
 PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale) {

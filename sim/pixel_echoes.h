@@ -41,7 +41,11 @@ struct PixelEchoes {
 PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response);
 
 // The same from a pose: traces the simulator's fan, gathers its echoes by the elevation response, and sends
-// them through beam and pulse of the parameters.
+// them through beam and pulse of the parameters; and the two steps of it one by one.
+EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
+                       const ParameterSet& parameters);
+PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
+                                const ParameterSet& parameters);
 PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,
                               const ParameterSet& parameters);
 

@@ -86,7 +86,7 @@ class Study {
         frames_(TraceFrames()),
         model_(simulator_, frames_, truth_),
         catalog_(model_.catalog()) {
-    config_.free = AcousticFreeByDefault();
+    config_.free = {"materials", "receiver.noise_db"};
     const std::vector<bool> free = ApplyFitConfig(config_, catalog_);
     for (std::size_t i = 0; i < free.size(); ++i) {
       if (free[i]) free_.push_back(static_cast<int>(i));

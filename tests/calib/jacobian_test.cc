@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "calib/acoustic_frame_model.h"
+#include "calib/identifiability.h"
 #include "calib/paper_frame_model.h"
 #include "calib/problem_builder.h"
 #include "tests/calib/small_tank.h"
@@ -171,6 +172,24 @@ TEST_F(SmallTankModels, CeresIsToldTheSumsOverAllPixels) {
   EXPECT_LT((jacobian.transpose() * jacobian - expected).norm(), 1e-9 * expected.norm());
   EXPECT_LT((Eigen::Map<Eigen::VectorXd>(gradient.data(), n) - expected_gradient).norm(),
             1e-7 * expected_gradient.norm());
+}
+
+// As long as nothing moves speckle stays: a second frame of one pose makes no sigma smaller.
+TEST_F(SmallTankModels, AFrameSeenTwiceTellsNoMoreThanOnce) {
+  const std::vector<AcousticFrame> once = {OddFrames(simulator_).front()};
+  const std::vector<AcousticFrame> twice = {once[0], once[0]};
+  const auto covariance = [&](const std::vector<AcousticFrame>& frames) {
+    const AcousticFrameModel model(simulator_, frames, AcousticTruth());
+    FitState state{.active = {}, .values = model.initial_values()};
+    for (const int entry : AllOf(model)) {
+      const std::string& name = model.catalog()[entry].name;
+      if (name == "receiver.noise_db" || name == "material.floor.gsab.C") state.active.push_back(entry);
+    }
+    EXPECT_EQ(state.active.size(), 2U);
+    return JackknifeCovariance(Accumulate(model, model.catalog(), state, {}));
+  };
+  const Eigen::MatrixXd of_one = covariance(once);
+  EXPECT_LT((covariance(twice) - of_one).norm(), 1e-9 * of_one.norm());
 }
 
 }  // namespace
