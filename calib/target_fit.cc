@@ -10,16 +10,24 @@
 namespace sonarcal {
 namespace {
 
+std::vector<std::string> ModelParameters(const Scene& target) {
+  std::vector<std::string> free = {"receiver.noise_db", "beam.azimuth_width_deg", "beam.elevation_width_deg",
+                                   "pulse.length_m"};
+  for (const std::string& material : target.material_names) {
+    for (const char* of : {"C", "D", "E", "F_deg"}) free.push_back("material." + material + ".gsab." + of);
+  }
+  return free;
+}
+
 FitConfig ConfigFor(const Scene& target, const SonarModel& sonar, const Pose& world_from_sonar,
                     const TargetFitOptions& options) {
   FitConfig config;
-  std::vector<std::string> free = {"receiver.noise_db", "beam.azimuth_width_deg", "pulse.length_m"};
-  for (const std::string& material : target.material_names) {
-    free.push_back("material." + material + ".gsab.C");
-    free.push_back("material." + material + ".gsab.D");
-  }
+  std::vector<std::string> free;
+  if (options.free_model) free = ModelParameters(target);
   const double bin_m = sonar.axes.range_bin_m();
   config.bounds["beam.azimuth_width_deg"] = {options.beam_width_min_deg, options.beam_width_max_deg};
+  config.bounds["beam.elevation_width_deg"] = {options.elevation_width_min_deg,
+                                               options.elevation_width_max_deg};
   config.bounds["pulse.length_m"] = {bin_m, options.pulse_max_bins * bin_m};
   config.held_out.emplace();
   if (options.free_pose) free.emplace_back("pose.0.*");

@@ -1,9 +1,9 @@
 // The acoustic model fitted to one recorded image of one target whose pose is roughly known (from
-// calib/pose_search.h): strength and slope of its backscatter, noise floor, beam, pulse and, where asked for,
-// the pose about the one given.
+// calib/pose_search.h): the slow and the transitional term of its backscatter, noise floor, beam, pulse and,
+// where asked for, the pose about the one given.
 //
-// The display is one that is known, or was read off the background (calib/background_display.h). Specular and
-// transitional terms of the backscatter curve stay as given: one aspect of one target does not tell them. The
+// The display is one that is known, or was read off the background (calib/background_display.h). The specular
+// peak stays as given: a target hardly shows it. The
 // world of the fit has its origin in the target's and its axes along those of the sonar at the pose given, so
 // that the six numbers of the pose are a shift and a turn of the sonar about where it is.
 #pragma once
@@ -22,7 +22,11 @@ struct TargetFitOptions {
   // Bounds; one image trades a wrong outline for a wide beam or a long pulse.
   double beam_width_min_deg = 0.1;
   double beam_width_max_deg = 0.5;
+  // In elevation, two-way: a nominal vertical field of view is no half-power width.
+  double elevation_width_min_deg = 10.0;
+  double elevation_width_max_deg = 60.0;
   double pulse_max_bins = 4.0;
+  bool free_model = true;  // curve, noise floor, beam and pulse; else as given
   bool free_pose = true;
   double pose_shift_m = 0.05;  // of the sonar, either way
   double pose_turn_deg = 5.0;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "data_io/types/error.h"
+#include "sim/scenes/bomb.h"
 #include "tests/support/mesh_checks.h"
 
 namespace sonarcal {
@@ -284,6 +285,16 @@ TEST(BodyTest, TheNosePointsAlongX) {
       EXPECT_LT(vertex_m.tail<2>().norm(), 0.02f);
     }
   }
+}
+
+TEST(BombTest, HasThePublishedSize) {
+  const Scene bomb = MakeBomb();
+  EXPECT_TRUE(IsClosed(bomb));
+  EXPECT_GT(SignedVolumeM3(bomb), 0.0);
+  const AlignedBox3d bounds = Bounds(bomb);
+  EXPECT_NEAR(bounds.min().x(), -0.3685, 1e-6);
+  EXPECT_NEAR(bounds.max().x(), 0.3685, 1e-6);
+  EXPECT_NEAR(bounds.sizes().z(), 0.208, 0.001);
 }
 
 TEST(BodyTest, OptionsThatMakeNoBodyAreRefused) {
