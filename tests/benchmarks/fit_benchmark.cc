@@ -41,8 +41,8 @@ std::vector<Pose> Poses() {
       for (const Pose& pose : PaperTankPoses(set)) {
         if (poses.size() == kFrames) return poses;
         const double pitch_rad = RadFromDeg(-10.0 * i);
-        poses.push_back({pose.rotation * RotationFromYawPitchRoll(RadFromDeg(5.0 * i), pitch_rad, 0.0),
-                         pose.position_m});
+        poses.push_back(
+            {pose.rotation * RotationFromYawPitchRoll(RadFromDeg(5.0 * i), pitch_rad, 0.0), pose.position_m});
       }
     }
   }
