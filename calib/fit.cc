@@ -343,7 +343,7 @@ class Fitter {
     if (acoustic) {
       report_.gauge.emplace_back(
           "every free parameter has a prior about the value given, one surprising step wide: a factor of ten "
-          "for powers, of e for the widths of a curve, 1 for D; fit.json's configuration may give others");
+          "for powers, of e for widths, 1 for D; a configuration (--config) may give others");
     }
   }
 

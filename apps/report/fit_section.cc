@@ -177,9 +177,9 @@ std::string JudgedText(const RecordingFit& fit) {
   }
   return fmt::format(
       "The fit saw frames {} and was judged on frames {}, which it did not see. Recorded frames are compared "
-      "with "
-      "the expected image, the mean over range and azimuth errors, as grey levels are displayed.",
-      FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out));
+      "with the expected image, the mean over {}, as grey levels are displayed.",
+      FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
+      fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle");
 }
 
 }  // namespace
@@ -253,12 +253,14 @@ void AddUnexplained(HtmlReport& report, const RecordingFit& fit) {
       "{:.2f} % of the pixels used counted for less than half in the fit, as their neighbourhood is brighter "
       "or darker than speckle about the model allows.",
       100.0 * *fit.fit.report.down_weighted_share));
-  PictureRow row{.caption = "Weights of the pixels used by the fit: white counts in full, black not at all",
+  PictureRow row{.caption = "Pixels used by the fit: black counts in full, the brighter the less",
                  .pictures = {}};
   constexpr int kHeightPx = 360;
   for (std::size_t i = 0; i < std::min(fit.weights.size(), kMapsShown); ++i) {
-    row.pictures.push_back({.png = EncodePng(StretchPolar(
-                                Colorize(fit.weights[i], ValueWindow{0.0, 1.0}, ColorMap::kGrey), kHeightPx)),
+    Grid<float> missing = fit.weights[i];
+    for (float& value : missing.values()) value = 1.0F - value;
+    const RgbImage map = Colorize(missing, ValueWindow{0.0, 1.0}, ColorMap::kInferno);
+    row.pictures.push_back({.png = EncodePng(StretchPolar(map, kHeightPx)),
                             .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i])});
   }
   report.Add(row);
