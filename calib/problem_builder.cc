@@ -132,10 +132,13 @@ class FrameCost final : public ceres::CostFunction {
     all.SetCoordinates(catalog_, {blocks[0], blocks[0] + state_.active.size()});
     const FitState state{.active = mine_.active, .values = std::move(all.values)};
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    // A step is tried first, and its derivatives asked for when it was good: summed at once, and kept.
+    // A step is tried first, and its derivatives asked for when it was good: summed at once, and kept, where
+    // they cost little more (the paper model's cost ten times the image).
+    const bool differentiate = derivatives || model_.IsLikelihood();
     const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
-    if (!sums_ || point != point_) {
-      sums_ = SumFrame(model_, catalog_, state, frame_, true, every_);
+    if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
+      sums_ = SumFrame(model_, catalog_, state, frame_, differentiate, every_);
+      differentiated_ = differentiate;
       point_ = point;
     }
     const auto& sums = sums_;
@@ -172,6 +175,7 @@ class FrameCost final : public ceres::CostFunction {
   int every_;
   mutable std::optional<FrameSums> sums_;  // at this point
   mutable std::vector<double> point_;
+  mutable bool differentiated_ = false;
   FitState mine_;                      // its active entries only
   std::vector<Eigen::Index> columns_;  // their places among all active ones
 };
