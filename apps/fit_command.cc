@@ -132,8 +132,8 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
         fmt::format("{:.1f} % of the pixels used count for less than half: the scene does not explain them\n",
                     100.0 * *report.down_weighted_share);
   }
-  text += fmt::format("{} rays traced in {:.1f} s, solved in {:.1f} s\n", report.rays_cast, report.trace_s,
-                      report.solve_s);
+  text += fmt::format("{:.1f} s to trace every frame once, {:.1f} s to fit; {} rays in all\n", report.trace_s,
+                      report.solve_s, report.rays_cast);
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
 

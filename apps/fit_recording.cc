@@ -79,11 +79,13 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
   return note;
 }
 
-// Of the rays that the acoustic model wants, as many as are asked for.
+// Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
+// expected ones, are speckled samples.
 SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                      const ParameterSet& parameters) {
   SimulationOptions options = rays.For(sonar, water);
   const RayFanOptions asked = options.fan;
+  options.noise = true;
   options.fan = AcousticFanOptions(sonar, parameters);
   if (!rays.rays.empty()) {
     options.fan.sampling = asked.sampling;
@@ -295,15 +297,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   result.before = Judge(recording, before, judge);
   result.before.noise_floor = result.after.noise_floor;
   if (acoustic) {
-    SimulationOptions speckled = simulator.options();
-    speckled.noise = true;
-    const Simulator sampler(scene, sonar, speckled);
     const auto sample_by = [&](const ParameterSet& parameters) {
       return ExpectedRecording(
           recording,
           [&](int frame) {
-            return sampler.RenderEchoes(sampler.TraceEchoes(poses[frame].world_from_sonar), parameters,
-                                        frame);
+            return simulator.RenderEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), parameters,
+                                          frame);
           },
           "a speckled sample");
     };

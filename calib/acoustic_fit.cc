@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -78,6 +79,7 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   if (frames.empty()) throw DataError("fit: no frames");
   FitConfig config = given;
   if (!config.free) config.free = AcousticFreeByDefault(initial);
+  const auto began = std::chrono::steady_clock::now();
   AcousticFrameModel model(simulator, frames, initial);
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
@@ -102,7 +104,6 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   std::vector<double> start_costs = fit.report.start_costs;
   const double cost_initial = only_geometry ? 0.0 : fit.report.cost_initial;
   int iterations = fit.report.iterations;
-  double solve_s = fit.report.solve_s;
   FitOptions again = options;
   again.starts = 1;
   again.search_level = false;
@@ -128,7 +129,6 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   if (!geometric.empty() && fit.usable) {
     fit = Fit(model, fit.values, near, again);
     iterations += fit.report.iterations;
-    solve_s += fit.report.solve_s;
   }
 
   for (int round = 0; round < kWeightRounds && fit.usable && options.down_weight; ++round) {
@@ -136,7 +136,6 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
     model.DownWeight(fit.values);
     fit = Fit(model, fit.values, near, again);
     iterations += fit.report.iterations;
-    solve_s += fit.report.solve_s;
   }
 
   AcousticFit result{.parameters = model.Parameters(fit.values),
@@ -149,13 +148,17 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   FitReport& report = result.report;
   if (options.down_weight) {
     std::size_t low = 0;
+    std::size_t counted = 0;
     for (int frame = 0; frame < model.frame_count(); ++frame) {
       result.weights.push_back(model.weights(frame));
-      low += std::count_if(model.weights(frame).begin(), model.weights(frame).end(),
-                           [](float weight) { return weight < 0.5F; });
+      for (std::size_t pixel = 0; pixel < model.pixel_count(); ++pixel) {
+        if (!model.Counts(frame, pixel)) continue;
+        ++counted;
+        if (model.weights(frame)[pixel] < 0.5F) ++low;
+      }
     }
     report.down_weighted_share =
-        static_cast<double>(low) / static_cast<double>(model.frame_count() * model.pixel_count());
+        static_cast<double>(low) / static_cast<double>(std::max<std::size_t>(1, counted));
   }
   for (std::size_t i = 0; i < report.parameters.size(); ++i) {
     report.parameters[i].initial = model.initial_values()[i];
@@ -169,7 +172,11 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   if (!start_costs.empty()) report.start_costs = start_costs;
   if (!only_geometry) report.cost_initial = cost_initial;
   report.iterations = iterations;
-  report.solve_s = solve_s;
+  report.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  if (!settled) {
+    report.termination +=
+        fmt::format("; beam, pulse or poses still moved after {} rounds of tracing", kRounds);
+  }
   return result;
 }
 

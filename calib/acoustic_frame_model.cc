@@ -10,14 +10,10 @@
 #include "calib/down_weight.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "sim/beam_and_pulse.h"
 
 namespace sonarcal {
 namespace {
-
-double BeamSpacingDeg(const SonarModel& sonar) {
-  const std::vector<double>& centres = sonar.axes.beam_azimuth_rad;
-  return DegFromRad((centres.back() - centres.front()) / std::max(1, sonar.axes.beam_count() - 1));
-}
 
 // Half the distance over which echoes are differenced: wide enough that the rays at an object's edge come and
 // go evenly, narrow beside bins and beams.
@@ -25,7 +21,8 @@ double DifferenceStep(const CatalogEntry& entry, const ParameterValues& values, 
                       int index) {
   constexpr double kOfWidth = 0.03;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * values[index];
-  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m() : std::max(0.1, BeamSpacingDeg(sonar));
+  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m()
+                         : std::max(0.1, DegFromRad(sonar.axes.beam_spacing_rad()));
 }
 
 }  // namespace
@@ -58,11 +55,10 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
     : simulator_(simulator),
       frames_(frames),
       material_names_(simulator.caster().material_names()),
-      initial_(initial),
+      initial_(WithResponse(simulator.sonar(), initial)),
       weights_(frames.size()),
       shown_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
-  CompleteResponse(simulator.sonar(), initial_);
   CheckTapers(initial_.receiver, beams());
   for (const std::string& name : material_names_) initial_.materials[name] = initial.Material(name);
   std::vector<int> indices;
@@ -93,21 +89,14 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
 
 FrameModel::Grain AcousticFrameModel::grain() const {
   const SonarModel& sonar = simulator_.sonar();
-  const double spacing_deg = BeamSpacingDeg(sonar);
+  const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   return {.bins = std::max(1.0, initial_.pulse.length_m / sonar.axes.range_bin_m()),
           .beams = spacing_deg > 0.0 ? std::max(1.0, initial_.beam.azimuth_width_deg / spacing_deg) : 1.0};
 }
 
 int AcousticFrameModel::first_of_pose(int frame) const {
-  constexpr double kSameM = 1e-3;
-  constexpr double kSameRad = 1e-3;
-  const Pose& pose = frames_[frame].world_from_sonar;
   for (int other = 0; other < frame; ++other) {
-    const Pose& earlier = frames_[other].world_from_sonar;
-    if ((earlier.position_m - pose.position_m).norm() < kSameM &&
-        earlier.rotation.angularDistance(pose.rotation) < kSameRad) {
-      return other;
-    }
+    if (IsSamePose(frames_[other].world_from_sonar, frames_[frame].world_from_sonar)) return other;
   }
   return frame;
 }

@@ -50,6 +50,7 @@ class Fitter {
     // A single start from where an earlier fit ended needs no trial.
     if (options_.rough || options_.starts > 1 || options_.search_level) SolveFromSeveralStarts();
     bool usable = !report_.start_costs.empty();
+    report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options_.rough) return {.values = state_.values, .report = std::move(report_), .usable = usable};
     // Each round but the last freezes at least one parameter, so there are at most as many as parameters.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {
@@ -137,7 +138,7 @@ class Fitter {
     Activate();
     if (state_.active.empty()) return;
     for (int start = 0; start < options_.starts; ++start) {
-      Say(fmt::format("start {} of {}", start + 1, options_.starts));
+      if (options_.starts > 1) Say(fmt::format("start {} of {}", start + 1, options_.starts));
       state_.values = start == 0 ? given : WithCurveShape(catalog_, Free(), given, start);
       if (options_.search_level) state_.values = SearchLevel(model_, catalog_, Free(), state_.values);
       if (!Solve(kRoughTolerance, std::min(kRoughIterations, options_.max_iterations), RoughEvery()))

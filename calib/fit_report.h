@@ -48,7 +48,8 @@ struct FitReport {
   std::vector<int> frames_used;
   std::vector<int> frames_held_out;
   double trace_s = 0.0;
-  double solve_s = 0.0;
+  double solve_s =
+      0.0;  // of the whole fit; of the acoustic model, what it traces and gathers itself included
   long rays_cast = 0;
 
   const FittedParameter* Find(const std::string& name) const;

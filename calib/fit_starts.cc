@@ -38,9 +38,11 @@ void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vecto
 
 ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                             const std::vector<bool>& free, const ParameterValues& start) {
+  // Of materials that no frame shows, nothing can be told, and nothing hangs on them.
   bool amplitudes_free = true;
   for (std::size_t i = 0; i < catalog.size(); ++i) {
-    if (IsAmplitude(catalog[i])) amplitudes_free = amplitudes_free && free[i];
+    if (IsAmplitude(catalog[i]) && model.ShowsMaterial(catalog[i].material))
+      amplitudes_free = amplitudes_free && free[i];
   }
   const int db_min = FindEntry(catalog, "display.db_min");
   const int db_max = FindEntry(catalog, "display.db_max");
@@ -52,7 +54,7 @@ ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEn
     ParameterValues trial = start;
     if (span_free) trial[db_max] = trial[db_min] + span_db;
     for (std::size_t i = 0; i < catalog.size(); ++i) {
-      if (IsAmplitude(catalog[i])) trial[i] *= PowerFromDb(offset_db);
+      if (IsAmplitude(catalog[i]) && free[i]) trial[i] *= PowerFromDb(offset_db);
     }
     const double cost = CostAt(model, trial, 1);
     if (cost < best_cost) {

@@ -147,9 +147,7 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
                      .lower = -100.0 / window_m,
                      .upper = 100.0 / window_m,
                      .typical_step = kLevelStepDb / window_m});
-  const double beam_deg =
-      DegFromRad((sonar.axes.beam_azimuth_rad.back() - sonar.axes.beam_azimuth_rad.front()) /
-                 std::max(1, sonar.axes.beam_count() - 1));
+  const double beam_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   catalog.push_back(WidthEntry("beam.azimuth_width_deg", "deg", ParameterGroup::kBeam, beam_deg, 16.0));
   catalog.push_back(WidthEntry("beam.elevation_width_deg", "deg", ParameterGroup::kBeam, 1.0, 120.0));
   catalog.back().index = 1;

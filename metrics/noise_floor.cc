@@ -10,18 +10,12 @@ namespace sonarcal {
 namespace {
 
 constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;  // of power
-constexpr double kSamePositionM = 1e-3;
-constexpr double kSameAngleRad = 1e-3;
 
 enum class Stillness { kStill, kMoved, kUnknown };
 
 Stillness Between(const FrameInfo& a, const FrameInfo& b) {
   if (!a.world_from_sonar || !b.world_from_sonar) return Stillness::kUnknown;
-  const Pose& pose_a = *a.world_from_sonar;
-  const Pose& pose_b = *b.world_from_sonar;
-  const bool same = (pose_a.position_m - pose_b.position_m).norm() <= kSamePositionM &&
-                    pose_a.rotation.angularDistance(pose_b.rotation) <= kSameAngleRad;
-  return same ? Stillness::kStill : Stillness::kMoved;
+  return IsSamePose(*a.world_from_sonar, *b.world_from_sonar) ? Stillness::kStill : Stillness::kMoved;
 }
 
 }  // namespace

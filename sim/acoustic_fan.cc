@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "data_io/types/units.h"
-#include "sim/power_response.h"
+#include "sim/beam_and_pulse.h"
 
 namespace sonarcal {
 namespace {
@@ -21,12 +21,9 @@ constexpr int kMostColumnsPerBeam = 8;
 }  // namespace
 
 RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters) {
-  ParameterSet complete = parameters;
-  CompleteResponse(sonar, complete);
+  const ParameterSet complete = WithResponse(sonar, parameters);
   const BeamParameters& beam = complete.beam;
-  const std::vector<double>& azimuth_rad = sonar.axes.beam_azimuth_rad;
-  const double spacing_deg =
-      DegFromRad((azimuth_rad.back() - azimuth_rad.front()) / std::max(1, sonar.axes.beam_count() - 1));
+  const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   const double width_deg = std::max(beam.azimuth_width_deg, 1e-3);
   const int per_beam = std::clamp(static_cast<int>(std::ceil(kColumnsPerWidth * spacing_deg / width_deg)), 1,
                                   kMostColumnsPerBeam);

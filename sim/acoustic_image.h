@@ -7,9 +7,8 @@
 // for (its cosine bounded at kSmallestCosine, sim/physics/patch.h), so the level does not depend on the
 // number of rays. The responses are those of sim/physics/beam_pattern.h.
 //
-// Where they are cut: range and Gaussian azimuth responses at -108 dB or below; the side lobes of an aperture
-// at -60 dB, which loses 1.4e-6 of the energy at taper 1, 3.2e-4 (0.0014 dB) at taper 0; a table not at all.
-// A beam near the edge of the fan sees what the fan's azimuth margin (sim/ray_fan.h) shows it, and no more.
+// Where they are cut stands in sim/beam_and_pulse.h. A beam near the edge of the fan sees what the fan's
+// azimuth margin (sim/ray_fan.h) shows it, and no more.
 //
 // `SampleAcousticImage` draws one ping: each patch scatters with a random phase, the field is summed
 // coherently through the same field responses (an aperture's with their signs), receiver noise is added, and
@@ -20,7 +19,6 @@
 #include <cstdint>
 
 #include "data_io/types/parameters.h"
-#include "sim/physics/beam_pattern.h"
 #include "sim/trace.h"
 
 namespace sonarcal {
@@ -37,15 +35,6 @@ struct AcousticGeometry {
   const SonarModel& sonar;
   double absorption_db_per_m = 0.0;
 };
-
-// The azimuth response of a sonar's beams; refers to tables of both arguments, which must outlive it. Throws
-// DataError where the width is unknown, the taper is not 0..1 or the table is not odd.
-AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet& parameters);
-
-// Elevation response and half-power length of the pulse: the parameters', widths of 0 taken from the
-// sonar's.
-ElevationResponse ElevationResponseOf(const SonarModel& sonar, const ParameterSet& parameters);
-double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters);
 
 // Time-varied gain of each range bin, a factor on power.
 std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters);

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "data_io/types/units.h"
-#include "sim/physics/beam_pattern.h"
+#include "sim/beam_and_pulse.h"
 #include "sim/physics/gsab.h"
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"

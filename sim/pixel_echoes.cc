@@ -10,7 +10,6 @@
 #include <numeric>
 
 #include "data_io/types/error.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
@@ -61,7 +60,7 @@ class NodeLines {
     std::sort(sorted.begin(), sorted.end());
     return sorted;
   }
-  double Through(const PowerResponse::Window& window, std::uint32_t node) const {
+  double Through(const ResponseWindow& window, std::uint32_t node) const {
     const auto length = static_cast<Eigen::Index>(window.weight.size());
     const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + window.first];
     return Eigen::Map<const Eigen::VectorXd>(window.weight.data(), length)
@@ -117,7 +116,7 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
       }
       const std::vector<std::uint32_t> present = lines.Sorted();
       for (int beam = 0; beam < beams; ++beam) {
-        const PowerResponse::Window& window = response.azimuth(beam);
+        const ResponseWindow& window = response.azimuth(beam);
         weights.clear();
         for (const std::uint32_t node : present) weights.push_back(lines.Through(window, node));
         const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -142,22 +141,16 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
   return gathered;
 }
 
-EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar, const ParameterSet& given) {
-  ParameterSet parameters = given;
-  CompleteResponse(simulator.sonar(), parameters);
-  const BeamParameters& beam = parameters.beam;
-  return GatherEchoPower(
-      simulator.TraceEchoes(world_from_sonar), simulator.fan(), simulator.sonar().axes,
-      {.absorption_db_per_m = simulator.absorption_db_per_m(),
-       .elevation = ElevationResponse(beam.elevation_pattern, RadFromDeg(beam.elevation_width_deg),
-                                      beam.elevation_taper),
-       .range_steps = RangeStepsFor(simulator.sonar(), parameters)});
+EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
+                       const ParameterSet& parameters) {
+  return GatherEchoPower(simulator.TraceEchoes(world_from_sonar), simulator.fan(), simulator.sonar().axes,
+                         {.absorption_db_per_m = simulator.absorption_db_per_m(),
+                          .elevation = ElevationResponseOf(simulator.sonar(), parameters),
+                          .range_steps = RangeStepsFor(simulator.sonar(), parameters)});
 }
 
 PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
-                                const ParameterSet& given) {
-  ParameterSet parameters = given;
-  CompleteResponse(simulator.sonar(), parameters);
+                                const ParameterSet& parameters) {
   return GatherPixelEchoes(echoes, MakePowerResponse(simulator.sonar(), parameters, echoes.column_azimuth_rad,
                                                      echoes.range_steps));
 }

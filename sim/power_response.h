@@ -10,6 +10,7 @@
 
 #include "data_io/types/parameters.h"
 #include "data_io/types/sonar_model.h"
+#include "sim/beam_and_pulse.h"
 #include "sim/echo_power.h"
 
 namespace sonarcal {
@@ -25,22 +26,16 @@ std::vector<std::size_t> RowStarts(const EchoPower& echoes);
 
 class PowerResponse {
  public:
-  // Weights of a response at a row of consecutive samples.
-  struct Window {
-    int first = 0;
-    std::vector<double> weight;
-  };
-
   // `azimuth`: for each beam, its weights for the columns. `pulse`: weights of the fine rows for a bin, first
   // counted from the bin's own first row.
-  PowerResponse(int bins, int range_steps, std::vector<Window> azimuth, Window pulse);
+  PowerResponse(int bins, int range_steps, std::vector<ResponseWindow> azimuth, ResponseWindow pulse);
 
   // `cells` holds `count` values for each cell of `echoes`, cell by cell.
   ImageStack Apply(const EchoPower& echoes, std::span<const double> cells, int count) const;
 
   int bins() const { return bins_; }
   int beams() const { return static_cast<int>(azimuth_.size()); }
-  const Window& azimuth(int beam) const { return azimuth_[beam]; }
+  const ResponseWindow& azimuth(int beam) const { return azimuth_[beam]; }
   // Fine rows [first, last) that a bin hears, and how much of one.
   std::pair<int, int> RowsOfBin(int bin) const;
   double PulseWeight(int bin, int row) const {
@@ -50,19 +45,13 @@ class PowerResponse {
  private:
   int bins_;
   int range_steps_;
-  std::vector<Window> azimuth_;
-  Window pulse_;
+  std::vector<ResponseWindow> azimuth_;
+  ResponseWindow pulse_;
 };
 
-// The response of a sonar to echoes on columns at these azimuths. Side lobes are cut where they stay below
-// -60 dB, the pulse below -108 dB. Throws DataError where the beam's width is unknown.
+// The response of a sonar to echoes on columns at these azimuths (sim/beam_and_pulse.h). Throws DataError
+// where the beam's width is unknown.
 PowerResponse MakePowerResponse(const SonarModel& sonar, const ParameterSet& parameters,
                                 const std::vector<double>& column_azimuth_rad, int range_steps);
-
-// Rows a range bin that a pulse needs: at least 4, and at least 4 a pulse.
-int RangeStepsFor(const SonarModel& sonar, const ParameterSet& parameters);
-
-// The parameters with beam and pulse as they are: those that are 0 taken from the sonar.
-void CompleteResponse(const SonarModel& sonar, ParameterSet& parameters);
 
 }  // namespace sonarcal

@@ -5,6 +5,7 @@
 //             metres, x to the right and y ahead of the sonar; pixels outside the fan are masked.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -60,6 +61,10 @@ struct PolarAxes {
 
   int beam_count() const { return static_cast<int>(beam_azimuth_rad.size()); }
   double range_bin_m() const { return (range_max_m - range_min_m) / range_bins; }
+  // Between neighbouring centres, on average; 0 for a single beam.
+  double beam_spacing_rad() const {
+    return (beam_azimuth_rad.back() - beam_azimuth_rad.front()) / std::max(1, beam_count() - 1);
+  }
   double range_centre_m(int bin) const { return range_min_m + (bin + 0.5) * range_bin_m(); }
 
   // beam_count() + 1 edges, midway between centres; the outer two lie as far out as the next inner ones lie

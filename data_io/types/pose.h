@@ -25,6 +25,13 @@ struct Pose {
   }
 };
 
+// Whether two poses show the same: within 1 mm and 1 mrad.
+inline bool IsSamePose(const Pose& a, const Pose& b) {
+  constexpr double kSameM = 1e-3;
+  constexpr double kSameRad = 1e-3;
+  return (a.position_m - b.position_m).norm() <= kSameM && a.rotation.angularDistance(b.rotation) <= kSameRad;
+}
+
 // Turns about the sonar's own axes, in this order: yaw about Z (positive to the left), then pitch about the
 // new X (positive looks up), then roll about the new Y (positive lowers the right side).
 inline Eigen::Quaterniond RotationFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {

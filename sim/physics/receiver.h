@@ -74,15 +74,12 @@ class ReceiverNoise {
     for (int bin = 0; bin < axes.range_bins; ++bin) {
       before_gain_by_bin_.push_back(NoisePower(before, axes.range_centre_m(bin), 0, absorption_db_per_m));
     }
+    ReceiverParameters after = receiver;
+    after.noise_db.reset();
+    constexpr double kAnyRangeM = 1.0;
     for (int beam = 0; beam < axes.beam_count(); ++beam) {
-      const auto taper_db = [beam](const std::vector<double>& taper) {
-        return taper.empty() ? 0.0 : taper[beam];
-      };
-      taper_.push_back(PowerOfLevel(taper_db(receiver.noise_taper_db)));
-      after_gain_.push_back(
-          receiver.noise_after_gain_db
-              ? PowerOfLevel(*receiver.noise_after_gain_db + taper_db(receiver.noise_after_gain_taper_db))
-              : 0.0);
+      taper_.push_back(receiver.noise_taper_db.empty() ? 1.0 : PowerOfLevel(receiver.noise_taper_db[beam]));
+      after_gain_.push_back(NoisePower(after, kAnyRangeM, beam, absorption_db_per_m));
     }
   }
 

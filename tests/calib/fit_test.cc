@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "calib/fit_starts.h"
+#include "calib/paper_frame_model.h"
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 
@@ -97,6 +99,33 @@ TEST_F(PaperFitTest, AMaterialThatIsNotSeenIsNotIdentifiable) {
   EXPECT_EQ(lid->value, lid->initial);
   EXPECT_THAT(fit.report.unidentifiable_directions,
               ::testing::Contains(::testing::HasSubstr("material.lid")));
+}
+
+TEST_F(PaperFitTest, AMaterialThatIsNotSeenKeepsNoLevelFromBeingFound) {
+  std::vector<FitFrame> frames = NoisyFrames(8);
+  materials_.push_back("lid");
+  for (FitFrame& frame : frames) frame.echoes.materials = 3;
+  ParameterSet dark = SmallTankTruth();
+  for (auto& [name, material] : dark.materials) {
+    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-6;
+  }
+  dark.materials["lid"] = dark.materials["box"];
+  const PaperFrameModel model(frames, geometry_, materials_, dark);
+  const std::vector<CatalogEntry>& catalog = model.catalog();
+  const ParameterValues start = model.Values(dark);
+  std::vector<bool> free;
+  for (const CatalogEntry& entry : catalog) {
+    free.push_back(entry.group == ParameterGroup::kGsab && !entry.name.starts_with("material.lid."));
+  }
+  const ParameterValues found = SearchLevel(model, catalog, free, start);
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (!IsAmplitude(catalog[i])) continue;
+    if (free[i]) {
+      EXPECT_GT(found[i], 1e3 * start[i]) << catalog[i].name;
+    } else {
+      EXPECT_EQ(found[i], start[i]) << catalog[i].name;
+    }
+  }
 }
 
 TEST_F(PaperFitTest, TheGaugeIsNotGivenASmallSigma) {

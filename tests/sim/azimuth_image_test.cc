@@ -7,6 +7,7 @@
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/acoustic_image.h"
+#include "sim/beam_and_pulse.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 

@@ -8,6 +8,7 @@
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "sim/physics/beam_pattern.h"
 #include "sim/simulator.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"

@@ -55,5 +55,24 @@ TEST(NoisePowerTest, AddsTheFloorsBeforeAndBehindTheGain) {
   EXPECT_THROW(CheckTapers(receiver, 3), DataError);
 }
 
+TEST(ReceiverNoiseTest, IsTheNoisePowerOfEveryPixel) {
+  PolarAxes axes{
+      .range_min_m = 1.0, .range_max_m = 9.0, .range_bins = 16, .beam_azimuth_rad = {-0.1, 0.0, 0.1}};
+  ReceiverParameters receiver;
+  receiver.noise_db = 20.0;
+  receiver.noise_slope_db_per_m = -0.7;
+  receiver.noise_taper_db = {0.0, 3.0, -4.0};
+  receiver.time_varied_gain = TimeVariedGain::k20LogR;
+  receiver.noise_after_gain_db = 30.0;
+  receiver.noise_after_gain_taper_db = {1.0, -10.0, 2.0};
+  const ReceiverNoise fast(receiver, axes, 0.2);
+  for (int bin = 0; bin < axes.range_bins; ++bin) {
+    for (int beam = 0; beam < axes.beam_count(); ++beam) {
+      const double slow = NoisePower(receiver, axes.range_centre_m(bin), beam, 0.2);
+      EXPECT_NEAR(fast.Power(bin, beam), slow, 1e-12 * slow) << bin << ", " << beam;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sonarcal
