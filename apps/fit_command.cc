@@ -200,6 +200,7 @@ ExitStatus RunFit(const FitCommandOptions& options) {
     return ExitStatus::kNoSolution;
   }
   WriteParameters(output / "params.json", fit.fit.parameters);
+  if (!fit.poses.empty()) WritePoses(output / "poses.json", fit.poses);
   MakeReport(fit, recording->info(), ProvenanceToJson(provenance)).Write(output / "report.html");
   output.Commit();
 
@@ -238,7 +239,8 @@ void SetupFit(CLI::App& app) {
            "Frames the fit does not see, counted from 0 (default: the last third)", "N,N");
   add_list(
       "--free", options->free,
-      "What is fitted: materials, noise, psf, pose, display, jitter, source_level, or names with * (default: "
+      "What is fitted: materials, noise, psf, pose, mount, display, jitter, source_level, or names with * "
+      "(default: "
       "materials, with the paper model display.db_max and the range and azimuth errors, with the acoustic "
       "model receiver.noise_db and, where it is not given, pulse.length_m)",
       "NAME,NAME");

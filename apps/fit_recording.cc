@@ -10,7 +10,6 @@
 
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
-#include "data_io/pose_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/acoustic_fan.h"
@@ -202,19 +201,39 @@ PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry
   return image;
 }
 
-// `initial` receives a noise level where it has none.
-AcousticFit FitAcoustic(const RecordingSource& recording, const Simulator& simulator,
-                        const std::vector<TimedPose>& poses, const std::vector<int>& used,
-                        const FitRecordingOptions& options, ParameterSet& initial) {
+std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
+                                          const std::vector<TimedPose>& poses,
+                                          const std::vector<int>& indices, const FitRecordingOptions& options,
+                                          const DisplayParameters<double>& display) {
   std::vector<AcousticFrame> frames;
-  for (const int index : used) {
+  for (const int index : indices) {
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
-                      .recorded = RecordedPowers(recording.ReadFrame(index).image, initial.display),
+                      .recorded = RecordedPowers(recording.ReadFrame(index).image, display),
                       .use = UsedPixels(options)});
   }
-  if (!initial.receiver.noise_db) initial.receiver.noise_db = NoiseStartDb(frames, initial.receiver.looks);
-  return FitAcousticModel(simulator, frames, initial, options.config, options.fit);
+  return frames;
+}
+
+// Where every frame was taken from, as far as the fit moved poses: frames held out follow the mount offset,
+// and where each frame has a pose of its own, theirs are fitted too, with everything else held.
+std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simulator& simulator,
+                                   const std::vector<TimedPose>& poses, const FrameSplit& split,
+                                   const FitRecordingOptions& options, const AcousticFit& fit) {
+  std::vector<TimedPose> fitted = poses;
+  for (std::size_t i = 0; i < split.used.size(); ++i)
+    fitted[split.used[i]].world_from_sonar = fit.world_from_sonar[i];
+  for (const int index : split.held_out)
+    fitted[index].world_from_sonar = poses[index].world_from_sonar * fit.mount;
+  const auto& free = options.config.free;
+  if (!free || std::find(free->begin(), free->end(), "pose") == free->end()) return fitted;
+  if (options.fit.progress && !split.held_out.empty())
+    options.fit.progress("fitting the poses of the frames held out, everything else held");
+  const std::vector<Pose> held_out = FitPosesOnly(
+      simulator, AcousticFrames(recording, fitted, split.held_out, options, fit.parameters.display),
+      fit.parameters, options.fit.progress);
+  for (std::size_t i = 0; i < held_out.size(); ++i) fitted[split.held_out[i]].world_from_sonar = held_out[i];
+  return fitted;
 }
 
 }  // namespace
@@ -256,24 +275,33 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                       .after = {},
                       .pictures_before = {},
                       .pictures_after = {}};
-  std::function<RenderFrame(const ParameterSet&)> expected_by;
+  // By parameters and poses.
+  std::function<RenderFrame(const ParameterSet&, const std::vector<TimedPose>&)> expected_by;
   const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {
-    AcousticFit fit = FitAcoustic(recording, simulator, poses, split.used, options, result.initial);
+    const std::vector<AcousticFrame> frames =
+        AcousticFrames(recording, poses, split.used, options, start.display);
+    if (!start.receiver.noise_db) {
+      result.initial.receiver.noise_db = NoiseStartDb(frames, start.receiver.looks);
+    }
+    AcousticFit fit = FitAcousticModel(simulator, frames, result.initial, options.config, options.fit);
+    if (fit.usable && fit.moved_poses) {
+      result.poses = FittedPoses(recording, simulator, poses, split, options, fit);
+    }
     result.fit = {
         .parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
     for (const std::vector<float>& weights : fit.weights) {
       result.weights.emplace_back(sonar.axes.range_bins, sonar.axes.beam_count());
       std::copy(weights.begin(), weights.end(), result.weights.back().values().begin());
     }
-    expected_by = [&](const ParameterSet& parameters) {
+    expected_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from) {
       return [&](int frame) {
-        return simulator.RenderExpected(simulator.TraceEchoes(poses[frame].world_from_sonar), parameters);
+        return simulator.RenderExpected(simulator.TraceEchoes(from[frame].world_from_sonar), parameters);
       };
     };
   } else {
     result.fit = FitPaper(recording, echoes, geometry, materials, split.used, options, start);
-    expected_by = [&](const ParameterSet& parameters) {
+    expected_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>&) {
       return [&, paper = PaperParametersFor(parameters, materials)](int frame) {
         return PaperImage(echoes.at(frame), geometry, paper);
       };
@@ -285,8 +313,10 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   report.rays_cast = simulator.caster().rays_cast();
   if (!result.fit.usable) return result;
 
-  const ExpectedRecording before(recording, expected_by(result.initial), "initial parameters");
-  const ExpectedRecording after(recording, expected_by(result.fit.parameters), "fitted parameters");
+  const std::vector<TimedPose>& fitted_poses = result.poses.empty() ? poses : result.poses;
+  const ExpectedRecording before(recording, expected_by(result.initial, poses), "initial parameters");
+  const ExpectedRecording after(recording, expected_by(result.fit.parameters, fitted_poses),
+                                "fitted parameters");
   CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
   if (!options.object_material.empty()) {
     judge.regions = RegionsAround(options.object_material, echoes, materials, sonar.axes);
@@ -297,17 +327,17 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   result.before = Judge(recording, before, judge);
   result.before.noise_floor = result.after.noise_floor;
   if (acoustic) {
-    const auto sample_by = [&](const ParameterSet& parameters) {
+    const auto sample_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from) {
       return ExpectedRecording(
           recording,
           [&](int frame) {
-            return simulator.RenderEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), parameters,
+            return simulator.RenderEchoes(simulator.TraceEchoes(from[frame].world_from_sonar), parameters,
                                           frame);
           },
           "a speckled sample");
     };
-    result.sample_before = Judge(recording, sample_by(result.initial), judge);
-    result.sample_after = Judge(recording, sample_by(result.fit.parameters), judge);
+    result.sample_before = Judge(recording, sample_by(result.initial, poses), judge);
+    result.sample_after = Judge(recording, sample_by(result.fit.parameters, fitted_poses), judge);
   }
   if (options.pictures) {
     const std::vector<int> shown = TellingFrames(result.after);

@@ -13,6 +13,7 @@
 #include "apps/comparison_pictures.h"
 #include "apps/ray_options.h"
 #include "calib/fit.h"
+#include "data_io/pose_io.h"
 #include "data_io/types/recording.h"
 #include "data_io/types/scene.h"
 
@@ -43,6 +44,8 @@ struct RecordingFit {
   RayGridSize rays;  // as cast
   FitResult fit;     // its report complete: frames, rays, times
   ParameterSet initial;
+  // Of every frame of the recording, where the fit moved poses; empty: as recorded.
+  std::vector<TimedPose> poses = {};
   std::map<std::string, IncidenceRange> seen;  // by material; absent: not seen
   // Expected images against recorded ones, with the initial and the fitted parameters. Of the held-out
   // frames; of the frames used where none is held out.

@@ -52,7 +52,8 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
       lowest_(PowerFromDisplay(state.parameters.display, 0.0)),
       highest_(PowerFromDisplay(state.parameters.display, 1.0)) {
   for (const int entry : active) columns_.push_back(PlanColumn(state, entry));
-  for (const int entry : echoes.entries) moved_.push_back(state.values[entry] - state.point[entry]);
+  for (const EchoSlope& slope : echoes.slopes)
+    moved_.push_back(state.values[slope.entry] - state.point[slope.entry]);
   const ReceiverParameters& receiver = state.parameters.receiver;
   for (int bin = 0; bin < bins_; ++bin) {
     range_m_.push_back(state.sonar.axes.range_centre_m(bin));
@@ -65,9 +66,10 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
 AcousticEvaluation::Column AcousticEvaluation::PlanColumn(const AcousticState& state, int entry) const {
   const CatalogEntry& of = state.catalog[entry];
   if (IsGeometric(of)) {
-    const auto found = std::find(echoes_.entries.begin(), echoes_.entries.end(), entry);
-    if (found == echoes_.entries.end()) return {};
-    return {Of::kGeometry, static_cast<int>(found - echoes_.entries.begin())};
+    const auto found = std::find_if(echoes_.slopes.begin(), echoes_.slopes.end(),
+                                    [entry](const EchoSlope& slope) { return slope.entry == entry; });
+    if (found == echoes_.slopes.end()) return {};
+    return {Of::kGeometry, static_cast<int>(found - echoes_.slopes.begin())};
   }
   if (of.group == ParameterGroup::kGsab) return {Of::kCurve, of.material * kCurveStride + 1 + of.index};
   if (of.group == ParameterGroup::kReceiver && of.index == 1) return {Of::kNoise, 0};
@@ -91,14 +93,21 @@ void AcousticEvaluation::SumEchoes(std::size_t pixel, Sums& sums) const {
     for (std::size_t material = 0; material < materials_; ++material) power += of[material * kCurveStride];
     return power;
   };
+  double of_poses = 0.0;
   for (std::size_t g = 0; g < moved_.size(); ++g) {
     if (wanted_ == FrameModel::Terms::kResiduals && moved_[g] == 0.0) continue;
+    const EchoSlope& slope = echoes_.slopes[g];
+    if (!slope.power.empty()) {
+      sums.slopes[g] = slope.power[pixel];
+      of_poses += moved_[g] * sums.slopes[g];
+      continue;
+    }
     std::fill(sums.scratch.begin(), sums.scratch.end(), 0.0);
-    AddCurves(echoes_.slopes[g], pixel, curves_, sums.scratch);
+    AddCurves(slope.echoes, pixel, curves_, sums.scratch);
     sums.slopes[g] = all_materials(sums.scratch);
     for (std::size_t i = 0; i < sums.curves.size(); ++i) sums.curves[i] += moved_[g] * sums.scratch[i];
   }
-  sums.power = all_materials(sums.curves);
+  sums.power = all_materials(sums.curves) + of_poses;
 }
 
 // d ln mean / d active values.

@@ -26,11 +26,18 @@ struct RecordedFrame {
   std::span<const float> weight;         // of each pixel's likelihood, 0..1; empty: 1
 };
 
-// Echoes about a point, and what a unit of each geometric parameter adds to them.
+// What a unit of a geometric parameter adds to the echoes of a frame. Of beam and pulse by incidence, as
+// levels of curves hang on them; of a pose as power before the receiver's gain, with the curves of the point:
+// a pose moves what is seen, and next to nothing of how curves are told from it.
+struct EchoSlope {
+  int entry = 0;  // of the catalog
+  PixelEchoes echoes = {};
+  std::vector<float> power = {};  // by pixel; empty: by echoes
+};
+
 struct FrameEchoes {
   PixelEchoes at_point;
-  std::vector<int> entries;  // of the catalog
-  std::vector<PixelEchoes> slopes;
+  std::vector<EchoSlope> slopes = {};
 };
 
 // What a model knows before it looks at a frame.

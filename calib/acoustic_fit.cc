@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
+#include "calib/pose_refinement.h"
+#include "calib/problem_builder.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 
@@ -17,25 +21,29 @@ namespace {
 // round follows.
 constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
+constexpr double kShrink = 0.25;  // of the reach, after a move that was taken back
 
 // Rounds of weighing down what the scene does not explain.
 constexpr int kWeightRounds = 2;
 
-// How far a round may move a geometric parameter from its point.
-double Reach(const CatalogEntry& entry, double value) {
+// How far a round may move a geometric parameter from its point: poses by a quarter of beam and pulse.
+double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& model) {
   constexpr double kOfWidth = 0.2;
+  constexpr double kOfGrain = 0.25;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * value;
-  return entry.index < 3 ? 0.02 : 1.0;  // m, degrees
+  const PolarAxes& axes = model.sonar().axes;
+  return entry.index < 3 ? kOfGrain * model.grain().bins * axes.range_bin_m()
+                         : kOfGrain * model.grain().beams * DegFromRad(axes.beam_spacing_rad());
 }
 
 // The configuration that lets geometric parameters move about a point only as far as they are linear there.
-FitConfig Near(const FitConfig& config, const std::vector<CatalogEntry>& catalog,
-               const std::vector<int>& geometric, const ParameterValues& point) {
+FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const std::vector<int>& geometric,
+               const ParameterValues& point, double scale) {
   FitConfig near = config;
-  for (const int entry : geometric) {
-    const double reach = Reach(catalog[entry], point[entry]);
-    near.bounds[catalog[entry].name] = {std::max(point[entry] - reach, catalog[entry].lower),
-                                        std::min(point[entry] + reach, catalog[entry].upper)};
+  for (const int index : geometric) {
+    const CatalogEntry& entry = model.catalog()[index];
+    const double reach = scale * Reach(entry, point[index], model);
+    near.leashes[entry.name] = {point[index] - reach, point[index] + reach};
   }
   return near;
 }
@@ -50,6 +58,192 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
     config.priors[entry.name] = {value, entry.typical_step * entry.ValueSlope(value)};
   }
 }
+
+// The steps of a fit, one after the other.
+class AcousticFitter {
+ public:
+  AcousticFitter(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                 const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
+      : options_(options), config_(given), model_(simulator, frames, initial), catalog_(model_.catalog()) {
+    if (!config_.free) config_.free = AcousticFreeByDefault(initial);
+    free_ = ApplyFitConfig(config_, catalog_);
+    GivePriors(model_.initial_values(), free_, catalog_, config_);
+    ApplyFitConfig(config_, catalog_);  // and now the priors
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (!free_[i]) continue;
+      (IsGeometric(catalog_[i]) ? geometric_ : radiometric_).push_back(static_cast<int>(i));
+    }
+    poses_ = FreePoseEntries(catalog_, free_);
+    near_ = config_;
+    again_ = options;
+    again_.starts = 1;
+    again_.search_level = false;
+    again_.rough = true;
+    fit_ = {.values = model_.initial_values(), .report = {}, .usable = true};
+  }
+
+  AcousticFit Run() {
+    const auto began = std::chrono::steady_clock::now();
+    FitRadiometryFirst();
+    RefinePosesWithRadiometry();
+    FitInRounds();
+    if (!geometric_.empty()) Refit(false);
+    WeighDown();
+    AcousticFit result = Result();
+    result.report.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return result;
+  }
+
+ private:
+  void Say(const std::string& line) const {
+    if (options_.progress) options_.progress(line);
+  }
+
+  // Goes on from the values reached, about the point that echoes are taken about.
+  void Refit(bool rough) {
+    if (!fit_.usable) return;
+    FitOptions options = again_;
+    options.rough = rough;
+    fit_ = Fit(model_, fit_.values, near_, options);
+    iterations_ += fit_.report.iterations;
+  }
+
+  // Everything but the geometry, the others held where they are.
+  FitConfig RadiometryOnly() const {
+    FitConfig config = config_;
+    for (const int entry : geometric_) config.fixed.push_back(catalog_[entry].name);
+    return config;
+  }
+
+  // Curves and receiver first: about a wrong level no geometry can be told.
+  void FitRadiometryFirst() {
+    if (radiometric_.empty() && !geometric_.empty()) return;
+    FitOptions start = options_;
+    start.rough = !geometric_.empty();
+    fit_ = Fit(model_, fit_.values, RadiometryOnly(), start);
+    iterations_ += fit_.report.iterations;
+    start_costs_ = fit_.report.start_costs;
+    cost_initial_ = fit_.report.cost_initial;
+  }
+
+  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones.
+  void RefinePosesWithRadiometry() {
+    if (poses_.empty()) return;
+    for (const PoseStage& stage : SmoothedPoseStages(model_.grain())) {
+      if (!fit_.usable) return;
+      RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
+      model_.Linearise(fit_.values, {});
+      if (radiometric_.empty()) continue;
+      fit_ = Fit(model_, fit_.values, RadiometryOnly(), again_);
+      iterations_ += fit_.report.iterations;
+    }
+  }
+
+  // Everything together about an ever better point. A point that proves worse, once traced, is taken back,
+  // and the next one lies nearer; one that is neither better nor worse by what noise does to it ends the
+  // rounds.
+  void FitInRounds() {
+    settled_ = geometric_.empty();
+    const double noise = 0.5 * model_.grain().bins * model_.grain().beams;
+    double scale = 1.0;
+    ParameterValues best;
+    double best_cost = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRounds && fit_.usable && !settled_; ++round) {
+      Say(fmt::format("round {}: tracing about the point reached", round + 1));
+      model_.Linearise(fit_.values, geometric_);
+      const double cost = CostAt(model_, fit_.values, model_.frame_count());
+      if (cost > best_cost + noise) {
+        scale *= kShrink;
+        fit_.values = best;
+        model_.Linearise(best, geometric_);
+      } else {
+        settled_ = std::abs(cost - best_cost) < noise;
+        best = fit_.values;
+        best_cost = cost;
+      }
+      near_ = Near(config_, model_, geometric_, best, scale);
+      if (!settled_) Refit(true);
+      double largest = 0.0;
+      for (const int entry : geometric_) {
+        largest = std::max(largest, std::abs(fit_.values[entry] - best[entry]) /
+                                        Reach(catalog_[entry], best[entry], model_));
+      }
+      settled_ = settled_ || largest < kSettled;
+    }
+  }
+
+  void WeighDown() {
+    if (!options_.down_weight) return;
+    for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
+      Say("weighing down what the scene does not explain");
+      model_.DownWeight(fit_.values);
+      Refit(false);
+    }
+  }
+
+  AcousticFit Result() {
+    AcousticFit result{.parameters = model_.Parameters(fit_.values),
+                       .world_from_sonar = {},
+                       .moved_poses = !poses_.empty(),
+                       .mount = model_.MountOf(fit_.values),
+                       .weights = {},
+                       .report = std::move(fit_.report),
+                       .usable = fit_.usable};
+    for (int frame = 0; frame < model_.frame_count(); ++frame) {
+      result.world_from_sonar.push_back(model_.PoseOf(frame, fit_.values));
+      if (options_.down_weight) result.weights.push_back(model_.weights(frame));
+    }
+    FitReport& report = result.report;
+    if (options_.down_weight) report.down_weighted_share = DownWeightedShare();
+    for (std::size_t i = 0; i < report.parameters.size(); ++i) {
+      report.parameters[i].initial = model_.initial_values()[i];
+      report.parameters[i].lower = catalog_[i].lower;
+      report.parameters[i].upper = catalog_[i].upper;
+    }
+    // Poses that nobody freed are data, not parameters.
+    std::erase_if(report.parameters, [](const FittedParameter& parameter) {
+      return parameter.name.starts_with("pose.") && parameter.status == ParameterStatus::kFixed;
+    });
+    if (!start_costs_.empty()) report.start_costs = start_costs_;
+    if (cost_initial_) report.cost_initial = *cost_initial_;
+    report.iterations = iterations_;
+    if (!settled_) {
+      report.termination +=
+          fmt::format("; beam, pulse or poses still moved after {} rounds of tracing", kRounds);
+    }
+    return result;
+  }
+
+  // Of the pixels that count, those that count for less than half.
+  double DownWeightedShare() const {
+    std::size_t low = 0;
+    std::size_t counted = 0;
+    for (int frame = 0; frame < model_.frame_count(); ++frame) {
+      for (std::size_t pixel = 0; pixel < model_.pixel_count(); ++pixel) {
+        if (!model_.Counts(frame, pixel)) continue;
+        ++counted;
+        if (model_.weights(frame)[pixel] < 0.5F) ++low;
+      }
+    }
+    return static_cast<double>(low) / static_cast<double>(std::max<std::size_t>(1, counted));
+  }
+
+  const FitOptions& options_;
+  FitConfig config_;  // what is known, priors included
+  FitConfig near_;    // and how far geometry may move from the present point
+  AcousticFrameModel model_;
+  std::vector<CatalogEntry> catalog_;
+  std::vector<bool> free_;
+  std::vector<int> radiometric_;  // free entries
+  std::vector<int> geometric_;
+  std::vector<int> poses_;  // of the geometric ones
+  FitOptions again_;
+  ModelFit fit_;
+  std::vector<double> start_costs_;
+  std::optional<double> cost_initial_;
+  int iterations_ = 0;
+  bool settled_ = true;
+};
 
 }  // namespace
 
@@ -75,109 +269,31 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
 }
 
 AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                             const ParameterSet& initial, const FitConfig& given, const FitOptions& options) {
+                             const ParameterSet& initial, const FitConfig& config,
+                             const FitOptions& options) {
   if (frames.empty()) throw DataError("fit: no frames");
-  FitConfig config = given;
-  if (!config.free) config.free = AcousticFreeByDefault(initial);
-  const auto began = std::chrono::steady_clock::now();
-  AcousticFrameModel model(simulator, frames, initial);
+  return AcousticFitter(simulator, frames, initial, config, options).Run();
+}
+
+std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                               const ParameterSet& parameters,
+                               const std::function<void(const std::string&)>& progress) {
+  if (frames.empty()) return {};
+  const AcousticFrameModel model(simulator, frames, parameters);
+  FitConfig config{.free = std::vector<std::string>{"pose"}};
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
   GivePriors(model.initial_values(), free, catalog, config);
-  std::vector<int> geometric;
-  for (std::size_t i = 0; i < catalog.size(); ++i) {
-    if (free[i] && IsGeometric(catalog[i])) geometric.push_back(static_cast<int>(i));
+  ApplyFitConfig(config, catalog);
+  ParameterValues values = model.initial_values();
+  std::vector<PoseStage> stages = SmoothedPoseStages(model.grain());
+  stages.push_back(LikelihoodPoseStage());
+  for (const PoseStage& stage : stages) {
+    RefinePoses(model, catalog, FreePoseEntries(catalog, free), stage, values, progress);
   }
-
-  // Curves and receiver first: about a wrong level no geometry can be told.
-  FitConfig radiometry = config;
-  for (const int entry : geometric) radiometry.fixed.push_back(catalog[entry].name);
-  const bool only_geometry = std::all_of(free.begin(), free.end(), [&, i = 0](bool value) mutable {
-    const CatalogEntry& entry = catalog[i++];
-    return !value || IsGeometric(entry);
-  });
-  FitOptions start = options;
-  start.rough = !geometric.empty();
-  ModelFit fit{.values = model.initial_values(), .report = {}, .usable = true};
-  if (!only_geometry) fit = Fit(model, fit.values, geometric.empty() ? config : radiometry, start);
-
-  std::vector<double> start_costs = fit.report.start_costs;
-  const double cost_initial = only_geometry ? 0.0 : fit.report.cost_initial;
-  int iterations = fit.report.iterations;
-  FitOptions again = options;
-  again.starts = 1;
-  again.search_level = false;
-  FitConfig near = config;
-  bool settled = geometric.empty();
-  for (int round = 0; round < kRounds && fit.usable && !settled; ++round) {
-    if (options.progress)
-      options.progress(fmt::format("round {}: tracing about the point reached", round + 1));
-    const ParameterValues point = fit.values;
-    model.Linearise(point, geometric);
-    near = Near(config, catalog, geometric, point);
-    again.rough = true;
-    fit = Fit(model, point, near, again);
-    iterations += fit.report.iterations;
-    double largest = 0.0;
-    for (const int entry : geometric) {
-      largest =
-          std::max(largest, std::abs(fit.values[entry] - point[entry]) / Reach(catalog[entry], point[entry]));
-    }
-    settled = largest < kSettled;
-  }
-  again.rough = false;
-  if (!geometric.empty() && fit.usable) {
-    fit = Fit(model, fit.values, near, again);
-    iterations += fit.report.iterations;
-  }
-
-  for (int round = 0; round < kWeightRounds && fit.usable && options.down_weight; ++round) {
-    if (options.progress) options.progress("weighing down what the scene does not explain");
-    model.DownWeight(fit.values);
-    fit = Fit(model, fit.values, near, again);
-    iterations += fit.report.iterations;
-  }
-
-  AcousticFit result{.parameters = model.Parameters(fit.values),
-                     .world_from_sonar = {},
-                     .weights = {},
-                     .report = std::move(fit.report),
-                     .usable = fit.usable};
-  for (int frame = 0; frame < model.frame_count(); ++frame)
-    result.world_from_sonar.push_back(model.PoseOf(frame, fit.values));
-  FitReport& report = result.report;
-  if (options.down_weight) {
-    std::size_t low = 0;
-    std::size_t counted = 0;
-    for (int frame = 0; frame < model.frame_count(); ++frame) {
-      result.weights.push_back(model.weights(frame));
-      for (std::size_t pixel = 0; pixel < model.pixel_count(); ++pixel) {
-        if (!model.Counts(frame, pixel)) continue;
-        ++counted;
-        if (model.weights(frame)[pixel] < 0.5F) ++low;
-      }
-    }
-    report.down_weighted_share =
-        static_cast<double>(low) / static_cast<double>(std::max<std::size_t>(1, counted));
-  }
-  for (std::size_t i = 0; i < report.parameters.size(); ++i) {
-    report.parameters[i].initial = model.initial_values()[i];
-    report.parameters[i].lower = catalog[i].lower;
-    report.parameters[i].upper = catalog[i].upper;
-  }
-  // Poses that nobody freed are data, not parameters.
-  std::erase_if(report.parameters, [](const FittedParameter& parameter) {
-    return parameter.name.starts_with("pose.") && parameter.status == ParameterStatus::kFixed;
-  });
-  if (!start_costs.empty()) report.start_costs = start_costs;
-  if (!only_geometry) report.cost_initial = cost_initial;
-  report.iterations = iterations;
-  report.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  if (!settled) {
-    report.termination +=
-        fmt::format("; beam, pulse or poses still moved after {} rounds of tracing", kRounds);
-  }
-  return result;
+  std::vector<Pose> poses;
+  for (int frame = 0; frame < model.frame_count(); ++frame) poses.push_back(model.PoseOf(frame, values));
+  return poses;
 }
 
 }  // namespace sonarcal

@@ -2,11 +2,13 @@
 //
 // The likelihood is that of speckle about the mean power of every pixel (calib/acoustic_frame_model.h); the
 // rest is calib/fit.h: several starts, sigmas from a sandwich over blocks of pixels, and what the data cannot
-// tell held and named. A fit of curves and receiver casts each frame's rays once. Where beam, pulse or poses
-// are free, it is solved in rounds about an ever better point, each tracing again. On request
+// tell held and named. A fit of curves and receiver casts each frame's rays once. Free poses are first looked
+// for from far to near (calib/pose_refinement.h), curves following. Where beam, pulse or poses are free, all
+// is then solved together in rounds about an ever better point, each tracing again. On request
 // (FitOptions::down_weight) it is then solved again with what the scene does not explain counting less.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,7 +27,9 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);
 
 struct AcousticFit {
   ParameterSet parameters;
-  std::vector<Pose> world_from_sonar;       // by frame; those given, where poses were not free
+  std::vector<Pose> world_from_sonar;  // by frame; those given, where poses were not free
+  bool moved_poses = false;
+  Pose mount;                               // the offset behind every recorded pose; none where not free
   std::vector<std::vector<float>> weights;  // by frame and pixel; empty: all counted in full
   FitReport report;
   bool usable = false;
@@ -35,5 +39,11 @@ struct AcousticFit {
 AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
                              const ParameterSet& initial, const FitConfig& config,
                              const FitOptions& options = {});
+
+// The poses of frames, radiometry and all else held: for frames that a fit did not see, which would otherwise
+// be judged at poses known to be off.
+std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                               const ParameterSet& parameters,
+                               const std::function<void(const std::string&)>& progress = {});
 
 }  // namespace sonarcal

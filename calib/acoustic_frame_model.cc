@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "calib/down_weight.h"
+#include "calib/pose_step.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "sim/acoustic_image.h"
 #include "sim/beam_and_pulse.h"
 
 namespace sonarcal {
@@ -75,10 +77,9 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
       initial_values_.push_back(AcousticSlot(initial_, material_names_, entry));
       continue;
     }
-    const Pose& pose = frames[entry.frame].world_from_sonar;
-    const Eigen::Vector3d yaw_pitch_roll = YawPitchRollFromRotation(pose.rotation);
-    initial_values_.push_back(entry.index < 3 ? pose.position_m(entry.index)
-                                              : DegFromRad(yaw_pitch_roll(5 - entry.index)));
+    const PoseStep named = entry.frame == kMountFrame ? PoseStep(PoseStep::Zero())
+                                                      : NamedValues(frames[entry.frame].world_from_sonar);
+    initial_values_.push_back(named(entry.index));
   }
   Linearise(initial_values_, {});
   for (const FrameEchoes& of : echoes_) {
@@ -111,39 +112,79 @@ ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const
 }
 
 Pose AcousticFrameModel::PoseOf(int frame, const ParameterValues& values) const {
-  std::array<double, 6> of{};
+  return PoseEntries(frame, values) * PoseEntries(kMountFrame, values);
+}
+
+Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) const {
+  PoseStep named = PoseStep::Zero();
   for (std::size_t i = 0; i < catalog_.size(); ++i) {
     if (catalog_[i].group == ParameterGroup::kPose && catalog_[i].frame == frame)
-      of[catalog_[i].index] = values[i];
+      named(catalog_[i].index) = values[i];
   }
-  return {RotationFromYawPitchRoll(RadFromDeg(of[5]), RadFromDeg(of[4]), RadFromDeg(of[3])),
-          {of[0], of[1], of[2]}};
+  return PoseFromNamedValues(named);
+}
+
+PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                                 const RayFan& fan) const {
+  const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
+  const EchoList echoes =
+      Trace(simulator_.caster(), fan, world_from_sonar, sonar().axes, simulator_.options().trace);
+  return ExpectedPower(MakeScatterMap(echoes, fan, geometry, parameters), geometry, parameters);
+}
+
+RayFan AcousticFrameModel::ThinnedFan(int factor) const {
+  RayFanOptions options = simulator_.options().fan;
+  options.cols = std::max(1, options.cols / factor);
+  options.rows = std::max(1, options.rows / factor);
+  return {sonar(), options};
 }
 
 FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
   const EchoPower at_pose = EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
-  // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
-  const auto gather = [&](const ParameterValues& at, const CatalogEntry& moved) {
-    const bool arrives_alike =
-        moved.group == ParameterGroup::kPulse || (moved.group == ParameterGroup::kBeam && moved.index == 0);
-    return arrives_alike ? ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
-                         : GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
-  };
-  FrameEchoes echoes{
-      .at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values)), .entries = {}, .slopes = {}};
-  for (const int entry : geometric) {
-    if (catalog_[entry].group == ParameterGroup::kPose && catalog_[entry].frame != frame) continue;
-    const double step = DifferenceStep(catalog_[entry], values, simulator_.sonar(), entry);
+  FrameEchoes echoes{.at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
+  for (const int index : geometric) {
+    const CatalogEntry& entry = catalog_[index];
+    const double step = DifferenceStep(entry, values, simulator_.sonar(), index);
     ParameterValues above = values;
     ParameterValues below = values;
-    above[entry] += step;
-    below[entry] -= step;
-    echoes.entries.push_back(entry);
+    above[index] += step;
+    below[index] -= step;
+    if (entry.group == ParameterGroup::kPose) {
+      if (entry.frame != frame && entry.frame != kMountFrame) continue;
+      echoes.slopes.push_back({.entry = index, .power = PowerSlope(frame, above, below, 2.0 * step)});
+      continue;
+    }
+    // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
+    const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
+    const auto gather = [&](const ParameterValues& at) {
+      return arrives_alike ? ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
+                           : GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
+    };
     echoes.slopes.push_back(
-        Difference(gather(above, catalog_[entry]), gather(below, catalog_[entry]), 1.0 / (2.0 * step)));
+        {.entry = index, .echoes = Difference(gather(above), gather(below), 1.0 / (2.0 * step))});
   }
   return echoes;
+}
+
+std::vector<float> AcousticFrameModel::PowerSlope(int frame, const ParameterValues& above,
+                                                  const ParameterValues& below, double difference) const {
+  const ParameterSet parameters = Parameters(above);
+  const PolarImage high = ExpectedPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
+  const PolarImage low = ExpectedPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
+  const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
+  const std::vector<double> time_varied = GainByBin(geometry, parameters);
+  const double level = PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db);
+  std::vector<float> slope;
+  slope.reserve(pixel_count());
+  for (int bin = 0; bin < range_bins(); ++bin) {
+    const double of_gain = 1.0 / (level * time_varied[bin] * difference);
+    for (int beam = 0; beam < beams(); ++beam) {
+      slope.push_back(
+          static_cast<float>(of_gain * (static_cast<double>(high.value(bin, beam)) - low.value(bin, beam))));
+    }
+  }
+  return slope;
 }
 
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {

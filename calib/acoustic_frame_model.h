@@ -59,10 +59,20 @@ class AcousticFrameModel final : public FrameModel {
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
+  const SonarModel& sonar() const { return simulator_.sonar(); }
+  const AcousticFrame& recorded(int frame) const { return frames_[frame]; }
+  // What the sonar should hear from a pose on average: traces a fan of rays, and is linear in nothing.
+  PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                               const RayFan& fan) const;
+  // The simulator's fan with fewer rows and columns by this factor.
+  RayFan ThinnedFan(int factor) const;
+
   const ParameterValues& initial_values() const { return initial_values_; }
   // The parameters with these values, and what no catalog entry names as given at first.
   ParameterSet Parameters(const ParameterValues& values) const;
+  // The frame's own pose, then the mount offset that all share.
   Pose PoseOf(int frame, const ParameterValues& values) const;
+  Pose MountOf(const ParameterValues& values) const { return PoseEntries(kMountFrame, values); }
 
   // Moves the point that geometry is taken about; `geometric` are the catalog entries that will be active.
   void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
@@ -78,7 +88,11 @@ class AcousticFrameModel final : public FrameModel {
   const PixelEchoes& echoes(int frame) const { return echoes_[frame].at_point; }
 
  private:
+  Pose PoseEntries(int frame, const ParameterValues& values) const;
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
+  // Difference of the echoes of a frame's two poses, before gain, over `difference`.
+  std::vector<float> PowerSlope(int frame, const ParameterValues& above, const ParameterValues& below,
+                                double difference) const;
   FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
 
   const Simulator& simulator_;

@@ -19,7 +19,8 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == "source_level") return entry.group == ParameterGroup::kSourceLevel;
   if (pattern == "noise") return entry.name.starts_with("receiver.noise");
   if (pattern == "psf") return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse;
-  if (pattern == "pose") return entry.group == ParameterGroup::kPose;
+  if (pattern == "pose") return entry.group == ParameterGroup::kPose && entry.frame != kMountFrame;
+  if (pattern == "mount") return entry.group == ParameterGroup::kPose && entry.frame == kMountFrame;
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
 }
 
@@ -36,8 +37,8 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
   std::string names;
   for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
   throw DataError(
-      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, pose, display, jitter, "
-      "source_level), or a name or pattern among {}",
+      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, pose, mount, display, "
+      "jitter, source_level), or a name or pattern among {}",
       pattern, names);
 }
 
@@ -109,6 +110,12 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
       entry.lower = range.first;
       entry.upper = range.second;
     });
+  }
+  for (CatalogEntry& entry : catalog) {
+    const auto leash = config.leashes.find(entry.name);
+    if (leash == config.leashes.end()) continue;
+    entry.leash_lower = leash->second.first;
+    entry.leash_upper = leash->second.second;
   }
   for (const auto& [pattern, prior] : config.priors) {
     ForMatches(pattern, catalog, [&, &known = prior](std::size_t i) {

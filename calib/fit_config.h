@@ -10,9 +10,10 @@
 //    "held_out": [2, 5]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
-// noise, psf (beam and pulse), pose, display, jitter, source_level. `fixed` wins over `free`. A prior is a
-// value and its sigma, in the parameter's unit, or nothing at all; it counts where the model's fit is a
-// likelihood, and there every parameter has one (parameter_catalog.h) unless it is given here.
+// noise, psf (beam and pulse), pose (each frame's), mount, display, jitter, source_level. `fixed` wins over
+// `free`. A prior is a value and its sigma, in the parameter's unit, or nothing at all; it counts where the
+// model's fit is a likelihood, and there every parameter has one (parameter_catalog.h) unless it is given
+// here.
 #pragma once
 
 #include <filesystem>
@@ -30,6 +31,8 @@ struct FitConfig {
   std::optional<std::vector<std::string>> free = {};  // absent: what the model's fit frees by default
   std::vector<std::string> fixed = {};
   std::map<std::string, std::pair<double, double>> bounds = {};
+  // How far one solve may move a parameter, by name; set by a fit in rounds, not by a user.
+  std::map<std::string, std::pair<double, double>> leashes = {};
   std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: nothing is known
   // Frames the fit does not see; absent: the last third, at least one where there are two.
   std::optional<std::vector<int>> held_out = {};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/pose_step.h"
 #include "data_io/types/units.h"
 #include "sim/physics/jitter.h"
 
@@ -79,20 +80,28 @@ void Narrow(const Limits& limits, CatalogEntry& entry) {
   entry.upper = limits.upper;
 }
 
+// How far a pose may be off, where nobody says.
+constexpr double kPoseStepM = 0.1;
+constexpr double kPoseStepDeg = 3.0;
+
+void AddPose(const std::string& name, int frame, std::vector<CatalogEntry>& catalog) {
+  for (int index = 0; index < kPoseSteps; ++index) {
+    const bool angle = index >= 3;
+    catalog.push_back({.name = fmt::format("pose.{}.{}", name, kPoseNames[index]),
+                       .unit = angle ? "deg" : "m",
+                       .group = ParameterGroup::kPose,
+                       .index = index,
+                       .frame = frame,
+                       .lower = angle ? -720.0 : -1e5,
+                       .upper = angle ? 720.0 : 1e5,
+                       .typical_step = angle ? kPoseStepDeg : kPoseStepM});
+  }
+}
+
 void AddPoses(const std::vector<int>& frames, std::vector<CatalogEntry>& catalog) {
-  constexpr std::array<const char*, 6> kNames = {"x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg"};
+  AddPose("mount", kMountFrame, catalog);
   for (std::size_t frame = 0; frame < frames.size(); ++frame) {
-    for (int index = 0; index < 6; ++index) {
-      const bool angle = index >= 3;
-      catalog.push_back({.name = fmt::format("pose.{}.{}", frames[frame], kNames[index]),
-                         .unit = angle ? "deg" : "m",
-                         .group = ParameterGroup::kPose,
-                         .index = index,
-                         .frame = static_cast<int>(frame),
-                         .lower = angle ? -720.0 : -1e5,
-                         .upper = angle ? 720.0 : 1e5,
-                         .typical_step = angle ? 10.0 : 0.5});
-    }
+    AddPose(fmt::format("{}", frames[frame]), static_cast<int>(frame), catalog);
   }
 }
 

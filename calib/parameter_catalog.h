@@ -4,7 +4,7 @@
 // material.<name>.gsab.{A,B_deg,C,D,E,F_deg}; of the paper's model jitter.{sigma_range_m,sigma_azimuth_deg,
 // reference_range_m}; of the acoustic model receiver.{gain_db,noise_db,noise_slope_db_per_m},
 // beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m, pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,
-// yaw_deg}.
+// yaw_deg}, and pose.mount.* for an offset behind every recorded pose (in the sonar's frame; none is zero).
 //
 // A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
 // itself for the rest. `typical_step` is a change of the coordinate that would be a surprise; a parameter
@@ -14,7 +14,9 @@
 // To add a parameter: an entry in the catalog and a case in the slot of its model.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +26,9 @@
 namespace sonarcal {
 
 enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse, kPose };
+
+// The pose entry of an offset that all frames share.
+inline constexpr int kMountFrame = -1;
 
 // What is known of a parameter beforehand: a normal law of its coordinate; of infinite sigma, nothing.
 struct Prior {
@@ -37,9 +42,12 @@ struct CatalogEntry {
   ParameterGroup group = ParameterGroup::kSourceLevel;
   int material = -1;  // index into the scene's material names, kGsab only
   int index = 0;      // member of its group
-  int frame = -1;     // position among the fit's frames, kPose only
+  int frame = -1;     // position among the fit's frames, or kMountFrame; kPose only
   double lower = 0.0;
   double upper = 0.0;
+  // How far one solve may move the value: where the model is linear. No bound: nothing is known by it.
+  double leash_lower = -std::numeric_limits<double>::infinity();
+  double leash_upper = std::numeric_limits<double>::infinity();
   bool logarithmic = false;
   double typical_step = 1.0;
   std::optional<Prior> prior = {};
@@ -51,6 +59,10 @@ struct CatalogEntry {
     using std::exp;
     return logarithmic ? T(exp(coordinate)) : coordinate;
   }
+
+  // Within which a solver keeps the value.
+  double solve_lower() const { return std::max(lower, leash_lower); }
+  double solve_upper() const { return std::min(upper, leash_upper); }
 
   // d value / d coordinate.
   double ValueSlope(double value) const { return logarithmic ? value : 1.0; }

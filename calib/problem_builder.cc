@@ -233,8 +233,10 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
   for (std::size_t i = 0; i < state.active.size(); ++i) {
     const CatalogEntry& entry = catalog[state.active[i]];
     const int index = static_cast<int>(i);
-    problem->SetParameterLowerBound(coordinates.data(), index, entry.CoordinateFromValue(entry.lower));
-    problem->SetParameterUpperBound(coordinates.data(), index, entry.CoordinateFromValue(entry.upper));
+    problem->SetParameterLowerBound(coordinates.data(), index,
+                                    entry.CoordinateFromValue(entry.solve_lower()));
+    problem->SetParameterUpperBound(coordinates.data(), index,
+                                    entry.CoordinateFromValue(entry.solve_upper()));
   }
   return problem;
 }

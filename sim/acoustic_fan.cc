@@ -11,11 +11,12 @@ namespace {
 
 constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no side lobes
 constexpr double kMostElevationDeg = 176.0;
-constexpr double kRowDeg = 0.04;  // on average; crowded, a sixth of that at the horizon
+constexpr double kRowDeg = 0.08;  // on average; crowded, a sixth of that at the horizon
 constexpr double kCrowding = 6.0;
 constexpr double kMarginWidths = 3.0;  // of azimuth
 constexpr double kMostMarginDeg = 20.0;
 constexpr double kColumnsPerWidth = 4.0;
+constexpr int kFewestColumnsPerBeam = 2;
 constexpr int kMostColumnsPerBeam = 8;
 
 }  // namespace
@@ -25,8 +26,8 @@ RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& pa
   const BeamParameters& beam = complete.beam;
   const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   const double width_deg = std::max(beam.azimuth_width_deg, 1e-3);
-  const int per_beam = std::clamp(static_cast<int>(std::ceil(kColumnsPerWidth * spacing_deg / width_deg)), 1,
-                                  kMostColumnsPerBeam);
+  const int per_beam = std::clamp(static_cast<int>(std::ceil(kColumnsPerWidth * spacing_deg / width_deg)),
+                                  kFewestColumnsPerBeam, kMostColumnsPerBeam);
   const double span_deg = beam.elevation_pattern == ElevationPattern::kGaussian
                               ? std::min(kGaussianWidths * beam.elevation_width_deg, kMostElevationDeg)
                               : kMostElevationDeg;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "sim/beam_and_pulse.h"
 #include "sim/physics/gsab.h"
@@ -113,7 +114,14 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   std::vector<GsabParameters<double>> materials;
   for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
 
+  // Neighbours in a row of beams share their elevation.
+  float elevation_rad = std::numeric_limits<float>::quiet_NaN();
+  double elevation_power = 1.0;
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+    if (echoes.elevation_rad[echo] != elevation_rad) {
+      elevation_rad = echoes.elevation_rad[echo];
+      elevation_power = elevation.Power(elevation_rad);
+    }
     const double range_m = echoes.range_m[echo];
     const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
                             2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
@@ -121,7 +129,7 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
     const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
     const double power = PowerFromDb(level_db) *
                          GsabPower(materials[echoes.material[echo]], DegFromRad(incidence_rad)) * area_m2 *
-                         elevation.Power(echoes.elevation_rad[echo]);
+                         elevation_power;
     const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
     // Shared between the two nearest fine rows, so that the image changes smoothly with range.
     const double position = (range_m - axes.range_min_m) / step_m - 0.5;

@@ -95,6 +95,18 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     }
   }
 
+  for (const double azimuth : azimuth_rad_) {
+    column_sine_.push_back(std::sin(azimuth));
+    column_cosine_.push_back(std::cos(azimuth));
+  }
+  for (std::size_t row = 0; row < row_elevation_rad_.size(); ++row) {
+    const double elevation = row_elevation_rad_[row];
+    const double half_height = 0.5 * row_height_rad_[row];
+    row_sine_.push_back(std::sin(elevation));
+    row_cosine_.push_back(std::cos(elevation));
+    row_sine_height_.push_back(std::sin(elevation + half_height) - std::sin(elevation - half_height));
+  }
+
   rays_per_beam_.assign(beams, 0);
   for (int col = 0; col < cols_; ++col) {
     const auto above = std::upper_bound(beam_edges_rad_.begin(), beam_edges_rad_.end(), azimuth_rad_[col]);
@@ -106,12 +118,12 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
 
 Eigen::Vector3f RayFan::Direction(int row, int col) const {
   if (sampling_ == Sampling::kFrustum) {
-    return Eigen::Vector3d(std::tan(azimuth_rad_[col]), 1.0, row_slope_[row]).normalized().cast<float>();
+    return Eigen::Vector3d(column_sine_[col] / column_cosine_[col], 1.0, row_slope_[row])
+        .normalized()
+        .cast<float>();
   }
-  const double elevation = row_elevation_rad_[row];
-  const double azimuth = azimuth_rad_[col];
-  return Eigen::Vector3d(std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
-                         std::sin(elevation))
+  return Eigen::Vector3d(column_sine_[col] * row_cosine_[row], column_cosine_[col] * row_cosine_[row],
+                         row_sine_[row])
       .cast<float>();
 }
 
@@ -129,19 +141,17 @@ Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) co
 
 double RayFan::ElevationRad(int row, int col) const {
   if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row];
-  return std::atan(row_slope_[row] * std::cos(azimuth_rad_[col]));
+  return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
 double RayFan::SolidAngleSr(int row, int col) const {
   if (sampling_ == Sampling::kFrustum) {
     // A cell of the plane at unit distance, seen along a ray of length l: area x (1 / l) / l^2.
-    const double tangent = std::tan(azimuth_rad_[col]);
+    const double tangent = column_sine_[col] / column_cosine_[col];
     const double length = std::sqrt(1.0 + tangent * tangent + row_slope_[row] * row_slope_[row]);
     return slope_width_ * slope_height_ / (length * length * length);
   }
-  const double elevation = row_elevation_rad_[row];
-  return column_width_rad_[col] * (std::sin(elevation + 0.5 * row_height_rad_[row]) -
-                                   std::sin(elevation - 0.5 * row_height_rad_[row]));
+  return column_width_rad_[col] * row_sine_height_[row];
 }
 
 }  // namespace sonarcal

@@ -82,6 +82,12 @@ class RayFan {
   double slope_height_ = 0.0;
   std::vector<double> row_elevation_rad_;
   std::vector<double> row_height_rad_;  // kBeams
+  // Of azimuths and (kBeams) elevations, once for all rays.
+  std::vector<double> column_sine_;
+  std::vector<double> column_cosine_;
+  std::vector<double> row_sine_;
+  std::vector<double> row_cosine_;
+  std::vector<double> row_sine_height_;  // upper edge's less lower edge's
 };
 
 }  // namespace sonarcal

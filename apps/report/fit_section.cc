@@ -176,10 +176,15 @@ std::string JudgedText(const RecordingFit& fit) {
     return "No frame was held out: the figures below are of the frames the fit has seen, and flatter it.";
   }
   return fmt::format(
-      "The fit saw frames {} and was judged on frames {}, which it did not see. Recorded frames are compared "
-      "with the expected image, the mean over {}, as grey levels are displayed.",
-      FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
-      fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle");
+             "The fit saw frames {} and was judged on frames {}, which it did not see. Recorded frames are "
+             "compared "
+             "with the expected image, the mean over {}, as grey levels are displayed.",
+             FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
+             fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle") +
+         (fit.poses.empty()
+              ? ""
+              : " Poses were fitted; those of the frames held out too, to these frames, with everything "
+                "else held: poses.json has them all. Before the fit, frames stand at their recorded poses.");
 }
 
 }  // namespace
