@@ -98,6 +98,20 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
   });
   FitOptions start = options;
   start.rough = !geometric.empty();
+  if (model.has_repeats()) {
+    // How far frames of one pose tell the same hangs on the echoes: by a first look, from which no value is
+    // taken.
+    ParameterValues values = model.initial_values();
+    if (!only_geometry) {
+      FitOptions look = options;
+      look.starts = 1;
+      look.rough = true;
+      const ModelFit first = Fit(model, values, geometric.empty() ? config : radiometry, look);
+      if (first.usable) values = first.values;
+    }
+    if (options.progress) options.progress("frames of one pose share their speckle, and count for less");
+    model.ShareRepeats(values);
+  }
   ModelFit fit{.values = model.initial_values(), .report = {}, .usable = true};
   if (!only_geometry) fit = Fit(model, fit.values, geometric.empty() ? config : radiometry, start);
 

@@ -3,7 +3,8 @@
 // The likelihood is that of speckle about the mean power of every pixel (calib/acoustic_frame_model.h); the
 // rest is calib/fit.h: several starts, sigmas from a sandwich over blocks of pixels, and what the data cannot
 // tell held and named. A fit of curves and receiver casts each frame's rays once. Where beam, pulse or poses
-// are free, it is solved in rounds about an ever better point, each tracing again. On request
+// are free, it is solved in rounds about an ever better point, each tracing again. Frames of one pose share
+// their speckle and count for what they tell together (AcousticFrameModel::ShareRepeats). On request
 // (FitOptions::down_weight) it is then solved again with what the scene does not explain counting less.
 #pragma once
 
