@@ -29,6 +29,7 @@ constexpr int kMostSteps = 60;
 
 // Pixels so far above the noise check what all of them say.
 constexpr double kBrightDb = 13.0;
+constexpr double kBrightSigmaDb = 1.0;  // beyond it they check nothing
 
 constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
 
@@ -349,7 +350,7 @@ StillLevels TellSpeckleFromNoise(std::span<const PolarImage> images, std::span<c
     const std::size_t pixel = telling.pixels[i];
     return levels.echo_power[pixel] > PowerOfLevel(noise.db + NoiseShapeDb(options, pixel) + kBrightDb);
   });
-  if (std::isfinite(bright.sigma_db)) {
+  if (bright.sigma_db < kBrightSigmaDb) {
     levels.bright_noise_db = bright.db;
     levels.bright_noise_sigma_db = bright.sigma_db;
   }
