@@ -15,7 +15,9 @@
 #include "apps/provenance.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/report/still_section.h"
 #include "apps/run_output.h"
+#include "apps/still_poses.h"
 #include "calib/acoustic_fit.h"
 #include "data_io/atomic_output.h"
 #include "data_io/json_writer.h"
@@ -75,6 +77,10 @@ std::string FitJson(const RecordingFit& fit) {
       extra += fmt::format(R"(, "sample_metrics_before": {}, "sample_metrics_after": {})",
                            MetricsJson(*fit.sample_before), MetricsJson(*fit.sample_after));
     }
+    if (!fit.still.empty()) {
+      const std::string still = StillJson(fit.still).dump();
+      extra += ", " + still.substr(1, still.size() - 2);
+    }
   }
   return FitReportJson(fit.fit.report, extra);
 }
@@ -132,6 +138,7 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
         fmt::format("{:.1f} % of the pixels used count for less than half: the scene does not explain them\n",
                     100.0 * *report.down_weighted_share);
   }
+  text += StillText(fit.still);
   text += fmt::format("{:.1f} s to trace every frame once, {:.1f} s to fit; {} rays in all\n", report.trace_s,
                       report.solve_s, report.rays_cast);
   return text + fmt::format("report: {}\n", (out / "report.html").string());
@@ -146,6 +153,7 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   AddUnexplained(report, fit);
   report.Section("Fitted values");
   AddFittedValues(report, fit);
+  AddStillPoses(report, fit.still);
   AddMetricDefinitions(report, fit.after);
   report.Section("How this was made");
   report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
@@ -173,8 +181,9 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
 
 ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.noise_only) return RunFitNoise(options);
-  if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only");
-  if (options.params.empty()) throw UsageError("--params is required, except with --noise-only");
+  if (options.still) return RunFitStill(options);
+  if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only or --still");
+  if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ReadParameters(options.params);
   const FitConfig config = ResolveConfig(options, initial);
@@ -219,13 +228,14 @@ void SetupFit(CLI::App& app) {
       "Fits the parameters of the model that --params names, paper or acoustic, to a recording with poses");
   command
       ->add_option("--real", options->real,
-                   "Recording to fit to; each frame needs a pose, except with --noise-only")
+                   "Recording to fit to; each frame needs a pose, except with --noise-only or --still")
       ->type_name("REC")
       ->required();
   command->add_option("--scene", options->scene, "Scene in metres, its materials by name")->type_name("GLTF");
   command
       ->add_option("--params", options->params,
-                   "Parameters to start from; with --noise-only its display is kept")
+                   "Parameters to start from; with --noise-only its display is kept, with --still also its "
+                   "looks and floor")
       ->type_name("JSON");
   command->add_option("--out", options->out, "Folder for parameters, fit and report")
       ->type_name("DIR")
@@ -246,8 +256,13 @@ void SetupFit(CLI::App& app) {
       "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");
-  command->add_flag("--noise-only", options->noise_only,
-                    "Fit the noise floor, speckle and display law alone, to pings without targets");
+  CLI::Option* noise_only =
+      command->add_flag("--noise-only", options->noise_only,
+                        "Fit the noise floor, speckle and display law alone, to pings without targets");
+  command
+      ->add_flag("--still", options->still,
+                 "Tell speckle from receiver noise alone, by frames of one pose whose scene stands still")
+      ->excludes(noise_only);
   command->add_option("--range-min", options->range_min_m, "Noise only: nearest range used (default: all)")
       ->type_name("M");
   command->add_option("--range-max", options->range_max_m, "Noise only: farthest range used (default: all)")

@@ -33,6 +33,7 @@ struct FitCommandOptions {
   // --noise-only (apps/fit_noise.h): no scene, no poses; of the others real, out, held_out and, for its
   // display, params are used.
   bool noise_only = false;
+  bool still = false;  // --still (apps/still_poses.h): no scene; real, out and params are used
   std::optional<double> range_min_m;
   std::optional<double> range_max_m;
   double reject_beyond = 0.0;

@@ -13,6 +13,7 @@
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/acoustic_fan.h"
+#include "sim/physics/receiver.h"
 #include "sim/power_response.h"
 
 namespace sonarcal {
@@ -63,19 +64,6 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
     throw DataError("{}: the images hold {}, expected grey levels", info.source,
                     ToString(info.scale.quantity));
   }
-}
-
-// The display a recording states wins over that of the parameters: levels are read through it.
-std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
-  DisplayParameters<double>& display = parameters.display;
-  if (!scale.db_min || !scale.db_max || display.law == DisplayLaw::kPower) return {};
-  if (display.db_min == *scale.db_min && display.db_max == *scale.db_max) return {};
-  const std::string note = fmt::format(
-      "the recording's display ({:g} .. {:g} dB) is used, not that of the parameters ({:g} .. {:g} dB)",
-      *scale.db_min, *scale.db_max, display.db_min, display.db_max);
-  display.db_min = *scale.db_min;
-  display.db_max = *scale.db_max;
-  return note;
 }
 
 // Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
@@ -236,7 +224,37 @@ std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simul
   return fitted;
 }
 
+// What the parameters expect of a frame's echoes, without noise.
+std::vector<double> EchoesExpected(const RecordingSource& recording, const Simulator& simulator,
+                                   const ParameterSet& parameters, int index) {
+  const Frame frame = recording.ReadFrame(index);
+  const std::vector<AcousticFrame> frames = {{.index = index,
+                                              .world_from_sonar = frame.info.world_from_sonar.value(),
+                                              .recorded = RecordedPowers(frame.image, parameters.display)}};
+  const AcousticFrameModel model(simulator, frames, parameters);
+  std::vector<double> power = model.MeanPower(0, model.initial_values());
+  const PolarAxes& axes = simulator.sonar().axes;
+  const ReceiverNoise noise(parameters.receiver, axes, simulator.absorption_db_per_m());
+  for (std::size_t pixel = 0; pixel < power.size(); ++pixel) {
+    power[pixel] -=
+        noise.Power(static_cast<int>(pixel) / axes.beam_count(), static_cast<int>(pixel) % axes.beam_count());
+  }
+  return power;
+}
+
 }  // namespace
+
+std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
+  DisplayParameters<double>& display = parameters.display;
+  if (!scale.db_min || !scale.db_max || display.law == DisplayLaw::kPower) return {};
+  if (display.db_min == *scale.db_min && display.db_max == *scale.db_max) return {};
+  const std::string note = fmt::format(
+      "the recording's display ({:g} .. {:g} dB) is used, not that of the parameters ({:g} .. {:g} dB)",
+      *scale.db_min, *scale.db_max, display.db_min, display.db_max);
+  display.db_min = *scale.db_min;
+  display.db_max = *scale.db_max;
+  return note;
+}
 
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
                           const FitRecordingOptions& options) {
@@ -338,6 +356,10 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     };
     result.sample_before = Judge(recording, sample_by(result.initial, poses), judge);
     result.sample_after = Judge(recording, sample_by(result.fit.parameters, fitted_poses), judge);
+    const ParameterSet& fitted = result.fit.parameters;
+    result.still =
+        TellStillPoses(recording, fitted, simulator.absorption_db_per_m(), UsedPixels(options), &report,
+                       [&](int frame) { return EchoesExpected(recording, simulator, fitted, frame); });
   }
   if (options.pictures) {
     const std::vector<int> shown = TellingFrames(result.after);

@@ -12,6 +12,7 @@
 #include "apps/compare_recordings.h"
 #include "apps/comparison_pictures.h"
 #include "apps/ray_options.h"
+#include "apps/still_poses.h"
 #include "calib/fit.h"
 #include "data_io/pose_io.h"
 #include "data_io/types/recording.h"
@@ -56,11 +57,18 @@ struct RecordingFit {
   // occupancy and distributions are to be read from. The acoustic model only.
   std::optional<MetricsReport> sample_before = {};
   std::optional<MetricsReport> sample_after = {};
+  // Of poses shown more than once, whether fitted or held out: what they tell by themselves, beside the fit.
+  // The acoustic model only.
+  StillPoses still = {};
   // What the scene does not explain: by frame used, one weight a pixel; empty: all counted in full.
   std::vector<Grid<float>> weights = {};
   std::vector<FramePictures> pictures_before;  // of the same frames as those after
   std::vector<FramePictures> pictures_after;
 };
+
+// The display a recording states wins over that of the parameters: levels are read through it. Returns what
+// to say of that, or nothing.
+std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 
 // Needs a pose with every frame. Throws DataError where the recording, the scene or the parameters can't be
 // used for a fit; an end without a usable solution is no error but `fit.usable`, and is not judged.

@@ -148,6 +148,7 @@ bool AcousticEvaluation::Bins(int first, int last, PixelTerms& terms) const {
   terms.slope.assign(derivatives ? pixels : 0, 0.0);
   terms.information.assign(wanted_ == FrameModel::Terms::kInformation ? pixels : 0, 0.0);
   terms.eta_jacobian.assign(derivatives ? pixels * columns : 0, 0.0);
+  terms.repeat_factor.assign(recorded_.repeat_share.empty() ? 0 : pixels, 1.0);
   Sums sums = MakeSums();
   for (std::size_t i = 0; i < pixels; ++i) {
     const int bin = first + static_cast<int>(i) / beams_;
@@ -159,7 +160,9 @@ bool AcousticEvaluation::Bins(int first, int last, PixelTerms& terms) const {
     if (!(mean > 0.0) || !std::isfinite(mean)) return false;
     const LikelihoodTerm term = PowerLikelihood(recorded_.power[pixel], mean, looks_);
     // Of a likelihood to the power of a weight: residual and slope by its root, information by it.
-    const double weight = recorded_.weight.empty() ? 1.0 : recorded_.weight[pixel];
+    const double share = recorded_.repeat_share.empty() ? 1.0 : recorded_.repeat_share[pixel];
+    const double weight = share * (recorded_.weight.empty() ? 1.0 : recorded_.weight[pixel]);
+    if (!recorded_.repeat_share.empty()) terms.repeat_factor[i] = std::sqrt(share);
     const double root = weight == 1.0 ? 1.0 : std::sqrt(weight);
     terms.residual[i] = root * term.residual;
     if (!derivatives) continue;

@@ -24,6 +24,7 @@ struct RecordedFrame {
   std::span<const RecordedPower> power;  // range_bins x beams
   std::span<const std::uint8_t> use;     // 1 for the pixels that count; empty: all
   std::span<const float> weight;         // of each pixel's likelihood, 0..1; empty: 1
+  std::span<const float> repeat_share;   // likewise, for other frames of its pose; empty: 1
 };
 
 // What a unit of a geometric parameter adds to the echoes of a frame. Of beam and pulse by incidence, as

@@ -84,6 +84,7 @@ class AcousticFitter {
 
   AcousticFit Run() {
     const auto began = std::chrono::steady_clock::now();
+    ShareRepeats();
     FitRadiometryFirst();
     RefinePosesWithRadiometry();
     FitInRounds();
@@ -113,6 +114,22 @@ class AcousticFitter {
     FitConfig config = config_;
     for (const int entry : geometric_) config.fixed.push_back(catalog_[entry].name);
     return config;
+  }
+
+  // How far frames of one pose tell the same hangs on the echoes: by a first look, from which no value is
+  // taken.
+  void ShareRepeats() {
+    if (!model_.has_repeats()) return;
+    ParameterValues values = model_.initial_values();
+    if (!radiometric_.empty()) {
+      FitOptions look = options_;
+      look.starts = 1;
+      look.rough = true;
+      const ModelFit first = Fit(model_, values, RadiometryOnly(), look);
+      if (first.usable) values = first.values;
+    }
+    Say("frames of one pose share their speckle, and count for less");
+    model_.ShareRepeats(values);
   }
 
   // Curves and receiver first: about a wrong level no geometry can be told.

@@ -4,7 +4,8 @@
 // rest is calib/fit.h: several starts, sigmas from a sandwich over blocks of pixels, and what the data cannot
 // tell held and named. A fit of curves and receiver casts each frame's rays once. Free poses are first looked
 // for from far to near (calib/pose_refinement.h), curves following. Where beam, pulse or poses are free, all
-// is then solved together in rounds about an ever better point, each tracing again. On request
+// is then solved together in rounds about an ever better point, each tracing again. Frames of one pose share
+// their speckle and count for what they tell together (AcousticFrameModel::ShareRepeats). On request
 // (FitOptions::down_weight) it is then solved again with what the scene does not explain counting less.
 #pragma once
 

@@ -13,6 +13,7 @@
 #include "data_io/types/units.h"
 #include "sim/acoustic_image.h"
 #include "sim/beam_and_pulse.h"
+#include "sim/physics/receiver.h"
 
 namespace sonarcal {
 namespace {
@@ -59,6 +60,7 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
       material_names_(simulator.caster().material_names()),
       initial_(WithResponse(simulator.sonar(), initial)),
       weights_(frames.size()),
+      repeat_shares_(frames.size()),
       shown_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
   CheckTapers(initial_.receiver, beams());
@@ -204,6 +206,32 @@ void AcousticFrameModel::DownWeight(const ParameterValues& values) {
   }
 }
 
+bool AcousticFrameModel::has_repeats() const {
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    if (first_of_pose(frame) != frame) return true;
+  }
+  return false;
+}
+
+void AcousticFrameModel::ShareRepeats(const ParameterValues& values) {
+  std::vector<int> count(frames_.size(), 0);
+  for (int frame = 0; frame < frame_count(); ++frame) ++count[first_of_pose(frame)];
+  const ReceiverNoise noise(Parameters(values).receiver, simulator_.sonar().axes,
+                            simulator_.absorption_db_per_m());
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    const int others = count[first_of_pose(frame)] - 1;
+    if (others == 0) continue;
+    const std::vector<double> mean = MeanPower(frame, values);
+    std::vector<float>& share = repeat_shares_[frame];
+    share.clear();
+    for (std::size_t pixel = 0; pixel < mean.size(); ++pixel) {
+      const double of_noise =
+          noise.Power(static_cast<int>(pixel) / beams(), static_cast<int>(pixel) % beams()) / mean[pixel];
+      share.push_back(static_cast<float>(1.0 / (1.0 + others * std::pow(1.0 - of_noise, 2))));
+    }
+  }
+}
+
 AcousticState AcousticFrameModel::StateAt(const ParameterSet& parameters,
                                           const ParameterValues& values) const {
   return {.catalog = catalog_,
@@ -225,9 +253,12 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
   const AcousticFrame& of = frames_[frame];
   const ParameterSet parameters = Parameters(values);
   const std::span<const int> differentiated = wanted == Terms::kResiduals ? std::span<const int>{} : active;
-  return std::make_unique<AcousticEvaluation>(
-      StateAt(parameters, values), echoes_[frame],
-      RecordedFrame{.power = of.recorded, .use = of.use, .weight = weights_[frame]}, differentiated, wanted);
+  return std::make_unique<AcousticEvaluation>(StateAt(parameters, values), echoes_[frame],
+                                              RecordedFrame{.power = of.recorded,
+                                                            .use = of.use,
+                                                            .weight = weights_[frame],
+                                                            .repeat_share = repeat_shares_[frame]},
+                                              differentiated, wanted);
 }
 
 }  // namespace sonarcal

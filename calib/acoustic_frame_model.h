@@ -81,6 +81,15 @@ class AcousticFrameModel final : public FrameModel {
   void DownWeight(const ParameterValues& values);
   const std::vector<float>& weights(int frame) const { return weights_[frame]; }  // empty: all count in full
 
+  // Whether any pose has several frames.
+  bool has_repeats() const;
+
+  // Lets frames of one pose count together for what they tell together at these values. While nothing moves,
+  // powers of two of them are correlated by rho = (S / mu)^2, S the echoes' part of the mean mu, so that n of
+  // them are worth n / (1 + (n - 1) rho): one where speckle is all there is, n where noise is. Without this a
+  // frozen speckle would be believed n times as much as what was known beforehand.
+  void ShareRepeats(const ParameterValues& values);
+
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
 
@@ -104,6 +113,7 @@ class AcousticFrameModel final : public FrameModel {
   ParameterValues point_;
   std::vector<FrameEchoes> echoes_;
   std::vector<std::vector<float>> weights_;
+  std::vector<std::vector<float>> repeat_shares_;
   std::vector<bool> shown_;
 };
 

@@ -30,6 +30,8 @@ struct PixelTerms {
   std::vector<double> slope;         // d residual / d eta
   std::vector<double> information;   // expected square of the score d (residual^2 / 2) / d eta
   std::vector<double> eta_jacobian;  // pixels x active parameters, row by row
+  // Factor within residual and slope for what frames of one pose tell together; empty: 1 everywhere.
+  std::vector<double> repeat_factor = {};
 };
 
 // A frame at one set of values. It refers to its model, and is used before the model changes.

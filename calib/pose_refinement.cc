@@ -145,8 +145,8 @@ class PoseProblem {
       const PoseView::Judgement& judged = state.judged[i];
       const Eigen::MatrixXd slope = slopes[i].cast<double>();
       const Eigen::MatrixXd moves = MovesOfEntries(frames_[i], state.values);
-      normal.information += moves.transpose() *
-                            (slope.transpose() * judged.information.asDiagonal() * slope) * moves;
+      normal.information +=
+          moves.transpose() * (slope.transpose() * judged.information.asDiagonal() * slope) * moves;
       normal.score += moves.transpose() * (slope.transpose() * judged.score);
     }
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -168,8 +168,8 @@ class PoseProblem {
       ParameterValues values = state.values;
       for (std::size_t k = 0; k < entries_.size(); ++k) {
         const CatalogEntry& entry = catalog_[entries_[k]];
-        values[entries_[k]] = std::clamp(values[entries_[k]] + step(static_cast<Eigen::Index>(k)), entry.lower,
-                                         entry.upper);
+        values[entries_[k]] =
+            std::clamp(values[entries_[k]] + step(static_cast<Eigen::Index>(k)), entry.lower, entry.upper);
       }
       State trial = At(values);
       if (!(trial.cost < state.cost)) continue;

@@ -23,8 +23,8 @@ struct PoseStage {
   bool sweep = false;  // try headings and distances within twice the prior's sigma before
 };
 
-// From far to near: smoothing over about four grains of speckle, then one. And the likelihood, for when no fit of
-// everything together follows.
+// From far to near: smoothing over about four grains of speckle, then one. And the likelihood, for when no
+// fit of everything together follows.
 std::vector<PoseStage> SmoothedPoseStages(const FrameModel::Grain& grain);
 PoseStage LikelihoodPoseStage();
 

@@ -39,8 +39,8 @@ inline PoseStep StepBetween(const Pose& from, const Pose& to) {
   if (angle > std::numbers::pi) angle -= 2.0 * std::numbers::pi;
   const Eigen::Vector3d vector = angle * turn.axis();
   PoseStep step;
-  step << from.rotation.conjugate() * (to.position_m - from.position_m), DegFromRad(vector.y()), DegFromRad(vector.x()),
-      DegFromRad(vector.z());
+  step << from.rotation.conjugate() * (to.position_m - from.position_m), DegFromRad(vector.y()),
+      DegFromRad(vector.x()), DegFromRad(vector.z());
   return step;
 }
 

@@ -67,9 +67,8 @@ PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
             .score = -weight_ * difference,
             .information = Eigen::VectorXd::Constant(pixels, weight_)};
   }
-  Judgement judged{.cost = 0.0,
-                   .score = Eigen::VectorXd::Zero(pixels),
-                   .information = Eigen::VectorXd::Zero(pixels)};
+  Judgement judged{
+      .cost = 0.0, .score = Eigen::VectorXd::Zero(pixels), .information = Eigen::VectorXd::Zero(pixels)};
   const AcousticFrame& frame = model_.recorded(frame_);
   const double looks = parameters_.receiver.looks;
   for (Eigen::Index i = 0; i < pixels; ++i) {

@@ -1,10 +1,10 @@
 // A recorded frame as a search for its pose sees it, the radiometry given.
 //
 // Two ways. Smoothed: the mean displayed value, from which the recorded one differs by speckle of about the
-// same size everywhere, both smoothed alike; from a distance where edges do not overlap, only this has a slope
-// that leads back. By likelihood: the logarithm of the mean power, and speckle's own law about it
-// (calib/power_likelihood.h). Either cost is divided by the pixels that share a grain of speckle, so that it may
-// be weighed against a prior.
+// same size everywhere, both smoothed alike; from a distance where edges do not overlap, only this has a
+// slope that leads back. By likelihood: the logarithm of the mean power, and speckle's own law about it
+// (calib/power_likelihood.h). Either cost is divided by the pixels that share a grain of speckle, so that it
+// may be weighed against a prior.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,8 +24,8 @@ struct PoseSmoothing {
 
 class PoseView {
  public:
-  // Model and fan must outlive the view. The speckle of a smoothed view is sized by what the frame shows beside
-  // what is expected at `about`.
+  // Model and fan must outlive the view. The speckle of a smoothed view is sized by what the frame shows
+  // beside what is expected at `about`.
   PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
            const PoseSmoothing& smoothing, const RayFan& fan, const Pose& about);
 
@@ -51,8 +51,8 @@ class PoseView {
   double pixels_a_grain_;
   double lowest_;  // power at the bottom of the display, and at its top
   double highest_;
-  Grid<float> shown_;      // smoothed views: recorded, not smoothed
-  double weight_ = 0.0;    // smoothed views: of a squared difference
+  Grid<float> shown_;    // smoothed views: recorded, not smoothed
+  double weight_ = 0.0;  // smoothed views: of a squared difference
 };
 
 }  // namespace sonarcal

@@ -270,6 +270,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
     std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
     ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
       thread_local PixelTerms terms;
+      terms.repeat_factor.clear();  // of another model
       SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
       Band& band = bands[band_idx];
       const Eigen::Map<const RowMajor> jacobian(terms.eta_jacobian.data(),
@@ -282,9 +283,11 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
             if (!model.Counts(frame, static_cast<std::size_t>(bin) * beams + beam)) continue;
             const std::size_t i = static_cast<std::size_t>(bin - first) * beams + beam;
             const double residual = terms.residual[i];
+            const double whitened =
+                terms.repeat_factor.empty() ? residual : residual / terms.repeat_factor[i];
             ++band.count;
-            band.sum += residual;
-            band.square += residual * residual;
+            band.sum += whitened;
+            band.square += whitened * whitened;
             const auto row = jacobian.row(static_cast<Eigen::Index>(i)).transpose();
             block.score.noalias() += residual * terms.slope[i] * row;
             block.information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[i]);

@@ -6,8 +6,8 @@
 
 namespace sonarcal {
 
-// Standard deviations in range bins and beams; 0 leaves that direction as it is. Near the edge of the image the
-// kernel is what lies within.
+// Standard deviations in range bins and beams; 0 leaves that direction as it is. Near the edge of the image
+// the kernel is what lies within.
 void Smooth(Grid<float>& image, double sigma_bins, double sigma_beams);
 
 }  // namespace sonarcal

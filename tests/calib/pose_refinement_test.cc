@@ -58,7 +58,8 @@ class SmallTankFrames : public ::testing::Test {
     return options;
   }
 
-  AcousticFrame Recorded(const Simulator& simulator, const Pose& pose, const Pose& recorded, int index) const {
+  AcousticFrame Recorded(const Simulator& simulator, const Pose& pose, const Pose& recorded,
+                         int index) const {
     ParameterSet coherent = truth_;
     coherent.model = EchoModel::kCoherent;
     return {.index = index,
@@ -67,8 +68,8 @@ class SmallTankFrames : public ::testing::Test {
   }
 
   // Nine tenths of an error are gone, or what the data allow by the fit's own account.
-  static void ExpectMostIsGone(const Pose& truth, const Pose& before, const Pose& after, const FitReport& report,
-                               const std::string& name) {
+  static void ExpectMostIsGone(const Pose& truth, const Pose& before, const Pose& after,
+                               const FitReport& report, const std::string& name) {
     const PoseStep named = NamedValues(truth);
     const PoseStep was = NamedValues(before) - named;
     const PoseStep is = NamedValues(after) - named;
@@ -101,8 +102,7 @@ TEST_F(SmallTankFrames, PosesComeBackThoughCurvesAreNotKnown) {
   const std::vector<Pose> poses = SmallTankPoses();
   std::vector<AcousticFrame> frames;
   for (int i : {0, 1, 3}) {
-    frames.push_back(
-        Recorded(simulator_, poses[i], MovePose(poses[i], SomeStep(i == 1 ? -1.0 : 1.0)), i));
+    frames.push_back(Recorded(simulator_, poses[i], MovePose(poses[i], SomeStep(i == 1 ? -1.0 : 1.0)), i));
   }
   ParameterSet initial = truth_;
   initial.materials.clear();

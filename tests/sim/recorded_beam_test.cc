@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "data_io/open_recording.h"
@@ -59,6 +60,75 @@ TEST(RecordedBeam, DidsonArcsLieWhereItsPingsShowThem) {
       EXPECT_GT(image(200, beam), 4.0F * image(200, beam + 2)) << "an arc of its own";
     }
   }
+}
+
+// Powers behind grey levels, in those of the display's P0; a level of 0 says at most 0.54.
+double DidsonPower(double grey) {
+  return grey > 0.0 ? std::pow(10.0, (grey + 7.0) / 39.8) - 1.0 : 0.25;
+}
+
+// The strong returns of these pings, sent through the recorded response: along the arcs of constant range,
+// the mean power eight beams off a row's peak. Of pixels that hold no strong return of their own, nor lie
+// beside one.
+TEST(RecordedBeam, ArcsOfRealReturnsAreAsStrongAsPredicted) {
+  SONARCAL_NEEDS_RECORDING(pings, "didson_hull/test");
+  const auto recording = OpenRecording(pings);
+  const SonarModel& sonar = recording->info().sonar;
+  const int beams = sonar.axes.beam_count();
+  ParameterSet parameters;
+  parameters.beam = RecordedBeam(recording->info());
+  parameters.pulse.length_m = 0.1 * sonar.axes.range_bin_m();  // the pings have spread in range themselves
+  constexpr double kStrongGrey = 130.0;
+  constexpr double kReturnGrey = 45.0;  // below the row's peak, at most
+  constexpr int kLobe = 8;
+  double peak = 0.0;
+  double recorded = 0.0;
+  double predicted = 0.0;
+  int rows = 0;
+  for (int ping = 0; ping < recording->frame_count(); ++ping) {
+    const Grid<float> grey = recording->ReadFrame(ping).image.value;
+    ScatterMap returns;
+    returns.column_azimuth_rad = sonar.axes.beam_azimuth_rad;
+    returns.power = Grid<double>(sonar.axes.range_bins * returns.range_steps, beams);
+    const auto is_return = [&](int row, int beam) {
+      if (row == 0 || beam < 0 || beam >= beams) return false;
+      const auto of_row = grey.row(row);
+      return grey(row, beam) >= *std::max_element(of_row.begin(), of_row.end()) - kReturnGrey;
+    };
+    std::vector<std::pair<int, int>> peaks;
+    for (int row = 1; row < grey.rows(); ++row) {
+      const auto of_row = grey.row(row);
+      const auto highest = std::max_element(of_row.begin(), of_row.end());
+      if (*highest < kStrongGrey) continue;
+      peaks.emplace_back(row, static_cast<int>(highest - of_row.begin()));
+      for (int beam = 0; beam < beams; ++beam) {
+        if (is_return(row, beam))
+          returns.power(row * returns.range_steps + returns.range_steps / 2, beam) =
+              DidsonPower(grey(row, beam));
+      }
+    }
+    const Grid<float> image = ExpectedPower(returns, {sonar, 0.0}, parameters).value;
+    for (const auto& [row, at] : peaks) {
+      for (const int beam : {at - kLobe, at + kLobe}) {
+        bool apart = beam >= 0 && beam < beams;
+        for (int near = -2; near <= 2; ++near) apart = apart && !is_return(row, beam + near);
+        if (!apart) continue;
+        ++rows;
+        peak += DidsonPower(grey(row, at));
+        recorded += DidsonPower(grey(row, beam));
+        // What the peak's beam shows is its own echo and what the others send there.
+        predicted += image(row, beam) * DidsonPower(grey(row, at)) / image(row, at);
+      }
+    }
+  }
+  EXPECT_GT(rows, 30);
+  const double recorded_grey = 39.8 * std::log10(peak / recorded);
+  const double predicted_grey = 39.8 * std::log10(peak / predicted);
+  RecordProperty("recorded_grey", std::to_string(recorded_grey));
+  RecordProperty("predicted_grey", std::to_string(predicted_grey));
+  EXPECT_NEAR(recorded_grey, 88.0, 8.0) << "grey below the peak";
+  EXPECT_NEAR(predicted_grey, 88.0, 8.0);
+  EXPECT_NEAR(predicted_grey, recorded_grey, 8.0);
 }
 
 }  // namespace
