@@ -40,7 +40,8 @@ FitConfig Near(const FitConfig& config, const std::vector<CatalogEntry>& catalog
   return near;
 }
 
-// A fit in rounds starts each where the last one ended; what was known beforehand stays what it was.
+}  // namespace
+
 void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
                 const std::vector<CatalogEntry>& catalog, FitConfig& config) {
   for (std::size_t i = 0; i < catalog.size(); ++i) {
@@ -50,8 +51,6 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
     config.priors[entry.name] = {value, entry.typical_step * entry.ValueSlope(value)};
   }
 }
-
-}  // namespace
 
 std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial) {
   std::vector<std::string> free = {"materials", "receiver.noise_db"};
