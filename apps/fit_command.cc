@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,7 @@
 #include "apps/fit_recording.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
+#include "apps/report/choice_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
 #include "apps/run_output.h"
@@ -27,6 +29,21 @@ namespace sonarcal {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
+  constexpr std::array kAxes = {ChoiceAxis::kPattern, ChoiceAxis::kElevation, ChoiceAxis::kLooks,
+                                ChoiceAxis::kTrend, ChoiceAxis::kDisplay};
+  std::vector<ChoiceAxis> axes;
+  for (const std::string& name : names) {
+    const auto found =
+        std::find_if(kAxes.begin(), kAxes.end(), [&](ChoiceAxis axis) { return ToString(axis) == name; });
+    if (found == kAxes.end()) {
+      throw UsageError("--choose: '{}', expected pattern, elevation, looks, trend or display", name);
+    }
+    axes.push_back(*found);
+  }
+  return axes;
+}
 
 FitConfig ResolveConfig(const FitCommandOptions& options, const ParameterSet& initial) {
   FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
@@ -56,6 +73,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"fixed", config.fixed},
                {"bounds", bounds},
                {"priors", priors},
+               {"choose", options.choose},
                {"trust_all", options.trust_all},
                {"held_out", fit.fit.report.frames_held_out},
                {"max_iterations", options.max_iterations},
@@ -76,6 +94,9 @@ std::string FitJson(const RecordingFit& fit) {
                            MetricsJson(*fit.sample_before), MetricsJson(*fit.sample_after));
     }
   }
+  if (fit.choice) {
+    extra += fmt::format(R"({}"model_choice": {})", extra.empty() ? "" : ", ", ModelChoiceJson(*fit.choice));
+  }
   return FitReportJson(fit.fit.report, extra);
 }
 
@@ -87,10 +108,10 @@ std::string FigureText(const Statistic& statistic) {
 std::string SummaryText(const RecordingFit& fit, const std::string& recording,
                         const std::filesystem::path& out) {
   const FitReport& report = fit.fit.report;
-  std::string text =
-      fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
-                  fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
-                                         : "the same frames, as none is held out");
+  std::string text = fit.choice ? ModelChoiceText(*fit.choice) : std::string();
+  text += fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
+                      fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
+                                             : "the same frames, as none is held out");
   std::size_t width = 0;
   for (const FittedParameter& p : report.parameters) width = std::max(width, p.name.size());
   text += fmt::format("  {:<{}}  {:>9}  {:>9}  {:>8}  {}\n", "parameter", width, "initial", "fitted", "sigma",
@@ -143,6 +164,7 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   AddFitKeyFigures(report, fit);
   report.Section("Before and after");
   AddFitComparison(report, fit);
+  if (fit.choice) AddModelChoice(report, *fit.choice);
   AddUnexplained(report, fit);
   report.Section("Fitted values");
   AddFittedValues(report, fit);
@@ -158,6 +180,7 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
   FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
   fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
   fit_options.object_material = options.object;
+  fit_options.choose = ResolveAxes(options.choose);
   fit_options.fit.max_iterations = options.max_iterations;
   fit_options.fit.starts = options.starts;
   fit_options.fit.threads = options.rays.threads;
@@ -172,6 +195,8 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
 }  // namespace
 
 ExitStatus RunFit(const FitCommandOptions& options) {
+  if (options.noise_only && !options.choose.empty())
+    throw UsageError("--choose is not for --noise-only, which chooses by itself");
   if (options.noise_only) return RunFitNoise(options);
   if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only");
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only");
@@ -244,6 +269,12 @@ void SetupFit(CLI::App& app) {
       "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");
+  add_list(
+      "--choose", options->choose,
+      "Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, one after "
+      "the other: pattern (of the beams in azimuth), elevation, looks, trend (of noise with range), "
+      "display (default: nothing)",
+      "NAME,NAME");
   command->add_flag("--noise-only", options->noise_only,
                     "Fit the noise floor, speckle and display law alone, to pings without targets");
   command->add_option("--range-min", options->range_min_m, "Noise only: nearest range used (default: all)")

@@ -10,6 +10,7 @@
 
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
+#include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -54,10 +55,15 @@ class ExpectedRecording final : public RecordingSource {
   RecordingInfo info_;
 };
 
-void CheckFittable(const RecordingSource& recording, const ParameterSet& initial) {
+void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
+                   const FitRecordingOptions& options) {
   if (initial.model == EchoModel::kCoherent) {
     throw DataError(
         "the parameters name the model 'coherent', but only 'paper' and 'acoustic' can be fitted");
+  }
+  if (!options.choose.empty() && initial.model != EchoModel::kAcoustic) {
+    throw DataError("the parameters name the model '{}', but only of 'acoustic' forms can be chosen",
+                    ToString(initial.model));
   }
   const RecordingInfo& info = recording.info();
   if (info.scale.quantity != Quantity::kGrey) {
@@ -81,11 +87,15 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
 
 // Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
 // expected ones, are speckled samples.
-SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
-                                     const ParameterSet& parameters) {
+SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
+                                     const Water& water, ParameterSet parameters) {
+  const RayOptions& rays = of.rays;
   SimulationOptions options = rays.For(sonar, water);
   const RayFanOptions asked = options.fan;
   options.noise = true;
+  // Rays for whatever pattern is tried.
+  if (std::count(of.choose.begin(), of.choose.end(), ChoiceAxis::kElevation) > 0)
+    parameters.beam.elevation_pattern = ElevationPattern::kCosine;
   options.fan = AcousticFanOptions(sonar, parameters);
   if (!rays.rays.empty()) {
     options.fan.sampling = asked.sampling;
@@ -202,10 +212,29 @@ PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry
   return image;
 }
 
+ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
+                   const std::vector<TimedPose>& poses, const FrameSplit& split,
+                   const FitRecordingOptions& options, const ParameterSet& initial) {
+  const auto read = [&](const std::vector<int>& indices) {
+    std::vector<GreyFrame> frames;
+    for (const int index : indices) {
+      frames.push_back({.index = index,
+                        .world_from_sonar = poses[index].world_from_sonar,
+                        .image = recording.ReadFrame(index).image,
+                        .use = UsedPixels(options)});
+    }
+    return frames;
+  };
+  ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
+  if (options.on_note) choice.fit.progress = options.on_note;
+  return ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config, choice);
+}
+
 // `initial` receives a noise level where it has none.
 AcousticFit FitAcoustic(const RecordingSource& recording, const Simulator& simulator,
                         const std::vector<TimedPose>& poses, const std::vector<int>& used,
-                        const FitRecordingOptions& options, ParameterSet& initial) {
+                        const FitRecordingOptions& options, const std::optional<ModelChoice>& choice,
+                        ParameterSet& initial) {
   std::vector<AcousticFrame> frames;
   for (const int index : used) {
     frames.push_back({.index = index,
@@ -214,7 +243,10 @@ AcousticFit FitAcoustic(const RecordingSource& recording, const Simulator& simul
                       .use = UsedPixels(options)});
   }
   if (!initial.receiver.noise_db) initial.receiver.noise_db = NoiseStartDb(frames, initial.receiver.looks);
-  return FitAcousticModel(simulator, frames, initial, options.config, options.fit);
+  if (!choice) return FitAcousticModel(simulator, frames, initial, options.config, options.fit);
+  for (std::size_t f = 0; f < used.size(); ++f)
+    frames[f].recorded = RecordedPowers(recording.ReadFrame(used[f]).image, choice->parameters.display);
+  return FitAcousticModel(simulator, frames, choice->parameters, choice->config, options.fit);
 }
 
 }  // namespace
@@ -224,7 +256,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const auto say = [&](const std::string& sentence) {
     if (options.on_note && !sentence.empty()) options.on_note(sentence);
   };
-  CheckFittable(recording, initial);
+  CheckFittable(recording, initial, options);
   const std::vector<TimedPose> poses = PosesOfRecording(recording);
   const FrameSplit split = SplitFrames(options.config, recording.frame_count());
   const SonarModel& sonar = recording.info().sonar;
@@ -234,7 +266,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const bool acoustic = initial.model == EchoModel::kAcoustic;
   if (acoustic) say(TakeDisplay(recording.info().scale, start));
   const Simulator simulator(scene, sonar,
-                            acoustic ? AcousticSimulation(options.rays, sonar, water.water, start)
+                            acoustic ? AcousticSimulation(options, sonar, water.water, start)
                                      : options.rays.For(sonar, water.water));
   if (const std::string caveat = AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
       !caveat.empty()) {
@@ -259,7 +291,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   std::function<RenderFrame(const ParameterSet&)> expected_by;
   const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {
-    AcousticFit fit = FitAcoustic(recording, simulator, poses, split.used, options, result.initial);
+    if (!options.choose.empty()) result.choice = Choose(recording, simulator, poses, split, options, start);
+    AcousticFit fit =
+        FitAcoustic(recording, simulator, poses, split.used, options, result.choice, result.initial);
     result.fit = {
         .parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
     for (const std::vector<float>& weights : fit.weights) {

@@ -13,6 +13,7 @@
 #include "apps/comparison_pictures.h"
 #include "apps/ray_options.h"
 #include "calib/fit.h"
+#include "calib/model_choice.h"
 #include "data_io/types/recording.h"
 #include "data_io/types/scene.h"
 
@@ -28,6 +29,8 @@ struct FitRecordingOptions {
   // Where it is set, the object is looked for in a box around what this material shows, not in the whole
   // image.
   std::string object_material = {};
+  // Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, in this order.
+  std::vector<ChoiceAxis> choose = {};
   bool pictures = true;                                                   // of a few frames
   std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
   std::function<void(const std::string& sentence)> on_note = {};          // what a user should not miss
@@ -53,6 +56,7 @@ struct RecordingFit {
   // occupancy and distributions are to be read from. The acoustic model only.
   std::optional<MetricsReport> sample_before = {};
   std::optional<MetricsReport> sample_after = {};
+  std::optional<ModelChoice> choice = {};  // where one was asked for
   // What the scene does not explain: by frame used, one weight a pixel; empty: all counted in full.
   std::vector<Grid<float>> weights = {};
   std::vector<FramePictures> pictures_before;  // of the same frames as those after
