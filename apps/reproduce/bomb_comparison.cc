@@ -242,7 +242,9 @@ class Comparison {
     return CompareRecordings(MemoryRecording(info, real), MemoryRecording(simulated, std::move(frames)),
                              compare,
                              [&](const PolarImage& r, const PolarImage& s, const FrameMetrics& metrics) {
-                               if (pictures != nullptr) pictures->push_back(maker.Make(r, s, metrics));
+                               if (pictures == nullptr) return;
+                               pictures->push_back(maker.Make(r, s, metrics));
+                               pictures->back().index = 1;  // in the recording
                              });
   }
 
