@@ -234,7 +234,7 @@ class Chooser {
     std::vector<Variant> variants = {{.name = fmt::format("{:g}", given), .given = true}};
     if (given != 1.0) variants.push_back(with("1", 1.0, 0));
     if (std::abs(best - given) < kAlike * given || std::abs(best - 1.0) < kAlike) {
-      axis.notes.push_back(fmt::format("The frames used are explained best by {:.3g} looks.", best));
+      axis.notes.push_back(fmt::format("Number of looks that explains the frames used best: {:.2f}.", best));
     } else {
       variants.push_back(with(fmt::format("{:.3g}, fitted to the frames used", best), best, 1));
     }
