@@ -48,16 +48,21 @@ std::vector<Pose> Poses(bool held_out) {
   return poses;
 }
 
-SimulationOptions Noisy() {
+// `elevation_span_deg`: 0 for the sonar's own beam width.
+SimulationOptions Noisy(double elevation_span_deg = 0.0) {
   SimulationOptions options = SmallTankOptions();
   options.bits = 8;
   options.noise = true;
   options.seed = 11;
+  options.fan.elevation_span_deg = elevation_span_deg;
   return options;
 }
 
 class ModelChoiceTest : public ::testing::Test {
  protected:
+  explicit ModelChoiceTest(double elevation_span_deg = 0.0)
+      : simulator_(SmallTank(), SmallSonar(), Noisy(elevation_span_deg)) {}
+
   std::vector<GreyFrame> Record(const ParameterSet& truth, bool held_out) const {
     std::vector<GreyFrame> frames;
     for (const Pose& pose : Poses(held_out)) {
@@ -104,7 +109,13 @@ class ModelChoiceTest : public ::testing::Test {
     EXPECT_FALSE(variant.chosen) << variant.name;
   }
 
-  Simulator simulator_{SmallTank(), SmallSonar(), Noisy()};
+  Simulator simulator_;
+};
+
+// With rays where a beam of 20 degrees has its side lobes.
+class WideModelChoiceTest : public ModelChoiceTest {
+ protected:
+  WideModelChoiceTest() : ModelChoiceTest(120.0) {}
 };
 
 TEST_F(ModelChoiceTest, AnUnshadedArrayWithTwoLooksIsFound) {
@@ -146,6 +157,21 @@ TEST_F(ModelChoiceTest, ATrendOfTheNoiseIsFoundWhereThereIsOne) {
   // One look is one look.
   EXPECT_TRUE(Find(choice.axes[1], "1").chosen);
   EXPECT_EQ(choice.parameters.receiver.looks, 1.0);
+}
+
+TEST_F(WideModelChoiceTest, AnElevationPatternIsFound) {
+  ParameterSet truth = Truth();
+  truth.beam.elevation_width_deg = 20.0;
+  ParameterSet start = truth;
+  truth.beam.elevation_pattern = ElevationPattern::kAperture;
+  truth.beam.elevation_taper = 0.0;
+  const ModelChoice choice = Choose(truth, start, {ChoiceAxis::kElevation});
+  SCOPED_TRACE(Describe(choice));
+  ASSERT_EQ(choice.axes[0].variants.size(), 4U);
+  EXPECT_TRUE(Find(choice.axes[0], "aperture, taper 0").chosen);
+  ExpectWorse(Find(choice.axes[0], "Gaussian"));
+  EXPECT_EQ(choice.parameters.beam.elevation_pattern, ElevationPattern::kAperture);
+  EXPECT_EQ(choice.parameters.beam.elevation_taper, 0.0);
 }
 
 TEST_F(ModelChoiceTest, ASoftenedDisplayIsFound) {
