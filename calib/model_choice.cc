@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "calib/background_display.h"
 #include "calib/fit_starts.h"
+#include "calib/model_variants.h"
 #include "calib/problem_builder.h"
 #include "data_io/types/error.h"
 #include "data_io/types/mask.h"
@@ -31,15 +31,6 @@ struct Candidate {
   BlockedLikelihood likelihood;                // of the frames held out
 };
 
-// A change to a model. `apply` is asked for what the model starts from and for where the fit of it starts.
-struct Variant {
-  std::string name;
-  int fitted_values = 0;
-  bool given = false;  // no change
-  std::function<void(ParameterSet&)> apply = [](ParameterSet&) {};
-  std::function<void(FitConfig&)> configure = [](FitConfig&) {};
-};
-
 std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
                                      const DisplayParameters<double>& display) {
   std::vector<AcousticFrame> result;
@@ -57,77 +48,6 @@ std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model) {
   for (int frame = 0; frame < model.frame_count(); ++frame)
     means.push_back(model.MeanPower(frame, model.initial_values()));
   return means;
-}
-
-std::string AzimuthName(const BeamParameters& beam) {
-  switch (beam.azimuth_pattern) {
-    case AzimuthPattern::kGaussian:
-      return "Gaussian";
-    case AzimuthPattern::kTable:
-      return "table";
-    case AzimuthPattern::kAperture:
-      break;
-  }
-  return fmt::format("aperture, taper {:g}", beam.azimuth_taper);
-}
-
-std::string ElevationName(const BeamParameters& beam) {
-  switch (beam.elevation_pattern) {
-    case ElevationPattern::kGaussian:
-      return "Gaussian";
-    case ElevationPattern::kCosine:
-      return "cosine";
-    case ElevationPattern::kAperture:
-      break;
-  }
-  return fmt::format("aperture, taper {:g}", beam.elevation_taper);
-}
-
-const char* DisplayName(DisplayLaw law) {
-  switch (law) {
-    case DisplayLaw::kSoftLog:
-      return "logarithm softened in power";
-    case DisplayLaw::kSoftAmplitude:
-      return "logarithm softened in amplitude";
-    case DisplayLaw::kPower:
-      return "power law";
-    case DisplayLaw::kLog:
-      break;
-  }
-  return "logarithm";
-}
-
-// The beam given, and those others that are not it.
-std::vector<Variant> BeamVariants(const BeamParameters& given, const std::vector<BeamParameters>& others,
-                                  std::string (*name)(const BeamParameters&),
-                                  void (*copy)(const BeamParameters& from, BeamParameters& to)) {
-  std::vector<Variant> variants = {{.name = name(given), .given = true}};
-  for (const BeamParameters& other : others) {
-    if (name(other) == name(given)) continue;
-    variants.push_back(
-        {.name = name(other), .apply = [other, copy](ParameterSet& p) { copy(other, p.beam); }});
-  }
-  return variants;
-}
-
-std::vector<Variant> AzimuthVariants(const BeamParameters& given) {
-  std::vector<BeamParameters> others = {{.azimuth_pattern = AzimuthPattern::kGaussian}};
-  for (const double taper : {0.0, 0.5, 1.0}) others.push_back({.azimuth_taper = taper});
-  return BeamVariants(given, others, AzimuthName, [](const BeamParameters& from, BeamParameters& to) {
-    to.azimuth_pattern = from.azimuth_pattern;
-    to.azimuth_taper = from.azimuth_taper;
-  });
-}
-
-std::vector<Variant> ElevationVariants(const BeamParameters& given) {
-  std::vector<BeamParameters> others = {{.elevation_pattern = ElevationPattern::kGaussian},
-                                        {.elevation_pattern = ElevationPattern::kCosine}};
-  for (const double taper : {0.0, 1.0})
-    others.push_back({.elevation_pattern = ElevationPattern::kAperture, .elevation_taper = taper});
-  return BeamVariants(given, others, ElevationName, [](const BeamParameters& from, BeamParameters& to) {
-    to.elevation_pattern = from.elevation_pattern;
-    to.elevation_taper = from.elevation_taper;
-  });
 }
 
 class Chooser {
@@ -222,16 +142,16 @@ class Chooser {
     return candidate;
   }
 
-  std::vector<Variant> LooksVariants(JudgedAxis& axis) const {
+  std::vector<ModelVariant> LooksVariants(JudgedAxis& axis) const {
     constexpr double kAlike = 0.01;
     const double given = best_.initial.receiver.looks;
     const double best = BestLooks(used_, best_.mean_used, best_.fitted);
     const auto with = [](const std::string& name, double looks, int values) {
-      return Variant{.name = name, .fitted_values = values, .apply = [looks](ParameterSet& p) {
-                       p.receiver.looks = looks;
-                     }};
+      return ModelVariant{.name = name, .fitted_values = values, .apply = [looks](ParameterSet& p) {
+                            p.receiver.looks = looks;
+                          }};
     };
-    std::vector<Variant> variants = {{.name = fmt::format("{:g}", given), .given = true}};
+    std::vector<ModelVariant> variants = {{.name = fmt::format("{:g}", given), .given = true}};
     if (given != 1.0) variants.push_back(with("1", 1.0, 0));
     if (std::abs(best - given) < kAlike * given || std::abs(best - 1.0) < kAlike) {
       axis.notes.push_back(fmt::format("Number of looks that explains the frames used best: {:.2f}.", best));
@@ -241,7 +161,7 @@ class Chooser {
     return variants;
   }
 
-  std::vector<Variant> TrendVariants() const {
+  std::vector<ModelVariant> TrendVariants() const {
     const double given = best_.initial.receiver.noise_slope_db_per_m;
     FitConfig free = best_.config;
     std::erase(free.fixed, kTrendName);
@@ -280,15 +200,15 @@ class Chooser {
 
   // A law softened as the background says, on the levels of the one given: the slope stays, and the noise
   // goes to where the law has it.
-  std::vector<Variant> DisplayVariants(JudgedAxis& axis) const {
+  std::vector<ModelVariant> DisplayVariants(JudgedAxis& axis) const {
     constexpr std::ptrdiff_t kFewestPixels = 1000;
     const DisplayParameters<double>& given = best_.initial.display;
     if (given.law == DisplayLaw::kPower) {
       throw DataError("--choose display: the display is a power law, of which nothing else is tried");
     }
-    std::vector<Variant> variants = {{.name = DisplayName(given.law),
-                                      .fitted_values = given.law == DisplayLaw::kLog ? 0 : 1,
-                                      .given = true}};
+    std::vector<ModelVariant> variants = {{.name = DisplayName(given.law),
+                                           .fitted_values = given.law == DisplayLaw::kLog ? 0 : 1,
+                                           .given = true}};
     if (given.law != DisplayLaw::kLog) {
       variants.push_back({.name = DisplayName(DisplayLaw::kLog),
                           .apply = [](ParameterSet& p) { p.display.law = DisplayLaw::kLog; }});
@@ -323,7 +243,7 @@ class Chooser {
     return variants;
   }
 
-  std::vector<Variant> VariantsOf(ChoiceAxis kind, JudgedAxis& axis) const {
+  std::vector<ModelVariant> VariantsOf(ChoiceAxis kind, JudgedAxis& axis) const {
     switch (kind) {
       case ChoiceAxis::kPattern:
         return AzimuthVariants(best_.initial.beam);
@@ -341,10 +261,10 @@ class Chooser {
 
   JudgedAxis Decide(ChoiceAxis kind) {
     JudgedAxis axis{.axis = kind, .variants = {}, .notes = {}};
-    const std::vector<Variant> variants = VariantsOf(kind, axis);
+    const std::vector<ModelVariant> variants = VariantsOf(kind, axis);
     std::vector<std::optional<Candidate>> candidates;
     for (std::size_t i = 0; i < variants.size(); ++i) {
-      const Variant& variant = variants[i];
+      const ModelVariant& variant = variants[i];
       if (variant.given) {
         candidates.emplace_back(best_);
       } else {

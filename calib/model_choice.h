@@ -13,7 +13,7 @@
 //   kDisplay    logarithm, or one softened in power or amplitude, as the background of the first frame used
 //               has it (calib/background_display.h), where the image states its dB span
 //
-// To add an axis: a word in ToString, a case in VariantsOf (model_choice.cc).
+// To add an axis: a word in ToString, a case in VariantsOf (model_choice.cc, model_variants.h).
 #pragma once
 
 #include <string>
