@@ -1,9 +1,10 @@
 // The paper's comparison on a real sonar's frames: two frames of a bomb recorded by an ARIS 3000
-// (data_io/aris3000_frames_io.h). Both models are fitted on the first frame and judged on the other, twice:
+// (data_io/aris3000_frames_io.h). Models are fitted on the first frame and judged on the other, twice:
 //
-//   - with outline and pose of calib/bomb_fit.h, found beforehand on the first frame: what the models do
+//   - both with outline and pose of calib/bomb_fit.h, found beforehand on the first frame: what the models do
 //     where the geometry is as good as it gets;
-//   - with a plain outline and the pose that a search on the first frame finds here, from nothing; the
+//   - the paper's with a plain outline and the pose that a search on the first frame finds here, from
+//   nothing; the
 //     acoustic model's curve is not fitted then.
 #pragma once
 

@@ -64,7 +64,7 @@ void AddFittedOutline(HtmlReport& report, const BombComparison& bomb) {
        "The expected image against its own samples: what speckle leaves of the error, were the model right. "
        "The "
        "other recorded frame has the speckle of the one judged, which no simulation has.",
-       "Recorded figures are of one frame, so no interval can be given."}));
+       "Every figure is of one recorded frame, so no interval can be given."}));
   report.Paragraph(
       "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
       "pulse, which the acoustic model has, are what brings the simulated image near the recorded one.");
@@ -121,8 +121,11 @@ void AddBomb(HtmlReport& report, const BombComparison& bomb) {
       "Two frames of a body of revolution (length 737 mm, diameter 208 mm, ogive nose) in a test basin. No "
       "pose was "
       "recorded. Both models are fitted to the first frame and judged on the second, with an outline and a "
-      "pose that were found on the first frame beforehand; and once more from nothing, with a plain outline "
-      "and a pose that is searched for on the first frame.");
+      "pose that were found on the first frame beforehand. From nothing, with a plain outline and a pose "
+      "that "
+      "is searched for on the first frame, the paper's model is fitted once more, beside the acoustic one "
+      "not "
+      "fitted.");
   report.Callout(
       CalloutKind::kLimit, "What the second frame can show",
       "Both frames show one still scene, and its speckle is frozen: judging on the second guards against "
