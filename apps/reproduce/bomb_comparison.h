@@ -4,8 +4,7 @@
 //   - both with outline and pose of calib/bomb_fit.h, found beforehand on the first frame: what the models do
 //     where the geometry is as good as it gets;
 //   - the paper's with a plain outline and the pose that a search on the first frame finds here, from
-//   nothing; the
-//     acoustic model's curve is not fitted then.
+//     nothing, beside the acoustic one not fitted.
 #pragma once
 
 #include <filesystem>
