@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,7 @@
 #include "apps/fit_recording.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
+#include "apps/report/choice_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
 #include "apps/report/still_section.h"
@@ -29,6 +31,21 @@ namespace sonarcal {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
+  constexpr std::array kAxes = {ChoiceAxis::kPattern, ChoiceAxis::kElevation, ChoiceAxis::kLooks,
+                                ChoiceAxis::kTrend, ChoiceAxis::kDisplay};
+  std::vector<ChoiceAxis> axes;
+  for (const std::string& name : names) {
+    const auto found =
+        std::find_if(kAxes.begin(), kAxes.end(), [&](ChoiceAxis axis) { return ToString(axis) == name; });
+    if (found == kAxes.end()) {
+      throw UsageError("--choose: '{}', expected pattern, elevation, looks, trend or display", name);
+    }
+    axes.push_back(*found);
+  }
+  return axes;
+}
 
 FitConfig ResolveConfig(const FitCommandOptions& options, const ParameterSet& initial) {
   FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
@@ -58,6 +75,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"fixed", config.fixed},
                {"bounds", bounds},
                {"priors", priors},
+               {"choose", options.choose},
                {"trust_all", options.trust_all},
                {"held_out", fit.fit.report.frames_held_out},
                {"max_iterations", options.max_iterations},
@@ -82,6 +100,9 @@ std::string FitJson(const RecordingFit& fit) {
       extra += ", " + still.substr(1, still.size() - 2);
     }
   }
+  if (fit.choice) {
+    extra += fmt::format(R"({}"model_choice": {})", extra.empty() ? "" : ", ", ModelChoiceJson(*fit.choice));
+  }
   return FitReportJson(fit.fit.report, extra);
 }
 
@@ -93,10 +114,10 @@ std::string FigureText(const Statistic& statistic) {
 std::string SummaryText(const RecordingFit& fit, const std::string& recording,
                         const std::filesystem::path& out) {
   const FitReport& report = fit.fit.report;
-  std::string text =
-      fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
-                  fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
-                                         : "the same frames, as none is held out");
+  std::string text = fit.choice ? ModelChoiceText(*fit.choice) : std::string();
+  text += fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
+                      fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
+                                             : "the same frames, as none is held out");
   std::size_t width = 0;
   for (const FittedParameter& p : report.parameters) width = std::max(width, p.name.size());
   text += fmt::format("  {:<{}}  {:>9}  {:>9}  {:>8}  {}\n", "parameter", width, "initial", "fitted", "sigma",
@@ -150,6 +171,7 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   AddFitKeyFigures(report, fit);
   report.Section("Before and after");
   AddFitComparison(report, fit);
+  if (fit.choice) AddModelChoice(report, *fit.choice);
   AddUnexplained(report, fit);
   report.Section("Fitted values");
   AddFittedValues(report, fit);
@@ -166,6 +188,7 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
   FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
   fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
   fit_options.object_material = options.object;
+  fit_options.choose = ResolveAxes(options.choose);
   fit_options.fit.max_iterations = options.max_iterations;
   fit_options.fit.starts = options.starts;
   fit_options.fit.threads = options.rays.threads;
@@ -180,6 +203,8 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
 }  // namespace
 
 ExitStatus RunFit(const FitCommandOptions& options) {
+  if (options.noise_only && !options.choose.empty())
+    throw UsageError("--choose is not for --noise-only, which chooses by itself");
   if (options.noise_only) return RunFitNoise(options);
   if (options.still) return RunFitStill(options);
   if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only or --still");
@@ -256,6 +281,12 @@ void SetupFit(CLI::App& app) {
       "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");
+  add_list(
+      "--choose", options->choose,
+      "Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, one after "
+      "the other: pattern (of the beams in azimuth), elevation, looks, trend (of noise with range), "
+      "display (default: nothing)",
+      "NAME,NAME");
   CLI::Option* noise_only =
       command->add_flag("--noise-only", options->noise_only,
                         "Fit the noise floor, speckle and display law alone, to pings without targets");

@@ -1,7 +1,8 @@
 // `sonarcal fit`: parameters of the paper model, fitted to a recording with poses.
 //
 // Written: params.json (as fitted), fit.json (calib/fit_report.h, with metrics_before and metrics_after, each
-// in the form of metrics.json), report.html. A fit without a usable solution writes fit.json alone.
+// in the form of metrics.json, and with --choose model_choice, apps/report/choice_section.h), report.html. A
+// fit without a usable solution writes fit.json alone.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +30,8 @@ struct FitCommandOptions {
   RayOptions rays{Sampling::kBeams};
   int max_iterations = 100;
   int starts = 4;
-  bool trust_all = false;  // count pixels in full that the scene does not explain
+  std::vector<std::string> choose;  // axes of calib/model_choice.h, by the likelihood of the held-out frames
+  bool trust_all = false;           // count pixels in full that the scene does not explain
   // --noise-only (apps/fit_noise.h): no scene, no poses; of the others real, out, held_out and, for its
   // display, params are used.
   bool noise_only = false;

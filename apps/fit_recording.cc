@@ -10,6 +10,7 @@
 
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
+#include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/acoustic_fan.h"
@@ -54,10 +55,15 @@ class ExpectedRecording final : public RecordingSource {
   RecordingInfo info_;
 };
 
-void CheckFittable(const RecordingSource& recording, const ParameterSet& initial) {
+void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
+                   const FitRecordingOptions& options) {
   if (initial.model == EchoModel::kCoherent) {
     throw DataError(
         "the parameters name the model 'coherent', but only 'paper' and 'acoustic' can be fitted");
+  }
+  if (!options.choose.empty() && initial.model != EchoModel::kAcoustic) {
+    throw DataError("the parameters name the model '{}', but only of 'acoustic' forms can be chosen",
+                    ToString(initial.model));
   }
   const RecordingInfo& info = recording.info();
   if (info.scale.quantity != Quantity::kGrey) {
@@ -68,11 +74,15 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
 
 // Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
 // expected ones, are speckled samples.
-SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
-                                     const ParameterSet& parameters) {
+SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
+                                     const Water& water, ParameterSet parameters) {
+  const RayOptions& rays = of.rays;
   SimulationOptions options = rays.For(sonar, water);
   const RayFanOptions asked = options.fan;
   options.noise = true;
+  // Rays for whatever pattern is tried.
+  if (std::count(of.choose.begin(), of.choose.end(), ChoiceAxis::kElevation) > 0)
+    parameters.beam.elevation_pattern = ElevationPattern::kCosine;
   options.fan = AcousticFanOptions(sonar, parameters);
   if (!rays.rays.empty()) {
     options.fan.sampling = asked.sampling;
@@ -189,6 +199,24 @@ PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry
   return image;
 }
 
+ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
+                   const std::vector<TimedPose>& poses, const FrameSplit& split,
+                   const FitRecordingOptions& options, const ParameterSet& initial) {
+  const auto read = [&](const std::vector<int>& indices) {
+    std::vector<GreyFrame> frames;
+    for (const int index : indices) {
+      frames.push_back({.index = index,
+                        .world_from_sonar = poses[index].world_from_sonar,
+                        .image = recording.ReadFrame(index).image,
+                        .use = UsedPixels(options)});
+    }
+    return frames;
+  };
+  ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
+  if (options.on_note) choice.fit.progress = options.on_note;
+  return ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config, choice);
+}
+
 std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
                                           const std::vector<TimedPose>& poses,
                                           const std::vector<int>& indices, const FitRecordingOptions& options,
@@ -261,7 +289,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const auto say = [&](const std::string& sentence) {
     if (options.on_note && !sentence.empty()) options.on_note(sentence);
   };
-  CheckFittable(recording, initial);
+  CheckFittable(recording, initial, options);
   const std::vector<TimedPose> poses = PosesOfRecording(recording);
   const FrameSplit split = SplitFrames(options.config, recording.frame_count());
   const SonarModel& sonar = recording.info().sonar;
@@ -271,7 +299,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const bool acoustic = initial.model == EchoModel::kAcoustic;
   if (acoustic) say(TakeDisplay(recording.info().scale, start));
   const Simulator simulator(scene, sonar,
-                            acoustic ? AcousticSimulation(options.rays, sonar, water.water, start)
+                            acoustic ? AcousticSimulation(options, sonar, water.water, start)
                                      : options.rays.For(sonar, water.water));
   if (const std::string caveat = AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
       !caveat.empty()) {
@@ -297,12 +325,15 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   std::function<RenderFrame(const ParameterSet&, const std::vector<TimedPose>&)> expected_by;
   const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {
+    if (!options.choose.empty()) result.choice = Choose(recording, simulator, poses, split, options, start);
+    const ParameterSet& form = result.choice ? result.choice->parameters : start;
     const std::vector<AcousticFrame> frames =
-        AcousticFrames(recording, poses, split.used, options, start.display);
+        AcousticFrames(recording, poses, split.used, options, form.display);
     if (!start.receiver.noise_db) {
       result.initial.receiver.noise_db = NoiseStartDb(frames, start.receiver.looks);
     }
-    AcousticFit fit = FitAcousticModel(simulator, frames, result.initial, options.config, options.fit);
+    AcousticFit fit = FitAcousticModel(simulator, frames, result.choice ? form : result.initial,
+                                       result.choice ? result.choice->config : options.config, options.fit);
     if (fit.usable && fit.moved_poses) {
       result.poses = FittedPoses(recording, simulator, poses, split, options, fit);
     }

@@ -14,6 +14,7 @@
 #include "apps/ray_options.h"
 #include "apps/still_poses.h"
 #include "calib/fit.h"
+#include "calib/model_choice.h"
 #include "data_io/pose_io.h"
 #include "data_io/types/recording.h"
 #include "data_io/types/scene.h"
@@ -30,6 +31,8 @@ struct FitRecordingOptions {
   // Where it is set, the object is looked for in a box around what this material shows, not in the whole
   // image.
   std::string object_material = {};
+  // Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, in this order.
+  std::vector<ChoiceAxis> choose = {};
   bool pictures = true;                                                   // of a few frames
   std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
   std::function<void(const std::string& sentence)> on_note = {};          // what a user should not miss
@@ -57,6 +60,7 @@ struct RecordingFit {
   // occupancy and distributions are to be read from. The acoustic model only.
   std::optional<MetricsReport> sample_before = {};
   std::optional<MetricsReport> sample_after = {};
+  std::optional<ModelChoice> choice = {};  // where one was asked for
   // Of poses shown more than once, whether fitted or held out: what they tell by themselves, beside the fit.
   // The acoustic model only.
   StillPoses still = {};

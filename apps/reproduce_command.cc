@@ -14,6 +14,7 @@
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
 #include "apps/reproduce/reproduce_report.h"
+#include "apps/reproduce/summary_rows.h"
 #include "apps/run_output.h"
 #include "data_io/atomic_output.h"
 #include "data_io/image_io.h"
@@ -62,23 +63,27 @@ ShownRecording Show(const std::string& name, const std::filesystem::path& path) 
 }
 
 std::string SummaryText(const Reproduction& reproduction, const std::filesystem::path& out) {
-  const auto figure = [](const Statistic& s) {
-    return s.value ? fmt::format("{:.2f}", *s.value) : std::string("none");
+  const auto figure = [](const Statistic& s, int digits) {
+    return s.value ? fmt::format("{:.{}f}", *s.value, digits) : std::string("none");
   };
-  std::string text = fmt::format("{:<44}  {:>8}  {:>8}\n", "held-out frames, means", "before", "after");
-  const auto add = [&](const std::string& name, const Statistic& before, const Statistic& after) {
-    text += fmt::format("{:<44}  {:>8}  {:>8}\n", name, figure(before), figure(after));
+  constexpr std::size_t kWidth = 48;
+  std::string text =
+      fmt::format("{:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", "held-out frames, polar, means",
+                  kWidth, "Ns/Nr", "Na/Ns", "Na/Nr", "IoU", "union", "overlap");
+  const auto add = [&](const std::string& what, const std::vector<SummaryRow>& rows) {
+    text += what + "\n";
+    for (const SummaryRow& row : rows) {
+      const ViewSummary& view = row.metrics->aggregate.macro.polar;
+      text += fmt::format("  {:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", row.name, kWidth - 2,
+                          figure(view.ns_over_nr, 2), figure(view.na_over_ns, 2), figure(view.na_over_nr, 2),
+                          figure(view.iou, 2), figure(view.union_region.mean_absolute, 3),
+                          figure(view.overlap.mean_absolute, 3));
+    }
   };
-  const auto add_views = [&](const std::string& name, const RecordingFit& fit) {
-    const ViewSummary& before = fit.before.aggregate.macro.polar;
-    const ViewSummary& after = fit.after.aggregate.macro.polar;
-    const IntensityDomain domain = fit.after.options.intensity_domain;
-    add(name + ", IoU", before.iou, after.iou);
-    add(name + ", intensity error", before.Over(domain).mean_absolute, after.Over(domain).mean_absolute);
-  };
-  add_views("paper's tank (synthetic recording)", reproduction.tank.fit);
-  if (reproduction.bomb && reproduction.bomb->fit.fit.usable) {
-    add_views("bomb, ARIS 3000 (recorded)", reproduction.bomb->fit);
+  add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank));
+  if (reproduction.bomb) {
+    add("bomb, ARIS 3000 (recorded), outline and pose found beforehand", BombRows(*reproduction.bomb));
+    add("bomb, plain outline, pose found by the search", SearchedBombRows(*reproduction.bomb));
   }
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
@@ -93,19 +98,36 @@ void WriteSyntheticRecording(const TankComparison& tank, const std::filesystem::
   WriteGltf(tank.scene, folder / "scene.gltf");
 }
 
-void WriteFit(const RunOutput& output, const std::string& prefix, const RecordingFit& fit) {
+void WriteAll(const std::filesystem::path& folder, const std::vector<FramePictures>& frames) {
+  if (frames.empty()) return;
+  std::filesystem::create_directories(folder);
+  for (const FramePictures& pictures : frames) WritePictures(folder, pictures);
+}
+
+void WriteFit(const RunOutput& output, const std::string& prefix, const RecordingFit& fit,
+              const MetricsReport* sample = nullptr) {
   std::string extra;
   if (fit.fit.usable) {
     extra = fmt::format(R"("metrics_before": {}, "metrics_after": {})", MetricsJson(fit.before),
                         MetricsJson(fit.after));
+    if (sample != nullptr) extra += fmt::format(R"(, "sample_metrics_after": {})", MetricsJson(*sample));
     WriteParameters(output / (prefix + "_params.json"), fit.fit.parameters);
   }
   WriteFileWhole(output / (prefix + "_fit.json"), FitReportJson(fit.fit.report, extra));
-  for (const FramePictures& pictures : fit.pictures_after) {
-    const std::filesystem::path folder = output / (prefix + "_pictures");
-    std::filesystem::create_directories(folder);
-    WritePictures(folder, pictures);
+  WriteAll(output / (prefix + "_pictures"), fit.pictures_after);
+}
+
+// Judged apart from its fit.
+void WriteBombAcoustic(const RunOutput& output, const BombComparison::Fitted& bomb) {
+  std::string extra;
+  if (bomb.acoustic.fit.usable) {
+    extra = fmt::format(R"("metrics_after": {}, "sample_metrics_after": {})", MetricsJson(bomb.expected),
+                        MetricsJson(bomb.samples));
+    WriteParameters(output / "bomb_acoustic_params.json", bomb.acoustic.fit.parameters);
   }
+  WriteFileWhole(output / "bomb_acoustic_fit.json", FitReportJson(bomb.acoustic.fit.report, extra));
+  WriteAll(output / "bomb_acoustic_pictures", bomb.expected_pictures);
+  WriteAll(output / "bomb_acoustic_sample_pictures", bomb.sample_pictures);
 }
 
 }  // namespace
@@ -116,7 +138,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
   const auto note = [&](const std::string& line) { PrintNote(options.common, line); };
   RunOutput output(options.out);
 
-  note("making the synthetic recording of the paper's tank");
+  note("making the SYNTHETIC recording of the paper's tank, by the coherent model");
   Progress progress("Recording", 0, options.common);
   TankComparisonOptions tank{.size = options.text_sizes ? PaperSize::kText : PaperSize::kTable5,
                              .seed = options.seed,
@@ -132,6 +154,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
   WriteSyntheticRecording(reproduction.tank, output / "synthetic_recording");
   WriteParameters(output / "tank_initial_params.json", reproduction.tank.initial);
   WriteFit(output, "tank", reproduction.tank.fit);
+  WriteFit(output, "tank_acoustic", reproduction.tank.acoustic, &*reproduction.tank.acoustic.sample_after);
 
   const std::filesystem::path bomb_folder = recordings / kBombFolder;
   std::vector<std::filesystem::path> inputs;
@@ -140,6 +163,8 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
     bomb.on_note = [&](const std::string& line) { note("bomb: " + line); };
     reproduction.bomb = CompareBomb(bomb_folder, bomb);
     WriteFit(output, "bomb", reproduction.bomb->fit);
+    WriteFit(output, "bomb_outline", reproduction.bomb->fitted.paper);
+    WriteBombAcoustic(output, reproduction.bomb->fitted);
     inputs.push_back(bomb_folder);
   } else {
     reproduction.bomb_absent = fmt::format(

@@ -48,7 +48,8 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   return near;
 }
 
-// A fit in rounds starts each where the last one ended; what was known beforehand stays what it was.
+}  // namespace
+
 void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
                 const std::vector<CatalogEntry>& catalog, FitConfig& config) {
   for (std::size_t i = 0; i < catalog.size(); ++i) {
@@ -58,6 +59,8 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
     config.priors[entry.name] = {value, entry.typical_step * entry.ValueSlope(value)};
   }
 }
+
+namespace {
 
 // The steps of a fit, one after the other.
 class AcousticFitter {

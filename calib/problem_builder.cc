@@ -41,15 +41,6 @@ void ForBands(int range_bins, int bins_per_band, const Work& work) {
   });
 }
 
-// Pixels of a covariance block along one axis. What speckle shares across a block's edge is lost to the
-// sandwich: of a Gaussian response of width w, a share 0.48 w / n of the variance where blocks are n long. So
-// they are at least eight widths long, as far as that leaves a few blocks in a frame.
-int BlockSize(int given, double grain, int extent, int fewest) {
-  constexpr double kWidths = 8.0;
-  const int wanted = static_cast<int>(std::ceil(kWidths * grain - 1e-6));
-  return std::max(given, std::min(wanted, extent / fewest));
-}
-
 // Sums over the pixels of a frame.
 struct FrameSums {
   Eigen::MatrixXd information;  // expected, or more where the model is far off
@@ -241,11 +232,20 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
   return problem;
 }
 
+BlockPixels BlockSize(const FrameModel& model, const FitOptions& options) {
+  constexpr double kWidths = 8.0;
+  const auto along = [](int given, double grain, int extent, int fewest) {
+    const int wanted = static_cast<int>(std::ceil(kWidths * grain - 1e-6));
+    return std::max(given, std::min(wanted, extent / fewest));
+  };
+  return {.bins = along(options.block_bins, model.grain().bins, model.range_bins(), 4),
+          .beams = along(options.block_beams, model.grain().beams, model.beams(), 2)};
+}
+
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options, ResidualSummary* residuals) {
   const int beams = model.beams();
-  const int block_bins = BlockSize(options.block_bins, model.grain().bins, model.range_bins(), 4);
-  const int block_beams = BlockSize(options.block_beams, model.grain().beams, beams, 2);
+  const auto [block_bins, block_beams] = BlockSize(model, options);
   const auto n = static_cast<Eigen::Index>(state.active.size());
   const Eigen::VectorXd value_slope = ValueSlopes(catalog, state);
   struct Band {

@@ -30,6 +30,15 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
                                              std::vector<double>& coordinates, int every = 1);
 
+// Pixels of a block that counts as independent of the others. What speckle shares across a block's edge is
+// lost to a sandwich: of a Gaussian response of width w, a share 0.48 w / n of the variance where blocks are
+// n long. So they are at least eight widths long, as far as that leaves a few blocks in a frame.
+struct BlockPixels {
+  int bins = 1;
+  int beams = 1;
+};
+BlockPixels BlockSize(const FrameModel& model, const FitOptions& options);
+
 // Scores and expected information at a state, with respect to the coordinates of its active entries, summed
 // over blocks of pixels. `residuals` (where given) receives their mean and spread.
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/background_display.h"
+#include "calib/bomb_fit.h"
 #include "data_io/aris3000_frames_io.h"
+#include "data_io/types/units.h"
 #include "sim/physics/receiver.h"
 #include "sim/scenes.h"
+#include "sim/scenes/bomb.h"
 
 namespace sonarcal {
 namespace {
@@ -80,83 +84,189 @@ Mask AroundObject(const PolarImage& image, const SegmentationOptions& segmentati
   return around;
 }
 
+// Pixels out of reach of the object found in the image.
+Mask Background(const PolarImage& image, const SegmentationOptions& segmentation) {
+  Mask background = BoxAround(Segment(image, segmentation).object, 20, 8);
+  for (std::uint8_t& pixel : background.values()) pixel = pixel == 0 ? 1 : 0;
+  return background;
+}
+
+// Of all echoes but the rarest 0.1 % at either end.
+IncidenceRange IncidenceOf(const EchoList& echoes) {
+  std::vector<float> incidence = echoes.incidence_rad;
+  if (incidence.empty()) return {};
+  const auto at = [&](double share) {
+    const auto nth =
+        incidence.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(incidence.size() - 1));
+    std::nth_element(incidence.begin(), nth, incidence.end());
+    return DegFromRad(static_cast<double>(*nth));
+  };
+  return {.low_deg = at(0.001), .high_deg = at(0.999)};
+}
+
+class Comparison {
+ public:
+  Comparison(const std::filesystem::path& folder, const BombComparisonOptions& options)
+      : options_(options), recorded_(OpenAris3000Frames(folder)) {
+    if (recorded_->frame_count() < 2) {
+      throw DataError("{}: {} frames, expected two: one to fit and one to judge", folder.string(),
+                      recorded_->frame_count());
+    }
+    frames_ = {recorded_->ReadFrame(0), recorded_->ReadFrame(1)};
+    water_ = recorded_->info().water.value_or(Water{});
+    bomb_.info = recorded_->info();
+  }
+
+  BombComparison Run() {
+    Search();
+    Say("fitting the paper's model at the pose found");
+    bomb_.fit = FitPaper(MakeBody(), bomb_.pose.best.pose);
+    JudgeAsFound();
+    Say("fitting both models with the outline and the pose found beforehand");
+    bomb_.fitted.paper = FitPaper(MakeBomb(), BombPose());
+    FitAcoustic();
+    bomb_.real_against_real = Judge({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
+    return std::move(bomb_);
+  }
+
+ private:
+  void Say(const std::string& line) const {
+    if (options_.on_note) options_.on_note(line);
+  }
+
+  void Search() {
+    const Scene body = MakeBody();
+    const SonarModel& sonar = recorded_->info().sonar;
+    bomb_.acoustic = AcousticFor(frames_[0].image, sonar);
+    PoseSearchOptions search;
+    search.progress = options_.on_note;
+    if (options_.quick) {
+      search.yaw_steps = 12;
+      search.pitches_deg = {25.0};
+      search.refined_starts = 1;
+      search.ray_height_deg = 0.2;
+      search.max_iterations = 5;
+      search.ridge_elevations_deg = {0.0};
+    }
+    bomb_.pose = SearchPose(body, sonar, water_, frames_[0].image, bomb_.acoustic, search);
+    bomb_.acoustic.receiver.gain_db += bomb_.pose.best.gain_db;
+  }
+
+  // A still scene: both frames have the pose of the first.
+  RecordingFit FitPaper(const Scene& body, const TargetPose& pose) const {
+    RecordingInfo info = recorded_->info();
+    info.sonar.elevation_beam_width_deg = kElevationSpanDeg;
+    info.water = water_;
+    std::vector<Frame> frames = frames_;
+    for (Frame& frame : frames) frame.info.world_from_sonar = pose.WorldFromSonar();
+    FitRecordingOptions fit;
+    fit.rays = Rays();
+    fit.comparison = options_.comparison;
+    fit.fit.progress = options_.on_note;
+    fit.fit.starts = options_.quick ? 1 : 4;
+    fit.on_note = options_.on_note;
+    fit.config.held_out = {1};
+    fit.config.bounds["jitter.sigma_range_m"] = {1e-4, 2.0 * info.sonar.axes.range_bin_m()};
+    fit.config.bounds["jitter.sigma_azimuth_deg"] = {1e-3, kAzimuthBeamDeg};
+    fit.pixels = AroundObject(frames[0].image, options_.comparison.segmentation);
+    fit.fit.block_beams = 4;
+    return FitRecording(MemoryRecording(info, frames), body, PaperInitial(info.sonar), fit);
+  }
+
+  void JudgeAsFound() {
+    SimulationOptions simulation = Rays().For(recorded_->info().sonar, water_);
+    simulation.noise = true;
+    simulation.fan.elevation_span_deg = kElevationSpanDeg;
+    const Simulator simulator(MakeBody(), recorded_->info().sonar, simulation);
+    const EchoList echoes = simulator.TraceEchoes(bomb_.pose.best.pose.WorldFromSonar());
+    bomb_.acoustic_expected = Judge({frames_[1]}, {simulator.RenderExpected(echoes, bomb_.acoustic)},
+                                    "expected image of the acoustic model", true, &bomb_.acoustic_pictures);
+    bomb_.acoustic_sample = Judge({frames_[1]}, {simulator.RenderEchoes(echoes, bomb_.acoustic)},
+                                  "speckled sample of the acoustic model", true);
+  }
+
+  void FitAcoustic() {
+    BombComparison::Fitted& fitted = bomb_.fitted;
+    const SonarModel& sonar = recorded_->info().sonar;
+    const PolarImage& image = frames_[0].image;
+    const DisplayParameters<double> display =
+        FitBackgroundDisplay(image, Background(image, options_.comparison.segmentation),
+                             DisplayLaw::kSoftAmplitude)
+            .display;
+    TargetFitOptions options = BombFitOptions();
+    options.threads = options_.threads;
+    options.fit.progress = options_.on_note;
+    if (options_.quick) {
+      options.ray_height_deg = 0.2;
+      options.fit.max_iterations = 5;
+    }
+    fitted.acoustic.initial = BombInitial(display, sonar);
+    TargetFit fit = FitTarget(MakeBomb(), sonar, water_, image, BombPose(), fitted.acoustic.initial, options);
+    fitted.acoustic.fit = {std::move(fit.fit.parameters), std::move(fit.fit.report), fit.fit.usable};
+    fitted.acoustic.fit.report.frames_held_out = {1};
+    if (!fit.fit.usable) return;
+    const Simulator simulator(fit.placed, sonar, fit.simulation);
+    const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
+    fitted.acoustic.seen["body"] = IncidenceOf(echoes);
+    const ParameterSet& parameters = fitted.acoustic.fit.parameters;
+    const PolarImage expected = simulator.RenderExpected(echoes, parameters);
+    fitted.expected = Judge({frames_[1]}, {expected}, "expected image of the fitted acoustic model", true,
+                            &fitted.expected_pictures);
+    std::vector<PolarImage> draws;
+    for (int draw = 0; draw < BombComparison::kDraws; ++draw)
+      draws.push_back(simulator.RenderEchoes(echoes, parameters, draw));
+    const std::string name = "speckled samples of the fitted acoustic model";
+    fitted.samples = Judge(std::vector<Frame>(draws.size(), frames_[1]), draws, name, true);
+    Judge({frames_[1]}, {draws.front()}, name, true, &fitted.sample_pictures);
+    std::vector<Frame> sampled(draws.size(), frames_[1]);
+    for (std::size_t i = 0; i < draws.size(); ++i) sampled[i].image.value = draws[i].value;
+    fitted.floor = Judge(sampled, std::vector<PolarImage>(draws.size(), expected),
+                         "expected image against its own samples", true);
+  }
+
+  // Images in the place of recorded frames, one by one.
+  MetricsReport Judge(const std::vector<Frame>& real, std::vector<PolarImage> images, const std::string& name,
+                      bool synthetic, std::vector<FramePictures>* pictures = nullptr) const {
+    const RecordingInfo& info = recorded_->info();
+    RecordingInfo simulated = info;
+    simulated.source = name;
+    simulated.synthetic = synthetic;
+    std::vector<Frame> frames;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      images[i].scale = real[i].image.scale;
+      frames.push_back({real[i].info, std::move(images[i])});
+    }
+    const CompareRecordingsOptions compare{
+        .compare = options_.comparison, .as_displayed = true, .noise_floor = false};
+    PictureMaker maker;
+    return CompareRecordings(MemoryRecording(info, real), MemoryRecording(simulated, std::move(frames)),
+                             compare,
+                             [&](const PolarImage& r, const PolarImage& s, const FrameMetrics& metrics) {
+                               if (pictures == nullptr) return;
+                               pictures->push_back(maker.Make(r, s, metrics));
+                               pictures->back().index = 1;  // in the recording
+                             });
+  }
+
+  RayOptions Rays() const {
+    RayOptions rays(Sampling::kBeams);
+    rays.threads = options_.threads;
+    rays.rays =
+        fmt::format("{}x{}", 2 * recorded_->info().sonar.axes.beam_count(), options_.quick ? 140 : 560);
+    return rays;
+  }
+
+  const BombComparisonOptions& options_;
+  std::unique_ptr<RecordingSource> recorded_;
+  std::vector<Frame> frames_;
+  Water water_;
+  BombComparison bomb_;
+};
+
 }  // namespace
 
 BombComparison CompareBomb(const std::filesystem::path& folder, const BombComparisonOptions& options) {
-  const auto recorded = OpenAris3000Frames(folder);
-  if (recorded->frame_count() < 2) {
-    throw DataError("{}: {} frames, expected two: one to fit and one to judge", folder.string(),
-                    recorded->frame_count());
-  }
-  BombComparison bomb;
-  bomb.info = recorded->info();
-  const Scene body = MakeBody();
-  std::vector<Frame> frames = {recorded->ReadFrame(0), recorded->ReadFrame(1)};
-  SonarModel sonar = bomb.info.sonar;
-  const Water water = bomb.info.water.value_or(Water{});
-
-  bomb.acoustic = AcousticFor(frames[0].image, sonar);
-  PoseSearchOptions search;
-  search.progress = options.on_note;
-  if (options.quick) {
-    search.yaw_steps = 12;
-    search.pitches_deg = {25.0};
-    search.refined_starts = 1;
-    search.ray_height_deg = 0.2;
-    search.max_iterations = 5;
-    search.ridge_elevations_deg = {0.0};
-  }
-  bomb.pose = SearchPose(body, sonar, water, frames[0].image, bomb.acoustic, search);
-  bomb.acoustic.receiver.gain_db += bomb.pose.best.gain_db;
-
-  // A still scene: both frames have the pose found on the first.
-  for (Frame& frame : frames) frame.info.world_from_sonar = bomb.pose.best.pose.WorldFromSonar();
-  sonar.elevation_beam_width_deg = kElevationSpanDeg;
-  RecordingInfo info = bomb.info;
-  info.sonar = sonar;
-  info.water = water;
-  const MemoryRecording recording(info, frames);
-
-  FitRecordingOptions fit;
-  fit.rays.threads = options.threads;
-  fit.rays.rays = fmt::format("{}x{}", 2 * sonar.axes.beam_count(), options.quick ? 140 : 560);
-  fit.comparison = options.comparison;
-  fit.fit.progress = options.on_note;
-  fit.fit.starts = options.quick ? 1 : 4;
-  fit.on_note = options.on_note;
-  fit.config.held_out = {1};
-  fit.config.bounds["jitter.sigma_range_m"] = {1e-4, 2.0 * sonar.axes.range_bin_m()};
-  fit.config.bounds["jitter.sigma_azimuth_deg"] = {1e-3, kAzimuthBeamDeg};
-  fit.pixels = AroundObject(frames[0].image, options.comparison.segmentation);
-  fit.fit.block_beams = 4;
-  bomb.fit = FitRecording(recording, body, PaperInitial(sonar), fit);
-
-  SimulationOptions simulation = fit.rays.For(sonar, water);
-  simulation.noise = true;
-  const Simulator simulator(body, bomb.info.sonar, [&] {
-    simulation.fan.elevation_span_deg = kElevationSpanDeg;
-    return simulation;
-  }());
-  const EchoList echoes = simulator.TraceEchoes(*frames[1].info.world_from_sonar);
-  const auto judge = [&](PolarImage image, const std::string& name, std::vector<FramePictures>* pictures) {
-    image.scale = frames[1].image.scale;
-    RecordingInfo simulated = info;
-    simulated.source = name;
-    simulated.synthetic = true;
-    CompareRecordingsOptions compare{
-        .compare = options.comparison, .as_displayed = true, .noise_floor = false};
-    PictureMaker maker;
-    return CompareRecordings(MemoryRecording(info, {frames[1]}),
-                             MemoryRecording(simulated, {{frames[1].info, std::move(image)}}), compare,
-                             [&](const PolarImage& real, const PolarImage& sim, const FrameMetrics& metrics) {
-                               if (pictures != nullptr) pictures->push_back(maker.Make(real, sim, metrics));
-                             });
-  };
-  bomb.acoustic_expected = judge(simulator.RenderExpected(echoes, bomb.acoustic),
-                                 "expected image of the acoustic model", &bomb.acoustic_pictures);
-  bomb.acoustic_sample =
-      judge(simulator.RenderEchoes(echoes, bomb.acoustic), "speckled sample of the acoustic model", nullptr);
-  return bomb;
+  return Comparison(folder, options).Run();
 }
 
 }  // namespace sonarcal

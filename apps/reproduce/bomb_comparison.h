@@ -1,6 +1,10 @@
 // The paper's comparison on a real sonar's frames: two frames of a bomb recorded by an ARIS 3000
-// (data_io/aris3000_frames_io.h). No pose was recorded, so it is searched for on the first frame; the paper
-// model's parameters are fitted on that frame and judged on the other.
+// (data_io/aris3000_frames_io.h). Models are fitted on the first frame and judged on the other, twice:
+//
+//   - both with outline and pose of calib/bomb_fit.h, found beforehand on the first frame: what the models do
+//     where the geometry is as good as it gets;
+//   - the paper's with a plain outline and the pose that a search on the first frame finds here, from
+//     nothing, beside the acoustic one not fitted.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +14,7 @@
 #include <vector>
 
 #include "apps/fit_recording.h"
+#include "calib/acoustic_fit.h"
 #include "calib/pose_search.h"
 
 namespace sonarcal {
@@ -30,6 +35,22 @@ struct BombComparison {
   MetricsReport acoustic_expected;
   MetricsReport acoustic_sample;
   std::vector<FramePictures> acoustic_pictures;
+
+  // With outline and pose of calib/bomb_fit.h.
+  struct Fitted {
+    RecordingFit paper;
+    RecordingFit acoustic;  // without metrics and pictures, which are these
+    // On the held-out frame. Samples: kDraws of them, beside the same recorded frame, as one moves the
+    // occupancy by 0.02.
+    MetricsReport expected;
+    MetricsReport samples;
+    std::vector<FramePictures> expected_pictures;
+    std::vector<FramePictures> sample_pictures;  // of one
+    MetricsReport floor;  // the expected image against those samples: no image without speckle is nearer
+  };
+  static constexpr int kDraws = 8;
+  Fitted fitted;
+  MetricsReport real_against_real;  // the first frame in place of a simulated one: same speckle, other noise
 };
 
 // `folder` as OpenAris3000Frames takes it. Throws DataError.

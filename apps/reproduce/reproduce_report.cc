@@ -8,7 +8,9 @@
 
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/reproduce/bomb_report.h"
 #include "apps/reproduce/paper_tables.h"
+#include "apps/reproduce/summary_rows.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -37,8 +39,10 @@ void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
     const PublishedDataSet& paper = kPublished[set];
     table.rows.push_back({{fmt::format("Data set {} (held-out frames {})", set + 1, FrameList(data.frames))},
                           RowStyle::kGroup});
-    add("ours, before the fit (synthetic)", data.before.macro.polar, RowStyle::kPlain);
-    add("ours, after the fit (synthetic)", data.after.macro.polar, RowStyle::kStrong);
+    add("paper model, its own values (synthetic)", data.before.macro.polar, RowStyle::kPlain);
+    add("paper model, fitted (synthetic)", data.after.macro.polar, RowStyle::kStrong);
+    add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample.macro.polar,
+        RowStyle::kStrong);
     table.rows.push_back({{"published (other recordings)", fmt::format("{:.2f}", paper.ns_over_nr),
                            fmt::format("{:.2f}", paper.na_over_ns), fmt::format("{:.2f}", paper.na_over_nr)},
                           RowStyle::kMuted});
@@ -68,9 +72,11 @@ void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
     const TankDataSet& data = tank.data_sets[set];
     const PublishedDataSet& paper = kPublished[set];
     table.rows.push_back({{fmt::format("Data set {}", set + 1)}, RowStyle::kGroup});
-    add("ours, before the fit (synthetic)", data.before, "", RowStyle::kPlain);
-    add("ours, after the fit (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
+    add("paper model, its own values (synthetic)", data.before, "", RowStyle::kPlain);
+    add("paper model, fitted (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
         RowStyle::kStrong);
+    add("acoustic model, fitted, expected image (synthetic)", data.acoustic_expected, "", RowStyle::kStrong);
+    add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample, "", RowStyle::kPlain);
     table.rows.push_back(
         {{"published (other recordings)", fmt::format("{:.2f}", paper.intensity_xy),
           fmt::format("{:.2f}", paper.intensity_rtheta), fmt::format("{:.2f}", paper.simulation_time_s)},
@@ -85,121 +91,47 @@ void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
   report.Add(table);
 }
 
+std::vector<std::string> FloorNotes(const NoiseFloor& floor) {
+  std::vector<std::string> notes = {
+      "Occupancy of the acoustic model is to be read from the sample: no detector finds an object of speckle "
+      "in an image without any. Intensity errors of the sample are larger than those of the expected image, "
+      "having speckle on both sides."};
+  if (floor.speckle) {
+    notes.push_back(fmt::format(
+        "Where nothing is clipped or below the noise, speckle alone makes an error of {:.3f} to an "
+        "expected image, of {:.3f} to a sample.",
+        floor.speckle->smooth_simulation, floor.speckle->speckled_simulation));
+  }
+  return notes;
+}
+
 void AddTank(HtmlReport& report, const TankComparison& tank) {
   report.Section("The paper's tank");
   report.Callout(
       CalloutKind::kSynthetic, "The recorded side is synthetic",
       "The paper's recordings were never published. What stands in their place here is a simulation by "
-      "another image formation than the one that is fitted: scatterers of random phase summed coherently "
-      "through beam and pulse, receiver noise, a logarithmic display. Agreement says how the paper's model "
-      "fares against such images, not how it fares in a tank.");
+      "another image formation than the two that are fitted: the echoes of point scatterers of random phase "
+      "at the elements of an array, noise at each element, a beamformer, a logarithmic display. Agreement "
+      "says how the models fare against such images, not how they fare in a tank. The acoustic model shares "
+      "its formulas for one echo with it, and knows its beam, pulse and display: the comparison favours it.");
   report.Paragraph(
       fmt::format("Two mock-ups stand in the tank of Table 5; three data sets of four frames look at the "
                   "first, the second and "
-                  "both. The paper's model is fitted to frames {} and judged on the {} others.",
+                  "both. Both models are fitted to frames {} and judged on the {} others.",
                   FrameList(tank.fit.fit.report.frames_used), tank.fit.fit.report.frames_held_out.size()));
   AddOccupancyTable(report, tank);
   AddIntensityTable(report, tank);
-  report.Subsection("Frames before and after the fit");
+  report.Add(RowTable(TankRows(tank), "All held-out frames of the tank (synthetic), polar image",
+                      FloorNotes(tank.acoustic.after.noise_floor)));
+  report.Subsection("Frames before and after the fit of the paper's model");
   AddFitComparison(report, tank.fit);
-  report.Subsection("Fitted values of the tank");
+  report.Subsection("Frames before and after the fit of the acoustic model");
+  AddFitComparison(report, tank.acoustic);
+  AddUnexplained(report, tank.acoustic);
+  report.Subsection("Values of the paper's model, fitted to the tank");
   AddFittedValues(report, tank.fit);
-}
-
-void AddBombTable(HtmlReport& report, const BombComparison& bomb) {
-  Table table{.caption = "The frame that was not fitted (recorded by a sonar), polar image",
-              .columns = {{"Simulated with"},
-                          {"Ns/Nr"},
-                          {"Na/Ns"},
-                          {"Na/Nr"},
-                          {"IoU"},
-                          {"Error, union"},
-                          {"Error, overlap"},
-                          {"Error, whole image"}},
-              .rows = {}};
-  const auto add = [&](const std::string& name, const MetricsReport& metrics, RowStyle style) {
-    const ViewSummary& view = metrics.aggregate.macro.polar;
-    table.rows.push_back({{name, Figure(view.ns_over_nr), Figure(view.na_over_ns), Figure(view.na_over_nr),
-                           Figure(view.iou), Figure(view.union_region.mean_absolute, 3),
-                           Figure(view.overlap.mean_absolute, 3), Figure(view.whole.mean_absolute, 3)},
-                          style});
-  };
-  add("paper model, its own values", bomb.fit.before, RowStyle::kPlain);
-  add("paper model, fitted", bomb.fit.after, RowStyle::kStrong);
-  add("acoustic model, expected image", bomb.acoustic_expected, RowStyle::kPlain);
-  add("acoustic model, one speckled sample", bomb.acoustic_sample, RowStyle::kPlain);
-  table.notes = {
-      "Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
-      "levels were "
-      "stretched over their own range before they were published.",
-      "Acoustic model: the one the pose was searched with, its noise floor read off the fitted frame's "
-      "background and "
-      "its strength found with the pose; its curve is not fitted.",
-      "Every figure is of one frame, so no interval can be given."};
-  report.Add(table);
-}
-
-void AddBomb(HtmlReport& report, const BombComparison& bomb) {
-  report.Section("A bomb before an ARIS 3000");
-  report.Paragraph(
-      "Two frames of a body of revolution (length 737 mm, diameter 208 mm, ogive nose) in a test basin. No "
-      "pose was "
-      "recorded: it is searched for on the first frame. The paper's model is then fitted to the first frame, "
-      "on the "
-      "pixels around the object, and judged on the second.");
-  report.Callout(
-      CalloutKind::kLimit, "What the second frame can show",
-      "Both frames show one still scene, and its speckle is frozen: judging on the second guards against "
-      "fitting receiver noise, not against a wrong pose, shape or speckle grain.");
-  const TargetPose& pose = bomb.pose.best.pose;
-  report.Subsection("Pose found");
-  report.Facts(
-      {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
-       {"Azimuth", fmt::format("{:.2f} deg", DegFromRad(pose.azimuth_rad))},
-       {"Elevation", fmt::format("{:.1f} deg (hardly seen)", DegFromRad(pose.elevation_rad))},
-       {"Yaw of the nose", fmt::format("{:.1f} deg, from the right towards ahead", DegFromRad(pose.yaw_rad))},
-       {"Pitch of the nose", fmt::format("{:.1f} deg", DegFromRad(pose.pitch_rad))},
-       {"Difference of the smoothed images",
-        fmt::format("{:.4f} rms of full scale", std::sqrt(bomb.pose.best.cost))}});
-  report.Paragraph("One frame does not tell:");
-  report.List(bomb.pose.open);
-  Table starts{.caption = "Where the starts ended, on a coarse image, best first",
-               .columns = {{"Start"},
-                           {"Range", "m"},
-                           {"Azimuth", "deg"},
-                           {"Elevation", "deg"},
-                           {"Yaw", "deg"},
-                           {"Pitch", "deg"},
-                           {"Difference", "rms"}},
-               .rows = {}};
-  for (std::size_t i = 0; i < bomb.pose.starts.size(); ++i) {
-    const PoseCandidate& c = bomb.pose.starts[i];
-    starts.rows.push_back(
-        {{fmt::format("{}", i + 1), fmt::format("{:.3f}", c.pose.range_m),
-          fmt::format("{:.2f}", DegFromRad(c.pose.azimuth_rad)),
-          fmt::format("{:.2f}", DegFromRad(c.pose.elevation_rad)),
-          fmt::format("{:.1f}", DegFromRad(c.pose.yaw_rad)),
-          fmt::format("{:.1f}", DegFromRad(c.pose.pitch_rad)), fmt::format("{:.4f}", std::sqrt(c.cost))}});
-  }
-  report.Add(starts);
-
-  report.Subsection("Agreement on the other frame");
-  if (!bomb.fit.fit.usable) {
-    report.Callout(CalloutKind::kWarning, "No usable solution", bomb.fit.fit.report.termination);
-    return;
-  }
-  AddBombTable(report, bomb);
-  report.Paragraph(
-      "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
-      "pulse, which "
-      "the acoustic model has, are what brings the simulated image near the recorded one.");
-  AddFitComparison(report, bomb.fit);
-  AddPictureLegend(report);
-  for (const FramePictures& frame : bomb.acoustic_pictures) {
-    AddFramePictures(report, frame, "The same frame, expected image of the acoustic model");
-  }
-  report.Subsection("Fitted values of the bomb");
-  AddFittedValues(report, bomb.fit);
+  report.Subsection("Values of the acoustic model, fitted to the tank");
+  AddFittedValues(report, tank.acoustic);
 }
 
 void AddShown(HtmlReport& report, const std::vector<ShownRecording>& shown) {
@@ -236,30 +168,30 @@ void AddShown(HtmlReport& report, const std::vector<ShownRecording>& shown) {
 
 void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
   const IntensityDomain domain = reproduction.tank.fit.after.options.intensity_domain;
-  const ViewSummary& before = reproduction.tank.fit.before.aggregate.macro.polar;
-  const ViewSummary& after = reproduction.tank.fit.after.aggregate.macro.polar;
-  std::vector<KeyFigure> figures = {
-      {.label = "Tank (synthetic), IoU of the object",
-       .value = Figure(after.iou),
-       .unit = {},
-       .note = fmt::format("was {} before the fit", Figure(before.iou))},
-      {.label = "Tank (synthetic), intensity error",
-       .value = Figure(after.Over(domain).mean_absolute),
-       .unit = "of full scale",
-       .note = fmt::format("was {} before the fit", Figure(before.Over(domain).mean_absolute))}};
-  if (reproduction.bomb && reproduction.bomb->fit.fit.usable) {
-    const BombComparison& bomb = *reproduction.bomb;
-    const ViewSummary& bomb_before = bomb.fit.before.aggregate.macro.polar;
-    const ViewSummary& bomb_after = bomb.fit.after.aggregate.macro.polar;
-    figures.push_back({.label = "Bomb (recorded), IoU of the object",
-                       .value = Figure(bomb_after.iou),
-                       .unit = {},
-                       .note = fmt::format("was {} before the fit", Figure(bomb_before.iou))});
-    figures.push_back(
-        {.label = "Bomb (recorded), intensity error",
-         .value = Figure(bomb_after.Over(domain).mean_absolute),
+  const auto figures_of = [&](const std::string& what, const MetricsReport& paper,
+                              const MetricsReport& acoustic, const MetricsReport& sample) {
+    const ViewSummary& p = paper.aggregate.macro.polar;
+    const ViewSummary& a = acoustic.aggregate.macro.polar;
+    const ViewSummary& s = sample.aggregate.macro.polar;
+    return std::vector<KeyFigure>{
+        {.label = what + ", IoU of the object",
+         .value = Figure(s.iou),
+         .unit = {},
+         .note = fmt::format("acoustic model, fitted; the paper's, fitted: {}", Figure(p.iou))},
+        {.label = what + ", intensity error",
+         .value = Figure(a.Over(domain).mean_absolute),
          .unit = "of full scale",
-         .note = fmt::format("was {} before the fit", Figure(bomb_before.Over(domain).mean_absolute))});
+         .note = fmt::format("acoustic model, fitted; the paper's, fitted: {}",
+                             Figure(p.Over(domain).mean_absolute))}};
+  };
+  const TankComparison& tank = reproduction.tank;
+  std::vector<KeyFigure> figures =
+      figures_of("Tank (synthetic)", tank.fit.after, tank.acoustic.after, *tank.acoustic.sample_after);
+  if (reproduction.bomb && reproduction.bomb->fitted.paper.fit.usable &&
+      reproduction.bomb->fitted.acoustic.fit.usable) {
+    const BombComparison::Fitted& fitted = reproduction.bomb->fitted;
+    const auto of_bomb = figures_of("Bomb (recorded)", fitted.paper.after, fitted.expected, fitted.samples);
+    figures.insert(figures.end(), of_bomb.begin(), of_bomb.end());
   }
   report.KeyFigures(figures);
   if (!reproduction.bomb) report.Callout(CalloutKind::kNote, "No real recording", reproduction.bomb_absent);
@@ -294,6 +226,10 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
                  {{"polar", JsonOf(all.macro.polar.Over(domain).mean_absolute)},
                   {"fan", JsonOf(all.macro.fan.Over(domain).mean_absolute)}}}};
   };
+  json["acoustic"] = {{"metrics_before", Json::parse(MetricsJson(tank.acoustic.before))},
+                      {"metrics_after", Json::parse(MetricsJson(tank.acoustic.after))},
+                      {"sample_metrics_after", Json::parse(MetricsJson(*tank.acoustic.sample_after))}};
+  json["summary"] = {{"synthetic", true}, {"rows", Json::parse(SummaryJson(TankRows(tank)))}};
   json["data_sets"] = Json::array();
   for (int set = 0; set < kTankDataSets; ++set) {
     const TankDataSet& data = tank.data_sets[set];
@@ -304,6 +240,8 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
          {"frames", data.frames},
          {"before", summary(data.before)},
          {"after", summary(data.after)},
+         {"acoustic_expected", summary(data.acoustic_expected)},
+         {"acoustic_sample", summary(data.acoustic_sample)},
          {"simulation_time_s", data.simulation_time_s},
          {"published",
           {{"ns_over_nr", paper.ns_over_nr},
@@ -333,6 +271,8 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
     json["bomb"]["metrics_before"] = Json::parse(MetricsJson(bomb.fit.before));
     json["bomb"]["metrics_after"] = Json::parse(MetricsJson(bomb.fit.after));
   }
+  json["bomb"]["fitted_outline"] = {{"rows", Json::parse(SummaryJson(BombRows(bomb)))}};
+  json["bomb"]["searched_pose"] = {{"rows", Json::parse(SummaryJson(SearchedBombRows(bomb)))}};
   return json.dump(2) + "\n";
 }
 

@@ -31,8 +31,9 @@ struct Reproduction {
 
 HtmlReport MakeReproductionReport(const Reproduction& reproduction, const std::string& provenance);
 
-// The text of metrics.json: the tank's held-out frames after the fit in the form of `compare`, and beside it
-// "metrics_before", "data_sets" with the published values, and "bomb".
+// The text of metrics.json: the tank's held-out frames after the fit of the paper's model in the form of
+// `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a sample),
+// "summary" (apps/reproduce/summary_rows.h), "data_sets" with the published values, and "bomb".
 std::string ReproductionMetricsJson(const Reproduction& reproduction);
 
 }  // namespace sonarcal

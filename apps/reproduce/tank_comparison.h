@@ -1,7 +1,9 @@
-// The paper's tank comparison (Park 2024, Section 6), start to end, on a synthetic recording: the paper's own
-// were never published. The recorded side comes from another image formation than the one fitted: power of
-// scatterers of random phase summed coherently through beam and pulse, over receiver noise, behind a
-// logarithmic display.
+// The paper's tank comparison (Park 2024, Section 6), start to end, on a SYNTHETIC recording: the paper's own
+// were never published. The recorded side is made by the coherent model (sim/coherent_image.h), another image
+// formation than the two that are fitted: fields of point scatterers of random phase at the elements of an
+// array, receiver noise at each element, a beamformer, a logarithmic display.
+//
+// The paper's model is fitted to it, and the acoustic one, on the same frames.
 #pragma once
 
 #include <array>
@@ -30,22 +32,25 @@ struct TankComparisonOptions {
 // Figures of one of the paper's three data sets, over its held-out frames.
 struct TankDataSet {
   std::vector<int> frames;
-  Aggregate before;
+  Aggregate before;  // paper model
   Aggregate after;
+  Aggregate acoustic_expected;     // acoustic model after its fit: the mean over speckle
+  Aggregate acoustic_sample;       // and a speckled sample, from which occupancy is to be read
   double simulation_time_s = 0.0;  // mean of its frames, paper model at the paper's 1500 x 1200 rays
 };
 
 struct TankComparison {
   Scene scene;
-  ParameterSet truth;    // of the synthetic recording (acoustic model)
+  ParameterSet truth;    // of the synthetic recording (coherent model)
   ParameterSet initial;  // the paper's Tables 4 and 5
   std::unique_ptr<MemoryRecording> recording;
-  RecordingFit fit;
+  RecordingFit fit;       // of the paper's model
+  RecordingFit acoustic;  // of the acoustic one
   std::array<TankDataSet, kTankDataSets> data_sets;
   RayGridSize paper_rays;
 };
 
-// Throws DataError where the fit has no usable solution.
+// Throws DataError where a fit has no usable solution.
 TankComparison CompareTank(const TankComparisonOptions& options);
 
 }  // namespace sonarcal

@@ -139,6 +139,62 @@ TEST_F(FitCommand, NothingToTellIsStatusThree) {
   EXPECT_FALSE(std::filesystem::exists(world_ / "out/params.json"));
 }
 
+// The tiny world as the acoustic model has it: levels a thousandth of the paper's, a noise floor, 50 dB.
+ParameterSet TinyAcoustic() {
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.model = EchoModel::kAcoustic;
+  for (auto& [name, material] : parameters.materials) {
+    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
+  }
+  parameters.receiver.noise_db = 120.0;
+  parameters.display = {.db_min = 110.0, .db_max = 160.0};
+  parameters.pulse.length_m = 0.1;
+  parameters.beam.elevation_pattern = ElevationPattern::kGaussian;
+  return parameters;
+}
+
+TEST_F(FitCommand, AModelIsChosenByTheFramesHeldOut) {
+  WriteParameters(world_.params(), TinyAcoustic());
+  WriteParameters(world_ / "start.json", TinyAcoustic());
+  real_ = world_.WriteSimulated("acoustic", true);
+  const std::string arguments = "fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) +
+                                " --params " + Quoted(world_ / "start.json") + " --out " +
+                                Quoted(world_ / "out") +
+                                " -q --rays 96x200 --starts 1 --free receiver.noise_db --held-out 1,3";
+  const Outcome outcome = RunSonarcal(arguments + " --choose looks,trend");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("choice of the model by the likelihood of frames 1 and 3"));
+  const nlohmann::json choice = testing::ReadJsonFile(world_ / "out/fit.json")["model_choice"];
+  EXPECT_EQ(choice["frames"], (std::vector<int>{1, 3}));
+  ASSERT_EQ(choice["axes"].size(), 2U);
+  EXPECT_EQ(choice["axes"][0]["axis"], "looks");
+  for (const nlohmann::json& axis : choice["axes"]) {
+    int chosen = 0;
+    for (const nlohmann::json& variant : axis["variants"]) {
+      for (const char* key : {"name", "nats_per_pixel", "behind_best", "behind_best_sigma", "fitted_values",
+                              "given", "usable", "tied", "chosen"}) {
+        EXPECT_TRUE(variant.contains(key)) << key;
+      }
+      EXPECT_GE(variant["behind_best"].get<double>(), 0.0);
+      chosen += variant["chosen"].get<bool>() ? 1 : 0;
+    }
+    EXPECT_EQ(chosen, 1) << axis["axis"];
+  }
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_THAT(html, HasSubstr("Trend of the noise floor with range"));
+  // Synthetic: one look and no trend were drawn.
+  EXPECT_EQ(ReadParameters(world_ / "out/params.json").receiver.noise_slope_db_per_m, 0.0);
+
+  const Outcome unknown = RunSonarcal(arguments + " --choose sails");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("'sails', expected pattern"));
+  WriteParameters(world_ / "start.json", StartingParameters());
+  const Outcome paper = RunSonarcal(arguments + " --choose looks");
+  EXPECT_EQ(paper.status, 1);
+  EXPECT_THAT(paper.err, HasSubstr("'paper', but only of 'acoustic'"));
+}
+
 TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
   const TinyWorld world;
   const auto recording = OpenRecording(world.WriteSimulated("real"));

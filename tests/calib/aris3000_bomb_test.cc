@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "calib/background_display.h"
+#include "calib/bomb_fit.h"
 #include "calib/target_fit.h"
 #include "data_io/open_recording.h"
 #include "data_io/types/units.h"
@@ -33,25 +34,8 @@ namespace {
 constexpr double kRegressionKs = 0.045;
 constexpr double kRegressionOtherOverlap = 0.102;
 
-// Where the fit starts: a beam and a pulse as the grain shows them.
-constexpr double kBeamDeg = 0.35;
-constexpr double kTaper = 0.6;
-constexpr double kElevationBeamDeg = 30.0;
-constexpr double kPulseBins = 3.0;
-
 // Of the two frames 97 counts are full scale, of the other pose 255. Errors of both are given of 97.
 constexpr double kFullScaleOfOther = 255.0 / 97.0;
-
-const TargetPose kPose = {.range_m = 1.267,
-                          .azimuth_rad = RadFromDeg(-5.118),
-                          .elevation_rad = RadFromDeg(0.738),
-                          .yaw_rad = RadFromDeg(130.832),
-                          .pitch_rad = RadFromDeg(30.320)};
-const TargetPose kOtherPose = {.range_m = 1.569,
-                               .azimuth_rad = RadFromDeg(1.74),
-                               .elevation_rad = RadFromDeg(-9.0),
-                               .yaw_rad = RadFromDeg(32.4),
-                               .pitch_rad = RadFromDeg(30.6)};
 
 // Pixels beyond reach of the object found in the image: 20 bins and 8 beams.
 Mask BackgroundOf(const PolarImage& image) {
@@ -111,30 +95,14 @@ TEST(Aris3000BombTest, BackgroundFollowsASoftenedAmplitude) {
   EXPECT_NEAR(AmplitudeOfLevel(amplitude.display.soft_db), 1.27, 0.05);
 }
 
-ParameterSet Initial(const PolarImage& fitted, const SonarModel& sonar) {
-  ParameterSet initial;
-  initial.model = EchoModel::kAcoustic;
-  initial.source_level_db = 0.0;
-  initial.display = FitBackgroundDisplay(fitted, BackgroundOf(fitted), DisplayLaw::kSoftAmplitude).display;
-  initial.receiver = {.gain_db = 80.0, .noise_db = 0.0};  // the level is the material's to carry
-  initial.beam.azimuth_width_deg = kBeamDeg;
-  initial.beam.azimuth_taper = kTaper;
-  initial.beam.elevation_width_deg = kElevationBeamDeg;
-  initial.pulse.length_m = kPulseBins * sonar.axes.range_bin_m();
-  initial.materials["body"].gsab = {.a = 1e-7, .b_deg = 4.0, .c = 0.02, .d = 0.8, .e = 0.1, .f_deg = 20.0};
-  return initial;
-}
-
 // The whole of frame 0: fitted once for all tests.
 TargetFit FitFrame0(const RecordingSource& recording) {
   const PolarImage fitted = recording.ReadFrame(0).image;
   const SonarModel& sonar = recording.info().sonar;
-  TargetFitOptions options;
-  options.free_pose = false;
-  options.fit.starts = 1;
-  options.fit.function_tolerance = 1e-6;
-  TargetFit fit = FitTarget(MakeBomb(), sonar, recording.info().water.value_or(Water{}), fitted, kPose,
-                            Initial(fitted, sonar), options);
+  const DisplayParameters<double> display =
+      FitBackgroundDisplay(fitted, BackgroundOf(fitted), DisplayLaw::kSoftAmplitude).display;
+  TargetFit fit = FitTarget(MakeBomb(), sonar, recording.info().water.value_or(Water{}), fitted, BombPose(),
+                            BombInitial(display, sonar), BombFitOptions());
   for (const FittedParameter& p : fit.fit.report.parameters) {
     if (p.status != ParameterStatus::kFixed) {
       std::cout << "  " << p.name << " " << p.value << " +- " << p.sigma.value_or(0.0) << " "
@@ -191,12 +159,11 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   ParameterSet known = FitFrame0(*recording).fit.parameters;
   // Level and display count from the noise of each image; all else stays.
   known.display = FitBackgroundDisplay(judged, BackgroundOf(judged), DisplayLaw::kSoftAmplitude).display;
-  TargetFitOptions options;
+  TargetFitOptions options = BombFitOptions();
   options.free_model = false;
-  options.fit.starts = 1;
-  options.fit.function_tolerance = 1e-6;
+  options.free_pose = true;
   const TargetFit fit = FitTarget(MakeBomb(), other->info().sonar, other->info().water.value_or(Water{}),
-                                  judged, kOtherPose, known, options);
+                                  judged, BombOtherPose(), known, options);
   ASSERT_TRUE(fit.fit.usable);
   const Simulator simulator(fit.placed, other->info().sonar, fit.simulation);
   const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);

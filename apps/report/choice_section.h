@@ -1,0 +1,22 @@
+// The choice of a model (calib/model_choice.h) as a section of a report, as text and as JSON.
+#pragma once
+
+#include <string>
+
+#include "apps/report/html_report.h"
+#include "calib/model_choice.h"
+
+namespace sonarcal {
+
+// The table of all variants, and how to read it. Within a section.
+void AddModelChoice(HtmlReport& report, const ModelChoice& choice);
+
+// The same for a terminal, a line a variant.
+std::string ModelChoiceText(const ModelChoice& choice);
+
+// {"frames": [...], "pixels", "blocks", "tie_sigmas", "axes": [{"axis", "variants": [{"name",
+// "nats_per_pixel", "behind_best", "behind_best_sigma", "fitted_values", "given", "usable", "tied",
+// "chosen"}], "notes": [...]}]}
+std::string ModelChoiceJson(const ModelChoice& choice);
+
+}  // namespace sonarcal

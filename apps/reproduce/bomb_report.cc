@@ -1,0 +1,147 @@
+#include "apps/reproduce/bomb_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "apps/report/comparison_section.h"
+#include "apps/report/fit_section.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+std::string Figure(const Statistic& statistic, int digits) {
+  return statistic.value ? fmt::format("{:.{}f}", *statistic.value, digits) : "none";
+}
+
+void AddPose(HtmlReport& report, const BombComparison& bomb) {
+  const TargetPose& pose = bomb.pose.best.pose;
+  report.Subsection("From nothing: the pose found by a search");
+  report.Facts(
+      {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
+       {"Azimuth", fmt::format("{:.2f} deg", DegFromRad(pose.azimuth_rad))},
+       {"Elevation", fmt::format("{:.1f} deg (hardly seen)", DegFromRad(pose.elevation_rad))},
+       {"Yaw of the nose", fmt::format("{:.1f} deg, from the right towards ahead", DegFromRad(pose.yaw_rad))},
+       {"Pitch of the nose", fmt::format("{:.1f} deg", DegFromRad(pose.pitch_rad))},
+       {"Difference of the smoothed images",
+        fmt::format("{:.4f} rms of full scale", std::sqrt(bomb.pose.best.cost))}});
+  report.Paragraph("One frame does not tell:");
+  report.List(bomb.pose.open);
+  Table starts{.caption = "Where the starts ended, on a coarse image, best first",
+               .columns = {{"Start"},
+                           {"Range", "m"},
+                           {"Azimuth", "deg"},
+                           {"Elevation", "deg"},
+                           {"Yaw", "deg"},
+                           {"Pitch", "deg"},
+                           {"Difference", "rms"}},
+               .rows = {}};
+  for (std::size_t i = 0; i < bomb.pose.starts.size(); ++i) {
+    const PoseCandidate& c = bomb.pose.starts[i];
+    starts.rows.push_back(
+        {{fmt::format("{}", i + 1), fmt::format("{:.3f}", c.pose.range_m),
+          fmt::format("{:.2f}", DegFromRad(c.pose.azimuth_rad)),
+          fmt::format("{:.2f}", DegFromRad(c.pose.elevation_rad)),
+          fmt::format("{:.1f}", DegFromRad(c.pose.yaw_rad)),
+          fmt::format("{:.1f}", DegFromRad(c.pose.pitch_rad)), fmt::format("{:.4f}", std::sqrt(c.cost))}});
+  }
+  report.Add(starts);
+}
+
+void AddFittedOutline(HtmlReport& report, const BombComparison& bomb) {
+  report.Subsection("Both models on the other frame");
+  report.Add(RowTable(
+      BombRows(bomb), "The frame that was not fitted (recorded by a sonar), polar image",
+      {"Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
+       "levels "
+       "were stretched over their own range before they were published.",
+       fmt::format(
+           "Speckled samples: means of {}. Occupancy of the acoustic model is to be read from them: no "
+           "detector finds an object of speckle in an image without any, and the expected image's "
+           "union is wide.",
+           BombComparison::kDraws),
+       "The expected image against its own samples: what speckle leaves of the error, were the model right. "
+       "The "
+       "other recorded frame has the speckle of the one judged, which no simulation has.",
+       "Every figure is of one recorded frame, so no interval can be given."}));
+  report.Paragraph(
+      "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
+      "pulse, which the acoustic model has, are what brings the simulated image near the recorded one.");
+  const BombComparison::Fitted& fitted = bomb.fitted;
+  AddPictureLegend(report);
+  for (const FramePictures& frame : fitted.paper.pictures_after)
+    AddFramePictures(report, frame, "The paper's model, fitted");
+  for (const FramePictures& frame : fitted.expected_pictures)
+    AddFramePictures(report, frame, "The acoustic model, fitted: expected image");
+  for (const FramePictures& frame : fitted.sample_pictures)
+    AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample");
+  for (const RecordingFit* fit : {&fitted.paper, &fitted.acoustic}) {
+    const char* name = fit == &fitted.paper ? "paper's" : "acoustic";
+    report.Subsection(fmt::format("Values of the {} model, fitted to the bomb", name));
+    if (fit->fit.usable) {
+      AddFittedValues(report, *fit);
+    } else {
+      report.Callout(CalloutKind::kWarning, "No usable solution", fit->fit.report.termination);
+    }
+  }
+}
+
+}  // namespace
+
+Table RowTable(const std::vector<SummaryRow>& rows, const std::string& caption,
+               std::vector<std::string> notes) {
+  Table table{.caption = caption,
+              .columns = {{"Simulated with"},
+                          {"Ns/Nr"},
+                          {"Na/Ns"},
+                          {"Na/Nr"},
+                          {"IoU"},
+                          {"Error, union"},
+                          {"Error, overlap"},
+                          {"Error, whole image"}},
+              .rows = {},
+              .notes = std::move(notes)};
+  for (const SummaryRow& row : rows) {
+    const ViewSummary& view = row.metrics->aggregate.macro.polar;
+    table.rows.push_back(
+        {{row.name, Figure(view.ns_over_nr, 2), Figure(view.na_over_ns, 2), Figure(view.na_over_nr, 2),
+          Figure(view.iou, 2), Figure(view.union_region.mean_absolute, 3),
+          Figure(view.overlap.mean_absolute, 3), Figure(view.whole.mean_absolute, 3)},
+         row.muted    ? RowStyle::kMuted
+         : row.strong ? RowStyle::kStrong
+                      : RowStyle::kPlain});
+  }
+  return table;
+}
+
+void AddBomb(HtmlReport& report, const BombComparison& bomb) {
+  report.Section("A bomb before an ARIS 3000");
+  report.Paragraph(
+      "Two frames of a body of revolution (length 737 mm, diameter 208 mm, ogive nose) in a test basin. No "
+      "pose was "
+      "recorded. Both models are fitted to the first frame and judged on the second, with an outline and a "
+      "pose that were found on the first frame beforehand. From nothing, with a plain outline and a pose "
+      "that "
+      "is searched for on the first frame, the paper's model is fitted once more, beside the acoustic one "
+      "not "
+      "fitted.");
+  report.Callout(
+      CalloutKind::kLimit, "What the second frame can show",
+      "Both frames show one still scene, and its speckle is frozen: judging on the second guards against "
+      "fitting receiver noise, not against a wrong pose, shape or speckle grain.");
+  AddFittedOutline(report, bomb);
+  AddPose(report, bomb);
+  report.Add(RowTable(SearchedBombRows(bomb),
+                      "The same frame with the plain outline and the pose found by the search",
+                      {"Acoustic model: the one the pose was searched with, its noise floor read off the "
+                       "fitted frame's background and its strength found with the pose; its curve is not "
+                       "fitted."}));
+  AddPictureLegend(report);
+  for (const FramePictures& frame : bomb.fit.pictures_after)
+    AddFramePictures(report, frame, "The paper's model, fitted, at the pose found");
+  for (const FramePictures& frame : bomb.acoustic_pictures)
+    AddFramePictures(report, frame, "The acoustic model, not fitted, at the pose found: expected image");
+}
+
+}  // namespace sonarcal

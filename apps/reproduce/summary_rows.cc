@@ -1,0 +1,63 @@
+#include "apps/reproduce/summary_rows.h"
+
+#include <nlohmann/json.hpp>
+
+namespace sonarcal {
+
+std::vector<SummaryRow> TankRows(const TankComparison& tank) {
+  return {
+      {"paper_initial", "paper model, its own values", &tank.fit.before},
+      {"paper_fitted", "paper model, fitted", &tank.fit.after, true},
+      {"acoustic_initial", "acoustic model, before its fit, expected image", &tank.acoustic.before},
+      {"acoustic_expected", "acoustic model, fitted, expected image", &tank.acoustic.after, true},
+      {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*tank.acoustic.sample_after, true}};
+}
+
+std::vector<SummaryRow> BombRows(const BombComparison& bomb) {
+  std::vector<SummaryRow> rows;
+  const BombComparison::Fitted& fitted = bomb.fitted;
+  if (fitted.paper.fit.usable) {
+    rows.push_back({"paper_initial", "paper model, its own values", &fitted.paper.before});
+    rows.push_back({"paper_fitted", "paper model, fitted", &fitted.paper.after, true});
+  }
+  if (fitted.acoustic.fit.usable) {
+    rows.push_back({"acoustic_expected", "acoustic model, fitted, expected image", &fitted.expected, true});
+    rows.push_back({"acoustic_samples", "acoustic model, fitted, speckled samples", &fitted.samples, true});
+    rows.push_back({"floor", "the expected image against its own samples", &fitted.floor, false, true});
+  }
+  rows.push_back({"real_against_real", "the other recorded frame", &bomb.real_against_real, false, true});
+  return rows;
+}
+
+std::vector<SummaryRow> SearchedBombRows(const BombComparison& bomb) {
+  std::vector<SummaryRow> rows;
+  if (bomb.fit.fit.usable) {
+    rows.push_back({"paper_initial", "paper model, its own values", &bomb.fit.before});
+    rows.push_back({"paper_fitted", "paper model, fitted", &bomb.fit.after});
+  }
+  rows.push_back(
+      {"acoustic_expected", "acoustic model, not fitted, expected image", &bomb.acoustic_expected});
+  rows.push_back({"acoustic_sample", "acoustic model, not fitted, a speckled sample", &bomb.acoustic_sample});
+  return rows;
+}
+
+std::string SummaryJson(const std::vector<SummaryRow>& rows) {
+  using Json = nlohmann::ordered_json;
+  const auto of = [](const Statistic& s) { return s.value ? Json(*s.value) : Json(nullptr); };
+  Json json = Json::object();
+  for (const SummaryRow& row : rows) {
+    const ViewSummary& view = row.metrics->aggregate.macro.polar;
+    json[row.key] = {{"name", row.name},
+                     {"iou", of(view.iou)},
+                     {"ns_over_nr", of(view.ns_over_nr)},
+                     {"na_over_ns", of(view.na_over_ns)},
+                     {"na_over_nr", of(view.na_over_nr)},
+                     {"intensity_error",
+                      {{"union", of(view.union_region.mean_absolute)},
+                       {"overlap", of(view.overlap.mean_absolute)},
+                       {"whole", of(view.whole.mean_absolute)}}}};
+  }
+  return json.dump();
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,26 @@
+// What is known beforehand of the frames of a bomb that an ARIS 3000 recorded (data_io/aris3000_frames_io.h),
+// for fits of the acoustic model to them: docs/bomb.md.
+//
+// Outline (sim/scenes/bomb.h) and poses were found once by least squares of images, on frame 0 and on the
+// other pose alone, and are held where the model is fitted: about them the likelihood trades the wrong
+// outline for worse images. Frame 1 shows the same still scene as frame 0.
+#pragma once
+
+#include "calib/target_fit.h"
+#include "calib/target_pose.h"
+#include "data_io/types/parameters.h"
+#include "data_io/types/sonar_model.h"
+
+namespace sonarcal {
+
+TargetPose BombPose();       // of frames 0 and 1
+TargetPose BombOtherPose();  // of other_pose_fan.png; from here its fit starts
+
+// Where the fit starts: a beam and a pulse as the grain shows them. `display` as read off the background
+// (calib/background_display.h), on which the noise is 0 dB.
+ParameterSet BombInitial(const DisplayParameters<double>& display, const SonarModel& sonar);
+
+// Of the model, at the pose given.
+TargetFitOptions BombFitOptions();
+
+}  // namespace sonarcal

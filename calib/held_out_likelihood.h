@@ -1,0 +1,62 @@
+// Likelihood of whole recorded frames under the acoustic model, for comparing models: of the grey values
+// themselves, so that laws of display compare as fairly as anything else. The chance of a grey level is that
+// of its quantisation interval under speckle about the pixel's mean power, carried through the display
+// (calib/noise_likelihood.h); a clipped value has the chance of all that is shown there. Of kAnything of the
+// pixels the grey is taken to be anything, each level alike: a few pixels that no variant explains would else
+// outweigh all others, and a standard error with them.
+//
+// Sums are kept by block of pixels. Speckle is alike over beam and pulse, and over frames of one pose, so
+// that pixels are not independent but blocks are, nearly; models are compared on the same pixels, and the
+// difference is far better known than either likelihood.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "calib/frame_model.h"
+#include "data_io/types/image.h"
+#include "data_io/types/parameters.h"
+#include "data_io/types/pose.h"
+
+namespace sonarcal {
+
+inline constexpr double kAnything = 0.01;
+
+struct GreyFrame {
+  int index = 0;  // in the recording
+  Pose world_from_sonar;
+  PolarImage image;                    // of grey levels
+  std::vector<std::uint8_t> use = {};  // 1 for the pixels that count; empty: all
+};
+
+struct BlockedLikelihood {
+  std::vector<double> nats;    // log-likelihood, by block
+  std::vector<double> pixels;  // by block
+
+  double Pixels() const;
+  double PerPixel() const;  // mean over all pixels
+};
+
+// Log-likelihood of grey levels about mean powers (by frame, range_bins x beams), looks and display those of
+// the parameters. Blocks are `block_bins` x `block_beams`, those of frames of one pose are one. Values are
+// rounded to whole levels. Throws DataError where an image is not grey or a mean is not positive.
+BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
+                                 const std::vector<std::vector<double>>& mean_power,
+                                 const ParameterSet& parameters, int block_bins, int block_beams);
+
+// What one model has over another, nats a pixel.
+struct LikelihoodDifference {
+  double mean = 0.0;
+  double sigma = 0.0;  // standard error over blocks; 0 of a single block
+};
+
+// a - b, of the same pixels in the same blocks.
+LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelihood& b);
+
+// The number of looks, kFewestLooks..kMostLooks, that explains the frames best about these means.
+inline constexpr double kFewestLooks = 1.0;  // what can be simulated
+inline constexpr double kMostLooks = 40.0;
+double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::vector<double>>& mean_power,
+                 const ParameterSet& parameters);
+
+}  // namespace sonarcal
