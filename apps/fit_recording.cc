@@ -247,7 +247,7 @@ std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simul
     options.fit.progress("fitting the poses of the frames held out, everything else held");
   const std::vector<Pose> held_out = FitPosesOnly(
       simulator, AcousticFrames(recording, fitted, split.held_out, options, fit.parameters.display),
-      fit.parameters, options.fit.progress);
+      fit.parameters, options.config.pose_prior, options.fit.progress);
   for (std::size_t i = 0; i < held_out.size(); ++i) fitted[split.held_out[i]].world_from_sonar = held_out[i];
   return fitted;
 }

@@ -15,6 +15,7 @@ namespace sonarcal {
 namespace {
 
 constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
+constexpr double kMostGrowth = 3.0;  // of an echo, by a move that a slope can speak for; nepers of power
 
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
   using Dual = ceres::Jet<double, kCurveTerms - 1>;
@@ -93,13 +94,12 @@ void AcousticEvaluation::SumEchoes(std::size_t pixel, Sums& sums) const {
     for (std::size_t material = 0; material < materials_; ++material) power += of[material * kCurveStride];
     return power;
   };
-  double of_poses = 0.0;
+  double grown = 0.0;  // by poses, in nepers
   for (std::size_t g = 0; g < moved_.size(); ++g) {
     if (wanted_ == FrameModel::Terms::kResiduals && moved_[g] == 0.0) continue;
     const EchoSlope& slope = echoes_.slopes[g];
-    if (!slope.power.empty()) {
-      sums.slopes[g] = slope.power[pixel];
-      of_poses += moved_[g] * sums.slopes[g];
+    if (!slope.logarithm.empty()) {
+      grown += moved_[g] * slope.logarithm[pixel];
       continue;
     }
     std::fill(sums.scratch.begin(), sums.scratch.end(), 0.0);
@@ -107,7 +107,17 @@ void AcousticEvaluation::SumEchoes(std::size_t pixel, Sums& sums) const {
     sums.slopes[g] = all_materials(sums.scratch);
     for (std::size_t i = 0; i < sums.curves.size(); ++i) sums.curves[i] += moved_[g] * sums.scratch[i];
   }
-  sums.power = all_materials(sums.curves) + of_poses;
+  const double factor = grown == 0.0 ? 1.0 : std::exp(std::clamp(grown, -kMostGrowth, kMostGrowth));
+  for (double& value : sums.curves) value *= factor;
+  sums.power = all_materials(sums.curves);
+  for (std::size_t g = 0; g < moved_.size(); ++g) {
+    const EchoSlope& slope = echoes_.slopes[g];
+    if (slope.logarithm.empty()) {
+      sums.slopes[g] *= factor;
+    } else {
+      sums.slopes[g] = std::abs(grown) < kMostGrowth ? slope.logarithm[pixel] * sums.power : 0.0;
+    }
+  }
 }
 
 // d ln mean / d active values.

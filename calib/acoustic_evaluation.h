@@ -27,13 +27,13 @@ struct RecordedFrame {
   std::span<const float> repeat_share;   // likewise, for other frames of its pose; empty: 1
 };
 
-// What a unit of a geometric parameter adds to the echoes of a frame. Of beam and pulse by incidence, as
-// levels of curves hang on them; of a pose as power before the receiver's gain, with the curves of the point:
-// a pose moves what is seen, and next to nothing of how curves are told from it.
+// What a unit of a geometric parameter does to the echoes of a frame. Of beam and pulse it adds echoes by
+// incidence, as levels of curves hang on them; of a pose it multiplies, whatever the curves, as a flank that
+// moves grows by its own parts and never falls below nothing.
 struct EchoSlope {
   int entry = 0;  // of the catalog
   PixelEchoes echoes = {};
-  std::vector<float> power = {};  // by pixel; empty: by echoes
+  std::vector<float> logarithm = {};  // d ln(power) by pixel; empty: by echoes
 };
 
 struct FrameEchoes {

@@ -21,7 +21,10 @@ namespace {
 // round follows.
 constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
-constexpr double kShrink = 0.25;  // of the reach, after a move that was taken back
+constexpr double kShrink = 0.1;  // of the reach, after a move that was taken back
+
+// Times that poses and radiometry are refined in turn by likelihood, after the first.
+constexpr int kPoseRepeats = 3;
 
 // Rounds of weighing down what the scene does not explain.
 constexpr int kWeightRounds = 2;
@@ -146,17 +149,26 @@ class AcousticFitter {
     cost_initial_ = fit_.report.cost_initial;
   }
 
-  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones.
+  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones. The nearest
+  // stage comes again as long as it gains more than noise does.
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
-    for (const PoseStage& stage : SmoothedPoseStages(model_.grain())) {
-      if (!fit_.usable) return;
-      RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
-      model_.Linearise(fit_.values, {});
-      if (radiometric_.empty()) continue;
-      fit_ = Fit(model_, fit_.values, RadiometryOnly(), again_);
-      iterations_ += fit_.report.iterations;
+    const std::vector<PoseStage> stages = PoseStages(model_.grain());
+    for (const PoseStage& stage : stages) RefineStage(stage);
+    for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
+      if (RefineStage(stages.back()) < 0.5 * static_cast<double>(poses_.size())) break;
     }
+  }
+
+  // Returns by how much the poses alone lowered their cost.
+  double RefineStage(const PoseStage& stage) {
+    if (!fit_.usable) return 0.0;
+    const double fall = RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
+    model_.Linearise(fit_.values, {});
+    if (radiometric_.empty()) return fall;
+    fit_ = Fit(model_, fit_.values, RadiometryOnly(), again_);
+    iterations_ += fit_.report.iterations;
+    return fall;
   }
 
   // Everything together about an ever better point. A point that proves worse, once traced, is taken back,
@@ -169,9 +181,9 @@ class AcousticFitter {
     ParameterValues best;
     double best_cost = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kRounds && fit_.usable && !settled_; ++round) {
-      Say(fmt::format("round {}: tracing about the point reached", round + 1));
       model_.Linearise(fit_.values, geometric_);
       const double cost = CostAt(model_, fit_.values, model_.frame_count());
+      Say(fmt::format("round {}: cost {:.1f} about the point reached", round + 1, cost));
       if (cost > best_cost + noise) {
         scale *= kShrink;
         fit_.values = best;
@@ -296,19 +308,17 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
 }
 
 std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                               const ParameterSet& parameters,
+                               const ParameterSet& parameters, const PosePrior& prior,
                                const std::function<void(const std::string&)>& progress) {
   if (frames.empty()) return {};
   const AcousticFrameModel model(simulator, frames, parameters);
-  FitConfig config{.free = std::vector<std::string>{"pose"}};
+  FitConfig config{.free = std::vector<std::string>{"pose"}, .pose_prior = prior};
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfig(config, catalog);
   GivePriors(model.initial_values(), free, catalog, config);
   ApplyFitConfig(config, catalog);
   ParameterValues values = model.initial_values();
-  std::vector<PoseStage> stages = SmoothedPoseStages(model.grain());
-  stages.push_back(LikelihoodPoseStage());
-  for (const PoseStage& stage : stages) {
+  for (const PoseStage& stage : PoseStages(model.grain())) {
     RefinePoses(model, catalog, FreePoseEntries(catalog, free), stage, values, progress);
   }
   std::vector<Pose> poses;

@@ -49,7 +49,7 @@ AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<Acous
 // The poses of frames, radiometry and all else held: for frames that a fit did not see, which would otherwise
 // be judged at poses known to be off.
 std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                               const ParameterSet& parameters,
+                               const ParameterSet& parameters, const PosePrior& prior = {},
                                const std::function<void(const std::string&)>& progress = {});
 
 }  // namespace sonarcal

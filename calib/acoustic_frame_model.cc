@@ -154,7 +154,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
     below[index] -= step;
     if (entry.group == ParameterGroup::kPose) {
       if (entry.frame != frame && entry.frame != kMountFrame) continue;
-      echoes.slopes.push_back({.entry = index, .power = PowerSlope(frame, above, below, 2.0 * step)});
+      echoes.slopes.push_back({.entry = index, .logarithm = LogarithmSlope(frame, above, below, 2.0 * step)});
       continue;
     }
     // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
@@ -169,21 +169,22 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
   return echoes;
 }
 
-std::vector<float> AcousticFrameModel::PowerSlope(int frame, const ParameterValues& above,
-                                                  const ParameterValues& below, double difference) const {
+std::vector<float> AcousticFrameModel::LogarithmSlope(int frame, const ParameterValues& above,
+                                                      const ParameterValues& below, double difference) const {
+  // Echoes far below the noise change nothing: their logarithm may rest.
+  constexpr double kOfNoise = 1e-3;
   const ParameterSet parameters = Parameters(above);
   const PolarImage high = ExpectedPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
   const PolarImage low = ExpectedPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
-  const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-  const std::vector<double> time_varied = GainByBin(geometry, parameters);
-  const double level = PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db);
+  const ReceiverNoise noise(parameters.receiver, sonar().axes, simulator_.absorption_db_per_m());
   std::vector<float> slope;
   slope.reserve(pixel_count());
   for (int bin = 0; bin < range_bins(); ++bin) {
-    const double of_gain = 1.0 / (level * time_varied[bin] * difference);
     for (int beam = 0; beam < beams(); ++beam) {
-      slope.push_back(
-          static_cast<float>(of_gain * (static_cast<double>(high.value(bin, beam)) - low.value(bin, beam))));
+      const double of_noise = noise.Power(bin, beam);
+      const auto echo = [&](double power) { return std::max(power - of_noise, 0.0) + kOfNoise * of_noise; };
+      slope.push_back(static_cast<float>(std::log(echo(high.value(bin, beam)) / echo(low.value(bin, beam))) /
+                                         difference));
     }
   }
   return slope;

@@ -99,9 +99,9 @@ class AcousticFrameModel final : public FrameModel {
  private:
   Pose PoseEntries(int frame, const ParameterValues& values) const;
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
-  // Difference of the echoes of a frame's two poses, before gain, over `difference`.
-  std::vector<float> PowerSlope(int frame, const ParameterValues& above, const ParameterValues& below,
-                                double difference) const;
+  // Difference of the logarithms of what a frame's two poses hear of the scene, over `difference`.
+  std::vector<float> LogarithmSlope(int frame, const ParameterValues& above, const ParameterValues& below,
+                                    double difference) const;
   FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
 
   const Simulator& simulator_;

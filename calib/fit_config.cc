@@ -82,6 +82,16 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
       of = {numbers[0], numbers[1]};
     }
   }
+  if (const auto prior = root.Find("pose_prior")) {
+    const auto read = [&](const char* key, double& sigma) {
+      const auto value = prior->Find(key);
+      if (!value) return;
+      sigma = value->Number();
+      if (!(sigma > 0.0)) value->Fail("is not above 0");
+    };
+    read("position_m", config.pose_prior.position_m);
+    read("angle_deg", config.pose_prior.angle_deg);
+  }
   if (const auto held_out = root.Find("held_out")) {
     config.held_out.emplace();
     for (const JsonReader& item : held_out->Items()) {
@@ -112,6 +122,8 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
     });
   }
   for (CatalogEntry& entry : catalog) {
+    if (entry.group == ParameterGroup::kPose)
+      entry.typical_step = entry.index < 3 ? config.pose_prior.position_m : config.pose_prior.angle_deg;
     const auto leash = config.leashes.find(entry.name);
     if (leash == config.leashes.end()) continue;
     entry.leash_lower = leash->second.first;

@@ -7,6 +7,7 @@
 //    "fixed": ["material.wall.gsab.*"],
 //    "bounds": {"material.floor.gsab.D": [0.5, 3.0]},
 //    "priors": {"beam.azimuth_width_deg": [1.0, 0.05], "receiver.noise_db": "none"},
+//    "pose_prior": {"position_m": 0.02, "angle_deg": 1.0},
 //    "held_out": [2, 5]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
@@ -27,6 +28,11 @@
 
 namespace sonarcal {
 
+struct PosePrior {
+  double position_m = 0.1;
+  double angle_deg = 3.0;
+};
+
 struct FitConfig {
   std::optional<std::vector<std::string>> free = {};  // absent: what the model's fit frees by default
   std::vector<std::string> fixed = {};
@@ -34,6 +40,7 @@ struct FitConfig {
   // How far one solve may move a parameter, by name; set by a fit in rounds, not by a user.
   std::map<std::string, std::pair<double, double>> leashes = {};
   std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: nothing is known
+  PosePrior pose_prior = {};
   // Frames the fit does not see; absent: the last third, at least one where there are two.
   std::optional<std::vector<int>> held_out = {};
 };

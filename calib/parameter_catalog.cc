@@ -80,10 +80,6 @@ void Narrow(const Limits& limits, CatalogEntry& entry) {
   entry.upper = limits.upper;
 }
 
-// How far a pose may be off, where nobody says.
-constexpr double kPoseStepM = 0.1;
-constexpr double kPoseStepDeg = 3.0;
-
 void AddPose(const std::string& name, int frame, std::vector<CatalogEntry>& catalog) {
   for (int index = 0; index < kPoseSteps; ++index) {
     const bool angle = index >= 3;
@@ -94,7 +90,7 @@ void AddPose(const std::string& name, int frame, std::vector<CatalogEntry>& cata
                        .frame = frame,
                        .lower = angle ? -720.0 : -1e5,
                        .upper = angle ? 720.0 : 1e5,
-                       .typical_step = angle ? kPoseStepDeg : kPoseStepM});
+                       .typical_step = angle ? 3.0 : 0.1});
   }
 }
 

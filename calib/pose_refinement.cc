@@ -210,16 +210,13 @@ class PoseProblem {
 
 }  // namespace
 
-std::vector<PoseStage> SmoothedPoseStages(const FrameModel::Grain& grain) {
+std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain) {
   constexpr double kFar = 4.0;
   constexpr double kFarBeams = 2.0;
   constexpr double kNearBeams = 0.5;
   return {{.smoothing = {kFar * grain.bins, kFarBeams * grain.beams}, .slopes = 2, .thin = 2, .sweep = true},
-          {.smoothing = {grain.bins, kNearBeams * grain.beams}, .slopes = 2}};
-}
-
-PoseStage LikelihoodPoseStage() {
-  return {.smoothing = {}, .slopes = 3};
+          {.smoothing = {grain.bins, kNearBeams * grain.beams}, .slopes = 2},
+          {.smoothing = {}, .slopes = 3}};
 }
 
 std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
@@ -230,9 +227,10 @@ std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const
   return entries;
 }
 
-void RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                 const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
-                 const std::function<void(const std::string&)>& progress) {
+double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                   const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
+                   const std::function<void(const std::string&)>& progress) {
+  double falls = 0.0;
   std::set<int> moved;
   for (const int entry : entries) moved.insert(catalog[entry].frame);
   const double step_m = stage.smoothing.bins * model.sonar().axes.range_bin_m();
@@ -241,13 +239,14 @@ void RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry
     PoseProblem problem(model, catalog, stage, std::move(frames), std::move(of), values);
     if (stage.sweep) problem.Sweep(step_m, step_deg, values);
     const double fall = problem.Solve(stage.slopes, values);
+    falls += fall;
     if (progress) progress(fmt::format("{}: cost down by {:.4g}", name, fall));
   };
   if (moved.count(kMountFrame) != 0) {
     std::vector<int> all;
     for (int frame = 0; frame < model.frame_count(); ++frame) all.push_back(frame);
     refine(all, entries, moved.size() > 1 ? "mount and poses" : "mount");
-    return;
+    return falls;
   }
   for (const int frame : moved) {
     std::vector<int> of;
@@ -255,6 +254,7 @@ void RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry
                  [&](int entry) { return catalog[entry].frame == frame; });
     refine({frame}, of, fmt::format("pose of frame {}", model.frame_index(frame)));
   }
+  return falls;
 }
 
 }  // namespace sonarcal

@@ -23,17 +23,16 @@ struct PoseStage {
   bool sweep = false;  // try headings and distances within twice the prior's sigma before
 };
 
-// From far to near: smoothing over about four grains of speckle, then one. And the likelihood, for when no
-// fit of everything together follows.
-std::vector<PoseStage> SmoothedPoseStages(const FrameModel::Grain& grain);
-PoseStage LikelihoodPoseStage();
+// From far to near: smoothing over about four grains of speckle, over one, and the likelihood.
+std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain);
 
 // Entries of the catalog that are free and decide a pose.
 std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free);
 
 // Moves the `entries` of `values`, all of them of poses; `catalog` is the model's, with bounds and priors.
-void RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                 const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
-                 const std::function<void(const std::string&)>& progress = {});
+// Returns by how much their cost fell, a sweep's part left out.
+double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                   const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
+                   const std::function<void(const std::string&)>& progress = {});
 
 }  // namespace sonarcal
