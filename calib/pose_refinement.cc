@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -65,13 +66,13 @@ class PoseProblem {
     values = best.values;
   }
 
-  double Solve(int slope_rounds, ParameterValues& values) {
+  double Solve(int slope_rounds, bool along_ridge, ParameterValues& values) {
     State state = At(values);
     const double cost_initial = state.cost;
     double damping = kFirstDamping;
     for (int round = 0; round < slope_rounds; ++round) {
       const std::vector<Eigen::MatrixXf> slopes = SlopesAt(state.values);
-      double fall = 0.0;
+      double fall = along_ridge && round == 0 ? TryAlongRidge(slopes, state) : 0.0;
       for (int step = 0; step < kStepsOfSlopes; ++step) {
         const double of_step = Step(slopes, damping, state);
         fall += of_step;
@@ -181,6 +182,31 @@ class PoseProblem {
     return 0.0;
   }
 
+  // Other valleys lie along the direction that the frames tell least, as when a sonar steps aside and turns:
+  // jumps along it, each followed by a step down. Returns by how much the cost fell.
+  double TryAlongRidge(const std::vector<Eigen::MatrixXf>& slopes, State& state) const {
+    const double cost_initial = state.cost;
+    Eigen::VectorXd sigma = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(entries_.size()));
+    for (Eigen::Index k = 0; k < sigma.size(); ++k) {
+      if (const auto& prior = catalog_[entries_[k]].prior; prior) sigma(k) = prior->sigma;
+    }
+    const Eigen::MatrixXd in_sigmas =
+        sigma.asDiagonal() * NormalAt(state, slopes).information * sigma.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(in_sigmas);
+    const Eigen::VectorXd ridge = sigma.cwiseProduct(eigen.eigenvectors().col(0));
+    const ParameterValues from = state.values;
+    for (const double jump : {-0.6, -0.3, -0.15, 0.15, 0.3, 0.6}) {
+      ParameterValues values = from;
+      for (std::size_t k = 0; k < entries_.size(); ++k)
+        values[entries_[k]] += jump * ridge(static_cast<Eigen::Index>(k));
+      State trial = At(values);
+      double damping = kFirstDamping;
+      Step(slopes, damping, trial);
+      if (trial.cost < state.cost) state = std::move(trial);
+    }
+    return cost_initial - state.cost;
+  }
+
   // Of the entries, the one of this index where the problem is one whole pose; -1 otherwise.
   int EntryOf(int index) const {
     if (entries_.size() != kPoseSteps) return -1;
@@ -215,8 +241,8 @@ std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain) {
   constexpr double kFarBeams = 2.0;
   constexpr double kNearBeams = 0.5;
   return {{.smoothing = {kFar * grain.bins, kFarBeams * grain.beams}, .slopes = 2, .thin = 2, .sweep = true},
-          {.smoothing = {grain.bins, kNearBeams * grain.beams}, .slopes = 2},
-          {.smoothing = {}, .slopes = 3}};
+          {.smoothing = {grain.bins, kNearBeams * grain.beams}, .slopes = 2, .along_ridge = true},
+          {.smoothing = {}, .slopes = 3, .along_ridge = true}};
 }
 
 std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
@@ -238,7 +264,7 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
   const auto refine = [&](std::vector<int> frames, std::vector<int> of, const std::string& name) {
     PoseProblem problem(model, catalog, stage, std::move(frames), std::move(of), values);
     if (stage.sweep) problem.Sweep(step_m, step_deg, values);
-    const double fall = problem.Solve(stage.slopes, values);
+    const double fall = problem.Solve(stage.slopes, stage.along_ridge, values);
     falls += fall;
     if (progress) progress(fmt::format("{}: cost down by {:.4g}", name, fall));
   };

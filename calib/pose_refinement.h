@@ -18,9 +18,10 @@ namespace sonarcal {
 
 struct PoseStage {
   PoseSmoothing smoothing;
-  int slopes = 2;      // times they are traced, at most
-  int thin = 1;        // rows and columns of rays are fewer by this factor
-  bool sweep = false;  // try headings and distances within twice the prior's sigma before
+  int slopes = 2;            // times they are traced, at most
+  int thin = 1;              // rows and columns of rays are fewer by this factor
+  bool along_ridge = false;  // jump along what the frames tell least
+  bool sweep = false;        // try headings and distances within twice the prior's sigma before
 };
 
 // From far to near: smoothing over about four grains of speckle, over one, and the likelihood.
