@@ -75,6 +75,8 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"fixed", config.fixed},
                {"bounds", bounds},
                {"priors", priors},
+               {"pose_prior",
+                {{"position_m", config.pose_prior.position_m}, {"angle_deg", config.pose_prior.angle_deg}}},
                {"choose", options.choose},
                {"trust_all", options.trust_all},
                {"held_out", fit.fit.report.frames_held_out},
@@ -95,10 +97,7 @@ std::string FitJson(const RecordingFit& fit) {
       extra += fmt::format(R"(, "sample_metrics_before": {}, "sample_metrics_after": {})",
                            MetricsJson(*fit.sample_before), MetricsJson(*fit.sample_after));
     }
-    if (!fit.still.empty()) {
-      const std::string still = StillJson(fit.still).dump();
-      extra += ", " + still.substr(1, still.size() - 2);
-    }
+    if (!fit.still.empty()) extra += ", " + StillMembers(fit.still);
   }
   if (fit.choice) {
     extra += fmt::format(R"({}"model_choice": {})", extra.empty() ? "" : ", ", ModelChoiceJson(*fit.choice));

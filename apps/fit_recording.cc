@@ -14,7 +14,7 @@
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/acoustic_fan.h"
-#include "sim/physics/receiver.h"
+#include "sim/acoustic_image.h"
 #include "sim/power_response.h"
 
 namespace sonarcal {
@@ -252,22 +252,18 @@ std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simul
   return fitted;
 }
 
-// What the parameters expect of a frame's echoes, without noise.
-std::vector<double> EchoesExpected(const RecordingSource& recording, const Simulator& simulator,
-                                   const ParameterSet& parameters, int index) {
-  const Frame frame = recording.ReadFrame(index);
-  const std::vector<AcousticFrame> frames = {{.index = index,
-                                              .world_from_sonar = frame.info.world_from_sonar.value(),
-                                              .recorded = RecordedPowers(frame.image, parameters.display)}};
-  const AcousticFrameModel model(simulator, frames, parameters);
-  std::vector<double> power = model.MeanPower(0, model.initial_values());
-  const PolarAxes& axes = simulator.sonar().axes;
-  const ReceiverNoise noise(parameters.receiver, axes, simulator.absorption_db_per_m());
-  for (std::size_t pixel = 0; pixel < power.size(); ++pixel) {
-    power[pixel] -=
-        noise.Power(static_cast<int>(pixel) / axes.beam_count(), static_cast<int>(pixel) % axes.beam_count());
-  }
-  return power;
+// What the parameters expect of a pose's echoes, without noise; pixels, beams fastest.
+std::vector<double> EchoesExpected(const Simulator& simulator, const ParameterSet& parameters,
+                                   const Pose& world_from_sonar) {
+  const AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
+  const ScatterMap scatter =
+      MakeScatterMap(simulator.TraceEchoes(world_from_sonar), simulator.fan(), geometry, parameters);
+  const PolarImage power = ExpectedPower(scatter, geometry, parameters);
+  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+  std::vector<double> echoes(noise.size());
+  std::transform(noise.values().begin(), noise.values().end(), power.value.values().begin(), echoes.begin(),
+                 [](double floor, float sum) { return std::max(0.0, sum - floor); });
+  return echoes;
 }
 
 }  // namespace
@@ -388,9 +384,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     result.sample_before = Judge(recording, sample_by(result.initial, poses), judge);
     result.sample_after = Judge(recording, sample_by(result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
-    result.still =
-        TellStillPoses(recording, fitted, simulator.absorption_db_per_m(), UsedPixels(options), &report,
-                       [&](int frame) { return EchoesExpected(recording, simulator, fitted, frame); });
+    result.still = TellStillPoses(
+        recording, fitted, simulator.absorption_db_per_m(), UsedPixels(options), &report,
+        [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
   }
   if (options.pictures) {
     const std::vector<int> shown = TellingFrames(result.after);

@@ -163,8 +163,7 @@ ExitStatus RunFitStill(const FitCommandOptions& options) {
                         .inputs = {options.real}};
   if (!options.params.empty()) provenance.inputs.push_back(options.params);
   const FitReport report = ReportOf(still);
-  const std::string members = StillJson(still).dump();
-  const std::string fit_json = FitReportJson(report, members.substr(1, members.size() - 2));
+  const std::string fit_json = FitReportJson(report, StillMembers(still));
   WriteFileWhole(output / "fit.json", fit_json);
   WriteProvenance(output.staging(), provenance);
   parameters.receiver.noise_db = report.parameters.front().value;

@@ -23,8 +23,11 @@ constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
 constexpr double kShrink = 0.1;  // of the reach, after a move that was taken back
 
-// Times that poses and radiometry are refined in turn by likelihood, after the first.
-constexpr int kPoseRepeats = 3;
+// Times that poses and radiometry are refined in turn by likelihood, after the first, at most; and the fall
+// of cost for each free entry of a pose, in nats, that calls for another turn. Half a nat is what noise moves
+// one parameter by.
+constexpr int kPoseRepeats = 6;
+constexpr double kPoseFall = 0.05;
 
 // Rounds of weighing down what the scene does not explain.
 constexpr int kWeightRounds = 2;
@@ -51,20 +54,6 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   return near;
 }
 
-}  // namespace
-
-void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
-                const std::vector<CatalogEntry>& catalog, FitConfig& config) {
-  for (std::size_t i = 0; i < catalog.size(); ++i) {
-    const CatalogEntry& entry = catalog[i];
-    if (!free[i] || entry.prior) continue;
-    const double value = std::clamp(initial[i], entry.lower, entry.upper);
-    config.priors[entry.name] = {value, entry.typical_step * entry.ValueSlope(value)};
-  }
-}
-
-namespace {
-
 // The steps of a fit, one after the other.
 class AcousticFitter {
  public:
@@ -72,9 +61,7 @@ class AcousticFitter {
                  const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
       : options_(options), config_(given), model_(simulator, frames, initial), catalog_(model_.catalog()) {
     if (!config_.free) config_.free = AcousticFreeByDefault(initial);
-    free_ = ApplyFitConfig(config_, catalog_);
-    GivePriors(model_.initial_values(), free_, catalog_, config_);
-    ApplyFitConfig(config_, catalog_);  // and now the priors
+    free_ = ApplyFitConfigWithPriors(model_.initial_values(), config_, catalog_);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       if (!free_[i]) continue;
       (IsGeometric(catalog_[i]) ? geometric_ : radiometric_).push_back(static_cast<int>(i));
@@ -156,7 +143,7 @@ class AcousticFitter {
     const std::vector<PoseStage> stages = PoseStages(model_.grain());
     for (const PoseStage& stage : stages) RefineStage(stage);
     for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
-      if (RefineStage(stages.back()) < 0.5 * static_cast<double>(poses_.size())) break;
+      if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
     }
   }
 
@@ -314,9 +301,7 @@ std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<Aco
   const AcousticFrameModel model(simulator, frames, parameters);
   FitConfig config{.free = std::vector<std::string>{"pose"}, .pose_prior = prior};
   std::vector<CatalogEntry> catalog = model.catalog();
-  const std::vector<bool> free = ApplyFitConfig(config, catalog);
-  GivePriors(model.initial_values(), free, catalog, config);
-  ApplyFitConfig(config, catalog);
+  const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
   ParameterValues values = model.initial_values();
   for (const PoseStage& stage : PoseStages(model.grain())) {
     RefinePoses(model, catalog, FreePoseEntries(catalog, free), stage, values, progress);

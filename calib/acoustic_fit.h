@@ -23,11 +23,6 @@ namespace sonarcal {
 // materials carry the level; the beam stays as the sonar's own.
 std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial);
 
-// Gives every free entry of the catalog that has no prior yet one about its initial value, one typical step
-// wide. A fit that starts where another ended keeps so what was known beforehand.
-void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
-                const std::vector<CatalogEntry>& catalog, FitConfig& config);
-
 // Level of the noise floor in the darkest fifth of the recorded pixels, dB: where a fit starts.
 double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);
 

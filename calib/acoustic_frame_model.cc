@@ -18,14 +18,10 @@
 namespace sonarcal {
 namespace {
 
-// Half the distance over which echoes are differenced: wide enough that the rays at an object's edge come and
-// go evenly, narrow beside bins and beams.
-double DifferenceStep(const CatalogEntry& entry, const ParameterValues& values, const SonarModel& sonar,
-                      int index) {
+// Half the distance over which echoes are differenced.
+double DifferenceStep(const CatalogEntry& entry, double value, const PolarAxes& axes) {
   constexpr double kOfWidth = 0.03;
-  if (entry.group != ParameterGroup::kPose) return kOfWidth * values[index];
-  return entry.index < 3 ? 0.5 * sonar.axes.range_bin_m()
-                         : std::max(0.1, DegFromRad(sonar.axes.beam_spacing_rad()));
+  return entry.group == ParameterGroup::kPose ? PoseDifference(axes, entry.index) : kOfWidth * value;
 }
 
 }  // namespace
@@ -147,7 +143,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
   FrameEchoes echoes{.at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
-    const double step = DifferenceStep(entry, values, simulator_.sonar(), index);
+    const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
     above[index] += step;

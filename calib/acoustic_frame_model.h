@@ -60,7 +60,7 @@ class AcousticFrameModel final : public FrameModel {
                                       Terms wanted) const override;
 
   const SonarModel& sonar() const { return simulator_.sonar(); }
-  const AcousticFrame& recorded(int frame) const { return frames_[frame]; }
+  const AcousticFrame& frame(int frame) const { return frames_[frame]; }
   // What the sonar should hear from a pose on average: traces a fan of rays, and is linear in nothing.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const RayFan& fan) const;

@@ -148,6 +148,24 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
   return free;
 }
 
+void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
+                const std::vector<CatalogEntry>& catalog, FitConfig& config) {
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    const CatalogEntry& entry = catalog[i];
+    if (!free[i] || entry.prior) continue;
+    const double value = std::clamp(initial[i], entry.lower, entry.upper);
+    config.priors[entry.name] = {value, entry.typical_step * entry.ValueSlope(value)};
+  }
+}
+
+std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitConfig& config,
+                                           std::vector<CatalogEntry>& catalog) {
+  std::vector<bool> free = ApplyFitConfig(config, catalog);
+  GivePriors(initial, free, catalog, config);
+  ApplyFitConfig(config, catalog);  // and now the priors
+  return free;
+}
+
 FrameSplit SplitFrames(const FitConfig& config, int frame_count) {
   FrameSplit split;
   if (config.held_out) {

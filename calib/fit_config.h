@@ -51,6 +51,15 @@ FitConfig ReadFitConfig(const std::filesystem::path& path);
 // DataError for a name or pattern that matches nothing.
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog);
 
+// Gives every free entry of the catalog that has no prior yet one about its initial value, one typical step
+// wide. A fit that starts where another ended keeps so what was known beforehand.
+void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
+                const std::vector<CatalogEntry>& catalog, FitConfig& config);
+
+// Both: which entries are free, every one of them with a prior, in the configuration and in the catalog.
+std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitConfig& config,
+                                           std::vector<CatalogEntry>& catalog);
+
 struct FrameSplit {
   std::vector<int> used;
   std::vector<int> held_out;

@@ -21,9 +21,6 @@
 
 namespace sonarcal {
 
-// One value for each entry of a catalog, in the entry's unit.
-using ParameterValues = std::vector<double>;
-
 // Pixels of a run of range bins, bin by bin. A pixel that does not count has zeros everywhere.
 struct PixelTerms {
   std::vector<double> residual;

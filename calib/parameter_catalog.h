@@ -68,6 +68,9 @@ struct CatalogEntry {
   double ValueSlope(double value) const { return logarithmic ? value : 1.0; }
 };
 
+// One value for each entry of a catalog, in the entry's unit.
+using ParameterValues = std::vector<double>;
+
 // Every parameter of the paper model for a scene with these materials.
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 

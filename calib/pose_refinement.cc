@@ -109,8 +109,6 @@ class PoseProblem {
 
   // What a small move of the sonar changes, frame by frame: pixels x kPoseSteps.
   std::vector<Eigen::MatrixXf> SlopesAt(const ParameterValues& values) const {
-    const double step_m = 0.5 * model_.sonar().axes.range_bin_m();
-    const double step_deg = std::max(0.1, DegFromRad(model_.sonar().axes.beam_spacing_rad()));
     const auto pixels = static_cast<Eigen::Index>(model_.pixel_count());
     std::vector<Eigen::MatrixXf> slopes(frames_.size(), Eigen::MatrixXf(pixels, kPoseSteps));
     tbb::parallel_for(std::size_t{0}, frames_.size() * kPoseSteps, [&](std::size_t task) {
@@ -118,7 +116,7 @@ class PoseProblem {
       const auto k = static_cast<Eigen::Index>(task % kPoseSteps);
       const Pose pose = model_.PoseOf(frames_[i], values);
       PoseStep move = PoseStep::Zero();
-      move(k) = k < 3 ? step_m : step_deg;
+      move(k) = PoseDifference(model_.sonar().axes, static_cast<int>(k));
       slopes[i].col(k) =
           (views_[i].Expected(MovePose(pose, move)) - views_[i].Expected(MovePose(pose, -move))) /
           static_cast<float>(2.0 * move(k));
@@ -167,11 +165,8 @@ class PoseProblem {
       damped.diagonal() *= 1.0 + damping;
       const Eigen::VectorXd step = damped.ldlt().solve(normal.score);
       ParameterValues values = state.values;
-      for (std::size_t k = 0; k < entries_.size(); ++k) {
-        const CatalogEntry& entry = catalog_[entries_[k]];
-        values[entries_[k]] =
-            std::clamp(values[entries_[k]] + step(static_cast<Eigen::Index>(k)), entry.lower, entry.upper);
-      }
+      for (std::size_t k = 0; k < entries_.size(); ++k)
+        Set(entries_[k], values[entries_[k]] + step(static_cast<Eigen::Index>(k)), values);
       State trial = At(values);
       if (!(trial.cost < state.cost)) continue;
       const double fall = state.cost - trial.cost;
@@ -198,7 +193,7 @@ class PoseProblem {
     for (const double jump : {-0.6, -0.3, -0.15, 0.15, 0.3, 0.6}) {
       ParameterValues values = from;
       for (std::size_t k = 0; k < entries_.size(); ++k)
-        values[entries_[k]] += jump * ridge(static_cast<Eigen::Index>(k));
+        Set(entries_[k], from[entries_[k]] + jump * ridge(static_cast<Eigen::Index>(k)), values);
       State trial = At(values);
       double damping = kFirstDamping;
       Step(slopes, damping, trial);
@@ -222,8 +217,13 @@ class PoseProblem {
     for (const int entry : entries_) named(catalog_[entry].index) = values[entry];
     named = NamedValues(MovePose(PoseFromNamedValues(named), move));
     ParameterValues moved = values;
-    for (const int entry : entries_) moved[entry] = named(catalog_[entry].index);
+    for (const int entry : entries_) Set(entry, named(catalog_[entry].index), moved);
     return moved;
+  }
+
+  // Within the entry's bounds.
+  void Set(int entry, double value, ParameterValues& values) const {
+    values[entry] = std::clamp(value, catalog_[entry].lower, catalog_[entry].upper);
   }
 
   const AcousticFrameModel& model_;

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <numbers>
 
+#include "data_io/types/image.h"
 #include "data_io/types/pose.h"
 #include "data_io/types/units.h"
 
@@ -18,6 +20,13 @@ using PoseStep = Eigen::Matrix<double, kPoseSteps, 1>;  // m, m, m, deg, deg, de
 // As in parameter names.
 inline constexpr std::array<const char*, kPoseSteps> kPoseNames = {"x_m",      "y_m",       "z_m",
                                                                    "roll_deg", "pitch_deg", "yaw_deg"};
+
+// Half the distance over which images are differenced along one component of a pose, m or deg: wide enough
+// that the rays at an object's edge come and go evenly, narrow beside bins and beams.
+inline double PoseDifference(const PolarAxes& axes, int component) {
+  constexpr double kLeastDeg = 0.1;
+  return component < 3 ? 0.5 * axes.range_bin_m() : std::max(kLeastDeg, DegFromRad(axes.beam_spacing_rad()));
+}
 
 // The rotation vector of a step's angles in the sonar frame, rad.
 inline Eigen::Vector3d RotationVectorRad(const PoseStep& step) {

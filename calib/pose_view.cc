@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calib/smoothing.h"
 #include "sim/acoustic_image.h"
@@ -21,7 +22,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
       highest_(PowerFromDisplay(parameters.display, 1.0)) {
   if (smoothing.none()) return;
   shown_ = Grid<float>(model.range_bins(), model.beams());
-  const std::vector<RecordedPower>& recorded = model.recorded(frame).recorded;
+  const std::vector<RecordedPower>& recorded = model.frame(frame).recorded;
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     shown_.values()[i] =
         static_cast<float>(std::clamp(DisplayValue(parameters.display, recorded[i].power), 0.0, 1.0));
@@ -69,7 +70,7 @@ PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
   }
   Judgement judged{
       .cost = 0.0, .score = Eigen::VectorXd::Zero(pixels), .information = Eigen::VectorXd::Zero(pixels)};
-  const AcousticFrame& frame = model_.recorded(frame_);
+  const AcousticFrame& frame = model_.frame(frame_);
   const double looks = parameters_.receiver.looks;
   for (Eigen::Index i = 0; i < pixels; ++i) {
     if (!Counts(static_cast<std::size_t>(i))) continue;

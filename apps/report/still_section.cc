@@ -69,7 +69,7 @@ std::string StillText(const StillPoses& still) {
   return text;
 }
 
-Json StillJson(const StillPoses& still) {
+std::string StillMembers(const StillPoses& still) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json poses = Json::array();
   for (const StillPose& pose : still.poses) {
@@ -95,7 +95,7 @@ Json StillJson(const StillPoses& still) {
     }
     poses.push_back(json);
   }
-  return {{"still", poses}, {"still_refused", still.refused}};
+  return fmt::format(R"("still": {}, "still_refused": {})", poses.dump(), Json(still.refused).dump());
 }
 
 void AddStillPoses(HtmlReport& report, const StillPoses& still) {

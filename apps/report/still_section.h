@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "apps/report/html_report.h"
 #include "apps/still_poses.h"
 
@@ -13,8 +11,8 @@ namespace sonarcal {
 // Lines of a summary, each ended; empty where no pose is shown twice.
 std::string StillText(const StillPoses& still);
 
-// The members `still` and `still_refused` of fit.json.
-nlohmann::ordered_json StillJson(const StillPoses& still);
+// The members `still` and `still_refused` of fit.json, as JSON text without the braces around them.
+std::string StillMembers(const StillPoses& still);
 
 // Within a section.
 void AddStillPoses(HtmlReport& report, const StillPoses& still);

@@ -18,18 +18,6 @@ namespace {
 
 constexpr double kTwoSided95 = 1.959964;
 
-ParameterSet Truth() {
-  ParameterSet truth = SmallTankTruth();
-  truth.model = EchoModel::kAcoustic;
-  for (auto& [name, material] : truth.materials) {
-    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
-  }
-  truth.receiver.noise_db = 120.0;
-  // A tenth of the noise is clipped at the bottom.
-  truth.display = {.db_min = 110.0, .db_max = 160.0};
-  return truth;
-}
-
 // Views of every face, steep and slant, each with others beside it.
 std::vector<Pose> Poses(int views_of_each) {
   std::vector<Pose> poses;
@@ -128,7 +116,7 @@ class Study {
 
  private:
   static ParameterSet WithPulse(const CoverageOptions& options) {
-    ParameterSet truth = Truth();
+    ParameterSet truth = SmallTankAcousticTruth();
     truth.pulse.length_m = options.pulse_bins * SmallSonar().axes.range_bin_m();
     return truth;
   }

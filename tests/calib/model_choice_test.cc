@@ -19,17 +19,12 @@ namespace {
 
 using testing::SmallSonar;
 using testing::SmallTank;
+using testing::SmallTankAcousticTruth;
 using testing::SmallTankOptions;
 using testing::SmallTankPoses;
-using testing::SmallTankTruth;
 
 ParameterSet Truth() {
-  ParameterSet truth = SmallTankTruth();
-  truth.model = EchoModel::kAcoustic;
-  for (auto& [name, material] : truth.materials) {
-    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
-  }
-  truth.receiver.noise_db = 120.0;
+  ParameterSet truth = SmallTankAcousticTruth();
   truth.display = {.db_min = 105.0, .db_max = 170.0};
   truth.beam.elevation_pattern = ElevationPattern::kGaussian;
   truth.pulse.length_m = 1.5 * SmallSonar().axes.range_bin_m();

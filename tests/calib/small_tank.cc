@@ -66,6 +66,17 @@ ParameterSet SmallTankTruth() {
   return truth;
 }
 
+ParameterSet SmallTankAcousticTruth() {
+  ParameterSet truth = SmallTankTruth();
+  truth.model = EchoModel::kAcoustic;
+  for (auto& [name, material] : truth.materials) {
+    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
+  }
+  truth.receiver.noise_db = 120.0;
+  truth.display = {.db_min = 110.0, .db_max = 160.0};
+  return truth;
+}
+
 SimulationOptions SmallTankOptions() {
   SimulationOptions options;
   options.bits = 12;

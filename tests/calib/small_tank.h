@@ -16,6 +16,10 @@ std::vector<Pose> SmallTankPoses();
 // Steep contrasts, so that eight bits carry the curve: the paper divides a pixel by all rays of its beam.
 ParameterSet SmallTankTruth();
 
+// The same for the acoustic model: curves 20 dB lower, a noise floor; the display 110 .. 160 dB clips a tenth
+// of the noise at the bottom.
+ParameterSet SmallTankAcousticTruth();
+
 SimulationOptions SmallTankOptions();
 
 // Frames as a fit wants them: the poses' echoes, and what `render` makes of each pose.

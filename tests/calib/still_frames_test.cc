@@ -6,19 +6,14 @@
 
 #include <cmath>
 #include <complex>
-#include <fstream>
 #include <numeric>
 #include <random>
 
-#include <nlohmann/json.hpp>
-
-#include "data_io/open_recording.h"
-#include "data_io/scene_io.h"
 #include "data_io/types/units.h"
-#include "sim/acoustic_fan.h"
 #include "sim/physics/frozen_speckle.h"
 #include "sim/physics/gsab.h"
 #include "sim/pixel_echoes.h"
+#include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {
@@ -243,19 +238,6 @@ TEST(StillFrames, RefusesASceneThatMoves) {
 }
 
 // What the true parameters make the simulator expect, without noise.
-ParameterSet TrueParameters(const nlohmann::json& truth) {
-  ParameterSet parameters;
-  parameters.model = EchoModel::kAcoustic;
-  parameters.source_level_db = truth["source_level_db"];
-  for (const auto& [name, g] : truth["gsab"].items())
-    parameters.materials[name].gsab = {g["A"], g["B"], g["C"], g["D"], g["E"], g["F"]};
-  const nlohmann::json& cell = truth["cell"];
-  parameters.beam.azimuth_width_deg = cell["azimuth_half_power_deg_at_centre"];
-  parameters.beam.elevation_width_deg = cell["elevation_half_power_deg"];
-  parameters.pulse.length_m = cell["range_half_power_m"];
-  return parameters;
-}
-
 std::vector<double> ExpectedEchoes(const Simulator& simulator, const Pose& pose,
                                    const ParameterSet& parameters) {
   const PixelEchoes echoes = GatherPixelEchoes(simulator, pose, parameters);
@@ -278,26 +260,20 @@ std::vector<double> ExpectedEchoes(const Simulator& simulator, const Pose& pose,
 
 TEST(StillFrames, SyntheticTankStandsStill) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_static");
-  const auto recording = OpenRecording(folder);
-  const nlohmann::json truth = nlohmann::json::parse(std::ifstream(folder / "truth.json"));
+  const testing::SyntheticTank tank(folder);
+  const RecordingSource& recording = *tank.recording;
   std::vector<PolarImage> images;
-  for (int i = 0; i < recording->frame_count(); ++i) images.push_back(recording->ReadFrame(i).image);
-  const ImageScale& scale = recording->info().scale;
-  const StillOptions options{.display = {.db_min = scale.db_min.value(), .db_max = scale.db_max.value()}};
-  const StillLevels levels = TellSpeckleFromNoise(images, Numbers(recording->frame_count()), options);
+  for (int i = 0; i < recording.frame_count(); ++i) images.push_back(recording.ReadFrame(i).image);
+  const StillOptions options{.display = tank.known.display};
+  const StillLevels levels = TellSpeckleFromNoise(images, Numbers(recording.frame_count()), options);
   EXPECT_TRUE(levels.moved.empty());
-  const double noise_db = truth["noise_level_db"];
+  const double noise_db = tank.TrueNoiseDb();
   EXPECT_NEAR(levels.noise_db, noise_db, 0.5);
   EXPECT_NEAR(levels.noise_db, noise_db, 4.0 * levels.noise_sigma_db);
   EXPECT_LT(levels.noise_sigma_db, 0.1);
 
-  const ParameterSet parameters = TrueParameters(truth);
-  SimulationOptions simulation;
-  simulation.water = recording->info().water.value();
-  simulation.fan = AcousticFanOptions(recording->info().sonar, parameters);
-  const Simulator simulator(ReadGltf(folder / "scene.gltf"), recording->info().sonar, simulation);
   const std::vector<double> expected =
-      ExpectedEchoes(simulator, recording->frame_info(0).world_from_sonar.value(), parameters);
+      ExpectedEchoes(tank.simulator, recording.frame_info(0).world_from_sonar.value(), tank.TrueParameters());
   const SceneEchoes echoes = CompareSceneEchoes(levels, expected, options);
   EXPECT_GT(echoes.pixels, 10000U);
   EXPECT_NEAR(echoes.measured_db, echoes.expected_db, 0.5);

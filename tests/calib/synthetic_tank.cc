@@ -1,0 +1,75 @@
+#include "tests/calib/synthetic_tank.h"
+
+#include <fstream>
+
+#include "data_io/open_recording.h"
+#include "data_io/scene_io.h"
+#include "sim/acoustic_fan.h"
+
+namespace sonarcal::testing {
+namespace {
+
+ParameterSet Known(const ImageScale& scale) {
+  ParameterSet known;
+  known.model = EchoModel::kAcoustic;
+  known.source_level_db = 200.0;
+  known.display = {.db_min = scale.db_min.value(), .db_max = scale.db_max.value()};
+  known.materials["default"].gsab = {.a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
+  known.beam.azimuth_width_deg = 1.0;
+  known.beam.elevation_width_deg = 20.0;
+  known.pulse.length_m = 0.0254;
+  return known;
+}
+
+SimulationOptions Options(const RecordingInfo& info, const ParameterSet& parameters) {
+  SimulationOptions options;
+  options.water = info.water.value();
+  options.fan = AcousticFanOptions(info.sonar, parameters);
+  return options;
+}
+
+}  // namespace
+
+SyntheticTank::SyntheticTank(const std::filesystem::path& folder)
+    : recording(OpenRecording(folder)),
+      truth(nlohmann::json::parse(std::ifstream(folder / "truth.json"))),
+      known(Known(recording->info().scale)),
+      simulator(ReadGltf(folder / "scene.gltf"), recording->info().sonar, Options(recording->info(), known)) {
+}
+
+std::vector<AcousticFrame> SyntheticTank::Frames(const std::vector<int>& indices) const {
+  std::vector<AcousticFrame> frames;
+  for (const int index : indices) {
+    const Frame frame = recording->ReadFrame(index);
+    frames.push_back({.index = index,
+                      .world_from_sonar = frame.info.world_from_sonar.value(),
+                      .recorded = RecordedPowers(frame.image, known.display)});
+  }
+  return frames;
+}
+
+Pose SyntheticTank::TruePose(int frame) const {
+  const nlohmann::json& pose = truth["frames"][static_cast<std::size_t>(frame)]["world_from_sonar"];
+  const std::vector<double> p = pose["position_m"];
+  const std::vector<double> q = pose["quaternion_wxyz"];
+  return {Eigen::Quaterniond(q.at(0), q.at(1), q.at(2), q.at(3)), {p.at(0), p.at(1), p.at(2)}};
+}
+
+GsabParameters<double> SyntheticTank::TrueCurve(const std::string& material) const {
+  const nlohmann::json& g = truth.at("gsab").at(material);
+  return {g["A"], g["B"], g["C"], g["D"], g["E"], g["F"]};
+}
+
+ParameterSet SyntheticTank::TrueParameters() const {
+  ParameterSet parameters = known;
+  parameters.source_level_db = truth["source_level_db"];
+  for (const auto& [name, curve] : truth["gsab"].items()) parameters.materials[name].gsab = TrueCurve(name);
+  const nlohmann::json& cell = truth["cell"];
+  parameters.beam.azimuth_width_deg = cell["azimuth_half_power_deg_at_centre"];
+  parameters.beam.elevation_width_deg = cell["elevation_half_power_deg"];
+  parameters.pulse.length_m = cell["range_half_power_m"];
+  parameters.receiver.noise_db = TrueNoiseDb();
+  return parameters;
+}
+
+}  // namespace sonarcal::testing

@@ -1,0 +1,37 @@
+// A SYNTHETIC recording of a tank made by another kind of simulation (complex point scatterers, an array of
+// elements): what a user would know of it, and its truth.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "calib/acoustic_frame_model.h"
+#include "data_io/types/recording.h"
+#include "sim/simulator.h"
+
+namespace sonarcal::testing {
+
+struct SyntheticTank {
+  explicit SyntheticTank(const std::filesystem::path& folder);
+
+  // As recorded, at recorded poses.
+  std::vector<AcousticFrame> Frames(const std::vector<int>& indices) const;
+
+  Pose TruePose(int frame) const;
+  GsabParameters<double> TrueCurve(const std::string& material) const;
+  double TrueNoiseDb() const { return truth["noise_level_db"]; }
+  // With the true curves, floor, beam and pulse.
+  ParameterSet TrueParameters() const;
+
+  std::unique_ptr<RecordingSource> recording;
+  nlohmann::json truth;
+  // What a user of that sonar knows: its display, beam and pulse, and that materials are neither mirrors nor
+  // black. No noise level.
+  ParameterSet known;
+  Simulator simulator;
+};
+
+}  // namespace sonarcal::testing
