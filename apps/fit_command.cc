@@ -134,6 +134,9 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
                         p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit, remark);
   }
   if (fixed > 0) text += fmt::format("  and {} fixed\n", fixed);
+  for (const std::string& sentence : report.unidentifiable_directions)
+    text += fmt::format("  left open: {}\n", sentence);
+  for (const std::string& sentence : report.other_poses) text += fmt::format("  left open: {}\n", sentence);
 
   const IntensityDomain domain = fit.after.options.intensity_domain;
   const Aggregate::Views& before = fit.before.aggregate.macro;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "calib/pose_ambiguity.h"
 #include "calib/pose_refinement.h"
 #include "calib/problem_builder.h"
 #include "data_io/types/error.h"
@@ -83,6 +84,7 @@ class AcousticFitter {
     FitInRounds();
     if (!geometric_.empty()) Refit(false);
     WeighDown();
+    LookForOtherPoses();
     AcousticFit result = Result();
     result.report.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return result;
@@ -198,6 +200,12 @@ class AcousticFitter {
       model_.DownWeight(fit_.values);
       Refit(false);
     }
+  }
+
+  void LookForOtherPoses() {
+    if (poses_.empty() || !fit_.usable) return;
+    Say("looking for other poses that explain the frames as well");
+    fit_.report.other_poses = OtherPoses(model_, catalog_, poses_, fit_.values);
   }
 
   AcousticFit Result() {

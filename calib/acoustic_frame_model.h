@@ -59,6 +59,7 @@ class AcousticFrameModel final : public FrameModel {
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
+  const Simulator& simulator() const { return simulator_; }
   const SonarModel& sonar() const { return simulator_.sonar(); }
   const AcousticFrame& frame(int frame) const { return frames_[frame]; }
   // What the sonar should hear from a pose on average: traces a fan of rays, and is linear in nothing.

@@ -34,6 +34,7 @@ struct FitReport {
   std::vector<FittedParameter> parameters;
   std::vector<std::string> gauge;                      // what was fixed and why, in words
   std::vector<std::string> unidentifiable_directions;  // in words
+  std::vector<std::string> other_poses;                // that fit as well, in words
   std::vector<std::string> correlation_names;          // free parameters
   Eigen::MatrixXd correlation;
   std::vector<FittedCurve> curves;

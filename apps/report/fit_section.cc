@@ -281,6 +281,12 @@ void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
         "or where what was assumed beforehand puts them, and no sigma is given for them.");
     report.List(result.unidentifiable_directions);
   }
+  if (!result.other_poses.empty()) {
+    report.Callout(CalloutKind::kLimit, "Poses with a double",
+                   "These frames look as likely from another place. The one nearer to what was recorded is "
+                   "given, and its sigmas are about it alone.");
+    report.List(result.other_poses);
+  }
   report.Add(ValueTable(result));
   AddCorrelations(report, result);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calib/acoustic_fit.h"
+#include "calib/pose_ambiguity.h"
 #include "calib/pose_step.h"
 #include "sim/acoustic_fan.h"
 #include "tests/calib/small_tank.h"
@@ -166,6 +167,36 @@ TEST_F(SmallTankFrames, WhatAFrameCannotTellStaysAndIsNamed) {
   }
   EXPECT_NEAR(fit.report.Find("pose.7.x_m")->value, recorded.position_m.x(), 0.01);
   EXPECT_NEAR(fit.world_from_sonar[0].position_m.z(), pose.position_m.z(), 0.01);
+  EXPECT_TRUE(fit.report.other_poses.empty()) << fit.report.other_poses.front();
+}
+
+// A box in open water, seen from about its middle: mirrored top to bottom it is the same.
+TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
+  Scene box = SmallTank();
+  std::erase_if(box.triangles, [&, i = std::size_t{0}](const auto&) mutable {
+    return box.material_names[box.triangle_material[i++]] == "floor";
+  });
+  box.triangle_material.assign(box.triangles.size(), box.MaterialIndex("box"));
+  const Simulator simulator(box, SmallSonar(), Options());
+  const Pose pose = {RotationFromYawPitchRoll(0.05, -0.04, 0.02), {0.1, -2.3, 0.55}};
+  const Pose mirror = ReflectedPose(pose, 0.0, 1.0);
+  EXPECT_NEAR(mirror.position_m.z(), 0.45, 1e-12);
+  const auto image = [&](const Pose& from) {
+    return simulator.RenderExpected(simulator.TraceEchoes(from), truth_);
+  };
+  const Grid<float> from_pose = image(pose).value;
+  const Grid<float> from_mirror = image(mirror).value;
+  double difference = 0.0;
+  for (std::size_t i = 0; i < from_pose.size(); ++i)
+    difference += std::abs(from_pose.values()[i] - from_mirror.values()[i]);
+  EXPECT_LT(difference / static_cast<double>(from_pose.size()), 0.02) << "grey levels of 255";
+
+  const FitConfig config{.free = std::vector<std::string>{"pose"}};
+  const AcousticFit fit = FitAcousticModel(simulator, {Recorded(simulator, pose, pose, 2)}, truth_, config);
+  ASSERT_TRUE(fit.usable);
+  std::string all;
+  for (const std::string& words : fit.report.other_poses) all += words + "\n";
+  EXPECT_NE(all.find("pose.2: its mirror image"), std::string::npos) << all;
 }
 
 // A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.
