@@ -107,7 +107,8 @@ std::vector<std::string> OtherPosesOf(const AcousticFrameModel& model,
   const Eigen::VectorXd ridge = problem.Ridge(fitted, slopes);
   for (const double sigmas : {-1.5, -0.5, 0.5, 1.5}) {
     if (const auto other = follow(problem.MovedEntries(values, sigmas * ridge)))
-      sentences.push_back(Sentence(model.frame_index(frame), "another pose along what it tells least", *other));
+      sentences.push_back(
+          Sentence(model.frame_index(frame), "another pose along what it tells least", *other));
   }
   const Pose pose = model.PoseOf(frame, values);
   if (const auto heights = HeightsSeen(model, pose)) {
