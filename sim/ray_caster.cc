@@ -1,59 +1,30 @@
 #include "sim/ray_caster.h"
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
-#include <pmmintrin.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 
 #include "data_io/types/error.h"
+#include "sim/embree_queries.h"
+#include "sim/row_math.h"
 
 namespace sonarcal {
 namespace {
 
 constexpr int kPacket = 16;
 
-// Embree is built for flush-to-zero; restores the thread's mode at the end of its scope.
-class FlushDenormals {
- public:
-  FlushDenormals() : saved_(_mm_getcsr()) {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  unsigned saved_;
-};
-
-// Embree 3 takes the coherence flag in a context, Embree 4 in an arguments structure.
-void IntersectPacket(const int* valid, RTCScene scene, RTCRayHit16* packet) {
-#if RTC_VERSION_MAJOR >= 4
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-  rtcIntersect16(valid, scene, packet, &arguments);
-#else
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(valid, scene, &context, packet);
-#endif
-}
-
 }  // namespace
+
+// Directions of a row, padded to whole packets.
+struct RayCaster::RowBuffers {
+  std::array<std::vector<float>, 3> direction;
+};
 
 struct RayCaster::Embree {
   RTCDevice device = nullptr;
@@ -116,50 +87,87 @@ std::int64_t RayCaster::rays_cast() const {
   return embree_->rays_cast.load();
 }
 
+// Rays of one row, in packets. `met(first, count, packet)` follows each packet.
+template <typename Met>
+void RayCaster::CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotation,
+                        const Eigen::Vector3f& origin, float max_range_m, RowBuffers& buffers,
+                        Met&& met) const {
+  const auto padded = static_cast<std::size_t>(fan.cols() + kPacket);
+  for (std::vector<float>& component : buffers.direction) component.resize(padded, 0.0F);
+  fan.RowDirections(row, rotation, buffers.direction[0].data(), buffers.direction[1].data(),
+                    buffers.direction[2].data());
+  embree::Query query(true);
+  alignas(64) RTCRayHit16 packet = {};
+  alignas(64) int valid[kPacket];
+  std::fill_n(packet.ray.org_x, kPacket, origin.x());
+  std::fill_n(packet.ray.org_y, kPacket, origin.y());
+  std::fill_n(packet.ray.org_z, kPacket, origin.z());
+  std::fill_n(packet.ray.mask, kPacket, ~0U);
+  for (int first = 0; first < fan.cols(); first += kPacket) {
+    const int count = std::min(kPacket, fan.cols() - first);
+    for (int i = 0; i < kPacket; ++i) valid[i] = i < count ? -1 : 0;
+    std::copy_n(&buffers.direction[0][first], kPacket, packet.ray.dir_x);
+    std::copy_n(&buffers.direction[1][first], kPacket, packet.ray.dir_y);
+    std::copy_n(&buffers.direction[2][first], kPacket, packet.ray.dir_z);
+    std::fill_n(packet.ray.tfar, kPacket, max_range_m);
+    std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+    query.Intersect16(valid, embree_->scene, &packet);
+    met(first, count, packet);
+  }
+}
+
 FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double max_range_m) const {
   FanHits hits;
   hits.range_m.assign(fan.size(), std::numeric_limits<float>::infinity());
   hits.triangle.assign(fan.size(), -1);
   const Eigen::Matrix3f rotation = world_from_sonar.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f origin = world_from_sonar.position_m.cast<float>();
-
   tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
-    const FlushDenormals flush;
-    alignas(64) RTCRayHit16 packet;
-    alignas(64) int valid[kPacket];
+    const embree::FlushDenormals flush;
+    RowBuffers buffers;
     for (int row = rows.begin(); row != rows.end(); ++row) {
-      for (int first = 0; first < fan.cols(); first += kPacket) {
-        const int count = std::min(kPacket, fan.cols() - first);
-        for (int i = 0; i < kPacket; ++i) {
-          valid[i] = i < count ? -1 : 0;
-          const Eigen::Vector3f direction = rotation * fan.Direction(row, first + std::min(i, count - 1));
-          packet.ray.org_x[i] = origin.x();
-          packet.ray.org_y[i] = origin.y();
-          packet.ray.org_z[i] = origin.z();
-          packet.ray.dir_x[i] = direction.x();
-          packet.ray.dir_y[i] = direction.y();
-          packet.ray.dir_z[i] = direction.z();
-          packet.ray.tnear[i] = 0.0F;
-          packet.ray.tfar[i] = static_cast<float>(max_range_m);
-          packet.ray.time[i] = 0.0F;
-          packet.ray.mask[i] = ~0U;
-          packet.ray.id[i] = 0;
-          packet.ray.flags[i] = 0;
-          packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-          packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-        }
-        IntersectPacket(valid, embree_->scene, &packet);
-        const std::size_t offset = static_cast<std::size_t>(row) * fan.cols() + first;
-        for (int i = 0; i < count; ++i) {
-          if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-          hits.range_m[offset + i] = packet.ray.tfar[i];
-          hits.triangle[offset + i] = static_cast<std::int32_t>(packet.hit.primID[i]);
-        }
-      }
+      CastRow(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
+              [&](int first, int count, const RTCRayHit16& packet) {
+                const std::size_t offset = static_cast<std::size_t>(row) * fan.cols() + first;
+                for (int i = 0; i < count; ++i) {
+                  if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+                  hits.range_m[offset + i] = packet.ray.tfar[i];
+                  hits.triangle[offset + i] = static_cast<std::int32_t>(packet.hit.primID[i]);
+                }
+              });
     }
   });
   embree_->rays_cast += fan.size();
   return hits;
+}
+
+void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
+                         const std::function<void(const RowHits&)>& take) const {
+  const Eigen::Matrix3f rotation = world_from_sonar.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f origin = world_from_sonar.position_m.cast<float>();
+  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
+    const embree::FlushDenormals flush;
+    RowBuffers buffers;
+    const auto padded = static_cast<std::size_t>(fan.cols() + kPacket);
+    std::vector<float> range_m(padded);
+    std::vector<float> half_tangent(padded);
+    std::vector<std::uint16_t> material(padded);
+    for (int row = rows.begin(); row != rows.end(); ++row) {
+      CastRow(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
+              [&](int first, int count, const RTCRayHit16& packet) {
+                row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
+                                       packet.hit.Ng_y, packet.hit.Ng_z, kPacket, &half_tangent[first]);
+                for (int i = 0; i < count; ++i) {
+                  const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+                  range_m[first + i] = hit ? packet.ray.tfar[i] : -1.0F;
+                  material[first + i] = hit ? materials_[packet.hit.primID[i]] : std::uint16_t{0};
+                }
+              });
+      take({row, range_m.data(), half_tangent.data(), material.data()});
+    }
+  });
+  embree_->rays_cast += fan.size();
 }
 
 }  // namespace sonarcal

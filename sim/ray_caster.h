@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,14 @@ struct FanHits {
   std::vector<std::int32_t> triangle;  // index into Scene::triangles; -1 for a miss
 };
 
+// What a row of a fan's rays met; arrays of the fan's columns.
+struct RowHits {
+  int row = 0;
+  const float* range_m = nullptr;       // -1 for a miss
+  const float* half_tangent = nullptr;  // tan(delta / 2) of the incidence angle: 0 (normal) .. 1 (grazing)
+  const std::uint16_t* material = nullptr;
+};
+
 class RayCaster {
  public:
   // The scene is copied into Embree's acceleration structure; triangle normals are kept.
@@ -31,6 +40,11 @@ class RayCaster {
   // Casts every ray of the fan from `world_from_sonar` on all cores; nothing beyond max_range_m is met.
   FanHits Cast(const RayFan& fan, const Pose& world_from_sonar, double max_range_m) const;
 
+  // The same, each row handed to `take` as soon as it is known: from all cores at once, in no order. The
+  // arrays are gone when `take` returns.
+  void CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
+                const std::function<void(const RowHits&)>& take) const;
+
   // Unit normal of a triangle in world coordinates.
   const Eigen::Vector3f& TriangleNormal(int triangle) const { return normals_[triangle]; }
   std::uint16_t TriangleMaterial(int triangle) const { return materials_[triangle]; }
@@ -41,6 +55,11 @@ class RayCaster {
 
  private:
   struct Embree;
+  struct RowBuffers;
+  template <typename Met>
+  void CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& origin,
+               float max_range_m, RowBuffers& buffers, Met&& met) const;
+
   std::unique_ptr<Embree> embree_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<std::uint16_t> materials_;

@@ -5,6 +5,7 @@
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "sim/row_math.h"
 
 namespace sonarcal {
 namespace {
@@ -107,6 +108,17 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     row_sine_height_.push_back(std::sin(elevation + half_height) - std::sin(elevation - half_height));
   }
 
+  const bool pinhole = sampling_ == Sampling::kFrustum;
+  for (int col = 0; col < cols_; ++col) {
+    column_x_.push_back(
+        static_cast<float>(pinhole ? column_sine_[col] / column_cosine_[col] : column_sine_[col]));
+    column_y_.push_back(pinhole ? 1.0F : static_cast<float>(column_cosine_[col]));
+  }
+  for (int row = 0; row < rows_; ++row) {
+    row_across_.push_back(pinhole ? 1.0F : static_cast<float>(row_cosine_[row]));
+    row_up_.push_back(static_cast<float>(pinhole ? row_slope_[row] : row_sine_[row]));
+  }
+
   rays_per_beam_.assign(beams, 0);
   for (int col = 0; col < cols_; ++col) {
     const auto above = std::upper_bound(beam_edges_rad_.begin(), beam_edges_rad_.end(), azimuth_rad_[col]);
@@ -125,6 +137,12 @@ Eigen::Vector3f RayFan::Direction(int row, int col) const {
   return Eigen::Vector3d(column_sine_[col] * row_cosine_[row], column_cosine_[col] * row_cosine_[row],
                          row_sine_[row])
       .cast<float>();
+}
+
+void RayFan::RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const {
+  const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rotation;
+  row_math::Directions(column_x_.data(), column_y_.data(), row_across_[row], row_up_[row], by_rows.data(),
+                       cols_, x, y, z);
 }
 
 Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) const {

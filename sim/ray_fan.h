@@ -53,6 +53,8 @@ class RayFan {
 
   // Unit vector in the sonar frame (X right, Y forward, Z up).
   Eigen::Vector3f Direction(int row, int col) const;
+  // The directions of a whole row in single precision, turned by `rotation`; arrays of cols().
+  void RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const;
   double AzimuthRad(int col) const { return azimuth_rad_[col]; }
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
@@ -88,6 +90,11 @@ class RayFan {
   std::vector<double> row_sine_;
   std::vector<double> row_cosine_;
   std::vector<double> row_sine_height_;  // upper edge's less lower edge's
+  // Directions but for their length: (across x[col], across y[col], up), `across` and `up` of the row.
+  std::vector<float> column_x_;
+  std::vector<float> column_y_;
+  std::vector<float> row_across_;
+  std::vector<float> row_up_;
 };
 
 }  // namespace sonarcal

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "sim/paper_frame.h"
+
 namespace sonarcal {
 namespace {
 
@@ -35,6 +37,14 @@ EchoList Simulator::TraceEchoes(const Pose& world_from_sonar) const {
 
 PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& parameters,
                              int frame_idx) const {
+  if (parameters.model == EchoModel::kPaper && options_.trace.normals == NormalSource::kGeometric) {
+    RefuseMargin();
+    PolarImage image = RenderPaperFrame(caster_, fan_, world_from_sonar, sonar_,
+                                        PaperParametersFor(parameters, caster_.material_names()),
+                                        absorption_db_per_m_, PaperOptions(frame_idx));
+    QuantiseImage(image);
+    return image;
+  }
   if (parameters.model != EchoModel::kCoherent) {
     return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx);
   }
@@ -48,6 +58,12 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
 DrawSeeds Simulator::SeedsOf(int frame_idx) const {
   const std::uint64_t of_frame = options_.seed + static_cast<std::uint64_t>(frame_idx);
   return {.scatterers = options_.frozen_speckle ? options_.seed : of_frame, .receiver = of_frame};
+}
+
+PaperImageOptions Simulator::PaperOptions(int frame_idx) const {
+  PaperImageOptions options{.full_scale = options_.full_scale(), .noise_seed = {}};
+  if (options_.noise) options.noise_seed = options_.seed + static_cast<std::uint64_t>(frame_idx);
+  return options;
 }
 
 // A ray of the margin would count as one of the outer beam.
@@ -64,10 +80,8 @@ PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& p
   PolarImage image;
   if (parameters.model == EchoModel::kPaper) {
     RefuseMargin();
-    PaperImageOptions options{.full_scale = options_.full_scale(), .noise_seed = {}};
-    if (options_.noise) options.noise_seed = options_.seed + static_cast<std::uint64_t>(frame_idx);
     image = RenderPaperImage(echoes, sonar_, PaperParametersFor(parameters, echoes.material_names),
-                             absorption_db_per_m_, options);
+                             absorption_db_per_m_, PaperOptions(frame_idx));
   } else if (options_.noise) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
     image = SampleAcousticImage(MakeScatterMap(echoes, fan_, geometry, parameters), geometry, parameters,

@@ -67,6 +67,7 @@ class Simulator {
   double absorption_db_per_m() const { return absorption_db_per_m_; }
 
  private:
+  PaperImageOptions PaperOptions(int frame_idx) const;
   void RefuseMargin() const;
 
   SonarModel sonar_;

@@ -1,0 +1,75 @@
+// Embree's queries, whichever of its versions 3 and 4 is installed: the one place that knows the difference.
+// Version 3 takes the coherence flag in a context, version 4 in a structure of arguments. Not for other
+// headers: nothing of Embree shows outside the sources that include this.
+#pragma once
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <pmmintrin.h>
+
+namespace sonarcal::embree {
+
+#if RTC_VERSION_MAJOR >= 4
+class Query {
+ public:
+  explicit Query(bool coherent) {
+    rtcInitIntersectArguments(&arguments_);
+    arguments_.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  }
+  void Intersect1(RTCScene scene, RTCRayHit* ray) { rtcIntersect1(scene, ray, &arguments_); }
+  void Intersect4(const int* valid, RTCScene scene, RTCRayHit4* rays) {
+    rtcIntersect4(valid, scene, rays, &arguments_);
+  }
+  void Intersect8(const int* valid, RTCScene scene, RTCRayHit8* rays) {
+    rtcIntersect8(valid, scene, rays, &arguments_);
+  }
+  void Intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
+    rtcIntersect16(valid, scene, rays, &arguments_);
+  }
+
+ private:
+  RTCIntersectArguments arguments_;
+};
+#else
+class Query {
+ public:
+  explicit Query(bool coherent) {
+    rtcInitIntersectContext(&context_);
+    context_.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  }
+  void Intersect1(RTCScene scene, RTCRayHit* ray) { rtcIntersect1(scene, &context_, ray); }
+  void Intersect4(const int* valid, RTCScene scene, RTCRayHit4* rays) {
+    rtcIntersect4(valid, scene, &context_, rays);
+  }
+  void Intersect8(const int* valid, RTCScene scene, RTCRayHit8* rays) {
+    rtcIntersect8(valid, scene, &context_, rays);
+  }
+  void Intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
+    rtcIntersect16(valid, scene, &context_, rays);
+  }
+
+ private:
+  RTCIntersectContext context_;
+};
+#endif
+
+// Embree is built for flush-to-zero; restores the thread's mode at the end of its scope.
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
+}  // namespace sonarcal::embree

@@ -1,0 +1,197 @@
+#include "sim/paper_frame.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "data_io/types/units.h"
+#include "sim/image_geometry.h"
+#include "sim/physics/jitter.h"
+#include "sim/row_math.h"
+
+namespace sonarcal {
+namespace {
+
+// Echoes beyond this many times the display's span count as that much.
+constexpr double kLargestEcho = 0x1p12;
+constexpr double kLargestStep = 0x1p30;
+
+// Strength of a material over tan(incidence / 2), of full scale: finer where its lobes are narrow.
+std::vector<float> StrengthTable(const GsabParameters<double>& gsab, double span_db, int steps) {
+  std::vector<float> table;
+  for (int i = 0; i <= steps + 1; ++i) {
+    const double half_tangent = std::min(1.0, static_cast<double>(i) / steps);
+    table.push_back(static_cast<float>(GsabDb(gsab, DegFromRad(2.0 * std::atan(half_tangent))) / span_db));
+  }
+  return table;
+}
+
+// Everything about a frame that its rays share.
+class RowShader {
+ public:
+  RowShader(const RayFan& fan, const SonarModel& sonar, const PaperParameters<double>& parameters,
+            double absorption_db_per_m, const PaperImageOptions& options)
+      : fan_(fan), axes_(sonar.axes), seed_(options.noise_seed), edges_rad_(sonar.axes.BeamEdgesRad()) {
+    const double span_db = parameters.display.db_max - parameters.display.db_min;
+    // Two-way loss 2 (20 log10 R + alpha R), scaled to the display; what is left of the sonar equation is the
+    // echo at 1 m without absorption or strength.
+    level_.per_log = static_cast<float>(40.0 / std::numbers::ln10 / span_db);
+    level_.per_m = static_cast<float>(2.0 * absorption_db_per_m / span_db);
+    level_.offset = static_cast<float>(NormalisedPaperEcho(parameters, 0.0, 0.0));
+    level_.limit = static_cast<float>(kLargestEcho);
+    double narrowest_deg = 90.0;
+    for (const GsabParameters<double>& gsab : parameters.materials)
+      narrowest_deg = std::min({narrowest_deg, gsab.b_deg, gsab.f_deg});
+    constexpr double kStepsAWidth = 80.0;
+    const int steps = static_cast<int>(std::clamp(kStepsAWidth * 90.0 / narrowest_deg, 1024.0, 65536.0));
+    for (const GsabParameters<double>& gsab : parameters.materials)
+      strengths_.push_back(StrengthTable(gsab, span_db, steps));
+    table_steps_ = steps;
+
+    const int fewest = *std::min_element(fan.rays_per_beam().begin(), fan.rays_per_beam().end());
+    steps_of_one_ = kLargestStep / kLargestEcho * std::max(1, fewest);
+    for (int col = 0; col < fan.cols(); ++col) {
+      const int beam = fan.BeamOfColumn(col);
+      beam_.push_back(beam);
+      azimuth_rad_.push_back(static_cast<float>(fan.AzimuthRad(col)));
+      weight_.push_back(static_cast<float>(steps_of_one_ / fan.rays_per_beam()[beam]));
+    }
+    if (!seed_) return;
+    const JitterParameters<double>& jitter = parameters.jitter;
+    growth_ = {.per_reference_square =
+                   static_cast<float>(1.0 / (jitter.reference_range_m * jitter.reference_range_m)),
+               .root = jitter.growth == JitterGrowth::kRoot};
+    range_scale_ = static_cast<float>(JitterSigmaRangeM(jitter, 0.0, sonar.frequency_hz));
+    azimuth_scale_ = static_cast<float>(JitterSigmaAzimuthRad(jitter, 0.0, sonar.frequency_hz));
+    even_beams_ = ImageGeometry(sonar, absorption_db_per_m).beams_are_even;
+  }
+
+  double steps_of_one() const { return steps_of_one_; }
+
+  // Arrays of a row, one set a thread.
+  struct Buffers {
+    explicit Buffers(int cols)
+        : range_m(cols), azimuth_rad(cols), a(cols), b(cols), steps(cols), bin(cols), beam(cols) {}
+    std::vector<float> range_m;
+    std::vector<float> azimuth_rad;
+    std::vector<float> a;
+    std::vector<float> b;
+    std::vector<std::int32_t> steps;
+    std::vector<std::int32_t> bin;
+    std::vector<std::int32_t> beam;
+  };
+
+  void Add(const RowHits& hits, Buffers& of, Grid<std::int64_t>& sums) const {
+    Shade(hits, of);
+    const float* range_m = hits.range_m;
+    const std::int32_t* beam = beam_.data();
+    const int cols = fan_.cols();
+    if (seed_) {
+      const auto first = static_cast<std::uint32_t>(hits.row) * static_cast<std::uint32_t>(cols);
+      row_math::NormalPairs(*seed_, first, cols, of.a.data(), of.b.data());
+      row_math::Disturb(growth_, range_scale_, azimuth_scale_, hits.range_m, azimuth_rad_.data(), of.a.data(),
+                        of.b.data(), cols, of.range_m.data(), of.azimuth_rad.data());
+      range_m = of.range_m.data();
+      BeamsOf(of);
+      beam = of.beam.data();
+    }
+    row_math::Bins(range_m, static_cast<float>(axes_.range_min_m),
+                   static_cast<float>(1.0 / axes_.range_bin_m()), axes_.range_bins, cols, of.bin.data());
+    const auto nearest_m = static_cast<float>(axes_.range_min_m);
+    const auto farthest_m = static_cast<float>(axes_.range_max_m);
+    for (int i = 0; i < cols; ++i) {
+      const float true_m = hits.range_m[i];
+      if (of.bin[i] < 0 || beam[i] < 0 || !(true_m > 0.0F && true_m >= nearest_m && true_m < farthest_m))
+        continue;
+      sums(of.bin[i], beam[i]) += of.steps[i];
+    }
+  }
+
+ private:
+  // A row seldom shows more than a few materials: each run of one is shaded at once.
+  void Shade(const RowHits& hits, Buffers& of) const {
+    for (int first = 0; first < fan_.cols();) {
+      int end = first + 1;
+      while (end < fan_.cols() && hits.material[end] == hits.material[first]) ++end;
+      const row_math::Table table{strengths_[hits.material[first]].data(), table_steps_};
+      row_math::EchoSteps(level_, table, hits.range_m + first, hits.half_tangent + first,
+                          weight_.data() + first, end - first, of.steps.data() + first);
+      first = end;
+    }
+  }
+
+  void BeamsOf(Buffers& of) const {
+    const int beams = axes_.beam_count();
+    const double width = (edges_rad_.back() - edges_rad_.front()) / beams;
+    if (even_beams_) {
+      row_math::Bins(of.azimuth_rad.data(), static_cast<float>(edges_rad_.front()),
+                     static_cast<float>(1.0 / width), beams, fan_.cols(), of.beam.data());
+      return;
+    }
+    for (int i = 0; i < fan_.cols(); ++i) {
+      const auto above = std::upper_bound(edges_rad_.begin(), edges_rad_.end(), of.azimuth_rad[i]);
+      const auto beam = static_cast<std::int32_t>(above - edges_rad_.begin()) - 1;
+      of.beam[i] = beam < beams ? beam : -1;
+    }
+  }
+
+  const RayFan& fan_;
+  const PolarAxes& axes_;
+  std::optional<std::uint64_t> seed_;
+  std::vector<double> edges_rad_;
+  row_math::EchoLevel level_;
+  std::vector<std::vector<float>> strengths_;  // by material
+  int table_steps_ = 0;
+  double steps_of_one_ = 0.0;  // of the fixed-point sum, for a ray that is a pixel's whole echo
+  std::vector<std::int32_t> beam_;
+  std::vector<float> azimuth_rad_;
+  std::vector<float> weight_;
+  row_math::Growth growth_;
+  float range_scale_ = 0.0F;
+  float azimuth_scale_ = 0.0F;
+  bool even_beams_ = true;
+};
+
+}  // namespace
+
+PolarImage RenderPaperFrame(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                            const SonarModel& sonar, const PaperParameters<double>& parameters,
+                            double absorption_db_per_m, const PaperImageOptions& options) {
+  SONARCAL_CHECK(parameters.materials.size() == caster.material_names().size(),
+                 "{} materials, {} parameter sets", caster.material_names().size(),
+                 parameters.materials.size());
+  const PolarAxes& axes = sonar.axes;
+  const RowShader shader(fan, sonar, parameters, absorption_db_per_m, options);
+  struct Local {
+    Grid<std::int64_t> sums;
+    RowShader::Buffers buffers;
+  };
+  tbb::enumerable_thread_specific<Local> locals([&] {
+    return Local{Grid<std::int64_t>(axes.range_bins, axes.beam_count()), RowShader::Buffers(fan.cols())};
+  });
+  caster.CastRows(fan, world_from_sonar, axes.range_max_m, [&](const RowHits& hits) {
+    Local& local = locals.local();
+    shader.Add(hits, local.buffers, local.sums);
+  });
+
+  Grid<std::int64_t> total(axes.range_bins, axes.beam_count());
+  for (const Local& local : locals) {
+    for (std::size_t i = 0; i < total.size(); ++i) total.values()[i] += local.sums.values()[i];
+  }
+  PolarImage image{axes,
+                   {.quantity = Quantity::kGrey,
+                    .full_scale = options.full_scale,
+                    .db_min = parameters.display.db_min,
+                    .db_max = parameters.display.db_max,
+                    .db_span = {}},
+                   Grid<float>(axes.range_bins, axes.beam_count())};
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    const double value = static_cast<double>(total.values()[i]) / shader.steps_of_one();
+    image.value.values()[i] = static_cast<float>(std::clamp(value, 0.0, 1.0) * options.full_scale);
+  }
+  return image;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,233 @@
+#include "sim/row_math.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#define SONARCAL_AVX2
+#endif
+
+#include <cmath>
+#include <numbers>
+
+// A resolver of versions runs before a sanitizer is ready.
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+#define SONARCAL_VECTOR_VERSIONS __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define SONARCAL_VECTOR_VERSIONS
+#endif
+
+namespace sonarcal::row_math {
+
+SONARCAL_VECTOR_VERSIONS
+void Directions(const float* __restrict x, const float* __restrict y, float across, float up,
+                const float* __restrict rotation, int count, float* __restrict world_x,
+                float* __restrict world_y, float* __restrict world_z) {
+  for (int i = 0; i < count; ++i) {
+    const float right = x[i] * across;
+    const float ahead = y[i] * across;
+    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + up * up);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * up);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void HalfTangents(const float* __restrict dx, const float* __restrict dy, const float* __restrict dz,
+                  const float* __restrict nx, const float* __restrict ny, const float* __restrict nz,
+                  int count, float* __restrict half_tangent) {
+  for (int i = 0; i < count; ++i) {
+    const float x = dy[i] * nz[i] - dz[i] * ny[i];
+    const float y = dz[i] * nx[i] - dx[i] * nz[i];
+    const float z = dx[i] * ny[i] - dy[i] * nx[i];
+    const float sine_square = x * x + y * y + z * z;
+    const float cosine = std::abs(dx[i] * nx[i] + dy[i] * ny[i] + dz[i] * nz[i]);
+    const float length = std::sqrt(sine_square + cosine * cosine);
+    half_tangent[i] = std::sqrt(sine_square) / (length + cosine + 1e-30F);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void EchoSteps(const EchoLevel& level, const Table& table, const float* __restrict range_m,
+               const float* __restrict half_tangent, const float* __restrict weight, int count,
+               std::int32_t* __restrict steps) {
+  constexpr float kNearestM = 1e-4F;  // a miss must not be a number that is none
+  const EchoLevel l = level;
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = half_tangent[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
+    const float metres = range_m[i] > kNearestM ? range_m[i] : kNearestM;
+    const float echo = l.offset - l.per_log * std::log(metres) - l.per_m * metres + strength;
+    const float kept = echo > l.limit ? l.limit : (echo < -l.limit ? -l.limit : echo);
+    steps[i] = static_cast<std::int32_t>(std::nearbyint(kept * weight[i]));
+  }
+}
+
+namespace {
+
+constexpr int kLanes = 64;
+
+// Philox 4x32-10 (sim/random.h), a lane for each index: words 0 and 2, which are the high ones.
+constexpr std::uint32_t kMultiplier0 = 0xD2511F53;
+constexpr std::uint32_t kMultiplier1 = 0xCD9E8D57;
+constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
+constexpr std::uint32_t kWeyl1 = 0xBB67AE85;
+constexpr int kPhiloxRounds = 10;
+
+void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, std::uint32_t* word0, std::uint32_t* word2) {
+  for (int i = 0; i < kLanes; ++i) {
+    std::uint32_t c[4] = {first + static_cast<std::uint32_t>(i), 0, 0, 0};
+    auto key0 = static_cast<std::uint32_t>(seed);
+    auto key1 = static_cast<std::uint32_t>(seed >> 32);
+    for (int round = 0; round < kPhiloxRounds; ++round) {
+      const std::uint64_t p0 = std::uint64_t{kMultiplier0} * c[0];
+      const std::uint64_t p1 = std::uint64_t{kMultiplier1} * c[2];
+      c[0] = static_cast<std::uint32_t>(p1 >> 32) ^ c[1] ^ key0;
+      c[2] = static_cast<std::uint32_t>(p0 >> 32) ^ c[3] ^ key1;
+      c[1] = static_cast<std::uint32_t>(p1);
+      c[3] = static_cast<std::uint32_t>(p0);
+      key0 += kWeyl0;
+      key1 += kWeyl1;
+    }
+    word0[i] = c[0];
+    word2[i] = c[2];
+  }
+}
+
+#ifdef SONARCAL_AVX2
+// High and low halves of 32 x 32 bit products, lane by lane.
+__attribute__((target("avx2"))) inline void Multiply(__m256i value, __m256i by, __m256i& high, __m256i& low) {
+  const __m256i even = _mm256_mul_epu32(value, by);
+  const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(value, 32), by);
+  high = _mm256_blend_epi32(_mm256_srli_epi64(even, 32), odd, 0xAA);
+  low = _mm256_blend_epi32(even, _mm256_slli_epi64(odd, 32), 0xAA);
+}
+
+struct PhiloxLanes {
+  __m256i c[4];
+};
+
+__attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by0, __m256i by1, __m256i key0,
+                                                  __m256i key1) {
+  __m256i high0;
+  __m256i high1;
+  __m256i low0;
+  __m256i low1;
+  Multiply(lanes.c[0], by0, high0, low0);
+  Multiply(lanes.c[2], by1, high1, low1);
+  lanes.c[0] = _mm256_xor_si256(_mm256_xor_si256(high1, lanes.c[1]), key0);
+  lanes.c[2] = _mm256_xor_si256(_mm256_xor_si256(high0, lanes.c[3]), key1);
+  lanes.c[1] = low1;
+  lanes.c[3] = low0;
+}
+
+// Two vectors at a time: one's products are under way while the other's are used.
+__attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::uint32_t first,
+                                                     std::uint32_t* word0, std::uint32_t* word2) {
+  const __m256i by0 = _mm256_set1_epi64x(kMultiplier0);
+  const __m256i by1 = _mm256_set1_epi64x(kMultiplier1);
+  const __m256i weyl0 = _mm256_set1_epi32(static_cast<int>(kWeyl0));
+  const __m256i weyl1 = _mm256_set1_epi32(static_cast<int>(kWeyl1));
+  const __m256i zero = _mm256_setzero_si256();
+  const __m256i steps = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  for (int start = 0; start < kLanes; start += 16) {
+    const auto from = static_cast<int>(first + static_cast<std::uint32_t>(start));
+    PhiloxLanes a = {{_mm256_add_epi32(_mm256_set1_epi32(from), steps), zero, zero, zero}};
+    PhiloxLanes b = {{_mm256_add_epi32(a.c[0], _mm256_set1_epi32(8)), zero, zero, zero}};
+    __m256i key0 = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed)));
+    __m256i key1 = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed >> 32)));
+    for (int round = 0; round < kPhiloxRounds; ++round) {
+      Round(a, by0, by1, key0, key1);
+      Round(b, by0, by1, key0, key1);
+      key0 = _mm256_add_epi32(key0, weyl0);
+      key1 = _mm256_add_epi32(key1, weyl1);
+    }
+    _mm256_store_si256(reinterpret_cast<__m256i*>(word0 + start), a.c[0]);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(word2 + start), a.c[2]);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(word0 + start + 8), b.c[0]);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(word2 + start + 8), b.c[2]);
+  }
+}
+#endif
+
+void PhiloxWords(std::uint64_t seed, std::uint32_t first, std::uint32_t* word0, std::uint32_t* word2) {
+#ifdef SONARCAL_AVX2
+  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (has_avx2) {
+    PhiloxWordsAvx2(seed, first, word0, word2);
+    return;
+  }
+#endif
+  PhiloxWordsPlain(seed, first, word0, word2);
+}
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void NormalPairs(std::uint64_t seed, std::uint32_t first, int count, float* __restrict a,
+                 float* __restrict b) {
+  for (int start = 0; start < count; start += kLanes) {
+    alignas(32) std::uint32_t first_word[kLanes];
+    alignas(32) std::uint32_t third_word[kLanes];
+    PhiloxWords(seed, first + static_cast<std::uint32_t>(start), first_word, third_word);
+    // Box and Muller. The high words alone: steps of 2^-32 reach 6.7 standard deviations. Turns lie within
+    // half a one of 0, where single precision serves a sine best. Sine and cosine in loops of their own: a
+    // compiler that takes them together finds no vectors for both.
+    constexpr float kStep = 0x1p-32F;
+    constexpr float kWholeTurn = 2.0F * std::numbers::pi_v<float>;
+    float radius[kLanes];
+    float angle[kLanes];
+    float normal_a[kLanes];
+    float normal_b[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+      const float u =
+          (static_cast<float>(static_cast<std::int32_t>(first_word[i] >> 1)) * 2.0F + 1.0F) * kStep;
+      radius[i] = std::sqrt(-2.0F * std::log(u));
+      angle[i] = static_cast<float>(static_cast<std::int32_t>(third_word[i])) * (kWholeTurn * kStep);
+    }
+    for (int i = 0; i < kLanes; ++i) normal_a[i] = radius[i] * std::cos(angle[i]);
+    for (int i = 0; i < kLanes; ++i) normal_b[i] = radius[i] * std::sin(angle[i]);
+    const int here = count - start < kLanes ? count - start : kLanes;
+    for (int i = 0; i < here; ++i) {
+      a[start + i] = normal_a[i];
+      b[start + i] = normal_b[i];
+    }
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const float* __restrict range_m,
+             const float* __restrict azimuth_rad, const float* __restrict a, const float* __restrict b,
+             int count, float* __restrict noisy_range_m, float* __restrict noisy_azimuth_rad) {
+  const float per_square = growth.per_reference_square;
+  if (growth.root) {
+    for (int i = 0; i < count; ++i) {
+      const float g = std::sqrt(1.0F + range_m[i] * range_m[i] * per_square);
+      noisy_range_m[i] = range_m[i] + range_scale * g * a[i];
+      noisy_azimuth_rad[i] = azimuth_rad[i] + azimuth_scale * g * b[i];
+    }
+    return;
+  }
+  for (int i = 0; i < count; ++i) {
+    const float g = 1.0F + range_m[i] * range_m[i] * per_square;
+    noisy_range_m[i] = range_m[i] + range_scale * g * a[i];
+    noisy_azimuth_rad[i] = azimuth_rad[i] + azimuth_scale * g * b[i];
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Bins(const float* __restrict value, float first, float per_step, int bins, int count,
+          std::int32_t* __restrict bin) {
+  const auto end = static_cast<float>(bins);
+  for (int i = 0; i < count; ++i) {
+    const float position = (value[i] - first) * per_step;
+    const bool inside = position >= 0.0F && position < end;
+    const float kept = inside ? position : -1.0F;
+    bin[i] = static_cast<std::int32_t>(kept);
+  }
+}
+
+}  // namespace sonarcal::row_math

@@ -1,0 +1,58 @@
+// The arithmetic of a row of rays, in single precision over arrays, as fast as the processor's vectors make
+// it. Formulas are those of sim/physics, stated there; here they are only evaluated. Everything else about
+// rays is in double precision and one at a time: the tests hold the two against each other.
+//
+// This file's source is compiled with relaxed floating point (no NaN, no infinity), in one version for any
+// processor and one for those with AVX2, chosen when the program starts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace sonarcal::row_math {
+
+// Unit vectors: (x[i] across, y[i] across, up), turned by `rotation` (rows one after the other) and brought
+// to length 1.
+void Directions(const float* x, const float* y, float across, float up, const float* rotation, int count,
+                float* world_x, float* world_y, float* world_z);
+
+// tan(delta / 2) of the angle delta between a direction and a normal of any length and either side, 0..1:
+// exact to single precision at every angle, where a cosine is blind about 0.
+void HalfTangents(const float* dx, const float* dy, const float* dz, const float* nx, const float* ny,
+                  const float* nz, int count, float* half_tangent);
+
+// A function of one variable on 0..1, in even steps, linear between: values[0 .. steps + 1].
+struct Table {
+  const float* values = nullptr;
+  int steps = 0;
+};
+
+// Steps of a fixed-point sum: echo[i] = offset - per_log x ln(range) - per_m x range + table(half_tangent),
+// kept within +-limit, times weight[i], rounded. A range that is none (a miss) gives a number of no meaning.
+struct EchoLevel {
+  float offset = 0.0F;
+  float per_log = 0.0F;
+  float per_m = 0.0F;
+  float limit = 0.0F;
+};
+void EchoSteps(const EchoLevel& level, const Table& table, const float* range_m, const float* half_tangent,
+               const float* weight, int count, std::int32_t* steps);
+
+// Two standard normal numbers for each of `count` indices from `first` on: those of
+// CounterRandom(seed, 0).Normal2, but for rounding. first + count <= 2^32.
+void NormalPairs(std::uint64_t seed, std::uint32_t first, int count, float* a, float* b);
+
+// Standard deviation of an error that grows with range: scale x g(R), g^2 (or g, where not `root`) =
+// 1 + (R / reference)^2; added to what it disturbs.
+struct Growth {
+  float per_reference_square = 0.0F;  // 1 / reference^2
+  bool root = true;
+};
+void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const float* range_m,
+             const float* azimuth_rad, const float* a, const float* b, int count, float* noisy_range_m,
+             float* noisy_azimuth_rad);
+
+// floor((value - first) x per_step), -1 where that is not 0 .. bins - 1.
+void Bins(const float* value, float first, float per_step, int bins, int count, std::int32_t* bin);
+
+}  // namespace sonarcal::row_math

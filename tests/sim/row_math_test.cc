@@ -1,0 +1,131 @@
+// Rows in single precision against the formulas one at a time, in double.
+#include "sim/row_math.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "sim/ray_fan.h"
+#include "sim/random.h"
+#include "sim/sonar_presets.h"
+
+namespace sonarcal {
+namespace {
+
+TEST(RowMath, DirectionsAreThoseOfTheFan) {
+  const SonarModel sonar = FindSonarPreset("p900-45").sonar;
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(0.7, -0.2, 0.5, 0.4).normalized();
+  const Eigen::Matrix3f rotation = turn.toRotationMatrix().cast<float>();
+  for (const Sampling sampling : {Sampling::kFrustum, Sampling::kBeams}) {
+    const RayFan fan(sonar, {.sampling = sampling, .cols = 300, .rows = 41});
+    std::vector<float> x(fan.cols());
+    std::vector<float> y(fan.cols());
+    std::vector<float> z(fan.cols());
+    for (int row = 0; row < fan.rows(); ++row) {
+      fan.RowDirections(row, rotation, x.data(), y.data(), z.data());
+      for (int col = 0; col < fan.cols(); ++col) {
+        const Eigen::Vector3f expected = rotation * fan.Direction(row, col);
+        ASSERT_LT((Eigen::Vector3f(x[col], y[col], z[col]) - expected).norm(), 5e-7F) << row << ' ' << col;
+      }
+    }
+  }
+}
+
+TEST(RowMath, HalfTangentsOfEveryAngle) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const int count = 2000;
+  std::vector<float> d[3];
+  std::vector<float> n[3];
+  std::vector<double> angle_rad;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d along = Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const Eigen::Vector3d aside = along.unitOrthogonal();
+    // Down to a thousandth of a degree.
+    const double delta = i % 2 == 0 ? 1.7e-5 * (1 + i) : (i + 0.5) / count * 0.5 * std::numbers::pi;
+    const double sign = i % 3 == 0 ? -1.0 : 1.0;
+    const Eigen::Vector3d of = sign * std::exp(normal(random)) * (std::cos(delta) * along + std::sin(delta) * aside);
+    for (int k = 0; k < 3; ++k) {
+      d[k].push_back(static_cast<float>(along[k]));
+      n[k].push_back(static_cast<float>(of[k]));
+    }
+    angle_rad.push_back(delta);
+  }
+  std::vector<float> found(count);
+  row_math::HalfTangents(d[0].data(), d[1].data(), d[2].data(), n[0].data(), n[1].data(), n[2].data(), count,
+                         found.data());
+  // Five roundings of single precision.
+  for (int i = 0; i < count; ++i) EXPECT_NEAR(2.0 * std::atan(found[i]), angle_rad[i], 6e-7) << angle_rad[i];
+}
+
+TEST(RowMath, EchoStepsFollowTheLevel) {
+  std::vector<float> table;
+  constexpr int kSteps = 1000;
+  for (int i = 0; i <= kSteps + 1; ++i) table.push_back(std::sin(3.0F * static_cast<float>(i) / kSteps));
+  const row_math::EchoLevel level{.offset = 2.0F, .per_log = 0.3F, .per_m = 0.01F, .limit = 2.5F};
+  const int count = 501;
+  std::vector<float> range_m(count);
+  std::vector<float> half_tangent(count);
+  std::vector<float> weight(count);
+  for (int i = 0; i < count; ++i) {
+    range_m[i] = 0.05F + 0.1F * static_cast<float>(i);
+    half_tangent[i] = static_cast<float>(i) / (count - 1);
+    weight[i] = i % 2 == 0 ? 1e6F : 2e5F;
+  }
+  std::vector<std::int32_t> steps(count);
+  row_math::EchoSteps(level, {table.data(), kSteps}, range_m.data(), half_tangent.data(), weight.data(), count,
+                      steps.data());
+  for (int i = 0; i < count; ++i) {
+    const double r = range_m[i];
+    const double echo = std::min(2.5, 2.0 - 0.3 * std::log(r) - 0.01 * r + std::sin(3.0 * half_tangent[i]));
+    EXPECT_NEAR(steps[i] / static_cast<double>(weight[i]), echo, 1e-5) << i;
+  }
+}
+
+TEST(RowMath, NormalPairsAreThoseOfTheCounter) {
+  const std::uint64_t seed = 0x123456789ABCDEFULL;
+  const CounterRandom random(seed);
+  constexpr int kCount = 100'003;
+  constexpr std::uint32_t kFirst = 4'000'000'000U;
+  std::vector<float> a(kCount);
+  std::vector<float> b(kCount);
+  row_math::NormalPairs(seed, kFirst, kCount, a.data(), b.data());
+  double largest = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    const auto [x, y] = random.Normal2(std::uint64_t{kFirst} + static_cast<std::uint64_t>(i));
+    largest = std::max({largest, std::abs(x - a[i]), std::abs(y - b[i])});
+  }
+  // Twenty-four bits of a turn, and of a number near 1 under the logarithm (radius 3e-4 is its resolution).
+  EXPECT_LT(largest, 1e-3);
+}
+
+TEST(RowMath, ErrorsGrowByEitherLaw) {
+  const std::vector<float> range_m = {0.5F, 3.0F, 12.0F};
+  const std::vector<float> azimuth_rad = {-0.2F, 0.0F, 0.3F};
+  const std::vector<float> a = {1.0F, -2.0F, 0.5F};
+  const std::vector<float> b = {-1.0F, 0.5F, 2.0F};
+  std::vector<float> r(3);
+  std::vector<float> t(3);
+  for (const bool root : {true, false}) {
+    row_math::Disturb({.per_reference_square = 1.0F / 25.0F, .root = root}, 0.02F, 0.004F, range_m.data(),
+                      azimuth_rad.data(), a.data(), b.data(), 3, r.data(), t.data());
+    for (int i = 0; i < 3; ++i) {
+      const double square = 1.0 + range_m[i] * range_m[i] / 25.0;
+      const double g = root ? std::sqrt(square) : square;
+      EXPECT_NEAR(r[i], range_m[i] + 0.02 * g * a[i], 1e-6);
+      EXPECT_NEAR(t[i], azimuth_rad[i] + 0.004 * g * b[i], 1e-6);
+    }
+  }
+}
+
+TEST(RowMath, BinsWithinAndWithout) {
+  const std::vector<float> value = {0.99F, 1.0F, 1.25F, 2.74F, 2.76F, 3.0F, -5.0F, 1e9F};
+  std::vector<std::int32_t> bin(value.size());
+  row_math::Bins(value.data(), 1.0F, 4.0F, 8, static_cast<int>(value.size()), bin.data());
+  EXPECT_EQ(bin, (std::vector<std::int32_t>{-1, 0, 1, 6, 7, -1, -1, -1}));
+}
+
+}  // namespace
+}  // namespace sonarcal
