@@ -11,6 +11,7 @@ namespace sonarcal {
 void SetupReproduce(CLI::App& app);  // apps/reproduce_command.h
 void SetupScenes(CLI::App& app);     // apps/scenes_command.h
 void SetupSimulate(CLI::App& app);   // apps/simulate_command.h
+void SetupRays(CLI::App& app);       // apps/rays_command.h
 void SetupCompare(CLI::App& app);    // apps/compare_command.h
 void SetupFit(CLI::App& app);        // apps/fit_command.h
 void SetupInspect(CLI::App& app);    // apps/inspect_command.h

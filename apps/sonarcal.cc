@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   sonarcal::SetupReproduce(app);
   sonarcal::SetupScenes(app);
   sonarcal::SetupSimulate(app);
+  sonarcal::SetupRays(app);
   sonarcal::SetupCompare(app);
   sonarcal::SetupFit(app);
   sonarcal::SetupInspect(app);

@@ -2,6 +2,7 @@
 // formula with it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -50,16 +51,25 @@ inline double SlowJitterGrowth(const JitterParameters<double>& j, double range_m
   return growth * std::sqrt(j.reference_frequency_hz / frequency_hz);
 }
 
-// Probability of each interval between `edges` for a normal variable; a sharp one where sigma is 0.
-inline std::vector<double> IntervalProbabilities(const std::vector<double>& edges, double mean,
-                                                 double sigma) {
-  std::vector<double> below;
-  for (const double edge : edges) {
-    below.push_back(sigma > 0.0 ? 0.5 * std::erfc((mean - edge) / sigma / std::sqrt(2.0))
-                                : (mean < edge ? 1.0 : 0.0));
-  }
-  std::vector<double> within;
-  for (std::size_t i = 1; i < edges.size(); ++i) within.push_back(below[i] - below[i - 1]);
+// Probability of each interval between `edges` for a normal variable; a sharp one where sigma is 0. `first`
+// counts the intervals left out before those of the answer, as others are behind: what lies more than 8
+// standard deviations away has less than 1e-15.
+struct Intervals {
+  int first = 0;
+  std::vector<double> probability;
+};
+
+inline Intervals IntervalProbabilities(const std::vector<double>& edges, double mean, double sigma) {
+  const auto begin = std::upper_bound(edges.begin(), edges.end(), mean - 8.0 * sigma);
+  const auto end = std::lower_bound(edges.begin(), edges.end(), mean + 8.0 * sigma);
+  const int first = std::max(0, static_cast<int>(begin - edges.begin()) - 1);
+  const int last = std::min(static_cast<int>(edges.size()) - 1, static_cast<int>(end - edges.begin()));
+  const auto below = [&](double edge) {
+    if (!(sigma > 0.0)) return mean < edge ? 1.0 : 0.0;
+    return 0.5 * std::erfc((mean - edge) / sigma / std::sqrt(2.0));
+  };
+  Intervals within{first, {}};
+  for (int i = first; i < last; ++i) within.probability.push_back(below(edges[i + 1]) - below(edges[i]));
   return within;
 }
 
@@ -67,9 +77,11 @@ struct SlowImage {
   Grid<double> mean;      // of full scale, not clamped
   Grid<double> variance;  // of one noisy image
   Grid<double> rays;      // expected number in each pixel
+  Grid<double> fourth;    // fourth cumulant of one noisy image
 };
 
-// Mean and variance of the noisy image over all seeds, ray by ray.
+// Moments of the noisy image over all seeds, ray by ray: rays err independently, so the cumulants of a pixel
+// are the sums of those of its rays, each of which gives its value with probability p and nothing else.
 inline SlowImage SlowExpectation(const EchoList& echoes, const SonarModel& sonar,
                                  const PaperParameters<double>& p, double alpha_db_per_m) {
   const int bins = sonar.axes.range_bins;
@@ -79,7 +91,8 @@ inline SlowImage SlowExpectation(const EchoList& echoes, const SonarModel& sonar
     range_edges.push_back(sonar.axes.range_min_m + bin * sonar.axes.range_bin_m());
   }
   const std::vector<double> beam_edges = sonar.axes.BeamEdgesRad();
-  SlowImage image{Grid<double>(bins, beams), Grid<double>(bins, beams), Grid<double>(bins, beams)};
+  SlowImage image{Grid<double>(bins, beams), Grid<double>(bins, beams), Grid<double>(bins, beams),
+                  Grid<double>(bins, beams)};
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const double range_m = echoes.range_m[echo];
     const double growth = SlowJitterGrowth(p.jitter, range_m, sonar.frequency_hz);
@@ -89,13 +102,16 @@ inline SlowImage SlowExpectation(const EchoList& echoes, const SonarModel& sonar
     const auto in_bin = IntervalProbabilities(range_edges, range_m, p.jitter.sigma_range_m * growth);
     const auto in_beam = IntervalProbabilities(beam_edges, echoes.azimuth_rad[echo],
                                                p.jitter.sigma_azimuth_deg * kPi / 180.0 * growth);
-    for (int bin = 0; bin < bins; ++bin) {
-      if (in_bin[bin] == 0.0) continue;
-      for (int beam = 0; beam < beams; ++beam) {
-        const double probability = in_bin[bin] * in_beam[beam];
+    for (std::size_t i = 0; i < in_bin.probability.size(); ++i) {
+      for (std::size_t j = 0; j < in_beam.probability.size(); ++j) {
+        const int bin = in_bin.first + static_cast<int>(i);
+        const int beam = in_beam.first + static_cast<int>(j);
+        const double probability = in_bin.probability[i] * in_beam.probability[j];
+        const double spread = probability * (1.0 - probability);
         image.mean(bin, beam) += value * probability;
-        image.variance(bin, beam) += value * value * probability * (1.0 - probability);
+        image.variance(bin, beam) += value * value * spread;
         image.rays(bin, beam) += probability;
+        image.fourth(bin, beam) += std::pow(value, 4) * spread * (1.0 - 6.0 * spread);
       }
     }
   }

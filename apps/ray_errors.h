@@ -1,0 +1,61 @@
+// What too few rays cost: images of the paper's model at a series of ray counts against one of very many
+// rays.
+//
+// The dense image is traced in blocks of beams, so that memory does not grow with its rays: a beam's pixels
+// depend on the beam's own rays alone. Each sampling has a dense image of its own, so that an error is one of
+// the number of rays and of nothing else.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "apps/ray_options.h"
+#include "sim/simulator.h"
+
+namespace sonarcal {
+
+// The image of a pose in grey levels, not rounded, by `grid` rays over the whole field of view. Of `options`
+// absorption, water and normals count; of the fan only the sampling. Blocks of about `rays_a_block` rays, at
+// least a beam each.
+Grid<float> RenderInBlocks(const RayCaster& caster, const SonarModel& sonar, const ParameterSet& parameters,
+                           const SimulationOptions& options, const RayGridSize& grid, const Pose& pose,
+                           std::int64_t rays_a_block = 4'000'000);
+
+// A number of rays, and the errors of its images over all pixels of all poses.
+struct RayError {
+  Sampling sampling = Sampling::kFrustum;
+  RayGridSize grid;        // as cast: whole columns a beam
+  double denser = 0.0;     // rays of the dense image over its own
+  double p999_grey = 0.0;  // 99.9th percentile of the absolute error
+  double max_grey = 0.0;
+  double p999_db = 0.0;         // of the level displayed: grey levels x (db_max - db_min) / full scale
+  double within_one = 0.0;      // share of pixels at most one grey level off
+  double within_one_lit = 0.0;  // of those that are lit in either image (half a grey level or more)
+
+  std::int64_t rays() const { return static_cast<std::int64_t>(grid.cols) * grid.rows; }
+};
+
+struct RayErrorOptions {
+  std::vector<Sampling> samplings = {Sampling::kFrustum, Sampling::kBeams};
+  std::vector<RayGridSize> grids = {};  // empty: DefaultGrids of each sampling
+  RayGridSize dense = {1500, 1200};     // the dense image has `denser` times these rays
+  double denser = 64.0;
+};
+
+// The counts that are tried unless others are named: about a quarter to four times the paper's rays.
+std::vector<RayGridSize> DefaultGrids(Sampling sampling, const SonarModel& sonar);
+
+// `progress` is told after each image, of `RayErrorImages` in all. Throws DataError where parameters are not
+// those of the paper's model, or there is no pose.
+std::vector<RayError> MeasureRayErrors(const RayCaster& caster, const SonarModel& sonar,
+                                       const ParameterSet& parameters, const SimulationOptions& simulation,
+                                       const std::vector<Pose>& poses, const RayErrorOptions& options,
+                                       const std::function<void()>& progress = {});
+int RayErrorImages(const SonarModel& sonar, std::size_t poses, const RayErrorOptions& options);
+
+// The fewest rays of a sampling that leave the error at most one grey level in 99.9 % of the pixels.
+std::optional<RayError> FewestRays(const std::vector<RayError>& errors, Sampling sampling);
+
+}  // namespace sonarcal

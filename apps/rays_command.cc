@@ -1,0 +1,265 @@
+#include "apps/rays_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/choice_option.h"
+#include "apps/commands.h"
+#include "apps/progress.h"
+#include "apps/provenance.h"
+#include "apps/report/html_report.h"
+#include "apps/run_output.h"
+#include "apps/simulate_recording.h"
+#include "data_io/json_writer.h"
+#include "data_io/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/scene_io.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr JsonWords<Sampling, 2> kSamplings = {
+    {{"frustum", Sampling::kFrustum}, {"beams", Sampling::kBeams}}};
+
+struct Measured {
+  std::string sonar;
+  std::size_t poses = 0;
+  std::string display;  // "150 .. 153 dB over 255 grey levels"
+  std::vector<RayError> errors;
+};
+
+std::string GridText(const RayGridSize& grid) {
+  return fmt::format("{}x{}", grid.cols, grid.rows);
+}
+
+Json JsonOf(const RayError& e) {
+  return {{"sampling", ToString(e.sampling)},
+          {"rays", GridText(e.grid)},
+          {"count", e.rays()},
+          {"denser", e.denser},
+          {"error_grey", {{"p99.9", e.p999_grey}, {"max", e.max_grey}}},
+          {"error_db", {{"p99.9", e.p999_db}}},
+          {"within_one_grey", {{"pixels", e.within_one}, {"lit_pixels", e.within_one_lit}}}};
+}
+
+Json JsonOf(const RaysOptions& options, const Measured& measured) {
+  Json counts = Json::array();
+  for (const RayError& error : measured.errors) counts.push_back(JsonOf(error));
+  Json fewest = Json::object();
+  for (const auto& [word, sampling] : kSamplings) {
+    if (options.sampling && *options.sampling != sampling) continue;
+    const auto found = FewestRays(measured.errors, sampling);
+    fewest[std::string(word)] = found ? Json(GridText(found->grid)) : Json(nullptr);
+  }
+  return {{"scene", options.scene.string()}, {"sonar", measured.sonar}, {"poses", measured.poses},
+          {"display", measured.display},     {"synthetic", true},       {"counts", counts},
+          {"fewest_within_one_grey", fewest}};
+}
+
+std::string FewestText(const std::vector<RayError>& errors, Sampling sampling) {
+  const auto fewest = FewestRays(errors, sampling);
+  if (!fewest) {
+    return fmt::format("{}: none of these leaves 99.9 % of the pixels within one grey level",
+                       ToString(sampling));
+  }
+  return fmt::format("{}: {} is the fewest of these within one grey level in 99.9 % of the pixels",
+                     ToString(sampling), GridText(fewest->grid));
+}
+
+std::vector<std::string> FewestTexts(const RaysOptions& options, const Measured& measured) {
+  std::vector<std::string> texts;
+  for (const auto& [word, sampling] : kSamplings) {
+    if (!options.sampling || *options.sampling == sampling)
+      texts.push_back(FewestText(measured.errors, sampling));
+  }
+  return texts;
+}
+
+std::string TableText(const RaysOptions& options, const Measured& measured) {
+  std::string text = fmt::format("{}: error against rays over {} pose{}, {}\n", options.scene.string(),
+                                 measured.poses, measured.poses == 1 ? "" : "s", measured.display);
+  text += fmt::format("  {:<8} {:>11} {:>9} {:>7} {:>11} {:>9} {:>9} {:>9} {:>9}\n", "sampling", "rays",
+                      "count", "denser", "99.9 % grey", "99.9 % dB", "max grey", "within 1", "of lit");
+  for (const RayError& e : measured.errors) {
+    text += fmt::format("  {:<8} {:>11} {:>9} {:>7.1f} {:>11.2f} {:>9.4f} {:>9.2f} {:>8.3f}% {:>8.2f}%\n",
+                        ToString(e.sampling), GridText(e.grid), e.rays(), e.denser, e.p999_grey, e.p999_db,
+                        e.max_grey, 100.0 * e.within_one, 100.0 * e.within_one_lit);
+  }
+  for (const std::string& line : FewestTexts(options, measured)) text += "  " + line + "\n";
+  return text;
+}
+
+LineChart ErrorChart(const RaysOptions& options, const Measured& measured) {
+  LineChart chart{.title = "Error against rays",
+                  .x = {.label = "log10 of the number of rays"},
+                  .y = {.label = "log10 of the 99.9th percentile", .unit = "grey levels"},
+                  .alt = "The error falls as rays are added"};
+  for (const auto& [word, sampling] : kSamplings) {
+    if (options.sampling && *options.sampling != sampling) continue;
+    ChartSeries series{.name = std::string(word), .x = {}, .y = {}, .style = SeriesStyle::kPoints};
+    for (const RayError& e : measured.errors) {
+      if (e.sampling != sampling || !(e.p999_grey > 0.0)) continue;
+      series.x.push_back(std::log10(static_cast<double>(e.rays())));
+      series.y.push_back(std::log10(e.p999_grey));
+    }
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+HtmlReport MakeReport(const RaysOptions& options, const Measured& measured, const Json& provenance) {
+  HtmlReport report("Error against rays",
+                    fmt::format("{} seen by {}", options.scene.string(), measured.sonar));
+  report.Callout(
+      CalloutKind::kSynthetic, "Simulated on both sides",
+      "Images of few rays against images of many, by the paper's model: nothing here was recorded.");
+  report.Section("Errors");
+  report.List(FewestTexts(options, measured));
+  Table table{.caption = fmt::format("Errors over all pixels of {} pose{}; {}", measured.poses,
+                                     measured.poses == 1 ? "" : "s", measured.display),
+              .columns = {{"Sampling and rays"},
+                          {"Rays"},
+                          {"Dense image", "times the rays"},
+                          {"99.9th percentile", "grey levels"},
+                          {"99.9th percentile", "dB"},
+                          {"Largest", "grey levels"},
+                          {"Within one level", "% of pixels"},
+                          {"Within one level", "% of lit pixels"}},
+              .rows = {}};
+  for (const RayError& e : measured.errors) {
+    const auto fewest = FewestRays(measured.errors, e.sampling);
+    table.rows.push_back(
+        {{fmt::format("{} {}", ToString(e.sampling), GridText(e.grid)), fmt::format("{}", e.rays()),
+          fmt::format("{:.1f}", e.denser), fmt::format("{:.2f}", e.p999_grey),
+          fmt::format("{:.4f}", e.p999_db), fmt::format("{:.2f}", e.max_grey),
+          fmt::format("{:.3f}", 100.0 * e.within_one), fmt::format("{:.2f}", 100.0 * e.within_one_lit)},
+         fewest && fewest->rays() == e.rays() ? RowStyle::kStrong : RowStyle::kPlain});
+  }
+  table.notes = {
+      "Each sampling is held against its own dense image; images are not rounded before they are compared.",
+      "dB: of the level displayed, grey levels times the display's span over its full scale.",
+      "Lit: half a grey level or more in either image."};
+  report.Add(table);
+  report.Add({ErrorChart(options, measured)},
+             "99.9th percentile of the error against rays, both in logarithms");
+  report.Section("How this was made");
+  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
+  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  return report;
+}
+
+Provenance ProvenanceOf(const RaysOptions& options, const SonarChoice& choice) {
+  Json counts = Json::array();
+  for (const std::string& count : options.counts) counts.push_back(count);
+  Provenance provenance{
+      .command = "rays",
+      .configuration = {{"scene", options.scene.string()},
+                        {"sonar", options.sonar},
+                        {"params", options.params.string()},
+                        {"poses", options.poses.string()},
+                        {"out", options.out.string()},
+                        {"counts", counts},
+                        {"sampling", options.sampling ? Json(ToString(*options.sampling)) : Json(nullptr)},
+                        {"dense", options.dense},
+                        {"denser", options.denser},
+                        {"absorption", ToString(options.absorption)},
+                        {"threads", options.threads}},
+      .inputs = {options.scene, options.params, options.poses}};
+  if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
+  return provenance;
+}
+
+}  // namespace
+
+ExitStatus RunRays(const RaysOptions& options) {
+  const ThreadLimit threads(options.threads);
+  RayErrorOptions errors{.dense = ParseRayGridSize(options.dense), .denser = options.denser};
+  for (const std::string& count : options.counts) errors.grids.push_back(ParseRayGridSize(count));
+  if (options.sampling) errors.samplings = {*options.sampling};
+  const ParameterSet parameters = ReadParameters(options.params);
+  const SonarChoice choice = ChooseSonar(options.sonar);
+  const WaterChoice water = ChooseWater(parameters, choice.water);
+  if (!water.note.empty()) PrintNote(options.common, water.note);
+  SimulationOptions simulation;
+  simulation.absorption = options.absorption;
+  simulation.water = water.water;
+  std::vector<Pose> poses;
+  for (const TimedPose& pose : ReadPosesOrRecording(options.poses)) poses.push_back(pose.world_from_sonar);
+  const RayCaster caster(ReadGltf(options.scene));
+  std::optional<RunOutput> output;
+  if (!options.out.empty()) output.emplace(options.out);
+
+  Measured measured{.sonar = choice.sonar.name,
+                    .poses = poses.size(),
+                    .display = fmt::format("{:g} .. {:g} dB over {:g} grey levels", parameters.display.db_min,
+                                           parameters.display.db_max, simulation.full_scale()),
+                    .errors = {}};
+  {
+    Progress progress("Rendering", RayErrorImages(choice.sonar, poses.size(), errors), options.common);
+    measured.errors = MeasureRayErrors(caster, choice.sonar, parameters, simulation, poses, errors,
+                                       [&] { progress.Advance(); });
+  }
+  const Json json = JsonOf(options, measured);
+  if (output) {
+    const Provenance provenance = ProvenanceOf(options, choice);
+    WriteJson(*output / "rays.json", json);
+    MakeReport(options, measured, ProvenanceToJson(provenance)).Write(*output / "report.html");
+    WriteProvenance(output->staging(), provenance);
+    output->Commit();
+  }
+  if (options.common.json) {
+    PrintJson(json);
+  } else {
+    PrintResult(TableText(options, measured));
+    if (output) PrintResult(fmt::format("report: {}\n", (options.out / "report.html").string()));
+  }
+  return ExitStatus::kDone;
+}
+
+void SetupRays(CLI::App& app) {
+  auto options = std::make_shared<RaysOptions>();
+  CLI::App* command =
+      AddCommand(app, "rays", "Says how far images of few rays are from images of many, by either sampling");
+  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")
+      ->type_name("GLTF")
+      ->required();
+  command
+      ->add_option("--sonar", options->sonar,
+                   "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")
+      ->type_name("NAME|FILE")
+      ->required();
+  command->add_option("--params", options->params, "Parameters of the paper's model")
+      ->type_name("JSON")
+      ->required();
+  command->add_option("--poses", options->poses, "Poses: a recording that has them, or a JSON file")
+      ->type_name("REC|FILE")
+      ->required();
+  command
+      ->add_option("--out", options->out, "Folder for rays.json and report.html (default: none is written)")
+      ->type_name("DIR");
+  AddChoice(*command, "--sampling", options->sampling, kSamplings,
+            "How rays are spread (default: both ways)");
+  command
+      ->add_option("--rays", options->counts,
+                   "Columns x rows of rays to try, as often as you like (default: a series)")
+      ->type_name("WxH");
+  command->add_option("--dense", options->dense, "Rays of the dense image, before --denser")
+      ->type_name("WxH");
+  command->add_option("--denser", options->denser, "Times as many rays has the dense image")
+      ->type_name("N")
+      ->check(CLI::Range(1.0, 1024.0).description(""));
+  command->add_option("--threads", options->threads, "Threads to use, 0 for all cores")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024).description(""));
+  OnRun(command, options->common, [options] { return RunRays(*options); });
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,31 @@
+// `sonarcal rays`: how far an image is from that of very many rays, for a series of ray counts by either
+// sampling (apps/ray_errors.h), as a table, JSON, and a report with a chart.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "apps/ray_errors.h"
+
+namespace sonarcal {
+
+struct RaysOptions {
+  CommonOptions common;
+  std::filesystem::path scene;
+  std::string sonar;
+  std::filesystem::path params;
+  std::filesystem::path poses;
+  std::filesystem::path out;         // empty: the table alone
+  std::vector<std::string> counts;   // "WxH"; empty: DefaultGrids
+  std::optional<Sampling> sampling;  // absent: both
+  std::string dense = "1500x1200";   // times `denser`
+  double denser = 64.0;
+  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
+  int threads = 0;
+};
+
+ExitStatus RunRays(const RaysOptions& options);
+
+}  // namespace sonarcal

@@ -1,0 +1,129 @@
+#include "apps/rays_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/ray_errors.h"
+#include "data_io/types/error.h"
+#include "sim/scenes.h"
+#include "sim/sonar_presets.h"
+#include "tests/apps/tiny_world.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOneSentence;
+using testing::Outcome;
+using testing::Quoted;
+using testing::ReadJsonFile;
+using testing::RunSonarcal;
+using testing::TinyWorld;
+
+ParameterSet TankParameters() {
+  ParameterSet parameters;
+  parameters.display = {.db_min = 150.0, .db_max = 153.0};
+  parameters.materials["default"];
+  return parameters;
+}
+
+// To the last bit by beams, each of which has its own columns, evenly spaced or not. (A pinhole's columns lie
+// elsewhere in a block than in the whole: its image is the same but for the error of its rays.)
+TEST(RenderInBlocks, IsTheImageOfTheWholeFan) {
+  for (const char* preset : {"p900-45", "aris3000"}) {
+    const SonarModel& sonar = FindSonarPreset(preset).sonar;
+    const RayCaster caster(MakePaperTank());
+    const Pose pose{RotationFromYawPitchRoll(0.1, -0.3, 0.0), {4.8, 4.4, 1.2}};
+    SimulationOptions options;
+    options.fan.sampling = Sampling::kBeams;
+    const RayGridSize grid = {2 * sonar.axes.beam_count(), 300};
+    const auto render = [&](std::int64_t rays_a_block) {
+      return RenderInBlocks(caster, sonar, TankParameters(), options, grid, pose, rays_a_block);
+    };
+    const Grid<float> whole = render(100'000'000);
+    const Grid<float> blocks = render(20'000);
+    EXPECT_EQ(whole, blocks) << preset;
+    EXPECT_GT(std::count_if(whole.values().begin(), whole.values().end(), [](float v) { return v > 1.0F; }),
+              1000)
+        << preset;
+  }
+}
+
+TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
+  const SonarModel& sonar = FindSonarPreset("p900-45").sonar;
+  const RayCaster caster(MakePaperTank());
+  SimulationOptions simulation;
+  RayErrorOptions options{
+      .grids = {{256, 100}, {512, 200}, {1024, 400}}, .dense = {1024, 400}, .denser = 1.0};
+  int images = 0;
+  const auto errors = MeasureRayErrors(caster, sonar, TankParameters(), simulation, {PaperTankPoses(3)[1]},
+                                       options, [&] { ++images; });
+  EXPECT_EQ(images, RayErrorImages(sonar, 1, options));
+  ASSERT_EQ(errors.size(), 6U);
+  for (const std::size_t first : {0U, 3U}) {
+    EXPECT_GT(errors[first].p999_grey, errors[first + 1].p999_grey);
+    EXPECT_GT(errors[first + 1].p999_grey, 1.0);
+    EXPECT_GE(errors[first].max_grey, errors[first].p999_grey);
+    EXPECT_LT(errors[first].within_one, errors[first + 1].within_one);
+    EXPECT_LT(errors[first].within_one_lit, errors[first].within_one);
+    EXPECT_NEAR(errors[first].denser, 16.0, 1e-9);
+    EXPECT_NEAR(errors[first].p999_db, errors[first].p999_grey * 3.0 / 255.0, 1e-12);
+    EXPECT_EQ(errors[first + 2].max_grey, 0.0);
+    EXPECT_EQ(errors[first + 2].within_one, 1.0);
+    const auto fewest = FewestRays(errors, errors[first].sampling);
+    ASSERT_TRUE(fewest.has_value());
+    EXPECT_EQ(fewest->rays(), 1024 * 400);
+  }
+  options.grids.pop_back();
+  EXPECT_FALSE(FewestRays(MeasureRayErrors(caster, sonar, TankParameters(), simulation,
+                                           {PaperTankPoses(3)[1]}, options),
+                          Sampling::kFrustum)
+                   .has_value());
+}
+
+TEST(MeasureRayErrors, OtherModelsAreRefused) {
+  ParameterSet parameters = TankParameters();
+  parameters.model = EchoModel::kAcoustic;
+  const RayCaster caster(MakeMockup());
+  const SonarModel& sonar = FindSonarPreset("p900-45").sonar;
+  EXPECT_THROW(MeasureRayErrors(caster, sonar, parameters, {}, {Pose{}}, {}), DataError);
+  EXPECT_THROW(MeasureRayErrors(caster, sonar, TankParameters(), {}, {}, {}), DataError);
+}
+
+TEST(RaysCommand, WritesTableJsonAndReport) {
+  const TinyWorld world;
+  const std::string inputs =
+      fmt::format("--scene {} --sonar {} --params {} --poses {}", Quoted(world.scene()),
+                  Quoted(world.sonar()), Quoted(world.params()), Quoted(world.poses()));
+  const std::string small = " --dense 96x80 --denser 4 --rays 48x40 --rays 96x80";
+  const Outcome outcome = RunSonarcal("rays -q " + inputs + small + " --out " + Quoted(world / "rays"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("error against rays over 4 poses"));
+  EXPECT_THAT(outcome.out, HasSubstr("48x40"));
+  const nlohmann::json json = ReadJsonFile(world / "rays/rays.json");
+  EXPECT_EQ(json["poses"], 4);
+  ASSERT_EQ(json["counts"].size(), 4U);
+  EXPECT_EQ(json["counts"][0]["sampling"], "frustum");
+  EXPECT_EQ(json["counts"][0]["rays"], "48x40");
+  EXPECT_EQ(json["counts"][0]["count"], 1920);
+  EXPECT_EQ(json["counts"][0]["denser"], 16.0);
+  EXPECT_EQ(ReadJsonFile(world / "rays/provenance.json")["command"], "rays");
+  EXPECT_TRUE(std::filesystem::exists(world / "rays/report.html"));
+
+  const Outcome only = RunSonarcal("rays -q --json " + inputs + small + " --sampling beams");
+  ASSERT_EQ(only.status, 0) << only.err;
+  const nlohmann::json printed = nlohmann::json::parse(only.out);
+  EXPECT_EQ(printed["counts"].size(), 2U);
+  EXPECT_EQ(printed["counts"][1], json["counts"][3]);
+
+  const Outcome wrong = RunSonarcal("rays " + inputs + " --rays 48by40");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_TRUE(IsOneSentence(wrong.err)) << wrong.err;
+}
+
+}  // namespace
+}  // namespace sonarcal
