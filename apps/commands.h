@@ -10,6 +10,7 @@ namespace sonarcal {
 
 void SetupReproduce(CLI::App& app);  // apps/reproduce_command.h
 void SetupScenes(CLI::App& app);     // apps/scenes_command.h
+void SetupGallery(CLI::App& app);    // apps/gallery_command.h
 void SetupSimulate(CLI::App& app);   // apps/simulate_command.h
 void SetupRays(CLI::App& app);       // apps/rays_command.h
 void SetupCompare(CLI::App& app);    // apps/compare_command.h

@@ -25,7 +25,6 @@
 #include "data_io/json_writer.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
-#include "data_io/scene_io.h"
 
 namespace sonarcal {
 namespace {
@@ -83,6 +82,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"max_iterations", options.max_iterations},
                {"starts", options.starts},
                {"object", options.object.empty() ? Json(nullptr) : Json(options.object)}};
+  json.update(SceneFormatJson(options.scene_format));
   json.update(RayOptionsJson(options.rays, fit.rays));
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
@@ -199,7 +199,8 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
   fit_options.on_note = [&](const std::string& sentence) { PrintNote(options.common, sentence); };
   Progress progress("Tracing", recording.frame_count(), options.common);
   fit_options.on_trace = [&](int frames_done, int) { progress.Update(frames_done); };
-  return FitRecording(recording, ReadGltf(options.scene), initial, fit_options);
+  return FitRecording(recording, ReadSceneFile(options.scene, options.scene_format, options.common), initial,
+                      fit_options);
 }
 
 }  // namespace
@@ -258,7 +259,8 @@ void SetupFit(CLI::App& app) {
                    "Recording to fit to; each frame needs a pose, except with --noise-only or --still")
       ->type_name("REC")
       ->required();
-  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")->type_name("GLTF");
+  AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+                  /*required=*/false);
   command
       ->add_option("--params", options->params,
                    "Parameters to start from; with --noise-only its display is kept, with --still also its "

@@ -13,6 +13,7 @@
 #include "apps/command.h"
 #include "apps/comparison_options.h"
 #include "apps/ray_options.h"
+#include "apps/scene_option.h"
 
 namespace sonarcal {
 
@@ -20,6 +21,7 @@ struct FitCommandOptions {
   CommonOptions common;
   std::filesystem::path real;
   std::filesystem::path scene;
+  SceneFormat scene_format;
   std::filesystem::path params;
   std::filesystem::path out;
   std::filesystem::path config;  // empty for none

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -15,31 +14,89 @@
 #include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "data_io/scene_io.h"
+#include "data_io/types/error.h"
 #include "sim/scenes.h"
 
 namespace sonarcal {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr int kDataSets = 3;
 
-// The paper's Table 4 for every material, each under its own name so that a file can change one. The paper
-// gives no dB_min and dB_max: with these the floor shows faintly and the mock-up brightly. Errors of half a
-// range resolution and half a beam.
-ParameterSet ParametersToStartFrom() {
+void WriteViewpoints(const std::filesystem::path& file, const std::vector<Pose>& viewpoints) {
+  std::vector<TimedPose> poses;
+  for (const Pose& pose : viewpoints) {
+    poses.push_back({.time_s = static_cast<double>(poses.size()), .world_from_sonar = pose});
+  }
+  WritePoses(file, poses);
+}
+
+ExitStatus ListScenes(const ScenesOptions& options) {
+  Json json = Json::array();
+  std::string text;
+  for (const Environment* environment : ChosenEnvironments(options.only)) {
+    const Scene scene = environment->make(options.environment);
+    const std::size_t viewpoints = environment->viewpoints().size();
+    json.push_back({{"name", environment->name},
+                    {"description", environment->description},
+                    {"triangles", scene.triangles.size()},
+                    {"materials", scene.material_names},
+                    {"viewpoints", viewpoints}});
+    text += fmt::format("{:12} {:7} triangles, {} viewpoints  {}\n", environment->name,
+                        scene.triangles.size(), viewpoints, environment->description);
+  }
+  if (options.common.json) {
+    PrintJson({{"scenes", json}});
+  } else {
+    PrintResult(text);
+  }
+  return ExitStatus::kDone;
+}
+
+}  // namespace
+
+// The paper gives no dB_min and dB_max: with these the floor shows faintly and the mock-up brightly. Each
+// material under its own name, so that a file can change one. Errors of half a range resolution and half a
+// beam.
+ParameterSet EnvironmentParameters() {
   ParameterSet parameters;
   parameters.display = {.db_min = 150.0, .db_max = 153.0};
-  for (const char* material : {"floor", "wall", "mockup", "surface"}) parameters.materials[material];
+  for (const std::string& material : EnvironmentMaterials()) parameters.materials[material];
+  parameters.materials["default"];  // whatever else a user's scene names, and STL, which names nothing
   parameters.jitter.sigma_range_m = 0.0127;
   parameters.jitter.sigma_azimuth_deg = 0.5;
   return parameters;
 }
 
-}  // namespace
+std::vector<const Environment*> ChosenEnvironments(const std::vector<std::string>& only) {
+  std::vector<const Environment*> chosen;
+  for (const std::string& name : only) chosen.push_back(&FindEnvironment(name));
+  if (!only.empty()) return chosen;
+  for (const Environment& environment : Environments()) chosen.push_back(&environment);
+  return chosen;
+}
 
-ExitStatus RunScenes(const ScenesOptions& options) {
-  const PaperSize size = options.text_sizes ? PaperSize::kText : PaperSize::kTable5;
-  PaperTankOptions tank = PaperTankOfPaper(size);
-  tank.tank.surface = options.surface;
+void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only, EnvironmentOptions& options) {
+  command.add_option("--only", only, "Names of scenes, as --list of scenes has them (default: all)")
+      ->delimiter(',')
+      ->type_name("NAME,NAME")
+      ->allow_extra_args(false);
+  command
+      .add_option("--edge", options.max_edge_m,
+                  "Longest side of the meshes' cells, metres; 0 for each scene's own resolution")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 1e6).description(""));
+  command.add_option("--seed", options.seed, "Seed of the seabed's relief")->type_name("N");
+  command.add_flag("--surface", options.surface, "Add the water's surface to the tank");
+}
+
+ExitStatus RunScenes(const ScenesOptions& given) {
+  ScenesOptions options = given;
+  options.environment.size = options.text_sizes ? PaperSize::kText : PaperSize::kTable5;
+  if (options.list) return ListScenes(options);
+  if (options.out.empty()) throw UsageError("--out is required, except with --list");
+  const std::vector<const Environment*> chosen = ChosenEnvironments(options.only);
 
   RunOutput output(options.out);
   std::vector<std::string> files;
@@ -47,20 +104,26 @@ ExitStatus RunScenes(const ScenesOptions& options) {
     files.push_back(name);
     return output / name;
   };
-  WriteGltf(MakePaperTank(tank), file("tank.gltf"));
-  WriteGltf(MakeMockup(tank.mockup), file("mockup.gltf"));
-  WriteParameters(file("params.json"), ParametersToStartFrom());
-  for (int set = 1; set <= kDataSets; ++set) {
-    std::vector<TimedPose> poses;
-    for (const Pose& pose : PaperTankPoses(set)) {
-      poses.push_back({.time_s = static_cast<double>(poses.size()), .world_from_sonar = pose});
-    }
-    WritePoses(file(fmt::format("poses_{}.json", set)), poses);
+  bool has_tank = false;
+  for (const Environment* environment : chosen) {
+    WriteGltf(environment->make(options.environment), file(fmt::format("{}.gltf", environment->name)));
+    WriteViewpoints(file(fmt::format("poses_{}.json", environment->name)), environment->viewpoints());
+    has_tank = has_tank || environment->name == "tank";
   }
+  WriteParameters(file("params.json"), EnvironmentParameters());
+  for (int set = 1; has_tank && set <= kDataSets; ++set) {
+    WriteViewpoints(file(fmt::format("poses_{}.json", set)), PaperTankPoses(set));
+  }
+  Json names = Json::array();
+  for (const Environment* environment : chosen) names.push_back(environment->name);
   WriteProvenance(output.staging(), {.command = "scenes",
                                      .configuration = {{"out", options.out.string()},
+                                                       {"scenes", names},
                                                        {"text_sizes", options.text_sizes},
-                                                       {"surface", options.surface}}});
+                                                       {"surface", options.environment.surface},
+                                                       {"bed", options.environment.bed},
+                                                       {"edge_m", options.environment.max_edge_m}},
+                                     .seed = options.environment.seed});
   output.Commit();
 
   if (options.common.json) {
@@ -69,24 +132,31 @@ ExitStatus RunScenes(const ScenesOptions& options) {
   }
   const std::string folder = options.out.string();
   PrintResult(
-      fmt::format("{}: {}\nnext: sonarcal simulate --scene {}/tank.gltf --sonar p900-45 --params "
-                  "{}/params.json --poses {}/poses_1.json --out simulated\n",
-                  folder, fmt::join(files, ", "), folder, folder, folder));
+      fmt::format("{0}: {1}\nnext: sonarcal simulate --scene {0}/{2}.gltf --sonar p900-45 --params "
+                  "{0}/params.json --poses "
+                  "{0}/poses_{3}.json --out simulated\n",
+                  folder, fmt::join(files, ", "), has_tank ? "tank" : chosen.front()->name,
+                  has_tank ? "1" : chosen.front()->name));
   return ExitStatus::kDone;
 }
 
 void SetupScenes(CLI::App& app) {
   auto options = std::make_shared<ScenesOptions>();
   CLI::App* command = AddCommand(
-      app, "scenes", "Writes the paper's tank and mock-up, with parameters and poses, to simulate");
-  command->add_option("--out", options->out, "Folder for scenes, parameters and poses")
-      ->type_name("DIR")
-      ->required();
+      app, "scenes",
+      "Writes the paper's scenes (tank, mock-up, seabed, bridge pier, jacket), with parameters and poses");
+  command
+      ->add_option("--out", options->out, "Folder for scenes, parameters and poses; required without --list")
+      ->type_name("DIR");
+  command->add_flag("--list", options->list,
+                    "Say what scenes there are, with their triangles; write nothing");
+  AddEnvironmentOptions(*command, options->only, options->environment);
+  command->add_flag("--bed", options->environment.bed,
+                    "Put a flat bed below mock-up, bridge pier and jacket, which stand free otherwise");
   command->add_flag(
       "--text-sizes", options->text_sizes,
       "Sizes of the paper's text (15 x 10 x 2 m, 1 m cube), not of its Table 5 (12 x 10 x 1.5 m, "
       "1 x 1 x 1.5 m)");
-  command->add_flag("--surface", options->surface, "Add the water's surface to the tank");
   OnRun(command, options->common, [options] { return RunScenes(*options); });
 }
 

@@ -1,20 +1,39 @@
-// `sonarcal scenes`: something to simulate. The paper's tank and mock-up (sim/scenes.h) as glTF, parameters
-// to start from, and poses for its three data sets.
+// `sonarcal scenes`: something to simulate. The scenes of Park 2024 (sim/environments.h) as glTF, poses to
+// look at each from, and parameters to start from.
+//
+// Written: <name>.gltf and poses_<name>.json for each scene, params.json for all of them, and poses_1.json to
+// poses_3.json, the paper's three data sets in the tank.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "apps/command.h"
+#include "data_io/types/parameters.h"
+#include "sim/environments.h"
 
 namespace sonarcal {
 
 struct ScenesOptions {
   CommonOptions common;
-  std::filesystem::path out;
+  std::filesystem::path out;      // empty with `list`
+  bool list = false;              // say what there is, write nothing
+  std::vector<std::string> only;  // names; empty: all
+  EnvironmentOptions environment;
   bool text_sizes = false;  // those of the paper's text rather than of its Table 5
-  bool surface = false;     // add the water's surface
 };
 
 ExitStatus RunScenes(const ScenesOptions& options);
+
+// Parameters of the paper's model for every scene: its Table 4 for every material.
+ParameterSet EnvironmentParameters();
+
+// Those that `only` names, or all of them. Throws UsageError for a name that is none.
+std::vector<const Environment*> ChosenEnvironments(const std::vector<std::string>& only);
+
+// Adds --only, --edge, --seed and --surface.
+void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only, EnvironmentOptions& options);
 
 }  // namespace sonarcal

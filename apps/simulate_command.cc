@@ -10,6 +10,7 @@
 
 #include "apps/choice_option.h"
 #include "apps/commands.h"
+#include "apps/depth_picture.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
@@ -18,7 +19,6 @@
 #include "data_io/image_io.h"
 #include "data_io/parameters_io.h"
 #include "data_io/recording_io.h"
-#include "data_io/scene_io.h"
 #include "sim/acoustic_fan.h"
 
 namespace sonarcal {
@@ -91,6 +91,7 @@ Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulato
   Json json = {{"scene", options.scene.string()},   {"sonar", options.sonar},
                {"params", options.params.string()}, {"poses", options.poses.string()},
                {"out", options.out.string()},       {"model", ToString(model)}};
+  json.update(SceneFormatJson(options.scene_format));
   json.update(RayOptionsJson(rays, {simulator.fan().cols(), simulator.fan().rows()}));
   json.update({{"margin_deg", fan.azimuth_margin_deg},
                {"bits", options.bits},
@@ -120,7 +121,8 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   simulation.frozen_speckle = options.frozen_speckle;
   simulation.fan.azimuth_margin_deg = MarginDeg(options, choice.sonar, parameters);
   simulation.seed = options.seed;
-  const Simulator simulator(ReadGltf(options.scene), choice.sonar, simulation);
+  const Simulator simulator(ReadSceneFile(options.scene, options.scene_format, options.common), choice.sonar,
+                            simulation);
   PrintCaveats(options, simulator, parameters, water.note);
 
   RunOutput output(options.out);
@@ -132,7 +134,11 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
                 image.scale.full_scale);
     }
     if (options.depth) {
-      WriteTiff(output / fmt::format("range_{:04}.tiff", index), RangeAlongRays(echoes, simulator.fan()));
+      const Grid<float> range_m = RangeAlongRays(echoes, simulator.fan());
+      WriteTiff(output / fmt::format("range_{:04}.tiff", index), range_m);
+      WritePng(output / fmt::format("depth_{:04}.png", index), DepthInMillimetres(range_m));
+      WritePng(output / fmt::format("depth_view_{:04}.png", index),
+               DepthPicture(range_m, choice.sonar.axes.range_max_m));
     }
   };
   const SimulatedRecording recording(simulator, std::move(poses), parameters, options.scene.string(),
@@ -169,9 +175,8 @@ void SetupSimulate(CLI::App& app) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command =
       AddCommand(app, "simulate", "Renders what a sonar would see of a scene, as a recording");
-  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")
-      ->type_name("GLTF")
-      ->required();
+  AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+                  /*required=*/true);
   command
       ->add_option("--sonar", options->sonar,
                    "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")
@@ -203,7 +208,8 @@ void SetupSimulate(CLI::App& app) {
   command->add_option("--seed", options->seed, "Seed of the noise; frame i uses seed + i")->type_name("N");
   command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
   command->add_flag("--depth", options->depth,
-                    "Write the range along each ray as well, in metres, range_NNNN.tiff");
+                    "Write the depth image as well: range along each ray, in metres (range_NNNN.tiff) and in "
+                    "millimetres (depth_NNNN.png)");
   OnRun(command, options->common, [options] { return RunSimulate(*options); });
 }
 

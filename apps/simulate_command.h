@@ -1,7 +1,11 @@
 // `sonarcal simulate`: a recording of what a sonar would see of a scene, from given poses.
 //
 // Written: the recording folder (data_io/recording_io.h), params.json with the parameters as used, and where
-// asked for fan_NNNN.png (the frames laid out in metres) and range_NNNN.tiff (range along each ray, metres).
+// asked for fan_NNNN.png (the frames laid out in metres) and the depth image: the distance along each ray to
+// what it met first within the sonar's range window, row 0 the highest elevation, column 0 the leftmost
+// azimuth, on the grid of rays that was cast (sim/ray_fan.h). As range_NNNN.tiff (metres, 0 for nothing),
+// depth_NNNN.png (16 bits, whole millimetres, 0 for nothing, 65535 for that and more), and for eyes
+// depth_view_NNNN.png (near is bright, white is nothing).
 #pragma once
 
 #include <cstdint>
@@ -11,6 +15,7 @@
 
 #include "apps/command.h"
 #include "apps/ray_options.h"
+#include "apps/scene_option.h"
 #include "data_io/types/parameters.h"
 
 namespace sonarcal {
@@ -18,6 +23,7 @@ namespace sonarcal {
 struct SimulateOptions {
   CommonOptions common;
   std::filesystem::path scene;
+  SceneFormat scene_format;
   std::string sonar;  // name of a preset, or file
   std::filesystem::path params;
   std::filesystem::path poses;  // recording, or file of poses

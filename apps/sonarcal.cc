@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   sonarcal::SetUpRoot(app);
   sonarcal::SetupReproduce(app);
   sonarcal::SetupScenes(app);
+  sonarcal::SetupGallery(app);
   sonarcal::SetupSimulate(app);
   sonarcal::SetupRays(app);
   sonarcal::SetupCompare(app);

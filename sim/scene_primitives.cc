@@ -167,6 +167,18 @@ int SectorsFor(double radius_m, double max_edge_m, int at_least) {
 
 Scene MakeRevolution(const std::vector<ProfilePoint>& profile, int sectors, bool ring,
                      const std::string& material) {
+  RequireTriangles(2.0 * sectors);
+  std::vector<Eigen::Vector2d> circle;
+  for (int sector = 0; sector < sectors; ++sector) {
+    const double angle_rad = 2.0 * kPi * sector / sectors;
+    circle.emplace_back(std::cos(angle_rad), std::sin(angle_rad));
+  }
+  return MakeLoft(profile, circle, ring, material);
+}
+
+Scene MakeLoft(const std::vector<ProfilePoint>& profile, const std::vector<Eigen::Vector2d>& section,
+               bool ring, const std::string& material) {
+  const int sectors = static_cast<int>(section.size());
   SONARCAL_CHECK(profile.size() >= 3 && sectors >= 3, "{} profile points, {} sectors", profile.size(),
                  sectors);
   RequireTriangles(2.0 * static_cast<double>(profile.size()) * sectors);
@@ -186,10 +198,8 @@ Scene MakeRevolution(const std::vector<ProfilePoint>& profile, int sectors, bool
     first_vertex.push_back(static_cast<int>(scene.vertices_m.size()));
     const int count = point.radius_m == 0.0 ? 1 : sectors;
     for (int sector = 0; sector < count; ++sector) {
-      const double angle_rad = 2.0 * kPi * sector / sectors;
-      scene.vertices_m.push_back(
-          Vector3d(point.axial_m, point.radius_m * std::cos(angle_rad), point.radius_m * std::sin(angle_rad))
-              .cast<float>());
+      const Eigen::Vector2d across_m = point.radius_m * section[sector];
+      scene.vertices_m.push_back(Vector3d(point.axial_m, across_m.x(), across_m.y()).cast<float>());
     }
   }
   const auto vertex = [&](std::size_t point, int sector) {

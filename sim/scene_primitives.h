@@ -50,6 +50,11 @@ int SectorsFor(double radius_m, double max_edge_m, int at_least);
 Scene MakeRevolution(const std::vector<ProfilePoint>& profile, int sectors, bool ring,
                      const std::string& material);
 
+// The same with a polygon in place of the circle: `section` (>= 3 points, counter-clockwise seen from +X, in
+// the y-z plane about the axis) is scaled by the profile's radius.
+Scene MakeLoft(const std::vector<ProfilePoint>& profile, const std::vector<Eigen::Vector2d>& section,
+               bool ring, const std::string& material);
+
 // The closed cylinder from base_m to base_m + axis_m.
 Scene MakeCylinder(const Eigen::Vector3d& base_m, const Eigen::Vector3d& axis_m, double radius_m,
                    double max_edge_m, const std::string& material);

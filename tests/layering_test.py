@@ -26,6 +26,7 @@ LIBRARIES = {
     "Embree behind its header": (r"sim/embree_queries\.h", r"sim/ray_caster\.cc"),
     "Ceres": (r"ceres/", r"calib/.*"),
     "tinygltf": (r"tiny_gltf\.h", r"data_io/scene_io\.cc"),
+    "assimp": (r"assimp/", r"data_io/cad_io\.cc"),
     "OpenCV": (r"opencv2?/", r".*\.cc"),  # never in a header
     "CLI11": (r"CLI/", r"apps/.*"),
 }
@@ -93,6 +94,8 @@ def self_test():
         ("calib/a.h", "#include <ceres/jet.h>", False),
         ("data_io/mesh_io.cc", "#include <tiny_gltf.h>", True),
         ("data_io/scene_io.cc", "#include <tiny_gltf.h>", False),
+        ("data_io/cad_io.h", "#include <assimp/scene.h>", True),
+        ("data_io/cad_io.cc", "#include <assimp/scene.h>", False),
         ("data_io/a.h", "#include <opencv2/core.hpp>", True),
         ("data_io/a.cc", "#include <opencv2/core.hpp>", False),
         ("sim/a.cc", "#include <CLI/CLI.hpp>", True),

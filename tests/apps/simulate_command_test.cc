@@ -87,8 +87,66 @@ TEST(SimulateCommand, FansAndRangesLieBesideTheFrames) {
   for (const float range_m : ranges_m.values()) longest_m = std::max(longest_m, range_m);
   EXPECT_GT(longest_m, 2.0F);
   EXPECT_LE(longest_m, 4.5F);
+  const Grid<std::uint16_t> depth_mm = ImageFile(world / "sim/depth_0003.png").DecodeGrey16();
+  ASSERT_EQ(depth_mm.size(), ranges_m.size());
+  int missed = 0;
+  for (std::size_t i = 0; i < depth_mm.size(); ++i) {
+    ASSERT_NEAR(depth_mm.values()[i], 1000.0 * ranges_m.values()[i], 0.501);
+    missed += depth_mm.values()[i] == 0 ? 1 : 0;
+  }
+  EXPECT_GT(missed, 0);
+  EXPECT_LT(missed, static_cast<int>(depth_mm.size()));
+  EXPECT_EQ(ImageFile(world / "sim/depth_view_0003.png").header().rows, 200);
   EXPECT_EQ(ImageFile(world / "sim/fan_0000.png").header().bits, 16);
   EXPECT_EQ(testing::ReadJsonFile(world / "sim/recording.json")["image"]["full_scale"], 4095.0);
+}
+
+TEST(SimulateCommand, AnObjOrStlSceneGivesTheSameImagesAsItsGltf) {
+  const TinyWorld world;
+  const Scene scene = ReadGltf(world.scene());
+  // The same triangles as OBJ, Y up, in millimetres, and as STL, Z up, in metres, all of one material.
+  std::string obj;
+  for (const Eigen::Vector3f& v : scene.vertices_m) {
+    obj += fmt::format("v {:.9g} {:.9g} {:.9g}\n", 1e3 * v.x(), 1e3 * v.z(), -1e3 * v.y());
+  }
+  std::string stl = "solid world\n";
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const Eigen::Vector3i& t = scene.triangles[i];
+    obj += fmt::format("usemtl {}\nf {} {} {}\n", scene.material_names[scene.triangle_material[i]], t[0] + 1,
+                       t[1] + 1, t[2] + 1);
+    stl += "facet normal 0 0 0\nouter loop\n";
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3f& v = scene.vertices_m[t[k]];
+      stl += fmt::format("vertex {:.9g} {:.9g} {:.9g}\n", v.x(), v.y(), v.z());
+    }
+    stl += "endloop\nendfacet\n";
+  }
+  testing::WriteFile(world / "scene.obj", obj);
+  testing::WriteFile(world / "scene.stl", stl + "endsolid world\n");
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.materials = {{"default", parameters.Material(scene.material_names[0])}};
+  WriteParameters(world / "one.json", parameters);
+  const auto images = [&](const std::string& name, const std::string& arguments) {
+    const Outcome outcome =
+        RunSonarcal(fmt::format("simulate {} --sonar {} --poses {} --rays 96x200 --out {}", arguments,
+                                Quoted(world.sonar()), Quoted(world.poses()), Quoted(world / name)));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    if (arguments.find(".gltf") == std::string::npos) {
+      EXPECT_THAT(outcome.err, HasSubstr("tells neither unit nor upward axis"));
+    }
+    return testing::ReadFile(world / (name + "/frame_0001.png"));
+  };
+  const std::string params = " --params " + Quoted(world.params());
+  const std::string one = " --params " + Quoted(world / "one.json");
+  const std::string gltf = "--scene " + Quoted(world.scene());
+  EXPECT_EQ(images("obj", "--scene " + Quoted(world / "scene.obj") + " --scene-unit mm" + params),
+            images("gltf", gltf + params));
+  EXPECT_EQ(images("stl", "--scene " + Quoted(world / "scene.stl") + one), images("gltf_one", gltf + one));
+
+  const Outcome refused =
+      RunSonarcal(world.SimulateArguments() + " --scene-up z --out " + Quoted(world / "no"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(testing::IsOneSentence(refused.err)) << refused.err;
 }
 
 TEST(SimulateCommand, WaterOfTheParametersWinsAndIsSaid) {
