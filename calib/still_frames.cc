@@ -243,7 +243,7 @@ Level TopOf(const Profiles& profiles, const std::vector<int>& block_of, Counts&&
   const double move = -all.slope / all.bend;
   double scatter = 0.0;
   for (const auto& [index, block] : blocks) scatter += std::pow(block.slope + move * block.bend, 2);
-  const double n = static_cast<double>(blocks.size());
+  const auto n = static_cast<double>(blocks.size());
   return {.db = profiles.middle_db + move,
           .sigma_db = std::sqrt(scatter * n / std::max(1.0, n - 1.0)) / -all.bend};
 }
@@ -383,11 +383,11 @@ SceneEchoes CompareSceneEchoes(const StillLevels& levels, const std::vector<doub
     block.count += 1.0;
   }
   if (blocks.size() < 2) throw DataError("still frames: the scene's echoes hardly stand out of the noise");
-  const double n = static_cast<double>(echoes.pixels);
+  const auto n = static_cast<double>(echoes.pixels);
   const double mean = sum / n;
   double scatter = 0.0;
   for (const auto& [index, block] : blocks) scatter += std::pow(block.sum - mean * block.count, 2);
-  const double b = static_cast<double>(blocks.size());
+  const auto b = static_cast<double>(blocks.size());
   echoes.expected_db /= n;
   echoes.measured_db = echoes.expected_db + LevelOfPower(mean);
   echoes.sigma_db = LevelOfPower(1.0 + std::sqrt(scatter * b / (b - 1.0)) / sum);

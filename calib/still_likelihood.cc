@@ -60,8 +60,8 @@ int GreyClasses::Of(double grey) const {
 }
 
 StillLikelihood::StillLikelihood(const GreyClasses& classes, double looks, int frames,
-                                 std::vector<std::uint16_t> classes_of, std::vector<float> noise_shape_db,
-                                 double brightest_db)
+                                 std::vector<std::uint16_t> classes_of,
+                                 const std::vector<float>& noise_shape_db, double brightest_db)
     : classes_(classes), looks_(looks), frames_(frames), classes_of_(std::move(classes_of)) {
   std::map<long, std::uint16_t> found;
   for (const float shape_db : noise_shape_db) {

@@ -38,7 +38,7 @@ class StillLikelihood {
   // `classes_of`: pixel by pixel, the classes of all frames. Noise shapes (still_frames.h) are rounded to
   // half a dB. No pixel lies further above the noise than `brightest_db`.
   StillLikelihood(const GreyClasses& classes, double looks, int frames, std::vector<std::uint16_t> classes_of,
-                  std::vector<float> noise_shape_db, double brightest_db);
+                  const std::vector<float>& noise_shape_db, double brightest_db);
 
   // Of the noise level, the best weights of echo amplitudes given: log-likelihood by pixel. Starts from
   // `weights` (empty: evenly over the complex plane) and leaves what it found there.

@@ -45,10 +45,11 @@ class TrackingIterator {
 
 // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error ..." -> "syntax error ..."
 std::string SyntaxErrorText(std::string_view text) {
-  if (const std::size_t tag = text.find("] "); text.starts_with('[') && tag != text.npos) {
+  if (const std::size_t tag = text.find("] "); text.starts_with('[') && tag != std::string_view::npos) {
     text.remove_prefix(tag + 2);
   }
-  if (const std::size_t place = text.find(": "); text.starts_with("parse error at") && place != text.npos) {
+  if (const std::size_t place = text.find(": ");
+      text.starts_with("parse error at") && place != std::string_view::npos) {
     text.remove_prefix(place + 2);
   }
   return Printable(text, 200);

@@ -106,7 +106,7 @@ double LargestInteger(int bits) {
 void ReadImage(const JsonReader& json, RecordingHeader& header) {
   const JsonReader layout = json.At("layout");
   if (layout.String() == "fan") {
-    layout.Fail("is \"fan\", which cannot be read; expected \"polar\": convert the images to range by beam");
+    layout.Fail(R"(is "fan", which cannot be read; expected "polar": convert the images to range by beam)");
   }
   layout.Word(JsonWords<bool, 1>{{{"polar", true}}});
 
@@ -167,7 +167,7 @@ void ReadTexts(const JsonReader& json, RecordingInfo& info) {
   if (const auto details = json.Find("details")) {
     for (const JsonReader& detail : details->Items()) {
       const std::vector<JsonReader> texts = detail.Items();
-      if (texts.size() != 2) detail.Fail("is not a pair, expected [\"name\", \"value\"]");
+      if (texts.size() != 2) detail.Fail(R"(is not a pair, expected ["name", "value"])");
       info.details.emplace_back(texts[0].String(), texts[1].String());
     }
   }

@@ -86,7 +86,8 @@ Table ValueTable(const FitReport& fit) {
 ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab, int colour,
                     SeriesStyle style, const std::optional<IncidenceRange>& only_within) {
   ChartSeries series{.name = name, .x = {}, .y = {}, .style = style, .colour = colour};
-  for (double incidence_deg = 0.0; incidence_deg <= 90.0; incidence_deg += kCurveStepDeg) {
+  for (int step = 0; step * kCurveStepDeg <= 90.0; ++step) {
+    const double incidence_deg = step * kCurveStepDeg;
     const bool shown =
         !only_within || (incidence_deg >= only_within->low_deg && incidence_deg <= only_within->high_deg);
     series.x.push_back(incidence_deg);

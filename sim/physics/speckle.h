@@ -113,7 +113,7 @@ class MeanDisplayTable {
                  ? mean_.front() * PowerOfLevel(0.5 * display_.exponent * (level_db - low_db_))
                  : mean_.front();
     }
-    const std::size_t i = static_cast<std::size_t>(position);
+    const auto i = static_cast<std::size_t>(position);
     if (i + 1 >= mean_.size()) return mean_.back();
     const double fraction = position - static_cast<double>(i);
     return (1.0 - fraction) * mean_[i] + fraction * mean_[i + 1];

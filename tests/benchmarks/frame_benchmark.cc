@@ -73,19 +73,31 @@ class EmbreeAlone {
         if (width == 1) {
           for (int i = 0; i < 16; ++i) {
             RTCRayHit ray = {};
-            ray.ray = {.org_x = origin_.x(), .org_y = origin_.y(), .org_z = origin_.z(), .tnear = 0.0F,
-                       .dir_x = of[i].x(), .dir_y = of[i].y(), .dir_z = of[i].z(), .time = 0.0F,
-                       .tfar = max_range_m_, .mask = ~0U, .id = 0, .flags = 0};
+            ray.ray = {.org_x = origin_.x(),
+                       .org_y = origin_.y(),
+                       .org_z = origin_.z(),
+                       .tnear = 0.0F,
+                       .dir_x = of[i].x(),
+                       .dir_y = of[i].y(),
+                       .dir_z = of[i].z(),
+                       .time = 0.0F,
+                       .tfar = max_range_m_,
+                       .mask = ~0U,
+                       .id = 0,
+                       .flags = 0};
             ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             query.Intersect1(scene_, &ray);
             benchmark::DoNotOptimize(ray.ray.tfar);
           }
         } else if (width == 4) {
-          Packets<RTCRayHit4, 4>(of, [&](const int* valid, RTCRayHit4* rays) { query.Intersect4(valid, scene_, rays); });
+          Packets<RTCRayHit4, 4>(
+              of, [&](const int* valid, RTCRayHit4* rays) { query.Intersect4(valid, scene_, rays); });
         } else if (width == 8) {
-          Packets<RTCRayHit8, 8>(of, [&](const int* valid, RTCRayHit8* rays) { query.Intersect8(valid, scene_, rays); });
+          Packets<RTCRayHit8, 8>(
+              of, [&](const int* valid, RTCRayHit8* rays) { query.Intersect8(valid, scene_, rays); });
         } else {
-          Packets<RTCRayHit16, 16>(of, [&](const int* valid, RTCRayHit16* rays) { query.Intersect16(valid, scene_, rays); });
+          Packets<RTCRayHit16, 16>(
+              of, [&](const int* valid, RTCRayHit16* rays) { query.Intersect16(valid, scene_, rays); });
         }
       }
     });
@@ -128,7 +140,8 @@ class EmbreeAlone {
 };
 
 double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 

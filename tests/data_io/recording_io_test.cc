@@ -85,7 +85,7 @@ class RecordingFolderTest : public ::testing::Test {
     Write(from, to);
     const std::string message = MessageOf([&] { OpenRecordingFolder(dir_.path())->ReadFrame(0); });
     const std::size_t at = message.find("recording.json:");
-    return at == message.npos ? message : message.substr(at);
+    return at == std::string::npos ? message : message.substr(at);
   }
 
   TempDir dir_;
@@ -125,8 +125,8 @@ TEST_F(RecordingFolderTest, WhatIsUnknownIsNoted) {
 }
 
 TEST_F(RecordingFolderTest, KeysOfOtherProgramsAreNotedOnceEach) {
-  const auto recording = Open(R"({"file": "a.png", )",
-                              "{\"file\": \"a.png\", \"gain\": 1}, {\"file\": \"a.png\", \"gain\": 2, ");
+  const auto recording =
+      Open(R"({"file": "a.png", )", R"({"file": "a.png", "gain": 1}, {"file": "a.png", "gain": 2, )");
   EXPECT_EQ(recording->frame_count(), 2);
   EXPECT_THAT(
       recording->info().notes,

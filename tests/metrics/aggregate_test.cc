@@ -9,7 +9,7 @@
 namespace sonarcal {
 namespace {
 
-FrameMetrics FrameOf(Occupancy occupancy, std::vector<double> union_differences = {}) {
+FrameMetrics FrameOf(Occupancy occupancy, const std::vector<double>& union_differences = {}) {
   FrameMetrics frame;
   frame.polar.occupancy = occupancy;
   for (const double difference : union_differences) frame.polar.intensity.union_region.Add(difference);

@@ -43,7 +43,8 @@ TEST(LineArray, IsTheAperturesPattern) {
     const LineArray array = MakeLineArray(RadFromDeg(1.0), taper);
     const AzimuthResponse<double> aperture(
         {.pattern = AzimuthPattern::kAperture, .width_rad = RadFromDeg(1.0), .taper = taper});
-    for (double azimuth = 0.0; azimuth < 0.15; azimuth += 0.0003) {
+    for (int step = 0; step < 500; ++step) {
+      const double azimuth = 0.0003 * step;
       EXPECT_NEAR(array.Power(std::sin(azimuth)), aperture.Power(azimuth, 0.0), 5e-4) << azimuth;
     }
   }
@@ -111,7 +112,7 @@ class CoherentImage : public ::testing::Test {
 // probability of 1e-5.
 double DistanceFromExponential(std::vector<double> ratios) {
   std::sort(ratios.begin(), ratios.end());
-  const double n = static_cast<double>(ratios.size());
+  const auto n = static_cast<double>(ratios.size());
   double distance = 0.0;
   for (std::size_t i = 0; i < ratios.size(); ++i) {
     const double p = 1.0 - std::exp(-ratios[i]);

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "sim/ray_fan.h"
 #include "sim/random.h"
+#include "sim/ray_fan.h"
 #include "sim/sonar_presets.h"
 
 namespace sonarcal {
@@ -41,12 +41,14 @@ TEST(RowMath, HalfTangentsOfEveryAngle) {
   std::vector<float> n[3];
   std::vector<double> angle_rad;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d along = Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const Eigen::Vector3d along =
+        Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
     const Eigen::Vector3d aside = along.unitOrthogonal();
     // Down to a thousandth of a degree.
     const double delta = i % 2 == 0 ? 1.7e-5 * (1 + i) : (i + 0.5) / count * 0.5 * std::numbers::pi;
     const double sign = i % 3 == 0 ? -1.0 : 1.0;
-    const Eigen::Vector3d of = sign * std::exp(normal(random)) * (std::cos(delta) * along + std::sin(delta) * aside);
+    const Eigen::Vector3d of =
+        sign * std::exp(normal(random)) * (std::cos(delta) * along + std::sin(delta) * aside);
     for (int k = 0; k < 3; ++k) {
       d[k].push_back(static_cast<float>(along[k]));
       n[k].push_back(static_cast<float>(of[k]));
@@ -75,8 +77,8 @@ TEST(RowMath, EchoStepsFollowTheLevel) {
     weight[i] = i % 2 == 0 ? 1e6F : 2e5F;
   }
   std::vector<std::int32_t> steps(count);
-  row_math::EchoSteps(level, {table.data(), kSteps}, range_m.data(), half_tangent.data(), weight.data(), count,
-                      steps.data());
+  row_math::EchoSteps(level, {table.data(), kSteps}, range_m.data(), half_tangent.data(), weight.data(),
+                      count, steps.data());
   for (int i = 0; i < count; ++i) {
     const double r = range_m[i];
     const double echo = std::min(2.5, 2.0 - 0.3 * std::log(r) - 0.01 * r + std::sin(3.0 * half_tangent[i]));

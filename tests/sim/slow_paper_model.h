@@ -12,8 +12,8 @@
 
 namespace sonarcal::testing {
 
-inline SonarModel MakeSonar(std::vector<double> azimuth_deg, double elevation_width_deg, double range_min_m,
-                            double range_max_m, int range_bins) {
+inline SonarModel MakeSonar(const std::vector<double>& azimuth_deg, double elevation_width_deg,
+                            double range_min_m, double range_max_m, int range_bins) {
   SonarModel sonar{.name = "test sonar",
                    .frequency_hz = 1.2e6,
                    .axes = {range_min_m, range_max_m, range_bins, {}},

@@ -23,4 +23,4 @@ std::optional<std::filesystem::path> FindRecording(const std::string& relative_p
         << "needs the recording " << (relative_path)                                                  \
         << ", which is neither under $SONARCAL_RECORDINGS nor under recordings/ at the project root"; \
   }                                                                                                   \
-  const std::filesystem::path variable = *variable##_found
+  [[maybe_unused]] const std::filesystem::path& variable = *variable##_found
