@@ -128,13 +128,13 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   RunOutput output(options.out);
   std::optional<FanMap> fan_map;
   if (options.fan) fan_map.emplace(choice.sonar.axes);
-  const auto write_extras = [&](int index, const EchoList& echoes, const PolarImage& image) {
+  const auto write_extras = [&](int index, const Pose& pose, const PolarImage& image) {
     if (fan_map) {
       WriteGrey(output / fmt::format("fan_{:04}.png", index), fan_map->Apply(image.value),
                 image.scale.full_scale);
     }
     if (options.depth) {
-      const Grid<float> range_m = RangeAlongRays(echoes, simulator.fan());
+      const Grid<float> range_m = RangeAlongRays(simulator.TraceEchoes(pose), simulator.fan());
       WriteTiff(output / fmt::format("range_{:04}.tiff", index), range_m);
       WritePng(output / fmt::format("depth_{:04}.png", index), DepthInMillimetres(range_m));
       WritePng(output / fmt::format("depth_view_{:04}.png", index),

@@ -101,15 +101,8 @@ FrameInfo SimulatedRecording::frame_info(int index) const {
 Frame SimulatedRecording::ReadFrame(int index) const {
   Frame frame{frame_info(index), {}};
   const Pose& pose = *frame.info.world_from_sonar;
-  if (!on_frame_) {
-    frame.image = simulator_.Render(pose, parameters_, index);
-    return frame;
-  }
-  const EchoList echoes = simulator_.TraceEchoes(pose);
-  frame.image = parameters_.model == EchoModel::kCoherent
-                    ? simulator_.Render(pose, parameters_, index)
-                    : simulator_.RenderEchoes(echoes, parameters_, index);
-  on_frame_(index, echoes, frame.image);
+  frame.image = simulator_.Render(pose, parameters_, index);
+  if (on_frame_) on_frame_(index, pose, frame.image);
   return frame;
 }
 

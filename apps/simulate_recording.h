@@ -47,8 +47,8 @@ RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const Parameter
 // memory. Frame i is of pose i, its noise of seed + i: the same frame each time, in any order.
 class SimulatedRecording final : public RecordingSource {
  public:
-  // Told of each frame as it is made, with its echoes: for outputs beside the image.
-  using OnFrame = std::function<void(int index, const EchoList& echoes, const PolarImage& image)>;
+  // Told of each frame as it is made: for outputs beside the image.
+  using OnFrame = std::function<void(int index, const Pose& world_from_sonar, const PolarImage& image)>;
 
   // `simulator` must outlive the recording.
   SimulatedRecording(const Simulator& simulator, std::vector<TimedPose> poses, ParameterSet parameters,
