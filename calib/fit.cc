@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "calib/fit_starts.h"
 #include "calib/identifiability.h"
@@ -28,9 +29,8 @@ constexpr double kLikelihoodTolerance = 1e-2;
 // The state of a fit while it runs: what is still free, and why the rest is not.
 class Fitter {
  public:
-  Fitter(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
-         const FitOptions& options)
-      : model_(model), options_(options), catalog_(model.catalog()), initial_(initial) {
+  Fitter(const FrameModel& model, ParameterValues initial, const FitConfig& config, const FitOptions& options)
+      : model_(model), options_(options), catalog_(model.catalog()), initial_(std::move(initial)) {
     const std::vector<bool> free = ApplyFitConfig(config, catalog_);
     state_.values = initial_;
     for (std::size_t i = 0; i < catalog_.size(); ++i) {

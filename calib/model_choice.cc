@@ -34,6 +34,7 @@ struct Candidate {
 std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
                                      const DisplayParameters<double>& display) {
   std::vector<AcousticFrame> result;
+  result.reserve(frames.size());
   for (const GreyFrame& frame : frames) {
     result.push_back({.index = frame.index,
                       .world_from_sonar = frame.world_from_sonar,
@@ -45,6 +46,7 @@ std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
 
 std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model) {
   std::vector<std::vector<double>> means;
+  means.reserve(model.frame_count());
   for (int frame = 0; frame < model.frame_count(); ++frame)
     means.push_back(model.MeanPower(frame, model.initial_values()));
   return means;

@@ -112,6 +112,7 @@ std::vector<bool> FindMoved(const Stack& stack, const StillOptions& options) {
       change[k] += median > 0.0 ? std::min(1.0, std::pow(power[k] / median - 1.0, 2)) : 1.0;
   }
   std::vector<bool> moved;
+  moved.reserve(change.size());
   for (const double of_frame : change)
     moved.push_back(!(of_frame * options.looks < kMoved * static_cast<double>(brightest.size())));
   return moved;

@@ -213,6 +213,7 @@ class Comparison {
     fitted.expected = Judge({frames_[1]}, {expected}, "expected image of the fitted acoustic model", true,
                             &fitted.expected_pictures);
     std::vector<PolarImage> draws;
+    draws.reserve(BombComparison::kDraws);
     for (int draw = 0; draw < BombComparison::kDraws; ++draw)
       draws.push_back(simulator.RenderEchoes(echoes, parameters, draw));
     const std::string name = "speckled samples of the fitted acoustic model";

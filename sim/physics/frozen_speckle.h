@@ -39,21 +39,25 @@ inline double FrozenPowerCdf(double looks, double echo_to_noise, double ratio) {
   double w = weight;
   double p = below;
   double d = step;
-  for (double j = middle; w > kNegligible && p > 0.0; ++j) {
+  double above = middle;
+  while (w > kNegligible && p > 0.0) {
+    above += 1.0;
     sum += w * p;
     p -= d;
-    d *= y / (looks + j + 1.0);
-    w *= a / (j + 1.0);
+    d *= y / (looks + above);
+    w *= a / above;
   }
   w = weight;
   p = below;
   d = step;
-  for (double j = middle; j >= 1.0; --j) {
+  double j = middle;
+  while (j >= 1.0) {
     w *= j / a;
     if (w < kNegligible) break;
     d *= (looks + j) / y;
     p += d;
     sum += w * p;
+    j -= 1.0;
   }
   return std::clamp(sum, 0.0, 1.0);
 }

@@ -83,6 +83,7 @@ NoiseCells CellsOf(const Source& source) {
 
 NoiseCounts CountsOf(const MemoryRecording& recording, const NoiseCells& cells) {
   std::vector<NoiseCounts> pings;
+  pings.reserve(recording.frame_count());
   for (int i = 0; i < recording.frame_count(); ++i) {
     pings.push_back(CountGrey(recording.ReadFrame(i).image, cells));
   }
@@ -444,6 +445,7 @@ TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
   for (int set = 0; set < kSets; ++set) {
     const MemoryRecording recording = source.Draw(kPings, 100 + set);
     std::vector<NoiseCounts> pings;
+    pings.reserve(kPings);
     for (int i = 0; i < kPings; ++i) pings.push_back(CountGrey(recording.ReadFrame(i).image, cells));
     const NoiseCounts all = AddCounts(pings, cells);
     NoiseLaw start = truth;

@@ -101,6 +101,7 @@ TEST(AzimuthImage, APointHasThePatternsSideLobes) {
 // A lens sonar's side lobes come at whole beams off the target: an arc at its range.
 TEST(AzimuthImage, ATableMakesArcsAtTheTargetsRange) {
   std::vector<double> uneven;
+  uneven.reserve(60);
   for (int beam = 0; beam < 60; ++beam)
     uneven.push_back(0.3 * (beam - 29.5) + 2e-5 * std::pow(beam - 29.5, 3));
   SonarModel sonar = MakeSonar(uneven, 20.0, 2.0, 4.0, 40);

@@ -13,7 +13,7 @@ namespace sonarcal::testing {
 inline void AddTriangle(Scene& scene, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                         const Eigen::Vector3d& c, const std::string& material) {
   const int first = static_cast<int>(scene.vertices_m.size());
-  for (const Eigen::Vector3d& vertex : {a, b, c}) scene.vertices_m.push_back(vertex.cast<float>());
+  for (const Eigen::Vector3d& vertex : {a, b, c}) scene.vertices_m.emplace_back(vertex.cast<float>());
   scene.triangles.emplace_back(first, first + 1, first + 2);
   scene.triangle_material.push_back(scene.MaterialIndex(material));
 }

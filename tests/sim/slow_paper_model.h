@@ -20,12 +20,14 @@ inline SonarModel MakeSonar(const std::vector<double>& azimuth_deg, double eleva
                    .azimuth_beam_width_deg = 1.0,
                    .elevation_beam_width_deg = elevation_width_deg,
                    .sound_speed_m_per_s = 1466.0};
+  sonar.axes.beam_azimuth_rad.reserve(azimuth_deg.size());
   for (const double azimuth : azimuth_deg) sonar.axes.beam_azimuth_rad.push_back(RadFromDeg(azimuth));
   return sonar;
 }
 
 inline std::vector<double> EvenAzimuthsDeg(int beams, double spacing_deg) {
   std::vector<double> azimuth_deg;
+  azimuth_deg.reserve(beams);
   for (int beam = 0; beam < beams; ++beam) azimuth_deg.push_back((beam - 0.5 * (beams - 1)) * spacing_deg);
   return azimuth_deg;
 }
@@ -87,6 +89,7 @@ inline SlowImage SlowExpectation(const EchoList& echoes, const SonarModel& sonar
   const int bins = sonar.axes.range_bins;
   const int beams = sonar.axes.beam_count();
   std::vector<double> range_edges;
+  range_edges.reserve(bins + 1);
   for (int bin = 0; bin <= bins; ++bin) {
     range_edges.push_back(sonar.axes.range_min_m + bin * sonar.axes.range_bin_m());
   }
