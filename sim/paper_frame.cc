@@ -14,8 +14,6 @@
 namespace sonarcal {
 namespace {
 
-// Echoes beyond this many times the display's span count as that much.
-constexpr double kLargestEcho = 0x1p12;
 constexpr double kLargestStep = 0x1p30;
 
 // Strength of a material over tan(incidence / 2), of full scale: finer where its lobes are narrow.
@@ -35,12 +33,12 @@ class RowShader {
             double absorption_db_per_m, const PaperImageOptions& options)
       : fan_(fan), axes_(sonar.axes), seed_(options.noise_seed), edges_rad_(sonar.axes.BeamEdgesRad()) {
     const double span_db = parameters.display.db_max - parameters.display.db_min;
-    // Two-way loss 2 (20 log10 R + alpha R), scaled to the display; what is left of the sonar equation is the
-    // echo at 1 m without absorption or strength.
-    level_.per_log = static_cast<float>(40.0 / std::numbers::ln10 / span_db);
-    level_.per_m = static_cast<float>(2.0 * absorption_db_per_m / span_db);
+    // Two-way loss is linear in ln R and R: spreading alone at ln R = 1, absorption alone at R = 1. What is
+    // left of the sonar equation is the echo at 1 m without absorption or strength.
+    level_.per_log = static_cast<float>(2.0 * TransmissionLossDb(std::numbers::e, 0.0) / span_db);
+    level_.per_m = static_cast<float>(2.0 * TransmissionLossDb(1.0, absorption_db_per_m) / span_db);
     level_.offset = static_cast<float>(NormalisedPaperEcho(parameters, 0.0, 0.0));
-    level_.limit = static_cast<float>(kLargestEcho);
+    level_.limit = static_cast<float>(kLargestPaperEcho);
     double narrowest_deg = 90.0;
     for (const GsabParameters<double>& gsab : parameters.materials)
       narrowest_deg = std::min({narrowest_deg, gsab.b_deg, gsab.f_deg});
@@ -51,7 +49,7 @@ class RowShader {
     table_steps_ = steps;
 
     const int fewest = *std::min_element(fan.rays_per_beam().begin(), fan.rays_per_beam().end());
-    steps_of_one_ = kLargestStep / kLargestEcho * std::max(1, fewest);
+    steps_of_one_ = kLargestStep / kLargestPaperEcho * std::max(1, fewest);
     for (int col = 0; col < fan.cols(); ++col) {
       const int beam = fan.BeamOfColumn(col);
       beam_.push_back(beam);
@@ -180,18 +178,7 @@ PolarImage RenderPaperFrame(const RayCaster& caster, const RayFan& fan, const Po
   for (const Local& local : locals) {
     for (std::size_t i = 0; i < total.size(); ++i) total.values()[i] += local.sums.values()[i];
   }
-  PolarImage image{axes,
-                   {.quantity = Quantity::kGrey,
-                    .full_scale = options.full_scale,
-                    .db_min = parameters.display.db_min,
-                    .db_max = parameters.display.db_max,
-                    .db_span = {}},
-                   Grid<float>(axes.range_bins, axes.beam_count())};
-  for (std::size_t i = 0; i < total.size(); ++i) {
-    const double value = static_cast<double>(total.values()[i]) / shader.steps_of_one();
-    image.value.values()[i] = static_cast<float>(std::clamp(value, 0.0, 1.0) * options.full_scale);
-  }
-  return image;
+  return PaperImageOfSums(total, shader.steps_of_one(), axes, parameters.display, options.full_scale);
 }
 
 }  // namespace sonarcal

@@ -13,13 +13,29 @@
 namespace sonarcal {
 namespace {
 
-// Sums of normalised echoes are kept in steps of 2^-40: whole numbers add up the same in any order. An echo
-// beyond 4096 times the display's span counts as that much, so that even the rays of 512 beams in one pixel
-// stay within 64 bits.
+// Sums of normalised echoes are kept in steps of 2^-40: whole numbers add up the same in any order. Even the
+// largest echoes of all rays of 512 beams in one pixel stay within 64 bits.
 constexpr double kFixedPoint = 0x1p40;
-constexpr double kLargestEcho = 0x1p12;
 
 }  // namespace
+
+ImageScale PaperScale(const DisplayParameters<double>& display, double full_scale) {
+  return {.quantity = Quantity::kGrey,
+          .full_scale = full_scale,
+          .db_min = display.db_min,
+          .db_max = display.db_max,
+          .db_span = {}};
+}
+
+PolarImage PaperImageOfSums(const Grid<std::int64_t>& sums, double steps_of_one, const PolarAxes& axes,
+                            const DisplayParameters<double>& display, double full_scale) {
+  PolarImage image{axes, PaperScale(display, full_scale), Grid<float>(sums.rows(), sums.cols())};
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double value = static_cast<double>(sums.values()[i]) / steps_of_one;
+    image.value.values()[i] = static_cast<float>(std::clamp(value, 0.0, 1.0) * full_scale);
+  }
+  return image;
+}
 
 PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
                             const PaperParameters<double>& parameters, double absorption_db_per_m,
@@ -58,8 +74,8 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
       const double loss_db = 2.0 * TransmissionLossDb(range_m, absorption_db_per_m);
       const double strength_db =
           GsabDb(parameters.materials[echoes.material[echo]], DegFromRad<double>(echoes.incidence_rad[echo]));
-      const double echo_value =
-          std::clamp(NormalisedPaperEcho(parameters, loss_db, strength_db), -kLargestEcho, kLargestEcho);
+      const double echo_value = std::clamp(NormalisedPaperEcho(parameters, loss_db, strength_db),
+                                           -kLargestPaperEcho, kLargestPaperEcho);
       sums(static_cast<int>(bin), beam) +=
           static_cast<std::int64_t>(std::llrint(echo_value / rays * kFixedPoint));
     }
@@ -69,18 +85,7 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
   for (const Grid<std::int64_t>& sums : partial_sums) {
     for (std::size_t i = 0; i < total.size(); ++i) total.values()[i] += sums.values()[i];
   }
-  PolarImage image{axes,
-                   {.quantity = Quantity::kGrey,
-                    .full_scale = options.full_scale,
-                    .db_min = parameters.display.db_min,
-                    .db_max = parameters.display.db_max,
-                    .db_span = {}},
-                   Grid<float>(bins, beams)};
-  for (std::size_t i = 0; i < total.size(); ++i) {
-    const double value = static_cast<double>(total.values()[i]) / kFixedPoint;
-    image.value.values()[i] = static_cast<float>(std::clamp(value, 0.0, 1.0) * options.full_scale);
-  }
-  return image;
+  return PaperImageOfSums(total, kFixedPoint, axes, parameters.display, options.full_scale);
 }
 
 void QuantiseImage(PolarImage& image) {

@@ -24,6 +24,18 @@ struct PaperImageOptions {
   std::optional<std::uint64_t> noise_seed;  // absent: no range and azimuth errors
 };
 
+// An echo beyond this many times the display's span counts as that much, so that sums of whole steps have a
+// bound.
+inline constexpr double kLargestPaperEcho = 0x1p12;
+
+// What the values of such an image mean.
+ImageScale PaperScale(const DisplayParameters<double>& display, double full_scale);
+
+// The image of sums of normalised echoes, each over the rays of its beam, in whole steps of which
+// `steps_of_one` make full scale.
+PolarImage PaperImageOfSums(const Grid<std::int64_t>& sums, double steps_of_one, const PolarAxes& axes,
+                            const DisplayParameters<double>& display, double full_scale);
+
 // Values are clamped but not rounded; `QuantiseImage` rounds.
 PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
                             const PaperParameters<double>& parameters, double absorption_db_per_m,

@@ -10,15 +10,23 @@
 
 namespace sonarcal {
 
+namespace philox {
+inline constexpr int kRounds = 10;
+inline constexpr std::uint32_t kMultiplier0 = 0xD2511F53;
+inline constexpr std::uint32_t kMultiplier1 = 0xCD9E8D57;
+inline constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
+inline constexpr std::uint32_t kWeyl1 = 0xBB67AE85;
+}  // namespace philox
+
 inline std::array<std::uint32_t, 4> Philox(std::array<std::uint32_t, 4> counter,
                                            std::array<std::uint32_t, 2> key) {
-  for (int round = 0; round < 10; ++round) {
-    const std::uint64_t p0 = std::uint64_t{0xD2511F53} * counter[0];
-    const std::uint64_t p1 = std::uint64_t{0xCD9E8D57} * counter[2];
+  for (int round = 0; round < philox::kRounds; ++round) {
+    const std::uint64_t p0 = std::uint64_t{philox::kMultiplier0} * counter[0];
+    const std::uint64_t p1 = std::uint64_t{philox::kMultiplier1} * counter[2];
     counter = {static_cast<std::uint32_t>(p1 >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(p1),
                static_cast<std::uint32_t>(p0 >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(p0)};
-    key[0] += 0x9E3779B9;
-    key[1] += 0xBB67AE85;
+    key[0] += philox::kWeyl0;
+    key[1] += philox::kWeyl1;
   }
   return counter;
 }

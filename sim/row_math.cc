@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/random.h"
+
 // A resolver of versions runs before a sanitizer is ready.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
 #define SONARCAL_VECTOR_VERSIONS __attribute__((target_clones("arch=x86-64-v3", "default")))
@@ -70,30 +72,13 @@ namespace {
 
 constexpr int kLanes = 64;
 
-// Philox 4x32-10 (sim/random.h), a lane for each index: words 0 and 2, which are the high ones.
-constexpr std::uint32_t kMultiplier0 = 0xD2511F53;
-constexpr std::uint32_t kMultiplier1 = 0xCD9E8D57;
-constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
-constexpr std::uint32_t kWeyl1 = 0xBB67AE85;
-constexpr int kPhiloxRounds = 10;
-
+// Philox (sim/random.h), a lane for each index: words 0 and 2, which are the high ones.
 void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, std::uint32_t* word0, std::uint32_t* word2) {
   for (int i = 0; i < kLanes; ++i) {
-    std::uint32_t c[4] = {first + static_cast<std::uint32_t>(i), 0, 0, 0};
-    auto key0 = static_cast<std::uint32_t>(seed);
-    auto key1 = static_cast<std::uint32_t>(seed >> 32);
-    for (int round = 0; round < kPhiloxRounds; ++round) {
-      const std::uint64_t p0 = std::uint64_t{kMultiplier0} * c[0];
-      const std::uint64_t p1 = std::uint64_t{kMultiplier1} * c[2];
-      c[0] = static_cast<std::uint32_t>(p1 >> 32) ^ c[1] ^ key0;
-      c[2] = static_cast<std::uint32_t>(p0 >> 32) ^ c[3] ^ key1;
-      c[1] = static_cast<std::uint32_t>(p1);
-      c[3] = static_cast<std::uint32_t>(p0);
-      key0 += kWeyl0;
-      key1 += kWeyl1;
-    }
-    word0[i] = c[0];
-    word2[i] = c[2];
+    const auto words = Philox({first + static_cast<std::uint32_t>(i), 0, 0, 0},
+                              {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+    word0[i] = words[0];
+    word2[i] = words[2];
   }
 }
 
@@ -127,10 +112,10 @@ __attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by
 // Two vectors at a time: one's products are under way while the other's are used.
 __attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::uint32_t first,
                                                      std::uint32_t* word0, std::uint32_t* word2) {
-  const __m256i by0 = _mm256_set1_epi64x(kMultiplier0);
-  const __m256i by1 = _mm256_set1_epi64x(kMultiplier1);
-  const __m256i weyl0 = _mm256_set1_epi32(static_cast<int>(kWeyl0));
-  const __m256i weyl1 = _mm256_set1_epi32(static_cast<int>(kWeyl1));
+  const __m256i by0 = _mm256_set1_epi64x(philox::kMultiplier0);
+  const __m256i by1 = _mm256_set1_epi64x(philox::kMultiplier1);
+  const __m256i weyl0 = _mm256_set1_epi32(static_cast<int>(philox::kWeyl0));
+  const __m256i weyl1 = _mm256_set1_epi32(static_cast<int>(philox::kWeyl1));
   const __m256i zero = _mm256_setzero_si256();
   const __m256i steps = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   for (int start = 0; start < kLanes; start += 16) {
@@ -139,7 +124,7 @@ __attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::ui
     PhiloxLanes b = {{_mm256_add_epi32(a.c[0], _mm256_set1_epi32(8)), zero, zero, zero}};
     __m256i key0 = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed)));
     __m256i key1 = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed >> 32)));
-    for (int round = 0; round < kPhiloxRounds; ++round) {
+    for (int round = 0; round < philox::kRounds; ++round) {
       Round(a, by0, by1, key0, key1);
       Round(b, by0, by1, key0, key1);
       key0 = _mm256_add_epi32(key0, weyl0);

@@ -104,12 +104,7 @@ PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet&
   const std::vector<double> values =
       ExpectedPaperImage(GatherEchoes(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
                          PaperParametersFor(parameters, echoes.material_names));
-  PolarImage image{sonar_.axes,
-                   {.quantity = Quantity::kGrey,
-                    .full_scale = options_.full_scale(),
-                    .db_min = parameters.display.db_min,
-                    .db_max = parameters.display.db_max,
-                    .db_span = {}},
+  PolarImage image{sonar_.axes, PaperScale(parameters.display, options_.full_scale()),
                    Grid<float>(sonar_.axes.range_bins, sonar_.axes.beam_count())};
   for (std::size_t i = 0; i < values.size(); ++i) {
     image.value.values()[i] = static_cast<float>(values[i] * options_.full_scale());
