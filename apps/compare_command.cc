@@ -17,6 +17,7 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/comparison_section.h"
+#include "apps/report/report_end.h"
 #include "apps/run_output.h"
 #include "apps/threshold_check.h"
 #include "data_io/atomic_output.h"
@@ -87,9 +88,7 @@ HtmlReport MakeReport(const MetricsReport& metrics, const std::vector<FramePictu
     AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
   }
   AddMetricDefinitions(report, metrics);
-  report.Section("How this was made");
-  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
-  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(report, provenance);
   return report;
 }
 

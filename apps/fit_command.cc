@@ -17,6 +17,7 @@
 #include "apps/report/choice_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/report/report_end.h"
 #include "apps/report/still_section.h"
 #include "apps/run_output.h"
 #include "apps/still_poses.h"
@@ -179,9 +180,7 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   AddFittedValues(report, fit);
   AddStillPoses(report, fit.still);
   AddMetricDefinitions(report, fit.after);
-  report.Section("How this was made");
-  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
-  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(report, provenance);
   return report;
 }
 

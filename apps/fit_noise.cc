@@ -7,6 +7,7 @@
 #include "apps/compare_recordings.h"
 #include "apps/provenance.h"
 #include "apps/report/noise_section.h"
+#include "apps/report/report_end.h"
 #include "apps/run_output.h"
 #include "calib/noise_fit.h"
 #include "data_io/atomic_output.h"
@@ -140,9 +141,7 @@ HtmlReport MakeReport(const NoiseFit& fit, const RecordingInfo& info, const Json
                    RecordingName(info) + " is simulated, not recorded by a sonar.");
   }
   AddNoiseSections(report, fit);
-  report.Section("How this was made");
-  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
-  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(report, provenance);
   return report;
 }
 

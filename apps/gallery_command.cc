@@ -16,6 +16,7 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/html_report.h"
+#include "apps/report/report_end.h"
 #include "apps/run_output.h"
 #include "apps/scenes_command.h"
 #include "apps/simulate_recording.h"
@@ -171,9 +172,7 @@ ExitStatus RunGallery(const GalleryOptions& options) {
   if (choice.input) provenance.inputs.push_back(*choice.input);
   WriteParameters(output / "params.json", parameters);
   WriteProvenance(output.staging(), provenance);
-  report.Details("Provenance: version, configuration, hashes of the inputs",
-                 ProvenanceToJson(provenance).dump(2));
-  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(report, ProvenanceToJson(provenance));
   report.Write(output / "gallery.html");
   output.Commit();
 

@@ -5,41 +5,13 @@
 
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
+#include "sim/paper_frame.h"
 
 namespace sonarcal {
 namespace {
 
 constexpr double kShareWithinOne = 0.999;
 constexpr double kLitGrey = 0.5;
-
-// Beams [first, last) of a sonar, with a neighbour on either side where there is one, so that the edges of
-// those beams stay where they are.
-struct BeamBlock {
-  SonarModel sonar;
-  int guards_left = 0;
-};
-
-BeamBlock BlockOf(const SonarModel& sonar, int first, int last) {
-  const std::vector<double>& azimuth_rad = sonar.axes.beam_azimuth_rad;
-  const int from = std::max(0, first - 1);
-  // An outer edge mirrors the inner one, which a beam alone does not have.
-  const int to = std::min(sonar.axes.beam_count(), last + 1);
-  BeamBlock block{sonar, first - from};
-  block.sonar.axes.beam_azimuth_rad.assign(azimuth_rad.begin() + from, azimuth_rad.begin() + to);
-  return block;
-}
-
-// Columns of a block, as many to the tangent (frustum) or to the beam as the whole fan has.
-int ColumnsOf(const BeamBlock& block, const SonarModel& sonar, const RayGridSize& grid, Sampling sampling) {
-  const int beams = sonar.axes.beam_count();
-  const int block_beams = block.sonar.axes.beam_count();
-  if (sampling == Sampling::kBeams) return (grid.cols + beams - 1) / beams * block_beams;
-  const auto width = [](const std::vector<double>& edges_rad) {
-    return std::tan(edges_rad.back()) - std::tan(edges_rad.front());
-  };
-  const double part = width(block.sonar.axes.BeamEdgesRad()) / width(sonar.axes.BeamEdgesRad());
-  return std::max(1, static_cast<int>(std::lround(part * grid.cols)));
-}
 
 RayGridSize AsCast(const RayGridSize& grid, const SonarModel& sonar, Sampling sampling) {
   if (sampling == Sampling::kFrustum) return grid;
@@ -65,35 +37,6 @@ std::vector<RayGridSize> GridsOf(const RayErrorOptions& options, Sampling sampli
 }
 
 }  // namespace
-
-Grid<float> RenderInBlocks(const RayCaster& caster, const SonarModel& sonar, const ParameterSet& parameters,
-                           const SimulationOptions& options, const RayGridSize& grid, const Pose& pose,
-                           std::int64_t rays_a_block) {
-  const int beams = sonar.axes.beam_count();
-  const PaperParameters<double> paper = PaperParametersFor(parameters, caster.material_names());
-  const double absorption_db_per_m = AbsorptionDbPerM(options.absorption, sonar.frequency_hz, options.water);
-  const std::int64_t rays = static_cast<std::int64_t>(grid.cols) * grid.rows;
-  const int blocks =
-      static_cast<int>(std::clamp<std::int64_t>(rays / rays_a_block, 1, std::max(1, beams / 2)));
-  Grid<float> image(sonar.axes.range_bins, beams);
-  for (int i = 0; i < blocks; ++i) {
-    const int first = beams * i / blocks;
-    const int last = beams * (i + 1) / blocks;
-    const BeamBlock block = BlockOf(sonar, first, last);
-    RayFanOptions fan_options = options.fan;
-    fan_options.cols = ColumnsOf(block, sonar, grid, fan_options.sampling);
-    fan_options.rows = grid.rows;
-    const RayFan fan(block.sonar, fan_options);
-    const EchoList echoes = Trace(caster, fan, pose, block.sonar.axes, options.trace);
-    const PolarImage part = RenderPaperImage(echoes, block.sonar, paper, absorption_db_per_m,
-                                             {.full_scale = options.full_scale(), .noise_seed = {}});
-    for (int bin = 0; bin < image.rows(); ++bin) {
-      for (int beam = first; beam < last; ++beam)
-        image(bin, beam) = part.value(bin, beam - first + block.guards_left);
-    }
-  }
-  return image;
-}
 
 std::vector<RayGridSize> DefaultGrids(Sampling sampling, const SonarModel& sonar) {
   if (sampling == Sampling::kFrustum) {
@@ -126,10 +69,11 @@ std::vector<RayError> MeasureRayErrors(const RayCaster& caster, const SonarModel
   const RayGridSize dense = {static_cast<int>(std::lround(options.dense.cols * side)),
                              static_cast<int>(std::lround(options.dense.rows * side))};
   const double db_a_grey = (parameters.display.db_max - parameters.display.db_min) / simulation.full_scale();
+  const PaperParameters<double> paper = PaperParametersFor(parameters, caster.material_names());
+  const double absorption_db_per_m =
+      AbsorptionDbPerM(simulation.absorption, sonar.frequency_hz, simulation.water);
   std::vector<RayError> measured;
   for (const Sampling sampling : options.samplings) {
-    SimulationOptions render = simulation;
-    render.fan.sampling = sampling;
     const std::vector<RayGridSize> grids = GridsOf(options, sampling, sonar);
     struct Errors {
       std::vector<double> grey;
@@ -139,9 +83,11 @@ std::vector<RayError> MeasureRayErrors(const RayCaster& caster, const SonarModel
     std::vector<Errors> errors(grids.size());
     for (const Pose& pose : poses) {
       const auto render_by = [&](const RayGridSize& grid) {
-        Grid<float> image = RenderInBlocks(caster, sonar, parameters, render, grid, pose);
+        const RayFan fan(sonar, {.sampling = sampling, .cols = grid.cols, .rows = grid.rows});
+        const PolarImage image = RenderPaperFrame(caster, fan, pose, sonar, paper, absorption_db_per_m,
+                                                  {.full_scale = simulation.full_scale(), .noise_seed = {}});
         if (progress) progress();
-        return image;
+        return image.value;
       };
       const Grid<float> truth = render_by(dense);
       for (std::size_t i = 0; i < grids.size(); ++i) {

@@ -1,9 +1,8 @@
 // What too few rays cost: images of the paper's model at a series of ray counts against one of very many
 // rays.
 //
-// The dense image is traced in blocks of beams, so that memory does not grow with its rays: a beam's pixels
-// depend on the beam's own rays alone. Each sampling has a dense image of its own, so that an error is one of
-// the number of rays and of nothing else.
+// Rays are summed as they are cast, so that memory does not grow with their number (sim/paper_frame.h). Each
+// sampling has a dense image of its own, so that an error is one of the number of rays and of nothing else.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +14,6 @@
 #include "sim/simulator.h"
 
 namespace sonarcal {
-
-// The image of a pose in grey levels, not rounded, by `grid` rays over the whole field of view. Of `options`
-// absorption, water and normals count; of the fan only the sampling. Blocks of about `rays_a_block` rays, at
-// least a beam each.
-Grid<float> RenderInBlocks(const RayCaster& caster, const SonarModel& sonar, const ParameterSet& parameters,
-                           const SimulationOptions& options, const RayGridSize& grid, const Pose& pose,
-                           std::int64_t rays_a_block = 4'000'000);
 
 // A number of rays, and the errors of its images over all pixels of all poses.
 struct RayError {
@@ -47,7 +39,8 @@ struct RayErrorOptions {
 // The counts that are tried unless others are named: about a quarter to four times the paper's rays.
 std::vector<RayGridSize> DefaultGrids(Sampling sampling, const SonarModel& sonar);
 
-// `progress` is told after each image, of `RayErrorImages` in all. Throws DataError where parameters are not
+// Of `simulation` absorption, water and bits count. `progress` is told after each image, of `RayErrorImages`
+// in all. Throws DataError where parameters are not
 // those of the paper's model, or there is no pose.
 std::vector<RayError> MeasureRayErrors(const RayCaster& caster, const SonarModel& sonar,
                                        const ParameterSet& parameters, const SimulationOptions& simulation,

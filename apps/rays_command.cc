@@ -14,12 +14,13 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/html_report.h"
+#include "apps/report/report_end.h"
 #include "apps/run_output.h"
+#include "apps/scene_option.h"
 #include "apps/simulate_recording.h"
 #include "data_io/json_writer.h"
 #include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/scene_io.h"
 
 namespace sonarcal {
 namespace {
@@ -150,9 +151,7 @@ HtmlReport MakeReport(const RaysOptions& options, const Measured& measured, cons
   report.Add(table);
   report.Add({ErrorChart(options, measured)},
              "99.9th percentile of the error against rays, both in logarithms");
-  report.Section("How this was made");
-  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
-  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(report, provenance);
   return report;
 }
 
@@ -173,6 +172,7 @@ Provenance ProvenanceOf(const RaysOptions& options, const SonarChoice& choice) {
                         {"absorption", ToString(options.absorption)},
                         {"threads", options.threads}},
       .inputs = {options.scene, options.params, options.poses}};
+  provenance.configuration.update(SceneFormatJson(options.scene_format));
   if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
   return provenance;
 }
@@ -193,7 +193,7 @@ ExitStatus RunRays(const RaysOptions& options) {
   simulation.water = water.water;
   std::vector<Pose> poses;
   for (const TimedPose& pose : ReadPosesOrRecording(options.poses)) poses.push_back(pose.world_from_sonar);
-  const RayCaster caster(ReadGltf(options.scene));
+  const RayCaster caster(ReadSceneFile(options.scene, options.scene_format, options.common));
   std::optional<RunOutput> output;
   if (!options.out.empty()) output.emplace(options.out);
 
@@ -228,9 +228,8 @@ void SetupRays(CLI::App& app) {
   auto options = std::make_shared<RaysOptions>();
   CLI::App* command =
       AddCommand(app, "rays", "Says how far images of few rays are from images of many, by either sampling");
-  command->add_option("--scene", options->scene, "Scene in metres, its materials by name")
-      ->type_name("GLTF")
-      ->required();
+  AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+                  /*required=*/true);
   command
       ->add_option("--sonar", options->sonar,
                    "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")

@@ -8,12 +8,14 @@
 
 #include "apps/command.h"
 #include "apps/ray_errors.h"
+#include "apps/scene_option.h"
 
 namespace sonarcal {
 
 struct RaysOptions {
   CommonOptions common;
   std::filesystem::path scene;
+  SceneFormat scene_format;
   std::string sonar;
   std::filesystem::path params;
   std::filesystem::path poses;

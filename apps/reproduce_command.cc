@@ -189,7 +189,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
       .command = "reproduce", .configuration = configuration, .seed = options.seed, .inputs = inputs};
   const std::string metrics = ReproductionMetricsJson(reproduction);
   WriteFileWhole(output / "metrics.json", metrics);
-  MakeReproductionReport(reproduction, ProvenanceToJson(provenance).dump(2)).Write(output / "report.html");
+  MakeReproductionReport(reproduction, ProvenanceToJson(provenance)).Write(output / "report.html");
   WriteProvenance(output.staging(), provenance);
   output.Commit();
 

@@ -11,6 +11,7 @@
 #include "apps/fit_recording.h"
 #include "apps/provenance.h"
 #include "apps/report/comparison_section.h"
+#include "apps/report/report_end.h"
 #include "apps/report/still_section.h"
 #include "apps/run_output.h"
 #include "data_io/atomic_output.h"
@@ -174,10 +175,7 @@ ExitStatus RunFitStill(const FitCommandOptions& options) {
   AddSyntheticCallout(html, info.synthetic, RecordingName(info));
   html.Section("Levels");
   AddStillPoses(html, still);
-  html.Section("How this was made");
-  html.Details("Provenance: version, configuration, hashes of the inputs",
-               ProvenanceToJson(provenance).dump(2));
-  html.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(html, ProvenanceToJson(provenance));
   html.Write(output / "report.html");
   output.Commit();
   if (options.common.json) {

@@ -8,6 +8,7 @@
 
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/report/report_end.h"
 #include "apps/reproduce/bomb_report.h"
 #include "apps/reproduce/paper_tables.h"
 #include "apps/reproduce/summary_rows.h"
@@ -199,7 +200,8 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
 
 }  // namespace
 
-HtmlReport MakeReproductionReport(const Reproduction& reproduction, const std::string& provenance) {
+HtmlReport MakeReproductionReport(const Reproduction& reproduction,
+                                  const nlohmann::ordered_json& provenance) {
   HtmlReport report("Simulated and recorded sonar images",
                     "The comparison of Park, Sensors 2024, 24(23), 7835, made again");
   AddSummary(report, reproduction);
@@ -207,9 +209,7 @@ HtmlReport MakeReproductionReport(const Reproduction& reproduction, const std::s
   if (reproduction.bomb) AddBomb(report, *reproduction.bomb);
   AddShown(report, reproduction.shown);
   AddMetricDefinitions(report, reproduction.tank.fit.after);
-  report.Section("How this was made");
-  report.Details("Provenance: version, configuration, hashes of the inputs", provenance);
-  report.SetFooter("sonarcal " SONARCAL_VERSION);
+  EndReport(report, provenance);
   return report;
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "apps/report/html_report.h"
 #include "apps/reproduce/bomb_comparison.h"
 #include "apps/reproduce/tank_comparison.h"
@@ -29,7 +31,7 @@ struct Reproduction {
   std::vector<ShownRecording> shown;
 };
 
-HtmlReport MakeReproductionReport(const Reproduction& reproduction, const std::string& provenance);
+HtmlReport MakeReproductionReport(const Reproduction& reproduction, const nlohmann::ordered_json& provenance);
 
 // The text of metrics.json: the tank's held-out frames after the fit of the paper's model in the form of
 // `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a sample),

@@ -31,28 +31,6 @@ ParameterSet TankParameters() {
   return parameters;
 }
 
-// To the last bit by beams, each of which has its own columns, evenly spaced or not. (A pinhole's columns lie
-// elsewhere in a block than in the whole: its image is the same but for the error of its rays.)
-TEST(RenderInBlocks, IsTheImageOfTheWholeFan) {
-  for (const char* preset : {"p900-45", "aris3000"}) {
-    const SonarModel& sonar = FindSonarPreset(preset).sonar;
-    const RayCaster caster(MakePaperTank());
-    const Pose pose{RotationFromYawPitchRoll(0.1, -0.3, 0.0), {4.8, 4.4, 1.2}};
-    SimulationOptions options;
-    options.fan.sampling = Sampling::kBeams;
-    const RayGridSize grid = {2 * sonar.axes.beam_count(), 300};
-    const auto render = [&](std::int64_t rays_a_block) {
-      return RenderInBlocks(caster, sonar, TankParameters(), options, grid, pose, rays_a_block);
-    };
-    const Grid<float> whole = render(100'000'000);
-    const Grid<float> blocks = render(20'000);
-    EXPECT_EQ(whole, blocks) << preset;
-    EXPECT_GT(std::count_if(whole.values().begin(), whole.values().end(), [](float v) { return v > 1.0F; }),
-              1000)
-        << preset;
-  }
-}
-
 TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
   const SonarModel& sonar = FindSonarPreset("p900-45").sonar;
   const RayCaster caster(MakePaperTank());
