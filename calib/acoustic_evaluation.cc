@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
+#include "calib/pixel_math.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/physics/display.h"
@@ -15,6 +18,7 @@ namespace sonarcal {
 namespace {
 
 constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
+constexpr std::size_t kAtOnce = 64;  // pixels: their sums stay in the nearest cache
 constexpr double kMostGrowth = 3.0;  // of an echo, by a move that a slope can speak for; nepers of power
 
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
@@ -50,9 +54,16 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
       curves_(TabulateCurves(state.parameters, state.material_names)),
       noise_(state.parameters.receiver, state.sonar.axes, state.absorption_db_per_m),
       looks_(state.parameters.receiver.looks),
+      clips_(state.clips),
       lowest_(PowerFromDisplay(state.parameters.display, 0.0)),
       highest_(PowerFromDisplay(state.parameters.display, 1.0)) {
-  for (const int entry : active) columns_.push_back(PlanColumn(state, entry));
+  for (const int entry : active) {
+    columns_.push_back(PlanColumn(state, entry));
+    if (columns_.back().of != Of::kCurve) continue;
+    const CatalogEntry& of = state.catalog[entry];
+    curve_columns_.push_back(
+        {columns_.size() - 1, static_cast<std::size_t>(of.material * kCurveStride + 1 + of.index)});
+  }
   for (const EchoSlope& slope : echoes.slopes)
     moved_.push_back(state.values[slope.entry] - state.point[slope.entry]);
   const ReceiverParameters& receiver = state.parameters.receiver;
@@ -70,30 +81,52 @@ AcousticEvaluation::Column AcousticEvaluation::PlanColumn(const AcousticState& s
     const auto found = std::find_if(echoes_.slopes.begin(), echoes_.slopes.end(),
                                     [entry](const EchoSlope& slope) { return slope.entry == entry; });
     if (found == echoes_.slopes.end()) return {};
-    return {Of::kGeometry, static_cast<int>(found - echoes_.slopes.begin())};
+    return {Of::kGeometry, static_cast<std::size_t>(found - echoes_.slopes.begin())};
   }
-  if (of.group == ParameterGroup::kGsab) return {Of::kCurve, of.material * kCurveStride + 1 + of.index};
+  if (of.group == ParameterGroup::kGsab) return {Of::kCurve};
   if (of.group == ParameterGroup::kReceiver && of.index == 1) return {Of::kNoise, 0};
   if (of.group == ParameterGroup::kReceiver && of.index == 2) return {Of::kNoiseSlope, 0};
   return {Of::kLevel, 0};  // gain and source level
 }
 
-AcousticEvaluation::Sums AcousticEvaluation::MakeSums() const {
-  const std::size_t terms = materials_ * kCurveStride;
-  return {.curves = std::vector<double>(terms),
-          .slopes = std::vector<double>(moved_.size()),
-          .scratch = std::vector<double>(moved_.empty() ? 0 : terms),
-          .power = 0.0};
+bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& sums) const {
+  const std::size_t stride = materials_ * kCurveStride;
+  sums.curves.resize(pixels.size() * stride);
+  sums.slopes.resize(pixels.size() * moved_.size());
+  sums.power.resize(pixels.size());
+  sums.mean.resize(pixels.size());
+  sums.of_echo.resize(pixels.size());
+  sums.of_noise.resize(pixels.size());
+  pixel_math::SumCurves(echoes_.at_point, pixels, curves_, sums.curves.data());
+  std::vector<double> scratch(moved_.empty() ? 0 : stride);
+  bool valid = true;
+  int bin = pixels.empty() ? 0 : static_cast<int>(pixels.front()) / beams_;
+  std::size_t end_of_bin = static_cast<std::size_t>(bin + 1) * beams_;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    while (pixels[i] >= end_of_bin) {
+      ++bin;
+      end_of_bin += beams_;
+    }
+    const int beam = static_cast<int>(pixels[i] + beams_ - end_of_bin);
+    if (!moved_.empty()) MoveGeometry(pixels[i], i, scratch, sums);
+    const double power = AllMaterials(&sums.curves[i * stride]);
+    const double before_gain = noise_.BeforeGain(bin, beam);
+    const double mean = gain_[bin] * std::max(power, 0.0) + noise_.Power(bin, beam);
+    valid = valid && mean > 0.0 && std::isfinite(mean);
+    sums.power[i] = power;
+    sums.mean[i] = mean;
+    // Far from the point a linear echo may fall below nothing: then nothing is heard.
+    sums.of_echo[i] = power > 0.0 ? gain_[bin] / mean : 0.0;
+    sums.of_noise[i] = kNeperPerDb * before_gain / mean;
+  }
+  return valid;
 }
 
-void AcousticEvaluation::SumEchoes(std::size_t pixel, Sums& sums) const {
-  std::fill(sums.curves.begin(), sums.curves.end(), 0.0);
-  AddCurves(echoes_.at_point, pixel, curves_, sums.curves);
-  const auto all_materials = [this](const std::vector<double>& of) {
-    double power = 0.0;
-    for (std::size_t material = 0; material < materials_; ++material) power += of[material * kCurveStride];
-    return power;
-  };
+// Adds to a pixel's sums what beam, pulse and pose have moved, and leaves what more of it would add.
+void AcousticEvaluation::MoveGeometry(std::size_t pixel, std::size_t i, std::vector<double>& scratch,
+                                      Sums& sums) const {
+  const std::span<double> curves(&sums.curves[i * scratch.size()], scratch.size());
+  const std::span<double> slopes(&sums.slopes[i * moved_.size()], moved_.size());
   double grown = 0.0;  // by poses, in nepers
   for (std::size_t g = 0; g < moved_.size(); ++g) {
     if (wanted_ == FrameModel::Terms::kResiduals && moved_[g] == 0.0) continue;
@@ -102,56 +135,104 @@ void AcousticEvaluation::SumEchoes(std::size_t pixel, Sums& sums) const {
       grown += moved_[g] * slope.logarithm[pixel];
       continue;
     }
-    std::fill(sums.scratch.begin(), sums.scratch.end(), 0.0);
-    AddCurves(slope.echoes, pixel, curves_, sums.scratch);
-    sums.slopes[g] = all_materials(sums.scratch);
-    for (std::size_t i = 0; i < sums.curves.size(); ++i) sums.curves[i] += moved_[g] * sums.scratch[i];
+    std::fill(scratch.begin(), scratch.end(), 0.0);
+    AddCurves(slope.echoes, pixel, curves_, scratch);
+    slopes[g] = AllMaterials(scratch.data());
+    for (std::size_t k = 0; k < curves.size(); ++k) curves[k] += moved_[g] * scratch[k];
   }
   const double factor = grown == 0.0 ? 1.0 : std::exp(std::clamp(grown, -kMostGrowth, kMostGrowth));
-  for (double& value : sums.curves) value *= factor;
-  sums.power = all_materials(sums.curves);
+  for (double& value : curves) value *= factor;
+  const double power = AllMaterials(curves.data());
   for (std::size_t g = 0; g < moved_.size(); ++g) {
     const EchoSlope& slope = echoes_.slopes[g];
     if (slope.logarithm.empty()) {
-      sums.slopes[g] *= factor;
+      slopes[g] *= factor;
     } else {
-      sums.slopes[g] = std::abs(grown) < kMostGrowth ? slope.logarithm[pixel] * sums.power : 0.0;
+      slopes[g] = std::abs(grown) < kMostGrowth ? slope.logarithm[pixel] * power : 0.0;
     }
   }
 }
 
-// d ln mean / d active values.
-void AcousticEvaluation::FillRow(int bin, int beam, const Sums& sums, double mean, double* row) const {
-  // Far from the point a linear echo may fall below nothing: then nothing is heard.
-  const double of_echo = sums.power > 0.0 ? gain_[bin] / mean : 0.0;
-  const double of_noise = kNeperPerDb * noise_.BeforeGain(bin, beam) / mean;
-  for (const Column& column : columns_) {
-    double slope = 0.0;
-    switch (column.of) {
-      case Of::kCurve:
-        slope = of_echo * sums.curves[column.index];
-        break;
+// d ln mean / d active values, column by column.
+void AcousticEvaluation::FillJacobian(std::span<const std::uint32_t> pixels, const Sums& sums,
+                                      std::size_t first_pixel, double* jacobian) const {
+  const std::size_t columns = columns_.size();
+  const std::size_t stride = materials_ * kCurveStride;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    double* __restrict row = jacobian + (pixels[i] - first_pixel) * columns;
+    const double* __restrict curves = &sums.curves[i * stride];
+    const double of_echo = sums.of_echo[i];
+    for (const CurveColumn& column : curve_columns_) row[column.column] = of_echo * curves[column.sum];
+  }
+  for (std::size_t k = 0; k < columns; ++k) {
+    const auto fill = [&](const auto& slope_of) {
+      for (std::size_t i = 0; i < pixels.size(); ++i)
+        jacobian[(pixels[i] - first_pixel) * columns + k] = slope_of(i);
+    };
+    switch (columns_[k].of) {
       case Of::kGeometry:
-        slope = of_echo * sums.slopes[column.index];
+        fill([&](std::size_t i) {
+          return sums.of_echo[i] * sums.slopes[i * moved_.size() + columns_[k].geometry];
+        });
         break;
       case Of::kLevel:
-        slope = kNeperPerDb * of_echo * sums.power;
+        fill([&](std::size_t i) { return kNeperPerDb * sums.of_echo[i] * sums.power[i]; });
         break;
       case Of::kNoise:
-        slope = of_noise;
+        fill([&](std::size_t i) { return sums.of_noise[i]; });
         break;
       case Of::kNoiseSlope:
-        slope = of_noise * range_m_[bin];
+        fill([&](std::size_t i) { return sums.of_noise[i] * range_m_[pixels[i] / beams_]; });
         break;
+      case Of::kCurve:
       case Of::kNothing:
         break;
     }
-    *row++ = slope;
+  }
+}
+
+// Residuals, their slopes and information, into the places of the pixels.
+void AcousticEvaluation::FillLikelihood(std::span<const std::uint32_t> pixels,
+                                        const std::vector<double>& mean, std::size_t first_pixel,
+                                        PixelTerms& terms) const {
+  const auto count = static_cast<int>(pixels.size());
+  thread_local std::vector<double> power;
+  thread_local std::vector<double> residual;
+  thread_local std::vector<double> slope;
+  thread_local std::vector<double> information;
+  power.clear();
+  for (const std::uint32_t pixel : pixels) power.push_back(recorded_.power[pixel].power);
+  residual.resize(pixels.size());
+  slope.resize(pixels.size());
+  information.resize(pixels.size());
+  pixel_math::Likelihood(power.data(), mean.data(), count, looks_, residual.data(), slope.data());
+  const bool informed = wanted_ == FrameModel::Terms::kInformation;
+  const bool single_look = looks_ == 1.0 && clips_;
+  if (informed && single_look)
+    pixel_math::SingleLookInformation(lowest_, highest_, mean.data(), count, information.data());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const std::uint32_t pixel = pixels[i];
+    const std::size_t at = pixel - first_pixel;
+    const RecordedPower& recorded = recorded_.power[pixel];
+    const LikelihoodTerm term = recorded.censoring == Censoring::kNone
+                                    ? LikelihoodTerm{residual[i], slope[i]}
+                                    : PowerLikelihood(recorded, mean[i], looks_);
+    // Of a likelihood to the power of a weight: residual and slope by its root, information by it.
+    const double share = recorded_.repeat_share.empty() ? 1.0 : recorded_.repeat_share[pixel];
+    const double weight = share * (recorded_.weight.empty() ? 1.0 : recorded_.weight[pixel]);
+    if (!recorded_.repeat_share.empty()) terms.repeat_factor[at] = std::sqrt(share);
+    const double root = weight == 1.0 ? 1.0 : std::sqrt(weight);
+    terms.residual[at] = root * term.residual;
+    if (!terms.slope.empty()) terms.slope[at] = root * term.slope;
+    if (informed) {
+      terms.information[at] = weight * (single_look ? information[i] : Information(mean[i]));
+    }
   }
 }
 
 bool AcousticEvaluation::Bins(int first, int last, PixelTerms& terms) const {
   const std::size_t pixels = static_cast<std::size_t>(last - first) * beams_;
+  const std::size_t first_pixel = static_cast<std::size_t>(first) * beams_;
   const std::size_t columns = columns_.size();
   const bool derivatives = wanted_ != FrameModel::Terms::kResiduals;
   terms.residual.assign(pixels, 0.0);
@@ -159,42 +240,28 @@ bool AcousticEvaluation::Bins(int first, int last, PixelTerms& terms) const {
   terms.information.assign(wanted_ == FrameModel::Terms::kInformation ? pixels : 0, 0.0);
   terms.eta_jacobian.assign(derivatives ? pixels * columns : 0, 0.0);
   terms.repeat_factor.assign(recorded_.repeat_share.empty() ? 0 : pixels, 1.0);
-  Sums sums = MakeSums();
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const int bin = first + static_cast<int>(i) / beams_;
-    const int beam = static_cast<int>(i) % beams_;
-    const std::size_t pixel = static_cast<std::size_t>(first) * beams_ + i;
-    if (!Counts(pixel)) continue;
-    SumEchoes(pixel, sums);
-    const double mean = gain_[bin] * std::max(sums.power, 0.0) + noise_.Power(bin, beam);
-    if (!(mean > 0.0) || !std::isfinite(mean)) return false;
-    const LikelihoodTerm term = PowerLikelihood(recorded_.power[pixel], mean, looks_);
-    // Of a likelihood to the power of a weight: residual and slope by its root, information by it.
-    const double share = recorded_.repeat_share.empty() ? 1.0 : recorded_.repeat_share[pixel];
-    const double weight = share * (recorded_.weight.empty() ? 1.0 : recorded_.weight[pixel]);
-    if (!recorded_.repeat_share.empty()) terms.repeat_factor[i] = std::sqrt(share);
-    const double root = weight == 1.0 ? 1.0 : std::sqrt(weight);
-    terms.residual[i] = root * term.residual;
-    if (!derivatives) continue;
-    terms.slope[i] = root * term.slope;
-    if (wanted_ == FrameModel::Terms::kInformation)
-      terms.information[i] = weight * ExpectedInformation(lowest_, highest_, mean, looks_);
-    FillRow(bin, beam, sums, mean, &terms.eta_jacobian[i * columns]);
+  thread_local Sums sums;
+  thread_local std::vector<std::uint32_t> counted;
+  counted.clear();
+  for (std::size_t pixel = first_pixel; pixel < first_pixel + pixels; ++pixel) {
+    if (Counts(pixel)) counted.push_back(static_cast<std::uint32_t>(pixel));
+  }
+  for (std::size_t i = 0; i < counted.size(); i += kAtOnce) {
+    const auto some =
+        std::span<const std::uint32_t>(counted).subspan(i, std::min(kAtOnce, counted.size() - i));
+    if (!SumEchoes(some, sums)) return false;
+    FillLikelihood(some, sums.mean, first_pixel, terms);
+    if (derivatives) FillJacobian(some, sums, first_pixel, terms.eta_jacobian.data());
   }
   return true;
 }
 
 std::vector<double> AcousticEvaluation::Means() const {
-  std::vector<double> means;
-  means.reserve(static_cast<std::size_t>(bins_) * beams_);
-  Sums sums = MakeSums();
-  for (int bin = 0; bin < bins_; ++bin) {
-    for (int beam = 0; beam < beams_; ++beam) {
-      SumEchoes(means.size(), sums);
-      means.push_back(gain_[bin] * std::max(sums.power, 0.0) + noise_.Power(bin, beam));
-    }
-  }
-  return means;
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(bins_) * beams_);
+  std::iota(all.begin(), all.end(), 0U);
+  Sums sums;
+  SumEchoes(all, sums);
+  return std::move(sums.mean);
 }
 
 }  // namespace sonarcal

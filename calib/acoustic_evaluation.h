@@ -50,6 +50,7 @@ struct AcousticState {
   const ParameterSet& parameters;
   const ParameterValues& values;
   const ParameterValues& point;  // about which echoes are linear
+  bool clips = true;             // whether pixels may end at the display's ends
 };
 
 class AcousticEvaluation final : public FrameEvaluation {
@@ -64,25 +65,44 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::vector<double> Means() const;
 
  private:
-  // What a column of the Jacobian is of, and where a pixel finds it.
+  // What a column of the Jacobian is of.
   enum class Of { kCurve, kLevel, kNoise, kNoiseSlope, kGeometry, kNothing };
   struct Column {
     Of of = Of::kNothing;
-    int index = 0;  // kCurve: among the pixel's sums; kGeometry: among its slopes
+    std::size_t geometry = 0;  // among a pixel's slopes
   };
-  // Sums over one pixel's echoes.
+  struct CurveColumn {
+    std::size_t column = 0;
+    std::size_t sum = 0;  // among a pixel's sums
+  };
+  // Pixels that count, one after the other.
   struct Sums {
-    std::vector<double> curves;  // kCurveStride for each material
-    std::vector<double> slopes;  // by geometric parameter
-    std::vector<double> scratch;
-    double power = 0.0;  // all materials together
+    std::vector<double> curves;  // kCurveStride for each material of each pixel
+    std::vector<double> slopes;  // of each pixel, by geometric parameter
+    std::vector<double> power;   // all materials together
+    std::vector<double> mean;
+    std::vector<double> of_echo;   // d ln mean / d echo power
+    std::vector<double> of_noise;  // and / d noise level, dB
   };
 
-  Sums MakeSums() const;
   Column PlanColumn(const AcousticState& state, int entry) const;
-  void SumEchoes(std::size_t pixel, Sums& sums) const;
-  void FillRow(int bin, int beam, const Sums& sums, double mean, double* row) const;
+  // False where a mean is not a positive number.
+  bool SumEchoes(std::span<const std::uint32_t> pixels, Sums& sums) const;
+  void MoveGeometry(std::size_t pixel, std::size_t i, std::vector<double>& scratch, Sums& sums) const;
+  void FillLikelihood(std::span<const std::uint32_t> pixels, const std::vector<double>& mean,
+                      std::size_t first_pixel, PixelTerms& terms) const;
+  void FillJacobian(std::span<const std::uint32_t> pixels, const Sums& sums, std::size_t first_pixel,
+                    double* jacobian) const;
+  double Information(double mean) const {
+    return clips_ ? ExpectedInformation(lowest_, highest_, mean, looks_) : looks_;
+  }
   bool Counts(std::size_t pixel) const { return recorded_.use.empty() || recorded_.use[pixel] != 0; }
+  double AllMaterials(const double* curves) const {
+    double power = 0.0;
+    for (std::size_t material = 0; material < materials_; ++material)
+      power += curves[material * kCurveStride];
+    return power;
+  }
 
   const FrameEchoes& echoes_;
   RecordedFrame recorded_;
@@ -91,12 +111,14 @@ class AcousticEvaluation final : public FrameEvaluation {
   int beams_;
   std::size_t materials_;
   std::vector<Column> columns_;
+  std::vector<CurveColumn> curve_columns_;
   std::vector<double> curves_;   // kCurveStride for each node of each material
   std::vector<double> moved_;    // of each geometric parameter, from the point
   std::vector<double> gain_;     // by bin
   std::vector<double> range_m_;  // by bin
   ReceiverNoise noise_;
   double looks_;
+  bool clips_;
   double lowest_;  // power at the bottom of the display, and at its top
   double highest_;
 };

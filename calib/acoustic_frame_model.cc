@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/coarse_frame_model.h"
 #include "calib/down_weight.h"
 #include "calib/pose_step.h"
 #include "data_io/types/error.h"
@@ -256,6 +257,20 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
                                                             .weight = weights_[frame],
                                                             .repeat_share = repeat_shares_[frame]},
                                               differentiated, wanted);
+}
+
+std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels) const {
+  // Curves change faster along range than from beam to beam.
+  constexpr int kMostBins = 4;
+  constexpr int kMostBeams = 8;
+  const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
+                                [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
+  const double factor =
+      static_cast<double>(pixel_count() * frames_.size()) / static_cast<double>(wanted_pixels);
+  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMostBins),
+                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMostBeams)};
+  if (bent || block.bins * block.beams == 1) return nullptr;
+  return std::make_unique<CoarseFrameModel>(*this, block);
 }
 
 }  // namespace sonarcal

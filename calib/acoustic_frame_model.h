@@ -94,8 +94,16 @@ class AcousticFrameModel final : public FrameModel {
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
 
-  // The echoes of a frame at the point of the last Linearise.
-  const PixelEchoes& echoes(int frame) const { return echoes_[frame].at_point; }
+  // By how much a pixel's likelihood counts: for what the scene explains, and what other frames tell too.
+  double Weight(int frame, std::size_t pixel) const {
+    const double share = repeat_shares_[frame].empty() ? 1.0 : repeat_shares_[frame][pixel];
+    return share * (weights_[frame].empty() ? 1.0 : weights_[frame][pixel]);
+  }
+
+  // The echoes of a frame about the point of the last Linearise.
+  const FrameEchoes& echoes(int frame) const { return echoes_[frame]; }
+
+  std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
 
  private:
   Pose PoseEntries(int frame, const ParameterValues& values) const;

@@ -22,8 +22,7 @@ namespace {
 // Relative change of cost at which a trial start is told from another.
 constexpr double kRoughTolerance = 1e-5;
 constexpr int kRoughIterations = 20;
-constexpr std::size_t kRoughPixels = 200'000;
-constexpr std::size_t kMostEvery = 16;
+constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to tell valleys apart
 constexpr double kLikelihoodTolerance = 1e-2;
 
 // The state of a fit while it runs: what is still free, and why the rest is not.
@@ -60,11 +59,11 @@ class Fitter {
         report_.termination = "the frames determine none of the free parameters";
         break;
       }
-      usable = Solve(Tolerance(), options_.max_iterations);
+      usable = Solve(model_, Tolerance(), options_.max_iterations);
       if (!usable) break;
       // With priors the two are not alike: the exchanged one is a start, no answer.
       const bool exchanged = OrderGaussians();
-      if (exchanged && model_.IsLikelihood()) usable = Solve(Tolerance(), options_.max_iterations);
+      if (exchanged && model_.IsLikelihood()) usable = Solve(model_, Tolerance(), options_.max_iterations);
       if (!usable) break;
       if (model_.IsLikelihood()) {
         FlagWhatPriorsDecide();
@@ -137,12 +136,13 @@ class Fitter {
     double best_cost = std::numeric_limits<double>::infinity();
     Activate();
     if (state_.active.empty()) return;
+    const std::unique_ptr<FrameModel> coarse = model_.Coarse(kStartPixels);
+    const FrameModel& model = coarse != nullptr ? *coarse : model_;
     for (int start = 0; start < options_.starts; ++start) {
       if (options_.starts > 1) Say(fmt::format("start {} of {}", start + 1, options_.starts));
       state_.values = start == 0 ? given : WithCurveShape(catalog_, Free(), given, start);
-      if (options_.search_level) state_.values = SearchLevel(model_, catalog_, Free(), state_.values);
-      if (!Solve(kRoughTolerance, std::min(kRoughIterations, options_.max_iterations), RoughEvery()))
-        continue;
+      if (options_.search_level) state_.values = SearchLevel(model, catalog_, Free(), state_.values);
+      if (!Solve(model, kRoughTolerance, std::min(kRoughIterations, options_.max_iterations))) continue;
       report_.start_costs.push_back(report_.cost_final);
       if (report_.cost_final < best_cost) {
         best_cost = report_.cost_final;
@@ -150,14 +150,6 @@ class Fitter {
       }
     }
     state_.values = best;
-  }
-
-  // Of the range bins, one run in so many is enough to tell valleys apart. A model whose pixels come all
-  // together saves nothing by it.
-  int RoughEvery() const {
-    if (!model_.IsLikelihood()) return 1;
-    const std::size_t pixels = model_.pixel_count() * static_cast<std::size_t>(model_.frame_count());
-    return static_cast<int>(std::clamp<std::size_t>(pixels / kRoughPixels, 1, kMostEvery));
   }
 
   // A hundredth of a log-likelihood is nothing that a fit could be judged by.
@@ -168,11 +160,11 @@ class Fitter {
                       : options_.function_tolerance;
   }
 
-  bool Solve(double function_tolerance, int max_iterations, int every = 1) {
+  bool Solve(const FrameModel& model, double function_tolerance, int max_iterations) {
     Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), model_.frame_count(),
                     model_.frame_count() == 1 ? "" : "s"));
     std::vector<double> coordinates = state_.Coordinates(catalog_);
-    const auto problem = BuildProblem(model_, catalog_, state_, coordinates, every);
+    const auto problem = BuildProblem(model, catalog_, state_, coordinates);
     ceres::Solver::Options solver;
     solver.max_num_iterations = max_iterations;
     solver.function_tolerance = function_tolerance;

@@ -84,6 +84,9 @@ class FrameModel {
     return evaluation != nullptr && evaluation->Bins(0, range_bins(), terms);
   }
 
+  // About the same frames in about so many pixels, to find a start by; null where that would be no cheaper.
+  virtual std::unique_ptr<FrameModel> Coarse(std::size_t /*wanted_pixels*/) const { return nullptr; }
+
   std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
 };
 

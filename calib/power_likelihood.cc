@@ -78,13 +78,15 @@ double ExpectedInformation(double lowest, double highest, double mean, double lo
            (igamma(looks, z) - 2.0 * igamma(looks + 1.0, z) + (1.0 + 1.0 / looks) * igamma(looks + 2.0, z));
   };
   double information = looks;
-  // Clipping at the bottom changes the information by about a^2 / 2, at the top by b^2 exp(-b).
-  if (b < 40.0) {
+  // What lies beyond x has a probability of at most exp(-L (x - 1 - ln x)).
+  const auto is_reached = [looks](double x) { return looks * (x - 1.0 - std::log(x)) < 40.0; };
+  if (b < 1.0 || is_reached(b)) {
     const double above = looks == 1.0 ? std::exp(-b) : igammac(looks, looks * b);
     information = interior_below(b);
     if (above > 0.0) information += std::pow(b * Density(b, looks), 2) / above;
   }
-  if (a > 1e-4) {
+  // Clipping at the bottom changes the information of a single look by about a^2 / 2.
+  if (a > 1.0 || (a > 1e-4 && is_reached(a))) {
     const double below = looks == 1.0 ? -std::expm1(-a) : igamma(looks, looks * a);
     information += -interior_below(a) + std::pow(a * Density(a, looks), 2) / below;
   }

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "calib/pixel_math.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -20,8 +21,11 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Range bins that are evaluated at once: their Jacobian stays in a cache.
-constexpr int kBandBins = 4;
+// Range bins that are evaluated at once: their Jacobian stays in the nearest cache.
+int BandBins(const FrameModel& model) {
+  constexpr int kPixels = 256;
+  return std::max(1, kPixels / model.beams());
+}
 
 // d value / d coordinate of the active entries.
 Eigen::VectorXd ValueSlopes(const std::vector<CatalogEntry>& catalog, const FitState& state) {
@@ -43,25 +47,24 @@ void ForBands(int range_bins, int bins_per_band, const Work& work) {
 
 // Sums over the pixels of a frame.
 struct FrameSums {
-  Eigen::MatrixXd information;  // expected, or more where the model is far off
-  Eigen::VectorXd gradient;     // of half the sum of squares
+  RowMajor information;      // expected, or more where the model is far off; its lower triangle
+  Eigen::VectorXd gradient;  // of half the sum of squares
   double residual_square = 0.0;
 };
 
-// With derivatives or without; of one band in `every`, others in the next frame. Bands are added in their
-// order, so that the number of threads changes nothing.
+// With derivatives or without. Bands are added in their order, so that the number of threads changes nothing.
 std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
-                                  const FitState& state, int frame, bool derivatives, int every = 1) {
+                                  const FitState& state, int frame, bool derivatives) {
   const auto evaluation =
       model.At(frame, state.values, state.active,
                derivatives ? FrameModel::Terms::kInformation : FrameModel::Terms::kResiduals);
   if (evaluation == nullptr) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(derivatives ? state.active.size() : 0);
   const Eigen::VectorXd value_slope = derivatives ? ValueSlopes(catalog, state) : Eigen::VectorXd();
-  std::vector<FrameSums> bands((model.range_bins() + kBandBins - 1) / kBandBins);
+  const int band_bins = BandBins(model);
+  std::vector<FrameSums> bands((model.range_bins() + band_bins - 1) / band_bins);
   std::atomic<bool> valid{true};
-  ForBands(model.range_bins(), kBandBins, [&](int band, int first, int last) {
-    if ((band + frame) % every != 0) return;
+  ForBands(model.range_bins(), band_bins, [&](int band, int first, int last) {
     thread_local PixelTerms terms;  // keeps its memory from one band to the next
     if (!evaluation->Bins(first, last, terms)) {
       valid = false;
@@ -71,17 +74,24 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
     const Eigen::Map<const Eigen::VectorXd> residual(terms.residual.data(), pixels);
     bands[band].residual_square = residual.squaredNorm();
     if (!derivatives) return;
-    Eigen::Map<RowMajor> rows(terms.eta_jacobian.data(), pixels, n);
-    const Eigen::Map<const Eigen::ArrayXd> slope(terms.slope.data(), pixels);
-    bands[band].gradient = rows.transpose() * (slope * residual.array()).matrix();
     // Never less than the slope's own square: then |r'| can't exceed |r|.
-    const Eigen::Map<const Eigen::ArrayXd> information(terms.information.data(), pixels);
-    rows.array().colwise() *= information.max(slope.square()).sqrt();
-    bands[band].information = Eigen::MatrixXd::Zero(n, n);
-    bands[band].information.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    thread_local std::vector<double> weight;
+    thread_local std::vector<double> along;
+    weight.clear();
+    along.clear();
+    for (std::size_t i = 0; i < terms.residual.size(); ++i) {
+      weight.push_back(std::max(terms.information[i], terms.slope[i] * terms.slope[i]));
+      along.push_back(terms.slope[i] * terms.residual[i]);
+    }
+    bands[band].information = RowMajor::Zero(n, n);
+    bands[band].gradient = Eigen::VectorXd::Zero(n);
+    terms.eta_jacobian.resize(terms.eta_jacobian.size() + pixel_math::kRowPadding, 0.0);
+    pixel_math::AddOuterProducts(terms.eta_jacobian.data(), weight.data(), along.data(),
+                                 static_cast<int>(pixels), static_cast<int>(n),
+                                 bands[band].information.data(), bands[band].gradient.data());
   });
   if (!valid) return std::nullopt;
-  FrameSums sums{.information = Eigen::MatrixXd::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
+  FrameSums sums{.information = RowMajor::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
   for (const FrameSums& band : bands) {
     sums.residual_square += band.residual_square;
     if (!derivatives || band.gradient.size() == 0) continue;
@@ -106,8 +116,8 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
 class FrameCost final : public ceres::CostFunction {
  public:
   FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
-            int frame, int every)
-      : model_(model), catalog_(catalog), state_(state), frame_(frame), every_(every) {
+            int frame)
+      : model_(model), catalog_(catalog), state_(state), frame_(frame) {
     for (std::size_t k = 0; k < state.active.size(); ++k) {
       const CatalogEntry& entry = catalog[state.active[k]];
       if (entry.frame >= 0 && entry.frame != frame) continue;
@@ -128,7 +138,7 @@ class FrameCost final : public ceres::CostFunction {
     const bool differentiate = derivatives || model_.IsLikelihood();
     const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
     if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
-      sums_ = SumFrame(model_, catalog_, state, frame_, differentiate, every_);
+      sums_ = SumFrame(model_, catalog_, state, frame_, differentiate);
       differentiated_ = differentiate;
       point_ = point;
     }
@@ -163,7 +173,6 @@ class FrameCost final : public ceres::CostFunction {
   const std::vector<CatalogEntry>& catalog_;
   const FitState& state_;
   int frame_;
-  int every_;
   mutable std::optional<FrameSums> sums_;  // at this point
   mutable std::vector<double> point_;
   mutable bool differentiated_ = false;
@@ -214,11 +223,10 @@ void FitState::SetCoordinates(const std::vector<CatalogEntry>& catalog,
 
 std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
-                                             std::vector<double>& coordinates, int every) {
+                                             std::vector<double>& coordinates) {
   auto problem = std::make_unique<ceres::Problem>();
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    problem->AddResidualBlock(new FrameCost(model, catalog, state, frame, every), nullptr,
-                              coordinates.data());
+    problem->AddResidualBlock(new FrameCost(model, catalog, state, frame), nullptr, coordinates.data());
   }
   problem->AddResidualBlock(new PriorCost(catalog, state), nullptr, coordinates.data());
   for (std::size_t i = 0; i < state.active.size(); ++i) {

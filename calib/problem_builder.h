@@ -23,12 +23,11 @@ struct FitState {
 };
 
 // One parameter block (`coordinates`, one value an active entry, kept within the entries' bounds), one
-// residual block a frame and one for the priors. Of a frame's range bins, one run in `every` counts. For one
-// thread. Model, catalog (its bounds may be narrower than the model's
-// own), state and coordinates must outlive the problem.
+// residual block a frame and one for the priors. For one thread. Model, catalog (its bounds may be narrower
+// than the model's own), state and coordinates must outlive the problem.
 std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
-                                             std::vector<double>& coordinates, int every = 1);
+                                             std::vector<double>& coordinates);
 
 // Pixels of a block that counts as independent of the others. What speckle shares across a block's edge is
 // lost to a sandwich: of a Gaussian response of width w, a share 0.48 w / n of the variance where blocks are

@@ -3,13 +3,13 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <numeric>
 
 #include "data_io/types/error.h"
+#include "sim/row_math.h"
 
 namespace sonarcal {
 namespace {
@@ -61,10 +61,8 @@ class NodeLines {
     return sorted;
   }
   double Through(const ResponseWindow& window, std::uint32_t node) const {
-    const auto length = static_cast<Eigen::Index>(window.weight.size());
     const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + window.first];
-    return Eigen::Map<const Eigen::VectorXd>(window.weight.data(), length)
-        .dot(Eigen::Map<const Eigen::VectorXd>(line, length));
+    return row_math::Dot(window.weight.data(), line, static_cast<int>(window.weight.size()));
   }
 
  private:

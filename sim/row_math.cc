@@ -9,15 +9,24 @@
 #include <numbers>
 
 #include "sim/random.h"
-
-// A resolver of versions runs before a sanitizer is ready.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define SONARCAL_VECTOR_VERSIONS __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define SONARCAL_VECTOR_VERSIONS
-#endif
+#include "sim/vector_versions.h"
 
 namespace sonarcal::row_math {
+
+SONARCAL_VECTOR_VERSIONS
+double Dot(const double* __restrict a, const double* __restrict b, int count) {
+  // Sums of their own for each place in a vector, several vectors at once.
+  constexpr int kLanes = 16;
+  double sums[kLanes] = {};
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
+  }
+  double sum = 0.0;
+  for (; i < count; ++i) sum += a[i] * b[i];
+  for (const double of_lane : sums) sum += of_lane;
+  return sum;
+}
 
 SONARCAL_VECTOR_VERSIONS
 void Directions(const float* __restrict x, const float* __restrict y, float across, float up,

@@ -1,6 +1,6 @@
-// The arithmetic of a row of rays, in single precision over arrays, as fast as the processor's vectors make
-// it. Formulas are those of sim/physics, stated there; here they are only evaluated. Everything else about
-// rays is in double precision and one at a time: the tests hold the two against each other.
+// The arithmetic of a row of rays, in single precision (but for Dot) over arrays, as fast as the processor's
+// vectors make it. Formulas are those of sim/physics, stated there; here they are only evaluated. Everything
+// else about rays is in double precision and one at a time: the tests hold the two against each other.
 //
 // This file's source is compiled with relaxed floating point (no NaN, no infinity), in one version for any
 // processor and one for those with AVX2, chosen when the program starts.
@@ -51,6 +51,8 @@ struct Growth {
 void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const float* range_m,
              const float* azimuth_rad, const float* a, const float* b, int count, float* noisy_range_m,
              float* noisy_azimuth_rad);
+
+double Dot(const double* a, const double* b, int count);
 
 // floor((value - first) x per_step), -1 where that is not 0 .. bins - 1.
 void Bins(const float* value, float first, float per_step, int bins, int count, std::int32_t* bin);

@@ -21,6 +21,16 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// Of all threads together.
+double ProcessorSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 ParameterSet Truth() {
   ParameterSet truth;
   truth.model = EchoModel::kAcoustic;
@@ -75,15 +85,19 @@ void FitBesideTracing(benchmark::State& state) {
 
   for (auto unused : state) {
     const double start = Now();
+    const double start_cpu = ProcessorSeconds();
     for (const AcousticFrame& frame : frames) {
       const EchoList echoes = simulator.TraceEchoes(frame.world_from_sonar);
       benchmark::DoNotOptimize(echoes.range_m.data());
     }
     const double traced = Now();
+    const double traced_cpu = ProcessorSeconds();
     const AcousticFrameModel model(simulator, frames, initial);
     const double gathered = Now();
+    const double gathered_cpu = ProcessorSeconds();
     const ModelFit fit = Fit(model, model.initial_values(), config);
     const double solved = Now();
+    const double solved_cpu = ProcessorSeconds();
     if (!fit.usable) state.SkipWithError(fit.report.termination.c_str());
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -91,6 +105,8 @@ void FitBesideTracing(benchmark::State& state) {
     state.counters["trace_and_gather_s"] = gathered - traced;
     state.counters["solve_s"] = solved - gathered;
     state.counters["solve_over_trace"] = (solved - gathered) / (traced - start);
+    state.counters["trace_processor_s"] = traced_cpu - start_cpu;
+    state.counters["solve_processor_s"] = solved_cpu - gathered_cpu;
     state.counters["iterations"] = fit.report.iterations;
     state.counters["peak_memory_MiB"] = static_cast<double>(usage.ru_maxrss) / 1024.0;
   }
