@@ -153,6 +153,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
   Reproduction reproduction{.tank = CompareTank(tank), .bomb = {}, .bomb_absent = {}, .shown = {}};
   WriteSyntheticRecording(reproduction.tank, output / "synthetic_recording");
   WriteParameters(output / "tank_initial_params.json", reproduction.tank.initial);
+  WriteParameters(output / "tank_acoustic_initial_params.json", reproduction.tank.acoustic_initial);
   WriteFit(output, "tank", reproduction.tank.fit);
   WriteFit(output, "tank_acoustic", reproduction.tank.acoustic, &*reproduction.tank.acoustic.sample_after);
 

@@ -10,7 +10,9 @@
 namespace sonarcal {
 namespace {
 
-int Blocks(int count, int of) { return (count + of - 1) / of; }
+int Blocks(int count, int of) {
+  return (count + of - 1) / of;
+}
 
 PolarAxes CoarseAxes(const PolarAxes& fine, const PixelBlock& block) {
   PolarAxes coarse = fine;
@@ -82,7 +84,8 @@ CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame) const {
       }
       std::sort(nodes.begin(), nodes.end());
       for (const std::uint32_t node : nodes) {
-        if (by_node[node] > 0.0) echoes.entries.push_back({node, static_cast<float>(by_node[node] / counted)});
+        if (by_node[node] > 0.0)
+          echoes.entries.push_back({node, static_cast<float>(by_node[node] / counted)});
         by_node[node] = 0.0;
       }
       echoes.start.push_back(static_cast<std::uint32_t>(echoes.entries.size()));

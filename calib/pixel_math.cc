@@ -24,9 +24,11 @@ __attribute__((always_inline)) inline void Store(const Lanes& lanes, double* to)
 }
 
 // One pixel's entries of one material, from `e` on; returns where the next material begins.
-__attribute__((always_inline)) inline const PixelEchoes::Entry* AddMaterial(const PixelEchoes::Entry* e, const PixelEchoes::Entry* last,
-                                             std::uint32_t next_material, const double* curves,
-                                             double* sums) {
+__attribute__((always_inline)) inline const PixelEchoes::Entry* AddMaterial(const PixelEchoes::Entry* e,
+                                                                            const PixelEchoes::Entry* last,
+                                                                            std::uint32_t next_material,
+                                                                            const double* curves,
+                                                                            double* sums) {
   static_assert(kCurveStride == 2 * kLanes);
   Lanes first = {};
   Lanes second = {};
@@ -92,8 +94,7 @@ void SingleLookInformation(double lowest, double highest, const double* __restri
     // 1 - exp(-a) keeps enough digits: what it divides is less by a^2 than what it is added to.
     const double below = std::max(1.0 - beyond_a, 1e-300);
     const double of_bottom = a * beyond_a;
-    information[i] =
-        std::max((1.0 + a * a) * beyond_a + of_bottom * of_bottom / below - beyond_b, 0.0);
+    information[i] = std::max((1.0 + a * a) * beyond_a + of_bottom * of_bottom / below - beyond_b, 0.0);
   }
 }
 

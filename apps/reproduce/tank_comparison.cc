@@ -118,6 +118,7 @@ TankComparison CompareTank(const TankComparisonOptions& options) {
   tank.initial = PaperInitial();
   const std::vector<TimedPose> poses = AllPoses();
   const SonarPreset& preset = FindSonarPreset("p900-45");
+  tank.acoustic_initial = AcousticInitial(tank.truth, preset.sonar);
 
   SimulationOptions recorder;
   recorder.water = preset.water;
@@ -150,7 +151,7 @@ TankComparison CompareTank(const TankComparisonOptions& options) {
     }
   }
   tank.fit = Fitted(tank, tank.initial, fit);
-  tank.acoustic = Fitted(tank, AcousticInitial(tank.truth, preset.sonar), ForAcoustic(fit, options.quick));
+  tank.acoustic = Fitted(tank, tank.acoustic_initial, ForAcoustic(fit, options.quick));
 
   RayOptions paper_rays(Sampling::kFrustum);
   if (options.quick) paper_rays.rays = "300x240";

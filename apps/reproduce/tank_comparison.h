@@ -41,8 +41,9 @@ struct TankDataSet {
 
 struct TankComparison {
   Scene scene;
-  ParameterSet truth;    // of the synthetic recording (coherent model)
-  ParameterSet initial;  // the paper's Tables 4 and 5
+  ParameterSet truth;             // of the synthetic recording (coherent model)
+  ParameterSet initial;           // the paper's Tables 4 and 5
+  ParameterSet acoustic_initial;  // what one knows beforehand, for the acoustic model
   std::unique_ptr<MemoryRecording> recording;
   RecordingFit fit;       // of the paper's model
   RecordingFit acoustic;  // of the acoustic one

@@ -68,8 +68,10 @@ TEST_F(CoarseFrameModelTest, ABlocksMeanIsThatOfItsPixels) {
           ASSERT_EQ(coarse.Counts(frame, at), count > 0);
           // A block of a few bins spans a percent of range: noise is 40 log R off by little.
           if (count == 0 || (bin + 1) * block.bins > fine.range_bins()) continue;
-          // The fourth power of range is 1 + 4 (bin / range)^2 times its middle one, averaged over three bins.
-          const double bins_off = fine.sonar().axes.range_bin_m() / fine.sonar().axes.range_centre_m(bin * block.bins + 1);
+          // The fourth power of range is 1 + 4 (bin / range)^2 times its middle one, averaged over three
+          // bins.
+          const double bins_off =
+              fine.sonar().axes.range_bin_m() / fine.sonar().axes.range_centre_m(bin * block.bins + 1);
           const double off = law == TimeVariedGain::kNone ? 1e-5 : 5.0 * bins_off * bins_off;
           EXPECT_NEAR(mean[at], sum / count, off * sum / count);
         }

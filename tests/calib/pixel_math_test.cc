@@ -17,8 +17,8 @@ TEST(PixelMathTest, LikelihoodIsThatOfOnePixel) {
   std::vector<double> power;
   std::vector<double> mean;
   for (const double about : {1e-12, 1.0, 3e15}) {
-    for (const double x : {1e-250, 1e-9, 0.01, 0.5, 0.999, 1.0 - 2e-4, 1.0 - 5e-5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9,
-                           1.00005, 1.0002, 1.01, 2.0, 30.0, 1e6}) {
+    for (const double x : {1e-250, 1e-9, 0.01, 0.5, 0.999, 1.0 - 2e-4, 1.0 - 5e-5, 1.0 - 1e-9, 1.0,
+                           1.0 + 1e-9, 1.00005, 1.0002, 1.01, 2.0, 30.0, 1e6}) {
       power.push_back(x * about);
       mean.push_back(about);
     }
@@ -93,7 +93,8 @@ TEST(PixelMathTest, OuterProductsAreThoseOfMatrices) {
           Eigen::MatrixXd::Ones(n, n) + rows.transpose() * weight.asDiagonal() * rows;
       const Eigen::MatrixXd off = Eigen::MatrixXd(sum) - expected;
       EXPECT_LT(Eigen::MatrixXd(off.triangularView<Eigen::Lower>()).norm(), 1e-12 * (1 + count)) << n;
-      EXPECT_LT((projection - Eigen::VectorXd::Ones(n) - rows.transpose() * along).norm(), 1e-12 * (1 + count));
+      EXPECT_LT((projection - Eigen::VectorXd::Ones(n) - rows.transpose() * along).norm(),
+                1e-12 * (1 + count));
     }
   }
 }
