@@ -2,6 +2,7 @@
 
 #include "data_io/aris3000_frames_io.h"
 #include "data_io/aris_io.h"
+#include "data_io/ddf_io.h"
 #include "data_io/didson_io.h"
 #include "data_io/oculus_io.h"
 #include "data_io/recording_io.h"
@@ -20,6 +21,7 @@ struct Format {
 constexpr Format kFormats[] = {
     {"a recording folder (recording.json)", IsRecordingFolder, OpenRecordingFolder},
     {"ARIS v5 (.aris)", IsAris, OpenAris},
+    {"DIDSON v3 or v4 (.ddf)", IsDdf, OpenDdf},
     {"Oculus simple ping results", IsOculus, OpenOculus},
     {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
     {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
