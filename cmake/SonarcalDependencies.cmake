@@ -10,6 +10,7 @@ find_dependency(OpenCV COMPONENTS core imgproc imgcodecs)
 find_dependency(OpenSSL)
 find_dependency(PNG)
 find_dependency(TIFF)
+find_dependency(ZLIB)
 find_dependency(TinyGLTF)
 find_dependency(assimp 5.2)
 # Debian's package names what a static assimp would link (draco, minizip) and does not depend on it.

@@ -113,16 +113,14 @@ DdfFrameHeader ParseFrameHeader(const ByteReader& reader, const DdfHeader& file)
   DdfFrameHeader header;
   const std::int32_t flags = I32(reader, 192, "flags");
   header.classic = (flags & 1) != 0 || file.serial_number < kBuiltBeforeExtendedWindows;
-  header.long_range = file.serial_number < kBuiltBeforeExtendedWindows
-                          ? file.serial_number == kLongRangeOfOld
-                          : (flags & 2) != 0;
+  header.long_range = file.serial_number < kBuiltBeforeExtendedWindows ? file.serial_number == kLongRangeOfOld
+                                                                       : (flags & 2) != 0;
   header.time_s = TimeOf(reader);
   const int start_code = I32Within(reader, 52, "window start code", 0, 31);
   const int length_code = I32Within(reader, 56, "window length code", 0, 3);
-  header.window_start_m =
-      start_code * (header.classic ? 0.375 : 0.419) * (file.high_frequency ? 1.0 : 2.0);
-  header.window_length_m = WindowLengthM(file, header.classic, header.long_range,
-                                         length_code + (file.high_frequency ? 0 : 2));
+  header.window_start_m = start_code * (header.classic ? 0.375 : 0.419) * (file.high_frequency ? 1.0 : 2.0);
+  header.window_length_m =
+      WindowLengthM(file, header.classic, header.long_range, length_code + (file.high_frequency ? 0 : 2));
   header.gain_db = I32(reader, 68, "gain");
   header.pan_deg = reader.F32(160, "sonar pan");
   header.tilt_deg = reader.F32(164, "sonar tilt");
@@ -147,8 +145,7 @@ class DdfRecording final : public RecordingSource {
  public:
   explicit DdfRecording(const fs::path& file) : file_(file), name_(file.string()) {
     const std::uint64_t size = RegularFileSize(file);
-    const std::vector<std::byte> magic =
-        ReadFileRange(file, 0, std::min(size, kMagicBytes), "magic number");
+    const std::vector<std::byte> magic = ReadFileRange(file, 0, std::min(size, kMagicBytes), "magic number");
     const int version = VersionOf(magic);
     if (version == 0) {
       throw DataError("{}: byte 0: magic number, expected \"DDF\" and version 3 or 4", name_);
@@ -180,8 +177,8 @@ class DdfRecording final : public RecordingSource {
   Frame ReadFrame(int index) const override {
     const DdfFrameHeader header = ReadHeader(index);
     Frame frame{InfoOf(index, header), {AxesOf(header), info_.scale, Grid<float>(kSamples, header_.beams)}};
-    const std::vector<std::byte> grey = ReadFileRange(file_, Offset(index) + header_.frame_header_bytes(),
-                                                      header_.pixel_bytes(), "samples");
+    const std::vector<std::byte> grey =
+        ReadFileRange(file_, Offset(index) + header_.frame_header_bytes(), header_.pixel_bytes(), "samples");
     const std::byte* next = grey.data();
     for (int bin = 0; bin < kSamples; ++bin) {
       for (int beam = 0; beam < header_.beams; ++beam) {
@@ -230,10 +227,9 @@ class DdfRecording final : public RecordingSource {
         {"frequency", header_.high_frequency ? "high" : "low"},
         {"sonar pan, tilt, roll", fmt::format("{:g}, {:g}, {:g} degrees as recorded", first_.pan_deg,
                                               first_.tilt_deg, first_.roll_deg)}};
-    info_.notes = {
-        "Elevation beam width and frequency are the maker's nominal ones; they are not recorded.",
-        "Neither sound speed, water nor dB scale is recorded.",
-        "The reader follows the published layout; it was tried on no file of a real DIDSON."};
+    info_.notes = {"Elevation beam width and frequency are the maker's nominal ones; they are not recorded.",
+                   "Neither sound speed, water nor dB scale is recorded.",
+                   "The reader follows the published layout; it was tried on no file of a real DIDSON."};
     if (header_.beams == 48)
       info_.notes.emplace_back("Each of the 48 beams is taken to lie midway between two of the 96.");
     info_.notes.emplace_back(first_.time_s

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "data_io/oculus_log.h"
 #include "data_io/oculus_ping.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -43,29 +44,46 @@ bool IsPlausible(double value, double lowest, double highest) {
   return value >= lowest && value <= highest && (value == 0.0 || std::abs(value) > 1e-6);
 }
 
+// A ping of the file, and its head.
+struct Message {
+  std::uint64_t offset = 0;
+  OculusHead head;
+  std::optional<OculusLogItem> item = {};  // where it lies in a log
+};
+
 class OculusRecording final : public RecordingSource {
  public:
   explicit OculusRecording(const fs::path& file) : file_(file), name_(file.string()) {
     info_.source = name_;
-    IndexMessages();
-    const OculusPing first = ReadPing(0);
+    const bool is_log = IsOculusLog(file);
+    is_log ? IndexLog() : IndexMessages();
+    RefuseTooFewOrMany();
+    const OculusPing first = ParsePing(0, PingHeaderBytes(0));
     DescribeSonar(first);
     NoteEnvironment(first);
+    if (is_log) {
+      info_.format += ", in a log";
+      info_.notes.emplace_back("Frames have the times of the log's items; their epoch is not documented.");
+    }
   }
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(messages_.size()); }
 
-  FrameInfo frame_info(int index) const override { return InfoOf(ReadPing(index)); }
+  FrameInfo frame_info(int index) const override {
+    return InfoOf(index, ParsePing(index, PingHeaderBytes(index)));
+  }
 
   Frame ReadFrame(int index) const override {
-    const OculusPing ping = ReadPing(index);
-    Frame frame{InfoOf(ping), {AxesOf(ping, index), ScaleOf(ping), Grid<float>(ping.ranges, ping.beams)}};
+    const std::vector<std::byte> bytes = MessageBytes(index);
+    const OculusPing ping = ParsePing(index, bytes);
+    Frame frame{InfoOf(index, ping),
+                {AxesOf(ping, index), ScaleOf(ping), Grid<float>(ping.ranges, ping.beams)}};
     const bool right_to_left = IsRightToLeft(ping);
-    const std::uint64_t image_offset = messages_.at(index).offset + ping.image_offset;
-    const std::vector<std::byte> bytes =
-        ReadFileRange(file_, image_offset, ping.row_bytes() * ping.ranges, "image");
-    const ByteReader image(bytes, name_, image_offset);
+    const std::uint64_t start = messages_.at(index).offset;
+    const ByteReader image(
+        ByteReader(bytes, name_, start).Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image"),
+        name_, start + ping.image_offset);
     for (int range = 0; range < ping.ranges; ++range) {
       std::uint64_t at = ping.row_bytes() * range;
       float scale = 1.0f;
@@ -85,11 +103,6 @@ class OculusRecording final : public RecordingSource {
   }
 
  private:
-  struct Message {
-    std::uint64_t offset = 0;
-    OculusHead head;
-  };
-
   // Finds the whole pings of the file.
   void IndexMessages() {
     const std::uint64_t size = RegularFileSize(file_);
@@ -117,22 +130,56 @@ class OculusRecording final : public RecordingSource {
       }
       offset += head->message_bytes;
     }
+    if (others > 0)
+      info_.notes.push_back(fmt::format("{} messages that are no pings were passed over.", others));
+  }
+
+  // Finds the pings of a log, each an item of its own.
+  void IndexLog() {
+    OculusLog log = ReadOculusLog(file_);
+    info_.notes = std::move(log.notes);
+    int others = 0;
+    for (const OculusLogItem& item : log.items) {
+      const std::uint64_t message_bytes = item.compressed ? item.original_bytes : item.payload_bytes;
+      const std::vector<std::byte> bytes = ReadOculusLogItem(file_, item, kOculusHeadBytes);
+      const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, item.offset});
+      if (head && head->message_id == kOculusSimplePingResult && head->message_bytes <= message_bytes) {
+        messages_.push_back({item.offset, *head, item});
+      } else {
+        ++others;
+      }
+    }
+    if (others > 0)
+      info_.notes.push_back(fmt::format("{} sonar items that hold no whole ping were passed over.", others));
+  }
+
+  void RefuseTooFewOrMany() const {
     if (messages_.empty()) {
-      throw DataError("{}: no whole simple ping result in {} bytes, expected at least one", name_, size);
+      throw DataError("{}: no whole simple ping result in {} bytes, expected at least one", name_,
+                      RegularFileSize(file_));
     }
     if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
       throw DataError("{}: {} pings, expected at most {}", name_, messages_.size(),
                       std::numeric_limits<int>::max());
     }
-    if (others > 0)
-      info_.notes.push_back(fmt::format("{} messages that are no pings were passed over.", others));
   }
 
-  OculusPing ReadPing(int index) const {
+  // The first bytes of a message, up to the end of its bearings at least.
+  std::vector<std::byte> PingHeaderBytes(int index) const {
     const Message& message = messages_.at(index);
-    const std::vector<std::byte> bytes =
-        ReadFileRange(file_, message.offset, std::min(message.head.message_bytes, kMostOculusPingHeaderBytes),
-                      "ping header");
+    const std::uint64_t wanted = std::min(message.head.message_bytes, kMostOculusPingHeaderBytes);
+    if (message.item) return ReadOculusLogItem(file_, *message.item, wanted);
+    return ReadFileRange(file_, message.offset, wanted, "ping header");
+  }
+
+  std::vector<std::byte> MessageBytes(int index) const {
+    const Message& message = messages_.at(index);
+    if (message.item) return ReadOculusLogItem(file_, *message.item);
+    return ReadFileRange(file_, message.offset, message.head.message_bytes, "ping");
+  }
+
+  OculusPing ParsePing(int index, const std::vector<std::byte>& bytes) const {
+    const Message& message = messages_.at(index);
     return ParseOculusPing({bytes, name_, message.offset}, message.head);
   }
 
@@ -156,9 +203,11 @@ class OculusRecording final : public RecordingSource {
     return scale;
   }
 
-  static FrameInfo InfoOf(const OculusPing& ping) {
-    const bool has_time = ping.start_s && std::isfinite(*ping.start_s);
-    return {fmt::format("ping {}", ping.ping_id), has_time ? ping.start_s : std::nullopt, std::nullopt};
+  FrameInfo InfoOf(int index, const OculusPing& ping) const {
+    const std::optional<OculusLogItem>& item = messages_.at(index).item;
+    const std::optional<double> time_s = item ? std::optional(item->time_s) : ping.start_s;
+    const bool has_time = time_s && std::isfinite(*time_s);
+    return {fmt::format("ping {}", ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt};
   }
 
   void DescribeSonar(const OculusPing& ping) {
@@ -226,6 +275,7 @@ class OculusRecording final : public RecordingSource {
 }  // namespace
 
 bool IsOculus(const fs::path& path) {
+  if (IsOculusLog(path)) return true;
   std::error_code error;
   if (!fs::is_regular_file(path, error) || fs::file_size(path, error) < kOculusHeadBytes || error)
     return false;

@@ -1,5 +1,5 @@
 // Raw messages of a Blueprint Subsea Oculus: "simple ping results", versions 1 and 2, one or more back to
-// back.
+// back, or in the log of the maker's viewer (data_io/oculus_log.h).
 //
 // Layout, little-endian, packed:
 //   head, 16 bytes     u16 0x4f53, source, destination, message id (0x23), version; u32 payload size; u16
@@ -30,7 +30,7 @@
 
 namespace sonarcal {
 
-// True where the file begins with the head of an Oculus message.
+// True where the file begins with the head of an Oculus message, or of a log of them.
 bool IsOculus(const std::filesystem::path& path);
 
 // Walks through the heads of all messages; images are read when asked for. Throws DataError naming byte and

@@ -13,9 +13,9 @@
 namespace sonarcal {
 namespace {
 
+using testing::ByteWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::ByteWriter;
 using testing::RefusalOf;
 using testing::TempDir;
 

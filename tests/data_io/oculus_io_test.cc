@@ -8,8 +8,8 @@
 
 #include "data_io/open_recording.h"
 #include "data_io/types/units.h"
-#include "tests/data_io/byte_writer.h"
 #include "tests/data_io/hostile.h"
+#include "tests/data_io/made_up_ping.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
 
@@ -25,87 +25,6 @@ using testing::RefusalOf;
 using testing::TempDir;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-// A small ping; a test changes what it is about.
-struct SyntheticPing {
-  int version = 1;
-  bool extended_flags = true;  // of version 2
-  int ranges = 5;
-  int beams = 4;
-  int bytes_per_sample = 1;
-  std::uint32_t gain = 0;  // of row 0, one more for each row after it; 0 = not sent
-  std::uint8_t gamma = 127;
-  double frequency_hz = 2.1e6;
-  double temperature_c = 11.5;
-  double pressure_bar = 1.2;
-  double range_resolution_m = 0.01;
-  double sound_speed_m_per_s = 1490.0;
-  std::vector<std::int16_t> bearing_centideg = {-300, -90, 90, 300};
-
-  static std::uint32_t Sample(int range, int beam, int bytes) {
-    const std::uint32_t low = static_cast<std::uint32_t>(10 * range + beam);
-    return low | (bytes > 1 ? low << 8 * (bytes - 1) : 0);
-  }
-  std::size_t RowBytes() const { return std::size_t(beams) * bytes_per_sample + (gain > 0 ? 4 : 0); }
-  std::size_t ResultOffset() const { return version == 2 && extended_flags ? 89 : 53; }
-  std::size_t DataSizeOffset() const { return ResultOffset() + (version == 2 ? 72 : 44); }
-  std::size_t ImageOffsetOffset() const { return ResultOffset() + (version == 2 ? 101 : 57); }
-  std::size_t BearingsOffset() const { return ImageOffsetOffset() + 12; }
-  std::size_t ImageOffset() const { return BearingsOffset() + 2 * std::size_t(beams) + 6; }
-
-  ByteWriter Write() const {
-    ByteWriter file;
-    const std::size_t image_size = RowBytes() * ranges;
-    const std::size_t message_size = ImageOffset() + image_size;
-    file.U16(0, 0x4f53);
-    file.U16(6, 0x23);
-    file.U16(8, static_cast<std::uint16_t>(version == 2 ? 2 : 0));
-    file.U32(10, static_cast<std::uint32_t>(message_size - 16));
-    file.U8(16, 2);
-    file.U8(19, gamma);
-    file.U8(20, static_cast<std::uint8_t>(0x09 | (gain > 0 ? 0x04 : 0)));
-    file.F64(21, 2.0);
-    file.F64(29, 50.0);
-    file.F64(45, 0.5);
-    const std::size_t result = ResultOffset();
-    file.U32(result, 77);
-    file.F64(result + 8, frequency_hz);
-    file.F64(result + 16, temperature_c);
-    file.F64(result + 24, pressure_bar);
-    if (version == 2) {
-      file.F64(result + 32, 123.0);  // heading
-      file.F64(result + 56, sound_speed_m_per_s);
-      file.F64(result + 64, 12.25);  // start
-    } else {
-      file.F64(result + 32, sound_speed_m_per_s);
-    }
-    file.U8(DataSizeOffset(), static_cast<std::uint8_t>(bytes_per_sample - 1));
-    file.F64(DataSizeOffset() + 1, range_resolution_m);
-    file.U16(DataSizeOffset() + 9, static_cast<std::uint16_t>(ranges));
-    file.U16(DataSizeOffset() + 11, static_cast<std::uint16_t>(beams));
-    file.U32(ImageOffsetOffset(), static_cast<std::uint32_t>(ImageOffset()));
-    file.U32(ImageOffsetOffset() + 4, static_cast<std::uint32_t>(image_size));
-    file.U32(ImageOffsetOffset() + 8, static_cast<std::uint32_t>(message_size));
-    for (std::size_t i = 0; i < bearing_centideg.size(); ++i) {
-      file.I16(BearingsOffset() + 2 * i, bearing_centideg[i]);
-    }
-    file.Grow(message_size);
-    for (int range = 0; range < ranges; ++range) {
-      std::size_t at = ImageOffset() + RowBytes() * range;
-      if (gain > 0) {
-        file.U32(at, gain + range);
-        at += 4;
-      }
-      for (int beam = 0; beam < beams; ++beam) {
-        const std::uint32_t sample = Sample(range, beam, bytes_per_sample);
-        for (int i = 0; i < bytes_per_sample; ++i, ++at) {
-          file.U8(at, static_cast<std::uint8_t>(sample >> 8 * i));
-        }
-      }
-    }
-    return file;
-  }
-};
 
 class OculusTest : public ::testing::Test {
  protected:
@@ -159,7 +78,7 @@ TEST(OculusSample, HoldsOnePingOfTheHighFrequency) {
 TEST_F(OculusTest, ReadsBothVersionsInEverySampleSize) {
   for (const int version : {1, 2}) {
     for (const int bytes : {1, 2, 3, 4}) {
-      const SyntheticPing ping{.version = version, .bytes_per_sample = bytes};
+      const testing::MadeUpPing ping{.version = version, .bytes_per_sample = bytes};
       const auto recording = Open(ping.Write().bytes());
       const Frame frame = recording->ReadFrame(0);
       EXPECT_EQ(frame.info.name, "ping 77");
@@ -169,7 +88,7 @@ TEST_F(OculusTest, ReadsBothVersionsInEverySampleSize) {
       for (int range = 0; range < 5; ++range) {
         for (int beam = 0; beam < 4; ++beam) {
           EXPECT_EQ(frame.image.value(range, beam),
-                    static_cast<float>(SyntheticPing::Sample(range, beam, bytes)));
+                    static_cast<float>(testing::MadeUpPing::Sample(range, beam, bytes)));
         }
       }
       ASSERT_TRUE(recording->info().water);
@@ -180,7 +99,7 @@ TEST_F(OculusTest, ReadsBothVersionsInEverySampleSize) {
 }
 
 TEST_F(OculusTest, ReadsVersion2WithoutExtendedFlags) {
-  const SyntheticPing ping{.version = 2, .extended_flags = false, .bytes_per_sample = 2};
+  const testing::MadeUpPing ping{.version = 2, .extended_flags = false, .bytes_per_sample = 2};
   const auto recording = Open(ping.Write().bytes());
   EXPECT_EQ(recording->ReadFrame(0).image.value(4, 3), 43.0f * 257.0f);
   EXPECT_EQ(recording->info().sonar.frequency_hz, 2.1e6);
@@ -188,28 +107,28 @@ TEST_F(OculusTest, ReadsVersion2WithoutExtendedFlags) {
 
 TEST_F(OculusTest, DividesByTheRootOfEachRowsGain) {
   for (const int bytes : {1, 2, 4}) {
-    const SyntheticPing ping{.bytes_per_sample = bytes, .gain = 7};
+    const testing::MadeUpPing ping{.bytes_per_sample = bytes, .gain = 7};
     const Grid<float> value = Open(ping.Write().bytes())->ReadFrame(0).image.value;
     for (int range = 0; range < 5; ++range) {
-      const double expected = SyntheticPing::Sample(range, 2, bytes) / std::sqrt(7.0 + range);
+      const double expected = testing::MadeUpPing::Sample(range, 2, bytes) / std::sqrt(7.0 + range);
       EXPECT_NEAR(value(range, 2), expected, 1e-6 * expected);
     }
   }
-  SyntheticPing ping{.gain = 7};
+  testing::MadeUpPing ping{.gain = 7};
   ByteWriter file = ping.Write();
   file.U32(ping.ImageOffset() + ping.RowBytes(), 0);
   EXPECT_THAT(Refusal(file.bytes()), HasSubstr("gain of a row: 0"));
 }
 
 TEST_F(OculusTest, TurnsBearingsThatRunFromRightToLeft) {
-  const SyntheticPing ping{.bearing_centideg = {300, 90, -90, -300}};
+  const testing::MadeUpPing ping{.bearing_centideg = {300, 90, -90, -300}};
   const auto recording = Open(ping.Write().bytes());
   EXPECT_NEAR(DegFromRad(recording->info().sonar.axes.beam_azimuth_rad.front()), -3.0, 1e-12);
   EXPECT_EQ(recording->ReadFrame(0).image.value(0, 0), 3.0f);
 }
 
 TEST_F(OculusTest, WalksThroughMessagesAndKeepsTheWholePings) {
-  const std::string ping = SyntheticPing{}.Write().bytes();
+  const std::string ping = testing::MadeUpPing{}.Write().bytes();
   ByteWriter status;
   status.U16(0, 0x4f53);
   status.U16(6, 0x80);
@@ -230,10 +149,10 @@ TEST_F(OculusTest, WalksThroughMessagesAndKeepsTheWholePings) {
 
 TEST_F(OculusTest, LeavesOutGarbageAndSaysSo) {
   for (const double garbage : {kNaN, 1e300, -1e9, 2.6e-76}) {
-    const SyntheticPing ping{.frequency_hz = garbage,
-                             .temperature_c = garbage,
-                             .pressure_bar = garbage,
-                             .sound_speed_m_per_s = garbage};
+    const testing::MadeUpPing ping{.frequency_hz = garbage,
+                                   .temperature_c = garbage,
+                                   .pressure_bar = garbage,
+                                   .sound_speed_m_per_s = garbage};
     const auto recording = Open(ping.Write().bytes());
     const RecordingInfo& info = recording->info();
     EXPECT_EQ(info.sonar.frequency_hz, 0.0);
@@ -246,22 +165,22 @@ TEST_F(OculusTest, LeavesOutGarbageAndSaysSo) {
 }
 
 TEST_F(OculusTest, GammaByteZeroMeansNoGamma) {
-  EXPECT_EQ(Open(SyntheticPing{.gamma = 0}.Write().bytes())->info().display_gamma, 1.0);
-  EXPECT_EQ(Open(SyntheticPing{.gamma = 255}.Write().bytes())->info().display_gamma, 1.0);
+  EXPECT_EQ(Open(testing::MadeUpPing{.gamma = 0}.Write().bytes())->info().display_gamma, 1.0);
+  EXPECT_EQ(Open(testing::MadeUpPing{.gamma = 255}.Write().bytes())->info().display_gamma, 1.0);
 }
 
 TEST_F(OculusTest, RefusesFieldsThatContradictEachOther) {
   for (const double resolution_m : {0.0, -1.0, kNaN, 1e300}) {
-    EXPECT_THAT(Refusal(SyntheticPing{.range_resolution_m = resolution_m}.Write().bytes()),
+    EXPECT_THAT(Refusal(testing::MadeUpPing{.range_resolution_m = resolution_m}.Write().bytes()),
                 HasSubstr("range resolution"));
   }
-  EXPECT_THAT(Refusal(SyntheticPing{.ranges = 0}.Write().bytes()), HasSubstr("ranges: 0"));
-  EXPECT_THAT(Refusal(SyntheticPing{.beams = 1}.Write().bytes()), HasSubstr("beams: 1"));
-  EXPECT_THAT(Refusal(SyntheticPing{.bearing_centideg = {-300, 90, 90, 300}}.Write().bytes()),
+  EXPECT_THAT(Refusal(testing::MadeUpPing{.ranges = 0}.Write().bytes()), HasSubstr("ranges: 0"));
+  EXPECT_THAT(Refusal(testing::MadeUpPing{.beams = 1}.Write().bytes()), HasSubstr("beams: 1"));
+  EXPECT_THAT(Refusal(testing::MadeUpPing{.bearing_centideg = {-300, 90, 90, 300}}.Write().bytes()),
               HasSubstr("azimuth of beam 2"));
 
   for (const int version : {1, 2}) {
-    const SyntheticPing ping{.version = version};
+    const testing::MadeUpPing ping{.version = version};
     ByteWriter file = ping.Write();
     file.U16(ping.DataSizeOffset() + 9, 0xffff);
     EXPECT_THAT(Refusal(file.bytes()), HasSubstr("image size: 20, expected 262140 for 65535 ranges"));
@@ -279,7 +198,7 @@ TEST_F(OculusTest, RefusesFieldsThatContradictEachOther) {
 
 TEST_F(OculusTest, HostileFilesEndInDataError) {
   for (const int version : {1, 2}) {
-    const std::string ping = SyntheticPing{.version = version, .gain = 3}.Write().bytes();
+    const std::string ping = testing::MadeUpPing{.version = version, .gain = 3}.Write().bytes();
     testing::ExpectOnlyDataErrors(path_, path_, ping + ping, ping.size() + 200);
   }
 }
