@@ -31,12 +31,11 @@ std::uint64_t HeadBytes(const ByteReader& reader, std::uint64_t known) {
 }
 
 // The first `wanted` bytes of a message, all of it where it is shorter.
-std::vector<std::byte> Inflate(std::vector<std::byte> packed, const OculusLogItem& item,
-                               std::uint64_t wanted, const std::string& where) {
-  const std::uint64_t announced = std::to_integer<std::uint64_t>(packed[0]) << 24 |
-                                  std::to_integer<std::uint64_t>(packed[1]) << 16 |
-                                  std::to_integer<std::uint64_t>(packed[2]) << 8 |
-                                  std::to_integer<std::uint64_t>(packed[3]);
+std::vector<std::byte> Inflate(std::vector<std::byte> packed, const OculusLogItem& item, std::uint64_t wanted,
+                               const std::string& where) {
+  const std::uint64_t announced =
+      std::to_integer<std::uint64_t>(packed[0]) << 24 | std::to_integer<std::uint64_t>(packed[1]) << 16 |
+      std::to_integer<std::uint64_t>(packed[2]) << 8 | std::to_integer<std::uint64_t>(packed[3]);
   if (announced != item.original_bytes) {
     throw DataError("{}: the compressed payload announces {} bytes, the item {}", where, announced,
                     item.original_bytes);
@@ -135,8 +134,7 @@ std::vector<std::byte> ReadOculusLogItem(const fs::path& file, const OculusLogIt
   }
   const std::uint64_t read_bytes =
       item.compressed ? item.payload_bytes : std::min(item.payload_bytes, wanted_bytes);
-  std::vector<std::byte> payload =
-      ReadFileRange(file, item.payload_offset, read_bytes, "payload of an item");
+  std::vector<std::byte> payload = ReadFileRange(file, item.payload_offset, read_bytes, "payload of an item");
   if (!item.compressed) return payload;
   if (payload.size() < kLengthBytes) {
     throw DataError("{}: a compressed payload of {} bytes, expected at least {}", where, payload.size(),

@@ -4,7 +4,8 @@
 // Layout, little-endian, with the padding of the maker's structures:
 //   head, 48 bytes   u32 0x11223344 at 0, u32 size of the head 4, char[16] source 8, u16 version 24, u16
 //                    encryption 26 (0 = none), i64 key 32, f64 time 40
-//   item, 40 bytes   u32 0xaabbccdd at 0, u32 size of the head 4, u16 type 8 (10 = sonar), u16 version 10, f64
+//   item, 40 bytes   u32 0xaabbccdd at 0, u32 size of the head 4, u16 type 8 (10 = sonar), u16 version 10,
+//   f64
 //                    time 16, u16 compression 24 (0 none, 1 zlib), u32 original size 28, u32 payload size 32
 //   then the payload; compressed, it begins with its original size again, u32 big-endian.
 // Both heads may be longer than their known fields: the size they give is where the rest begins.

@@ -149,6 +149,36 @@ TEST(ConvertTest, FramesThatAreNotThereAreRefusedAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 
+// Frames at 0, 0.5 and 1 s; the body moves along X by 2 m a second from 0.1 s of its own clock on.
+TEST(ConvertTest, PosesComeFromATrajectoryAndAMount) {
+  const testing::TempDir dir;
+  WriteSmallRecording(dir / "in", true);
+  testing::WriteFile(dir / "poses.csv",
+                     "time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n0.1,0,0,5,90,0,0\n"
+                     "0.9,1.6,0,5,90,0,0\n");
+  testing::WriteFile(dir / "mount.json", R"({"format": "sonar-mount/1", "body_from_sonar":
+      {"position_m": [0, 0.25, 0], "quaternion_wxyz": [1, 0, 0, 0]}})");
+  const std::string arguments =
+      "convert " + Quoted(dir / "in") + " --trajectory " + Quoted(dir / "poses.csv") + " --out ";
+  const Outcome outcome = RunProgram(arguments + Quoted(dir / "out") + " --mount " +
+                                     Quoted(dir / "mount.json") + " --time-offset 0.1");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a pose"));
+  const auto converted = OpenRecordingFolder(dir / "out");
+  // The sonar lies 0.25 m ahead of the body, which looks along the world's -X.
+  ASSERT_TRUE(converted->frame_info(1).world_from_sonar);
+  EXPECT_LT((converted->frame_info(1).world_from_sonar->position_m - Eigen::Vector3d(0.75, 0.0, 5.0)).norm(),
+            1e-9);
+  EXPECT_FALSE(converted->frame_info(2).world_from_sonar);
+
+  const Outcome apart = RunProgram(arguments + Quoted(dir / "apart") + " --time-offset 100");
+  EXPECT_EQ(apart.status, 1);
+  ExpectOneSentence(apart.err);
+  EXPECT_THAT(apart.err, HasSubstr("the trajectory goes from 0.100 to 0.900 s"));
+  EXPECT_FALSE(std::filesystem::exists(dir / "apart"));
+  EXPECT_EQ(RunProgram("convert " + Quoted(dir / "in") + " --mount x --out y").status, 2);
+}
+
 TEST(RunOutputTest, AnInterruptionLeavesNothingBehind) {
   const testing::TempDir dir;
   RunOutput output(dir / "out");

@@ -14,14 +14,16 @@
 namespace sonarcal {
 namespace {
 
+using testing::ByteWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::ByteWriter;
 using testing::MadeUpPing;
 using testing::RefusalOf;
 using testing::TempDir;
 
-std::string Text(ByteWriter writer) { return writer.bytes(); }
+std::string Text(ByteWriter writer) {
+  return writer.bytes();
+}
 
 std::string Head(std::uint16_t encryption = 0) {
   ByteWriter head;
@@ -84,9 +86,9 @@ class OculusLogTest : public ::testing::Test {
 TEST_F(OculusLogTest, GivesThePingsOfItsItems) {
   const auto plain = Open(ping_);
   const Frame expected = plain->ReadFrame(0);
-  const auto log = Open(Head() + MadeUpItem{.time_s = 100.0}.Write(ping_) +
-                        MadeUpItem{.type = 12}.Write("a position") +
-                        MadeUpItem{.compression = 1, .time_s = 100.25, .head_bytes = 56}.Write(ping_));
+  const auto log =
+      Open(Head() + MadeUpItem{.time_s = 100.0}.Write(ping_) + MadeUpItem{.type = 12}.Write("a position") +
+           MadeUpItem{.compression = 1, .time_s = 100.25, .head_bytes = 56}.Write(ping_));
   EXPECT_EQ(log->info().format, "Oculus simple ping result, version 2, in a log");
   EXPECT_THAT(log->info().notes, Contains(HasSubstr("1 items that are not the sonar's")));
   ASSERT_EQ(log->frame_count(), 2);
@@ -124,8 +126,7 @@ TEST_F(OculusLogTest, WhatCannotBeIsRefusedByName) {
 }
 
 TEST_F(OculusLogTest, DamagedFilesEndInOneSentence) {
-  const std::string bytes =
-      Head() + MadeUpItem{}.Write(ping_) + MadeUpItem{.compression = 1}.Write(ping_);
+  const std::string bytes = Head() + MadeUpItem{}.Write(ping_) + MadeUpItem{.compression = 1}.Write(ping_);
   testing::ExpectOnlyDataErrors(path_, path_, bytes, bytes.size());
 }
 

@@ -1,0 +1,47 @@
+#include "data_io/posed_recording.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+
+PosedRecording::PosedRecording(std::unique_ptr<RecordingSource> recording, PosesOverTime poses)
+    : recording_(std::move(recording)), poses_(std::move(poses)), info_(recording_->info()) {
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  for (int index = 0; index < frame_count(); ++index) {
+    const FrameInfo frame = frame_info(index);
+    first_s = std::min(first_s, *frame.time_s);
+    last_s = std::max(last_s, *frame.time_s);
+    if (frame.world_from_sonar) ++posed_count_;
+  }
+  if (posed_count_ == 0) {
+    throw DataError(
+        "{}: no frame has a pose: they were taken from {:.3f} to {:.3f} s (with an offset of {:g} s), the "
+        "trajectory goes from {:.3f} to {:.3f} s; poses more than {:g} s apart are not joined",
+        info_.source, first_s, last_s, poses_.time_offset_s, poses_.world_from_body.front().time_s,
+        poses_.world_from_body.back().time_s, poses_.most_gap_s);
+  }
+  if (posed_count_ < frame_count()) {
+    info_.notes.push_back(fmt::format(
+        "{} of {} frames lie outside the trajectory, or in a gap of more than {:g} s, and have no pose.",
+        frame_count() - posed_count_, frame_count(), poses_.most_gap_s));
+  }
+}
+
+FrameInfo PosedRecording::WithPose(int index, FrameInfo info) const {
+  if (!info.time_s) {
+    throw DataError("{}: frame {} ({}) has no time, expected one to look its pose up by", info_.source, index,
+                    info.name);
+  }
+  const auto world_from_body =
+      PoseAt(poses_.world_from_body, *info.time_s + poses_.time_offset_s, poses_.most_gap_s);
+  info.world_from_sonar.reset();
+  if (world_from_body) info.world_from_sonar = *world_from_body * poses_.body_from_sonar;
+  return info;
+}
+
+}  // namespace sonarcal
