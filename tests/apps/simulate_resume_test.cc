@@ -10,6 +10,7 @@
 #include <map>
 #include <thread>
 
+#include "data_io/hash.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
@@ -35,8 +36,8 @@ void WriteTurningPoses(const fs::path& file, int count) {
   std::vector<TimedPose> poses;
   for (int i = 0; i < count; ++i) {
     const double yaw_deg = 20.0 * i / count;
-    poses.push_back({0.1 * i, {RotationFromYawPitchRoll(RadFromDeg(yaw_deg), RadFromDeg(-25.0), 0.0),
-                               {0.0, -2.5, 1.2}}});
+    poses.push_back(
+        {0.1 * i, {RotationFromYawPitchRoll(RadFromDeg(yaw_deg), RadFromDeg(-25.0), 0.0), {0.0, -2.5, 1.2}}});
   }
   WritePoses(file, poses);
 }
@@ -45,18 +46,19 @@ std::string Replaced(std::string text, const std::string& what, const std::strin
   return text.replace(text.find(what), what.size(), by);
 }
 
-// Names and contents, but for the words of the command line.
+// Names, and digests of contents, but for what does not decide them: the words of the command line, threads.
 std::map<std::string, std::string> Contents(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (name != "provenance.json") {
-      contents[name] = entry.is_regular_file() ? ReadFile(entry.path()) : "folder";
+      contents[name] = entry.is_regular_file() ? Sha256OfFile(entry.path()) : "folder";
       continue;
     }
     nlohmann::json json = ReadJsonFile(entry.path());
     json.erase("command_line");
     json["configuration"].erase("out");
+    json["configuration"].erase("threads");
     contents[name] = json.dump();
   }
   return contents;
@@ -109,11 +111,10 @@ class SimulateResume : public ::testing::Test {
 
   SimulateResume() { WriteTurningPoses(world_.poses(), kFrames); }
 
-  // Slow enough to be met in the middle: some 20 ms a frame.
+  // Slow enough to be met in the middle: some 10 ms a frame.
   std::string Arguments(const std::string& out, const std::string& extra = "") const {
     return fmt::format("{} --noise --seed 7 --fan {} --out {}",
-                       Replaced(world_.SimulateArguments(), "96x200", rays_), extra,
-                       Quoted(world_ / out));
+                       Replaced(world_.SimulateArguments(), "96x200", rays_), extra, Quoted(world_ / out));
   }
 
   // Ends a run by the signal once this frame is there.
@@ -131,7 +132,7 @@ class SimulateResume : public ::testing::Test {
   }
 
   TinyWorld world_;
-  std::string rays_ = "1200x1000";
+  std::string rays_ = "800x600";
 };
 
 TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
@@ -162,7 +163,7 @@ TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
   const Outcome resumed = RunSonarcal(Arguments("out", "-q --resume --json"));
   ASSERT_EQ(resumed.status, 0) << resumed.err;
   EXPECT_LE(nlohmann::json::parse(resumed.out)["rays_cast"].get<std::int64_t>(),
-            (kFrames - frames - 4) * 1200LL * 1000)
+            (kFrames - frames - 4) * 800LL * 600)
       << "no frame is rendered twice";
   EXPECT_EQ(Contents(world_ / "out"), Uninterrupted());
 }
@@ -274,8 +275,8 @@ TEST(SimulateResumed, MemoryDoesNotGrowWithTheSequence) {
   testing::WriteFile(world.sonar(), sonar.dump());
   const auto peak_rss_kib = [&](int frames) {
     WriteTurningPoses(world.poses(), frames);
-    const std::string arguments =
-        fmt::format("{} -q --threads 1 --out {}", world.SimulateArguments(), Quoted(world / std::to_string(frames)));
+    const std::string arguments = fmt::format("{} -q --threads 1 --out {}", world.SimulateArguments(),
+                                              Quoted(world / std::to_string(frames)));
     const Ended ended = Running(arguments, world / "err").Wait();
     EXPECT_EQ(ended.wait_status, 0) << ReadFile(world / "err");
     return ended.peak_rss_kib;
