@@ -36,7 +36,8 @@ void WaitForSignals(const sigset_t& signals) {
   constexpr timespec kMoment = {1, 0};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
   if (again < 0) {
-    std::cerr << "\nsonarcal: stopping after the frame in hand; a second interruption ends at once" << std::endl;
+    std::cerr << "\nsonarcal: stopping after the frame in hand; a second interruption ends at once"
+              << std::endl;
     if (sigwait(&signals, &again) != 0) return;
   }
   EndBy(again, signals, "interrupted, and again: ended at once");
@@ -56,8 +57,8 @@ bool Interruption::asked() const {
   return command_was_asked;
 }
 
-// Removing folders is nothing a signal handler may do, so a thread of its own waits for the signals, which all
-// others block.
+// Removing folders is nothing a signal handler may do, so a thread of its own waits for the signals, which
+// all others block.
 void HandleSignals() {
   sigset_t signals;
   sigemptyset(&signals);

@@ -23,9 +23,9 @@ using Json = nlohmann::ordered_json;
 // Contents, of which a difference is all that can be said.
 constexpr const char* kDigests[] = {"scene", "sonar", "parameters", "poses"};
 // Options that decide what is written; the rest of a configuration are paths, and threads.
-constexpr const char* kOptions[] = {"model",          "sampling", "rays", "normals", "absorption",
-                                    "margin_deg",     "bits",     "noise", "frozen_speckle",
-                                    "fan",            "depth"};
+constexpr const char* kOptions[] = {"model",          "sampling",   "rays", "normals",
+                                    "absorption",     "margin_deg", "bits", "noise",
+                                    "frozen_speckle", "fan",        "depth"};
 
 template <typename T>
 std::string DigestOf(const std::vector<T>& values) {
@@ -58,8 +58,9 @@ std::optional<Json> ReadMadeOf(const fs::path& folder) {
   if (!stream) return std::nullopt;
   const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || !json.contains("made_of") || !json["made_of"].is_object()) {
-    throw DataError("{}: does not say what frames were made of, expected that of an unfinished 'sonarcal simulate'",
-                    file.string());
+    throw DataError(
+        "{}: does not say what frames were made of, expected that of an unfinished 'sonarcal simulate'",
+        file.string());
   }
   return json["made_of"];
 }
@@ -67,7 +68,8 @@ std::optional<Json> ReadMadeOf(const fs::path& folder) {
 }  // namespace
 
 std::string SceneDigest(const Scene& scene) {
-  std::string parts = DigestOf(scene.vertices_m) + DigestOf(scene.triangles) + DigestOf(scene.triangle_material);
+  std::string parts =
+      DigestOf(scene.vertices_m) + DigestOf(scene.triangles) + DigestOf(scene.triangle_material);
   for (const std::string& name : scene.material_names) parts += name + '\n';
   return Sha256(parts);
 }
