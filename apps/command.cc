@@ -1,19 +1,16 @@
 #include "apps/command.h"
 
-#include <pthread.h>
-
-#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/help_formatter.h"
+#include "apps/interruption.h"
 #include "apps/run_output.h"
 #include "data_io/json_writer.h"
 #include "data_io/printable.h"
@@ -34,26 +31,6 @@ std::string OneLine(std::string text) {
 int Fail(ExitStatus status, std::string_view sentence) {
   PrintError(sentence);
   return static_cast<int>(status);
-}
-
-// Ends the program by the signal, as a shell expects it, but tidies up first. Removing folders is nothing a
-// signal handler may do, so a thread of its own waits for the signal, which all others block.
-void TidyUpOnSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGHUP);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([signals] {
-    int signal = 0;
-    if (sigwait(&signals, &signal) != 0) return;
-    RemoveUnfinishedOutputs();
-    std::cerr << "\nsonarcal: interrupted, unfinished outputs were removed" << std::endl;
-    std::signal(signal, SIG_DFL);
-    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
-    std::raise(signal);
-  }).detach();
 }
 
 // An exception that leaves a thread no one waits for can't be caught: say one sentence all the same.
@@ -161,7 +138,7 @@ void SetUpRoot(CLI::App& app) {
 }
 
 int RunApp(CLI::App& app, int argc, const char* const* argv) {
-  TidyUpOnSignals();
+  HandleSignals();
   std::set_terminate(Terminate);
   MutableCommandLine().assign(argv, argv + argc);
   const int status = ParseAndRun(app, argc, argv);

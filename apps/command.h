@@ -28,10 +28,11 @@ namespace sonarcal {
 
 enum class ExitStatus {
   kDone = 0,
-  kFailed = 1,      // bad data, or a run that failed
-  kUsage = 2,       // wrong command line
-  kNoSolution = 3,  // a fit ended without a usable solution
-  kThreshold = 4,   // a threshold given with --fail-above was passed
+  kFailed = 1,         // bad data, or a run that failed
+  kUsage = 2,          // wrong command line
+  kNoSolution = 3,     // a fit ended without a usable solution
+  kThreshold = 4,      // a threshold given with --fail-above was passed
+  kInterrupted = 130,  // by SIGINT or SIGTERM, with what was finished in its place (apps/interruption.h)
 };
 
 // What every command takes.
@@ -52,7 +53,8 @@ void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()>
 void SetUpRoot(CLI::App& app);
 
 // Parses, runs the chosen command, and turns every way of failing into one sentence and an exit status.
-// SIGINT and SIGTERM end the program after unfinished outputs have been removed (apps/run_output.h).
+// SIGINT and SIGTERM end the program after unfinished outputs have been removed (apps/run_output.h), or,
+// where the command can keep what is finished, ask it to (apps/interruption.h).
 int RunApp(CLI::App& app, int argc, const char* const* argv);
 
 // The words of the command line, as RunApp was given them. For provenance.

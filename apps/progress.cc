@@ -30,8 +30,8 @@ ProgressSettings ProgressSettings::Standard(bool quiet) {
           }};
 }
 
-Progress::Progress(std::string title, int total, ProgressSettings settings)
-    : title_(std::move(title)), total_(total), settings_(std::move(settings)) {
+Progress::Progress(std::string title, int total, ProgressSettings settings, std::string unit)
+    : title_(std::move(title)), total_(total), settings_(std::move(settings)), unit_(std::move(unit)) {
   if (settings_.stream == nullptr) return;
   start_s_ = settings_.now_s();
   next_show_s_ = start_s_ + kQuietStart_s;
@@ -67,8 +67,10 @@ void Progress::Show(int done) {
 std::string Progress::StatusText(int done, double elapsed_s) const {
   if (total_ <= 0) return fmt::format("{} done, {} so far", done, DurationText(elapsed_s));
   std::string text = fmt::format("{} of {}", done, total_);
-  if (done > 0) text += fmt::format(", {} left", DurationText(elapsed_s * (total_ - done) / done));
-  return text;
+  const int timed = done - skipped_;
+  if (timed <= 0) return text;
+  if (!unit_.empty()) text += fmt::format(", {:.3g} {}/s", timed / elapsed_s, unit_);
+  return text + fmt::format(", {} left", DurationText(elapsed_s * (total_ - done) / timed));
 }
 
 }  // namespace sonarcal

@@ -26,10 +26,11 @@ struct ProgressSettings {
 //   for (...) { ...; progress.Advance(); }
 class Progress {
  public:
-  // `total` is the number of steps; with 0, only what is done is counted.
-  Progress(std::string title, int total, const CommonOptions& common)
-      : Progress(std::move(title), total, ProgressSettings::Standard(common.quiet)) {}
-  Progress(std::string title, int total, ProgressSettings settings);
+  // `total` is the number of steps; with 0, only what is done is counted. Where the steps have a name
+  // ("frames"), their number a second is shown.
+  Progress(std::string title, int total, const CommonOptions& common, std::string unit = {})
+      : Progress(std::move(title), total, ProgressSettings::Standard(common.quiet), std::move(unit)) {}
+  Progress(std::string title, int total, ProgressSettings settings, std::string unit = {});
   ~Progress();  // takes the bar away
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -41,6 +42,12 @@ class Progress {
     Show(done);
   }
 
+  // A step that took no time, as it was done in an earlier run: it counts as done, but to no rate.
+  void Skip() {
+    ++skipped_;
+    ++done_;
+  }
+
  private:
   void Show(int done);
   std::string StatusText(int done, double elapsed_s) const;
@@ -48,8 +55,10 @@ class Progress {
   const std::string title_;
   const int total_;
   const ProgressSettings settings_;
+  const std::string unit_;
   double start_s_ = 0.0;
   std::atomic<int> done_ = 0;
+  std::atomic<int> skipped_ = 0;
   std::mutex mutex_;  // guards the stream and what follows
   double next_show_s_ = 0.0;
   bool bar_drawn_ = false;

@@ -43,6 +43,7 @@ Json ProvenanceToJson(const Provenance& provenance) {
                {"version", SONARCAL_VERSION},       {"command", provenance.command},
                {"command_line", CommandLine()},     {"configuration", provenance.configuration}};
   if (provenance.seed) json["seed"] = *provenance.seed;
+  if (!provenance.made_of.is_null()) json["made_of"] = provenance.made_of;
   json["inputs"] = Json::array();
   for (const fs::path& input : provenance.inputs) json["inputs"].push_back(InputToJson(input));
   return json;

@@ -5,6 +5,8 @@
 //    "command_line": ["sonarcal", "convert", ...], "configuration": {...}, "seed": 1,
 //    "inputs": [{"path": "tank", "files": 9, "bytes": 1234, "sha256": "..."}]}
 //
+// A run that can be resumed also has "made_of": {...}, what decides its outputs.
+//
 // No time and no host: the same run writes the same bytes. An input that is a folder gets one hash, that of
 // the lines "<sha256>  <path within>\n" of its files, sorted by path (as `sha256sum` prints them).
 #pragma once
@@ -23,6 +25,7 @@ struct Provenance {
   std::string command;                        // "fit"
   nlohmann::ordered_json configuration = {};  // every option as resolved: default < file < command line
   std::optional<std::uint64_t> seed = {};
+  nlohmann::ordered_json made_of = {};  // by which a run is resumed (apps/simulate_resume.h); null for none
   std::vector<std::filesystem::path> inputs = {};  // files and folders that were read
 };
 

@@ -22,9 +22,16 @@ Registry& Unfinished() {
 
 }  // namespace
 
-RunOutput::RunOutput(const fs::path& folder) : directory_(folder) {
+RunOutput::RunOutput(const fs::path& folder, Aside aside) : directory_(folder, aside) {
+  if (directory_.found()) return;
   const std::lock_guard lock(Unfinished().mutex);
   Unfinished().staging.insert(directory_.staging());
+}
+
+void RunOutput::Keep() {
+  const std::lock_guard lock(Unfinished().mutex);
+  Unfinished().staging.erase(directory_.staging());
+  directory_.Keep();
 }
 
 RunOutput::~RunOutput() {

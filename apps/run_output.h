@@ -15,7 +15,7 @@ namespace sonarcal {
 class RunOutput {
  public:
   // Throws DataError as OutputDirectory does.
-  explicit RunOutput(const std::filesystem::path& folder);
+  explicit RunOutput(const std::filesystem::path& folder, Aside aside = Aside::kThisRun);
   ~RunOutput();
   RunOutput(const RunOutput&) = delete;
   RunOutput& operator=(const RunOutput&) = delete;
@@ -24,6 +24,11 @@ class RunOutput {
   const std::filesystem::path& staging() const { return directory_.staging(); }
   std::filesystem::path operator/(const std::filesystem::path& name) const { return directory_ / name; }
   const std::filesystem::path& final_path() const { return directory_.final_path(); }
+
+  bool found() const { return directory_.found(); }
+
+  // As OutputDirectory's: and no interruption removes what was written.
+  void Keep();
 
   void Commit() { directory_.Commit(); }
 

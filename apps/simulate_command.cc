@@ -11,12 +11,15 @@
 #include "apps/choice_option.h"
 #include "apps/commands.h"
 #include "apps/depth_picture.h"
+#include "apps/interruption.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
+#include "apps/simulate_resume.h"
 #include "data_io/fan_image.h"
 #include "data_io/image_io.h"
+#include "data_io/json_writer.h"
 #include "data_io/parameters_io.h"
 #include "data_io/recording_io.h"
 #include "sim/acoustic_fan.h"
@@ -102,6 +105,68 @@ Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulato
   return json;
 }
 
+// Pictures beside a frame's image, where they are asked for.
+class FilesBeside {
+ public:
+  FilesBeside(const SimulateOptions& options, const Simulator& simulator)
+      : with_fan_(options.fan), with_depth_(options.depth), simulator_(simulator) {
+    if (with_fan_) fan_map_.emplace(simulator.sonar().axes);
+  }
+
+  std::vector<std::string> Names(int index) const {
+    std::vector<std::string> names;
+    if (with_fan_) names.push_back(fmt::format(kFan, index));
+    if (with_depth_) {
+      names.insert(names.end(),
+                   {fmt::format(kRange, index), fmt::format(kDepth, index), fmt::format(kDepthView, index)});
+    }
+    return names;
+  }
+
+  void Write(const RunOutput& output, int index, const Pose& pose, const PolarImage& image) const {
+    if (with_fan_) {
+      WriteGrey(output / fmt::format(kFan, index), fan_map_->Apply(image.value), image.scale.full_scale);
+    }
+    if (!with_depth_) return;
+    const Grid<float> range_m = RangeAlongRays(simulator_.TraceEchoes(pose), simulator_.fan());
+    WriteTiff(output / fmt::format(kRange, index), range_m);
+    WritePng(output / fmt::format(kDepth, index), DepthInMillimetres(range_m));
+    WritePng(output / fmt::format(kDepthView, index),
+             DepthPicture(range_m, simulator_.sonar().axes.range_max_m));
+  }
+
+ private:
+  static constexpr std::string_view kFan = "fan_{:04}.png";
+  static constexpr std::string_view kRange = "range_{:04}.tiff";
+  static constexpr std::string_view kDepth = "depth_{:04}.png";
+  static constexpr std::string_view kDepthView = "depth_view_{:04}.png";
+
+  bool with_fan_;
+  bool with_depth_;
+  const Simulator& simulator_;
+  std::optional<FanMap> fan_map_;
+};
+
+// Writes the frames that are not there yet, until all are or the user interrupts. Returns how many are there.
+int WriteMissingFrames(const SimulatedRecording& recording, const FilesBeside& beside,
+                       const FinishedFrames& finished, const CommonOptions& common,
+                       const Interruption& interruption, RunOutput& output) {
+  Progress progress("Simulating", recording.frame_count(), common, "frames");
+  return WriteRecording(recording, output.directory(),
+                        {.progress =
+                             [&](int frames_done, int) {
+                               output.Keep();
+                               progress.Update(frames_done);
+                             },
+                         .is_written =
+                             [&](int index, const std::string& image) {
+                               if (!finished.Has(image, beside.Names(index))) return false;
+                               progress.Skip();
+                               return true;
+                             },
+                         .stop = [&] { return interruption.asked(); }});
+}
+
 }  // namespace
 
 ExitStatus RunSimulate(const SimulateOptions& options) {
@@ -121,41 +186,43 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   simulation.frozen_speckle = options.frozen_speckle;
   simulation.fan.azimuth_margin_deg = MarginDeg(options, choice.sonar, parameters);
   simulation.seed = options.seed;
-  const Simulator simulator(ReadSceneFile(options.scene, options.scene_format, options.common), choice.sonar,
-                            simulation);
+  Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
+  const std::string scene_digest = SceneDigest(scene);
+  const Simulator simulator(std::move(scene), choice.sonar, simulation);
   PrintCaveats(options, simulator, parameters, water.note);
 
-  RunOutput output(options.out);
-  std::optional<FanMap> fan_map;
-  if (options.fan) fan_map.emplace(choice.sonar.axes);
-  const auto write_extras = [&](int index, const Pose& pose, const PolarImage& image) {
-    if (fan_map) {
-      WriteGrey(output / fmt::format("fan_{:04}.png", index), fan_map->Apply(image.value),
-                image.scale.full_scale);
-    }
-    if (options.depth) {
-      const Grid<float> range_m = RangeAlongRays(simulator.TraceEchoes(pose), simulator.fan());
-      WriteTiff(output / fmt::format("range_{:04}.tiff", index), range_m);
-      WritePng(output / fmt::format("depth_{:04}.png", index), DepthInMillimetres(range_m));
-      WritePng(output / fmt::format("depth_view_{:04}.png", index),
-               DepthPicture(range_m, choice.sonar.axes.range_max_m));
-    }
-  };
+  const Interruption interruption;  // before anything is aside that a run could go on with
+  const FilesBeside beside(options, simulator);
+  RunOutput output(options.out, options.resume ? Aside::kFound : Aside::kAnew);
   const SimulatedRecording recording(simulator, std::move(poses), parameters, options.scene.string(),
-                                     write_extras);
-  {
-    Progress progress("Simulating", recording.frame_count(), options.common);
-    WriteRecording(recording, output.directory(),
-                   {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
-  }
-  WriteParameters(output / "params.json", parameters);
+                                     [&](int index, const Pose& pose, const PolarImage& image) {
+                                       beside.Write(output, index, pose, image);
+                                     });
   Provenance provenance{.command = "simulate",
                         .configuration = ConfigurationJson(options, simulator, parameters.model),
                         .inputs = {options.scene, options.params, options.poses}};
   if (IsRandom(options, parameters.model)) provenance.seed = options.seed;
   if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
+  provenance.made_of = FramesMadeOf(recording, scene_digest, parameters, provenance);
+  FinishedFrames finished;
+  if (options.resume) finished = FinishedFrames(output, provenance.made_of);
+  // Before any frame: what is found after a kill says what it is.
   WriteProvenance(output.staging(), provenance);
+  const int frames_done =
+      WriteMissingFrames(recording, beside, finished, options.common, interruption, output);
+  if (frames_done == 0) {
+    PrintError("interrupted before the first frame was finished: nothing was written");
+    return ExitStatus::kInterrupted;
+  }
+  WriteParameters(output / "params.json", parameters);
   output.Commit();
+  if (frames_done < recording.frame_count()) {
+    PrintError(
+        fmt::format("interrupted: {} of {} frames are finished, a recording in {}; the same command with "
+                    "--resume makes the rest",
+                    frames_done, recording.frame_count(), options.out.string()));
+    return ExitStatus::kInterrupted;
+  }
 
   if (options.common.json) {
     PrintJson({{"recording", output.final_path().string()},
@@ -210,6 +277,8 @@ void SetupSimulate(CLI::App& app) {
   command->add_flag("--depth", options->depth,
                     "Write the depth image as well: range along each ray, in metres (range_NNNN.tiff) and in "
                     "millimetres (depth_NNNN.png)");
+  command->add_flag("--resume", options->resume,
+                    "Go on with what an interrupted or killed run of the same command left in --out");
   OnRun(command, options->common, [options] { return RunSimulate(*options); });
 }
 

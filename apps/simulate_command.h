@@ -6,6 +6,10 @@
 // azimuth, on the grid of rays that was cast (sim/ray_fan.h). As range_NNNN.tiff (metres, 0 for nothing),
 // depth_NNNN.png (16 bits, whole millimetres, 0 for nothing, 65535 for that and more), and for eyes
 // depth_view_NNNN.png (near is bright, white is nothing).
+//
+// Frames are rendered and written one at a time. SIGINT and SIGTERM leave a recording of the frames finished
+// so far (status 130); a run that was killed leaves them aside, whole, in .NAME.unfinished. With `resume` the
+// rest are made, and the recording is that of a run never interrupted, byte by byte.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +43,7 @@ struct SimulateOptions {
   std::uint64_t seed = 1;
   bool fan = false;
   bool depth = false;
+  bool resume = false;  // go on with what an interrupted run of the same command left in `out`
 };
 
 ExitStatus RunSimulate(const SimulateOptions& options);

@@ -1,6 +1,8 @@
 #include "data_io/atomic_output.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -67,7 +69,7 @@ void WriteFileWhole(const fs::path& file, std::string_view bytes) {
   }
 }
 
-OutputDirectory::OutputDirectory(const fs::path& directory)
+OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside)
     : final_((fs::absolute(directory) / "").lexically_normal().parent_path()) {
   std::error_code error;
   const fs::file_status status = fs::status(final_, error);
@@ -84,15 +86,37 @@ OutputDirectory::OutputDirectory(const fs::path& directory)
   for (const fs::path& parent : made_parents_) {
     if (!fs::create_directory(parent, error) && error) FailToWrite(directory, error);
   }
-  staging_ = (exists ? final_ : final_.parent_path()) / UniqueName(final_.filename().string());
-  if (!fs::create_directory(staging_, error)) {
+  const std::string name = final_.filename().string();
+  const bool is_shared = aside != Aside::kThisRun;
+  staging_ = (exists ? final_ : final_.parent_path()) /
+             (is_shared ? fmt::format(".{}.unfinished", name) : UniqueName(name));
+  if (!fs::create_directory(staging_, error) && (error || !is_shared)) {
     FailToWrite(directory, error ? error : std::make_error_code(std::errc::file_exists));
+  }
+  if (is_shared) TakeOver(aside);
+}
+
+// The lock goes with the process, however it ends. Where the disk knows no locks, there is none.
+void OutputDirectory::TakeOver(Aside aside) {
+  lock_ = open(staging_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(lock_);
+    throw DataError("{}: cannot be the output directory: another run is writing it", final_.string());
+  }
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
+    if (aside == Aside::kFound && !entry.path().filename().string().starts_with('.')) {
+      found_ = kept_ = true;
+    } else {
+      fs::remove_all(entry.path(), ignored);
+    }
   }
 }
 
 OutputDirectory::~OutputDirectory() {
   std::error_code ignored;
-  fs::remove_all(staging_, ignored);
+  if (!kept_) fs::remove_all(staging_, ignored);
+  if (lock_ >= 0) close(lock_);
   for (auto parent = made_parents_.rbegin(); parent != made_parents_.rend(); ++parent) {
     fs::remove(*parent, ignored);  // fails, as it should, where something lies in it
   }
@@ -102,10 +126,11 @@ void OutputDirectory::Commit() {
   std::error_code error;
   if (fs::exists(final_, error)) {
     MoveFilesIntoPlace();
-    return;
+  } else {
+    fs::rename(staging_, final_, error);
+    if (error) FailToWrite(final_, error);
   }
-  fs::rename(staging_, final_, error);
-  if (error) FailToWrite(final_, error);
+  kept_ = false;
 }
 
 void OutputDirectory::MoveFilesIntoPlace() const {
@@ -117,8 +142,10 @@ void OutputDirectory::MoveFilesIntoPlace() const {
       RefuseWhatIsNoFile(final_ / name);
     }
   }
+  // From the last name to the first: recording.json before provenance.json, so that no provenance ever stands
+  // beside a recording that it does not speak of.
   std::sort(files.begin(), files.end(),
-            [](const fs::path& a, const fs::path& b) { return IsJson(a) != IsJson(b) ? IsJson(b) : a < b; });
+            [](const fs::path& a, const fs::path& b) { return IsJson(a) != IsJson(b) ? IsJson(b) : a > b; });
   for (const fs::path& name : files) {
     std::error_code error;
     fs::create_directories((final_ / name).parent_path(), error);

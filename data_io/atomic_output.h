@@ -22,9 +22,19 @@ void WriteFileWhole(const std::filesystem::path& file, std::string_view bytes);
 // Without Commit(), as when an exception passes, nothing appears and the files aside are removed.
 //
 // Throws DataError where the directory cannot be made or written, or where a file would replace a directory.
+//
+// The files aside of a long run may outlive it, to be gone on with: those of kAnew and kFound lie where a
+// later run looks, and stay after Keep(), or when the program is killed. One run at a time may hold them: a
+// second is refused by DataError.
+enum class Aside {
+  kThisRun,  // under a name of their own, and removed without Commit()
+  kAnew,     // where a later run finds them; what an earlier one left is removed
+  kFound,    // the same, and what an earlier one left is taken over, but for files that are not whole
+};
+
 class OutputDirectory {
  public:
-  explicit OutputDirectory(const std::filesystem::path& directory);
+  explicit OutputDirectory(const std::filesystem::path& directory, Aside aside = Aside::kThisRun);
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;
   OutputDirectory& operator=(const OutputDirectory&) = delete;
@@ -36,15 +46,25 @@ class OutputDirectory {
   // Where the outputs will be, absolute.
   const std::filesystem::path& final_path() const { return final_; }
 
+  // Whether files of an earlier run were taken over. They stay without Commit(), as after Keep().
+  bool found() const { return found_; }
+
+  // From now on the files aside stay without Commit(), for a later run.
+  void Keep() { kept_ = true; }
+
   void Commit();
 
  private:
+  void TakeOver(Aside aside);
   void MoveFilesIntoPlace() const;
 
   std::filesystem::path final_;
   std::filesystem::path staging_;
   std::vector<std::filesystem::path>
       made_parents_;  // outermost first; removed if nothing comes to lie in them
+  int lock_ = -1;     // of files aside that other runs look for: held while this lives
+  bool found_ = false;
+  bool kept_ = false;
 };
 
 }  // namespace sonarcal

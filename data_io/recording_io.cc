@@ -118,26 +118,40 @@ std::unique_ptr<RecordingSource> OpenRecordingFolder(const fs::path& path) {
 void WriteRecording(const RecordingSource& recording, const fs::path& folder,
                     const WriteRecordingOptions& options) {
   OutputDirectory output(folder);
-  WriteRecording(recording, output, options);
-  output.Commit();
+  if (WriteRecording(recording, output, options) > 0) output.Commit();
 }
 
-void WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
-                    const WriteRecordingOptions& options) {
+int WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
+                   const WriteRecordingOptions& options) {
   const int frame_count = recording.frame_count();
   if (frame_count == 0) throw DataError("{}: no frames, expected at least one", recording.info().source);
   RecordingHeader header{recording.info(), ChooseBits(recording, options.bits), {}};
   header.info.sonar.axes.Validate(header.info.source);
+  bool stopped = false;
   for (int index = 0; index < frame_count; ++index) {
+    const std::string file = fmt::format("frame_{:04}.{}", index, header.bits == 32 ? "tiff" : "png");
+    if (options.is_written && options.is_written(index, file)) {
+      header.frames.push_back(recording.frame_info(index));
+      header.frames.back().name = file;
+      continue;
+    }
+    stopped = stopped || (options.stop && options.stop());
+    if (stopped) continue;
     const Frame frame = recording.ReadFrame(index);
     CheckSameAsFirst(header.info, frame, index);
     CheckValues(frame.image, fmt::format("{}: frame {}", header.info.source, index));
     header.frames.push_back(frame.info);
-    header.frames.back().name = fmt::format("frame_{:04}.{}", index, header.bits == 32 ? "tiff" : "png");
-    WriteImage(output / header.frames.back().name, frame.image.value, header.bits);
-    if (options.progress) options.progress(index + 1, frame_count);
+    header.frames.back().name = file;
+    WriteImage(output / file, frame.image.value, header.bits);
+    if (options.progress) options.progress(static_cast<int>(header.frames.size()), frame_count);
+  }
+  const auto frames_done = static_cast<int>(header.frames.size());
+  if (frames_done == 0) return 0;
+  if (frames_done < frame_count) {
+    header.info.notes.push_back(fmt::format("unfinished: {} of {} frames", frames_done, frame_count));
   }
   WriteJson(output / kRecordingFile, RecordingJson(header, output.final_path()));
+  return frames_done;
 }
 
 }  // namespace sonarcal

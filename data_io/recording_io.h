@@ -51,6 +51,12 @@ struct WriteRecordingOptions {
   int bits = 0;
   // Called after each frame.
   std::function<void(int frames_done, int frames_in_all)> progress = {};
+  // Whether a frame's file is there already, from a run that was interrupted: such a frame is not read, only
+  // named in recording.json.
+  std::function<bool(int index, const std::string& file)> is_written = {};
+  // Asked before each frame. Once it is so, no more are written, and recording.json names those that are
+  // there and has a note of it.
+  std::function<bool()> stop = {};
 };
 
 // Writes frame by frame, so that a recording of any length passes in constant memory. All frames must share
@@ -59,8 +65,9 @@ struct WriteRecordingOptions {
 void WriteRecording(const RecordingSource& recording, const std::filesystem::path& folder,
                     const WriteRecordingOptions& options = {});
 
-// The same among other outputs, which the caller commits.
-void WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
-                    const WriteRecordingOptions& options = {});
+// The same among other outputs, which the caller commits. Returns the number of frames in recording.json; 0
+// where it was stopped before the first, and then there is no recording.json.
+int WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
+                   const WriteRecordingOptions& options = {});
 
 }  // namespace sonarcal

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "data_io/types/error.h"
 #include "sim/embree_queries.h"
@@ -37,11 +37,8 @@ struct RayCaster::Embree {
   }
 };
 
-RayCaster::RayCaster(const Scene& scene)
-    : embree_(std::make_unique<Embree>()),
-      materials_(scene.triangle_material),
-      material_names_(scene.material_names) {
-  scene.Validate("scene");
+RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_unique<Embree>()) {
+  scene_.Validate("scene");
   embree_->device = rtcNewDevice(nullptr);
   if (embree_->device == nullptr) {
     throw std::runtime_error(fmt::format("the ray tracer did not start (Embree error {})",
@@ -52,18 +49,12 @@ RayCaster::RayCaster(const Scene& scene)
   rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
 
   RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), scene.vertices_m.size()));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
-                              scene.triangles.size()));
-  if (vertices == nullptr || indices == nullptr) {
-    rtcReleaseGeometry(geometry);
-    throw std::runtime_error(
-        fmt::format("the ray tracer could not hold a scene of {} triangles", scene.triangles.size()));
-  }
-  std::memcpy(vertices, scene.vertices_m.data(), scene.vertices_m.size() * sizeof(Eigen::Vector3f));
-  std::memcpy(indices, scene.triangles.data(), scene.triangles.size() * sizeof(Eigen::Vector3i));
+  // Embree reads vertices 16 bytes at a time, beyond the end of the last one.
+  scene_.vertices_m.reserve(scene_.vertices_m.size() + 1);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene_.vertices_m.data(),
+                             0, sizeof(Eigen::Vector3f), scene_.vertices_m.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene_.triangles.data(), 0,
+                             sizeof(Eigen::Vector3i), scene_.triangles.size());
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(embree_->scene, geometry, 0);
   rtcReleaseGeometry(geometry);
@@ -73,10 +64,10 @@ RayCaster::RayCaster(const Scene& scene)
                                          static_cast<int>(error)));
   }
 
-  normals_.reserve(scene.triangles.size());
-  for (const Eigen::Vector3i& t : scene.triangles) {
-    const Eigen::Vector3f edge1 = scene.vertices_m[t[1]] - scene.vertices_m[t[0]];
-    const Eigen::Vector3f edge2 = scene.vertices_m[t[2]] - scene.vertices_m[t[0]];
+  normals_.reserve(scene_.triangles.size());
+  for (const Eigen::Vector3i& t : scene_.triangles) {
+    const Eigen::Vector3f edge1 = scene_.vertices_m[t[1]] - scene_.vertices_m[t[0]];
+    const Eigen::Vector3f edge2 = scene_.vertices_m[t[2]] - scene_.vertices_m[t[0]];
     normals_.push_back(edge1.cast<double>().cross(edge2.cast<double>()).normalized().cast<float>());
   }
 }
@@ -161,7 +152,8 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
                 for (int i = 0; i < count; ++i) {
                   const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
                   range_m[first + i] = hit ? packet.ray.tfar[i] : -1.0F;
-                  material[first + i] = hit ? materials_[packet.hit.primID[i]] : std::uint16_t{0};
+                  material[first + i] =
+                      hit ? TriangleMaterial(static_cast<int>(packet.hit.primID[i])) : std::uint16_t{0};
                 }
               });
       take({row, range_m.data(), half_tangent.data(), material.data()});

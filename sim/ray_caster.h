@@ -30,9 +30,9 @@ struct RowHits {
 
 class RayCaster {
  public:
-  // The scene is copied into Embree's acceleration structure; triangle normals are kept.
-  // Throws DataError for an invalid scene, std::runtime_error where Embree cannot start.
-  explicit RayCaster(const Scene& scene);
+  // The scene is kept, once: Embree reads its mesh where it lies. Hand it over by std::move where it is
+  // large. Throws DataError for an invalid scene, std::runtime_error where Embree cannot start.
+  explicit RayCaster(Scene scene);
   ~RayCaster();
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
@@ -47,8 +47,8 @@ class RayCaster {
 
   // Unit normal of a triangle in world coordinates.
   const Eigen::Vector3f& TriangleNormal(int triangle) const { return normals_[triangle]; }
-  std::uint16_t TriangleMaterial(int triangle) const { return materials_[triangle]; }
-  const std::vector<std::string>& material_names() const { return material_names_; }
+  std::uint16_t TriangleMaterial(int triangle) const { return scene_.triangle_material[triangle]; }
+  const std::vector<std::string>& material_names() const { return scene_.material_names; }
 
   // Rays cast so far. A fit of materials adds nothing to it.
   std::int64_t rays_cast() const;
@@ -60,10 +60,9 @@ class RayCaster {
   void CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& origin,
                float max_range_m, RowBuffers& buffers, Met&& met) const;
 
-  std::unique_ptr<Embree> embree_;
+  Scene scene_;
+  std::unique_ptr<Embree> embree_;  // goes before the scene it reads
   std::vector<Eigen::Vector3f> normals_;
-  std::vector<std::uint16_t> materials_;
-  std::vector<std::string> material_names_;
 };
 
 }  // namespace sonarcal

@@ -20,10 +20,10 @@ void SimulationOptions::Check() const {
   if (bits != 8 && bits != 12 && bits != 16) throw DataError("image of {} bits, expected 8, 12 or 16", bits);
 }
 
-Simulator::Simulator(const Scene& scene, SonarModel sonar, SimulationOptions options)
+Simulator::Simulator(Scene scene, SonarModel sonar, SimulationOptions options)
     : sonar_(std::move(sonar)),
       options_(Checked(std::move(options))),
-      caster_(scene),
+      caster_(std::move(scene)),
       fan_(sonar_, options_.fan),
       absorption_db_per_m_(AbsorptionDbPerM(options_.absorption, sonar_.frequency_hz, options_.water)) {
   if (!(sonar_.frequency_hz > 0.0)) {

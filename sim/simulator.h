@@ -41,7 +41,7 @@ struct SimulationOptions {
 class Simulator {
  public:
   // Throws DataError for options, a scene or a sonar that cannot be used.
-  Simulator(const Scene& scene, SonarModel sonar, SimulationOptions options);
+  Simulator(Scene scene, SonarModel sonar, SimulationOptions options);
 
   // The echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;

@@ -54,6 +54,14 @@ TEST_F(ProgressTest, ABarGoesWhenTheWorkIsDone) {
   EXPECT_TRUE(stream_.str().ends_with("\r\x1b[K"));
 }
 
+TEST_F(ProgressTest, ARateIsOfTheStepsThatTookTime) {
+  Progress progress("Working", 100, Settings(true), "frames");
+  for (int i = 0; i < 40; ++i) progress.Skip();
+  now_s_ += 4.0;
+  progress.Update(50);
+  EXPECT_THAT(stream_.str(), HasSubstr("50 of 100, 2.5 frames/s, 20 s left"));
+}
+
 TEST_F(ProgressTest, QuietShowsNothing) {
   Progress progress("Working", 4, ProgressSettings{});
   progress.Advance();

@@ -3,7 +3,6 @@
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
-#include <chrono>
 #include <memory>
 #include <vector>
 
@@ -11,15 +10,12 @@
 #include "sim/scenes.h"
 #include "sim/simulator.h"
 #include "sim/sonar_presets.h"
+#include "tests/benchmarks/benchmark_world.h"
 
 namespace sonarcal {
 namespace {
 
 constexpr int kFrames = 30;
-
-double Now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // Of all threads together.
 double ProcessorSeconds() {

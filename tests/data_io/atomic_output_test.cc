@@ -101,6 +101,56 @@ TEST(OutputDirectoryTest, AFileIsNoOutputDirectory) {
   EXPECT_THAT(MessageOf([&] { OutputDirectory(dir / "a" / "b"); }), HasSubstr("cannot be written"));
 }
 
+TEST(OutputDirectoryTest, ALaterRunFindsWhatWasKeptAside) {
+  const TempDir dir;
+  const fs::path out = dir / "deep" / "out";
+  {
+    OutputDirectory output(out, Aside::kAnew);
+    EXPECT_FALSE(output.found());
+    WriteFile(output / "a", "1");
+    output.Keep();
+  }
+  EXPECT_FALSE(fs::exists(out));
+  for (int look = 0; look < 2; ++look) {  // without Commit() they stay
+    OutputDirectory output(out, Aside::kFound);
+    EXPECT_TRUE(output.found());
+    EXPECT_EQ(ReadFile(output / "a"), "1");
+    WriteFile(output / ".b.partial-1-0", "not whole");
+  }
+  OutputDirectory output(out, Aside::kFound);
+  WriteFile(output / "c", "2");
+  output.Commit();
+  EXPECT_EQ(EntryCount(out), 2u);
+  EXPECT_EQ(ReadFile(out / "a"), "1");
+  EXPECT_EQ(EntryCount(out.parent_path()), 1u);
+}
+
+TEST(OutputDirectoryTest, WhatIsNotKeptIsRemovedAndToStartAnewForgetsWhatWas) {
+  const TempDir dir;
+  const fs::path out = dir / "out";
+  { WriteFile(OutputDirectory(out, Aside::kAnew) / "a", "1"); }
+  { WriteFile(OutputDirectory(out, Aside::kFound) / "a", "1"); }
+  EXPECT_EQ(EntryCount(dir.path()), 0u);
+  for (int run = 0; run < 2; ++run) {
+    OutputDirectory output(out, Aside::kAnew);
+    EXPECT_TRUE(fs::is_empty(output.staging()));
+    WriteFile(output / "a", "1");
+    output.Keep();
+  }
+}
+
+TEST(OutputDirectoryTest, OneRunAtATimeHoldsWhatIsAside) {
+  const TempDir dir;
+  OutputDirectory output(dir / "out", Aside::kAnew);
+  WriteFile(output / "a", "1");
+  for (const Aside aside : {Aside::kAnew, Aside::kFound}) {
+    EXPECT_THAT(MessageOf([&] { OutputDirectory(dir / "out", aside); }),
+                HasSubstr("another run is writing it"));
+  }
+  output.Commit();
+  EXPECT_EQ(ReadFile(dir / "out" / "a"), "1");
+}
+
 TEST(OutputDirectoryTest, TheFinalPathIsAbsoluteAndPlain) {
   const TempDir dir;
   EXPECT_EQ(OutputDirectory(dir / "x/../out/").final_path(), dir / "out");

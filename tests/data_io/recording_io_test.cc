@@ -273,6 +273,37 @@ TEST(WriteRecordingTest, ComesBackWhole) {
   }
 }
 
+TEST(WriteRecordingTest, StoppedItNamesTheFramesThereAreAndLaterOnlyTheRestAreRead) {
+  const TempDir dir;
+  const MemoryRecording written = SmallRecording(SmallInfo(), 4);
+  WriteRecording(written, dir / "whole");
+  std::vector<int> read_frames;
+  const auto write = [&](int frames_before_stop) {
+    read_frames.clear();
+    OutputDirectory output(dir / "out");
+    const int frames = WriteRecording(
+        written, output,
+        {.progress = [&](int done, int) { read_frames.push_back(done - 1); },
+         .is_written = [&](int,
+                           const std::string& file) { return std::filesystem::exists(dir / "out" / file); },
+         .stop = [&] { return static_cast<int>(read_frames.size()) == frames_before_stop; }});
+    if (frames > 0) output.Commit();
+    return frames;
+  };
+  EXPECT_EQ(write(0), 0);
+  EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+  EXPECT_EQ(write(2), 2);
+  const auto half = OpenRecordingFolder(dir / "out");
+  EXPECT_EQ(half->frame_count(), 2);
+  EXPECT_THAT(half->info().notes, Contains("unfinished: 2 of 4 frames"));
+  EXPECT_EQ(half->ReadFrame(1).image.value, written.ReadFrame(1).image.value);
+  EXPECT_EQ(write(-1), 4);
+  EXPECT_EQ(read_frames, (std::vector<int>{2, 3}));
+  for (const char* file : {"recording.json", "frame_0001.png", "frame_0003.png"}) {
+    EXPECT_EQ(testing::ReadFile(dir / "out" / file), testing::ReadFile(dir / "whole" / file)) << file;
+  }
+}
+
 TEST(WriteRecordingTest, BitsFollowTheScale) {
   const TempDir dir;
   RecordingInfo info = SmallInfo();

@@ -1,0 +1,49 @@
+// What the benchmarks of a frame share: the scene, the sonar's options, a clock.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "sim/scenes.h"
+#include "sim/simulator.h"
+#include "sim/sonar_presets.h"
+
+namespace sonarcal {
+
+inline double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+inline double Median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+// The paper's tank, its mock-ups of this many triangles each.
+inline Scene Tank(int triangles) {
+  PaperTankOptions options = PaperTankOfPaper(PaperSize::kTable5);
+  options.mockup = RefinedTo(options.mockup, triangles);
+  return MakePaperTank(options);
+}
+
+inline ParameterSet Parameters() {
+  ParameterSet parameters;
+  parameters.display = {.db_min = 150.0, .db_max = 153.0};
+  parameters.materials["default"];
+  parameters.jitter = {.sigma_range_m = 0.0127, .sigma_azimuth_deg = 0.5};
+  return parameters;
+}
+
+inline SimulationOptions Options(const SonarPreset& preset, const RayFanOptions& fan) {
+  SimulationOptions options;
+  options.fan = fan;
+  options.water = preset.water;
+  options.noise = true;
+  return options;
+}
+
+inline constexpr RayFanOptions kPaperRays = {.sampling = Sampling::kFrustum, .cols = 1500, .rows = 1200};
+
+}  // namespace sonarcal
