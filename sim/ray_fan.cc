@@ -212,7 +212,15 @@ void RayFan::RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, f
 }
 
 void RayFan::RowAzimuths(int row, float* azimuth_rad) const {
-  for (int col = 0; col < cols_; ++col) azimuth_rad[col] = static_cast<float>(AzimuthRad(row, col));
+  const double part = staggered() ? stagger_[row] : 0.0;
+  const double* middle = azimuth_rad_.data();
+  if (part == 0.0) {
+    for (int col = 0; col < cols_; ++col) azimuth_rad[col] = static_cast<float>(middle[col]);
+    return;
+  }
+  const double* width = column_width_rad_.data();
+  for (int col = 0; col < cols_; ++col)
+    azimuth_rad[col] = static_cast<float>(middle[col] + part * width[col]);
 }
 
 Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) const {
