@@ -77,7 +77,7 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
 SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
                                      const Water& water, ParameterSet parameters) {
   const RayOptions& rays = of.rays;
-  SimulationOptions options = rays.For(sonar, water);
+  SimulationOptions options = rays.For(sonar, water, EchoModel::kAcoustic);
   const RayFanOptions asked = options.fan;
   options.noise = true;
   // Rays for whatever pattern is tried.
@@ -292,6 +292,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const WaterChoice water = ChooseWater(initial, recording.info().water);
   say(water.note);
   ParameterSet start = initial;
+  CheckRayWeight(options.rays.weight, initial.model);
   const bool acoustic = initial.model == EchoModel::kAcoustic;
   if (acoustic) say(TakeDisplay(recording.info().scale, start));
   const Simulator simulator(scene, sonar,

@@ -125,10 +125,11 @@ ExitStatus RunGallery(const GalleryOptions& options) {
   const auto exhibits = Exhibits(options);
   const ParameterSet parameters =
       options.params.empty() ? EnvironmentParameters() : ReadParameters(options.params);
+  CheckRayWeight(options.rays.weight, parameters.model);
   const SonarChoice choice = ChooseSonar(options.sonar);
   const WaterChoice water = ChooseWater(parameters, choice.water);
   if (!water.note.empty()) PrintNote(options.common, water.note);
-  const SimulationOptions simulation = options.rays.For(choice.sonar, water.water);
+  const SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters.model);
 
   HtmlReport report("Gallery",
                     fmt::format("{}, {} model, noise-free", choice.sonar.name, ToString(parameters.model)));

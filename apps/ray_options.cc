@@ -8,24 +8,30 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/choice_option.h"
+#include "data_io/parameters_io.h"
 #include "data_io/printable.h"
 #include "data_io/types/error.h"
+#include "sim/paper_fan.h"
 
 namespace sonarcal {
 namespace {
 
 constexpr JsonWords<Sampling, 2> kSamplings = {
     {{"frustum", Sampling::kFrustum}, {"beams", Sampling::kBeams}}};
+constexpr JsonWords<RayWeight, 2> kWeights = {
+    {{"even", RayWeight::kEven}, {"solid_angle", RayWeight::kSolidAngle}}};
 constexpr JsonWords<NormalSource, 2> kNormals = {
     {{"geometric", NormalSource::kGeometric}, {"depth", NormalSource::kDepth}}};
 constexpr JsonWords<AbsorptionFormula, 2> kAbsorptions = {
     {{"ainslie-mccolm", AbsorptionFormula::kAinslieMcColm},
      {"francois-garrison", AbsorptionFormula::kFrancoisGarrison}}};
 
-// Along a beam's elevation; across, the two columns keep an edge within a beam visible.
-constexpr RayGridSize kFrustumRays = {1500, 1200};
-constexpr int kColumnsPerBeam = 2;
-constexpr int kBeamRows = 400;
+constexpr RayGridSize kFrustumRays = {1500, 1200};  // the paper's
+
+// Other models want columns that stand alike, and have rays of their own (sim/acoustic_fan.h); where `beams`
+// are asked of them by name, these.
+constexpr int kOtherColumnsPerBeam = 2;
+constexpr int kOtherBeamRows = 400;
 
 // A positive whole number that is all of `text`.
 std::optional<int> ParseCount(std::string_view text) {
@@ -48,12 +54,23 @@ RayGridSize ParseRayGridSize(const std::string& text) {
   throw UsageError("rays '{}', expected WIDTHxHEIGHT such as 1500x1200", Printable(text));
 }
 
-SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water) const {
-  RayGridSize grid = kFrustumRays;
-  if (sampling == Sampling::kBeams) grid = {kColumnsPerBeam * sonar.axes.beam_count(), kBeamRows};
-  if (!rays.empty()) grid = ParseRayGridSize(rays);
+SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, EchoModel model) const {
   SimulationOptions options;
-  options.fan = {.sampling = sampling, .cols = grid.cols, .rows = grid.rows};
+  options.fan = {.sampling = sampling, .cols = kFrustumRays.cols, .rows = kFrustumRays.rows};
+  if (sampling == Sampling::kBeams) {
+    options.fan = PaperFanOptions(sonar);
+    if (model != EchoModel::kPaper) {
+      options.fan = {.sampling = sampling,
+                     .cols = kOtherColumnsPerBeam * sonar.axes.beam_count(),
+                     .rows = kOtherBeamRows};
+    }
+  }
+  if (!rays.empty()) {
+    const RayGridSize grid = ParseRayGridSize(rays);
+    options.fan.cols = grid.cols;
+    options.fan.rows = grid.rows;
+  }
+  options.fan.weight = weight;
   options.trace.normals = normals;
   options.absorption = absorption;
   options.water = water;
@@ -67,9 +84,11 @@ void AddRayOptions(CLI::App& command, RayOptions& options) {
       .add_option(
           "--rays", options.rays,
           fmt::format("Columns x rows of rays over the field of view (default: {}x{} for frustum, {} a "
-                      "beam x {} for beams; for the acoustic model, rays by the shape of its beam)",
-                      kFrustumRays.cols, kFrustumRays.rows, kColumnsPerBeam, kBeamRows))
+                      "beam x {} for beams, whose columns the paper's model staggers; for the acoustic "
+                      "model, rays by the shape of its beam)",
+                      kFrustumRays.cols, kFrustumRays.rows, kPaperColumnsPerBeam, kPaperBeamRows))
       ->type_name("WxH");
+  AddRayWeight(command, options.weight);
   AddChoice(command, "--normals", options.normals, kNormals,
             "Surface normals: of the mesh, or by differences of the depth image as in the paper");
   AddChoice(command, "--absorption", options.absorption, kAbsorptions, "Formula for absorption in water");
@@ -78,8 +97,24 @@ void AddRayOptions(CLI::App& command, RayOptions& options) {
       ->check(CLI::Range(0, 1024).description(""));
 }
 
+void AddRayWeight(CLI::App& command, RayWeight& weight) {
+  AddChoice(command, "--ray-weight", weight, kWeights,
+            "What a ray of the paper's model counts: each of a beam alike, as in the paper, or by its solid "
+            "angle, by which both samplings come to one image");
+}
+
+void CheckRayWeight(RayWeight weight, EchoModel model) {
+  if (weight == RayWeight::kEven || model == EchoModel::kPaper) return;
+  throw UsageError("--ray-weight {} is for the paper's model: '{}' takes solid angles in any case",
+                   ToString(weight), ToString(model));
+}
+
 std::string_view ToString(Sampling sampling) {
   return JsonWord(kSamplings, sampling);
+}
+
+std::string_view ToString(RayWeight weight) {
+  return JsonWord(kWeights, weight);
 }
 
 std::string_view ToString(NormalSource normals) {
@@ -91,11 +126,9 @@ std::string_view ToString(AbsorptionFormula formula) {
 }
 
 nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayGridSize& grid) {
-  return {{"sampling", ToString(options.sampling)},
-          {"rays", fmt::format("{}x{}", grid.cols, grid.rows)},
-          {"normals", ToString(options.normals)},
-          {"absorption", ToString(options.absorption)},
-          {"threads", options.threads}};
+  return {{"sampling", ToString(options.sampling)},     {"rays", fmt::format("{}x{}", grid.cols, grid.rows)},
+          {"ray_weight", ToString(options.weight)},     {"normals", ToString(options.normals)},
+          {"absorption", ToString(options.absorption)}, {"threads", options.threads}};
 }
 
 struct ThreadLimit::Control {

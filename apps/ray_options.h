@@ -25,7 +25,8 @@ RayGridSize ParseRayGridSize(const std::string& text);
 
 struct RayOptions {
   Sampling sampling = Sampling::kFrustum;
-  std::string rays;  // "WxH"; empty: 1500x1200 for frustum (the paper's), 2 a beam x 400 for beams
+  std::string rays;  // "WxH"; empty: 1500x1200 for frustum (the paper's), 2 a beam x 330 for beams
+  RayWeight weight = RayWeight::kEven;
   NormalSource normals = NormalSource::kGeometric;
   AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
   int threads = 0;  // 0: all cores
@@ -33,14 +34,23 @@ struct RayOptions {
   RayOptions() = default;
   explicit RayOptions(Sampling default_sampling) : sampling(default_sampling) {}
 
-  // Fan, trace, absorption and water of a simulation of this sonar. Throws UsageError for a wrong `rays`.
-  SimulationOptions For(const SonarModel& sonar, const Water& water) const;
+  // Fan, trace, absorption and water of a simulation of this sonar by a model: `beams` are staggered for the
+  // paper's. Throws UsageError for a wrong `rays`.
+  SimulationOptions For(const SonarModel& sonar, const Water& water,
+                        EchoModel model = EchoModel::kPaper) const;
 };
 
-// Adds --sampling, --rays, --normals, --absorption and --threads.
+// Adds --sampling, --rays, --ray-weight, --normals, --absorption and --threads.
 void AddRayOptions(CLI::App& command, RayOptions& options);
 
+// Adds --ray-weight alone.
+void AddRayWeight(CLI::App& command, RayWeight& weight);
+
+// Throws UsageError where a weight is chosen for a model that takes none: only the paper's sums over rays.
+void CheckRayWeight(RayWeight weight, EchoModel model);
+
 std::string_view ToString(Sampling sampling);
+std::string_view ToString(RayWeight weight);
 std::string_view ToString(NormalSource normals);
 std::string_view ToString(AbsorptionFormula formula);
 

@@ -34,35 +34,51 @@ struct Measured {
   std::string sonar;
   std::size_t poses = 0;
   std::string display;  // "150 .. 153 dB over 255 grey levels"
-  std::vector<RayError> errors;
+  RayErrors errors;
 };
 
 std::string GridText(const RayGridSize& grid) {
   return fmt::format("{}x{}", grid.cols, grid.rows);
 }
 
-Json JsonOf(const RayError& e) {
-  return {{"sampling", ToString(e.sampling)},
-          {"rays", GridText(e.grid)},
-          {"count", e.rays()},
-          {"denser", e.denser},
-          {"error_grey", {{"p99.9", e.p999_grey}, {"max", e.max_grey}}},
+Json JsonOf(const ImageError& e) {
+  return {{"error_grey", {{"p99.9", e.p999_grey}, {"max", e.max_grey}}},
           {"error_db", {{"p99.9", e.p999_db}}},
           {"within_one_grey", {{"pixels", e.within_one}, {"lit_pixels", e.within_one_lit}}}};
 }
 
+Json JsonOf(const RayError& e) {
+  Json json = {{"sampling", ToString(e.sampling)},
+               {"rays", GridText(e.grid)},
+               {"count", e.rays()},
+               {"denser", e.denser}};
+  json.update(JsonOf(static_cast<const ImageError&>(e)));
+  return json;
+}
+
 Json JsonOf(const RaysOptions& options, const Measured& measured) {
   Json counts = Json::array();
-  for (const RayError& error : measured.errors) counts.push_back(JsonOf(error));
+  for (const RayError& error : measured.errors.counts) counts.push_back(JsonOf(error));
   Json fewest = Json::object();
   for (const auto& [word, sampling] : kSamplings) {
     if (options.sampling && *options.sampling != sampling) continue;
-    const auto found = FewestRays(measured.errors, sampling);
+    const auto found = FewestRays(measured.errors.counts, sampling);
     fewest[std::string(word)] = found ? Json(GridText(found->grid)) : Json(nullptr);
   }
-  return {{"scene", options.scene.string()}, {"sonar", measured.sonar}, {"poses", measured.poses},
-          {"display", measured.display},     {"synthetic", true},       {"counts", counts},
-          {"fewest_within_one_grey", fewest}};
+  Json json = {{"scene", options.scene.string()},
+               {"sonar", measured.sonar},
+               {"poses", measured.poses},
+               {"display", measured.display},
+               {"ray_weight", ToString(options.weight)},
+               {"synthetic", true},
+               {"counts", counts},
+               {"fewest_within_one_grey", fewest}};
+  if (measured.errors.between) json["between_samplings"] = JsonOf(*measured.errors.between);
+  return json;
+}
+
+std::string_view WeightText(RayWeight weight) {
+  return weight == RayWeight::kEven ? "evenly" : "by solid angle";
 }
 
 std::string FewestText(const std::vector<RayError>& errors, Sampling sampling) {
@@ -79,17 +95,25 @@ std::vector<std::string> FewestTexts(const RaysOptions& options, const Measured&
   std::vector<std::string> texts;
   for (const auto& [word, sampling] : kSamplings) {
     if (!options.sampling || *options.sampling == sampling)
-      texts.push_back(FewestText(measured.errors, sampling));
+      texts.push_back(FewestText(measured.errors.counts, sampling));
+  }
+  if (measured.errors.between) {
+    const ImageError& e = *measured.errors.between;
+    texts.push_back(
+        fmt::format("between the dense images of both: {:.2f} grey levels in 99.9 % of the pixels, {:.2f} at "
+                    "most, {:.3f} % within one",
+                    e.p999_grey, e.max_grey, 100.0 * e.within_one));
   }
   return texts;
 }
 
 std::string TableText(const RaysOptions& options, const Measured& measured) {
-  std::string text = fmt::format("{}: error against rays over {} pose{}, {}\n", options.scene.string(),
-                                 measured.poses, measured.poses == 1 ? "" : "s", measured.display);
+  std::string text = fmt::format("{}: error against rays over {} pose{}, {}, rays weighed {}\n",
+                                 options.scene.string(), measured.poses, measured.poses == 1 ? "" : "s",
+                                 measured.display, WeightText(options.weight));
   text += fmt::format("  {:<8} {:>11} {:>9} {:>7} {:>11} {:>9} {:>9} {:>9} {:>9}\n", "sampling", "rays",
                       "count", "denser", "99.9 % grey", "99.9 % dB", "max grey", "within 1", "of lit");
-  for (const RayError& e : measured.errors) {
+  for (const RayError& e : measured.errors.counts) {
     text += fmt::format("  {:<8} {:>11} {:>9} {:>7.1f} {:>11.2f} {:>9.4f} {:>9.2f} {:>8.3f}% {:>8.2f}%\n",
                         ToString(e.sampling), GridText(e.grid), e.rays(), e.denser, e.p999_grey, e.p999_db,
                         e.max_grey, 100.0 * e.within_one, 100.0 * e.within_one_lit);
@@ -106,7 +130,7 @@ LineChart ErrorChart(const RaysOptions& options, const Measured& measured) {
   for (const auto& [word, sampling] : kSamplings) {
     if (options.sampling && *options.sampling != sampling) continue;
     ChartSeries series{.name = std::string(word), .x = {}, .y = {}, .style = SeriesStyle::kPoints};
-    for (const RayError& e : measured.errors) {
+    for (const RayError& e : measured.errors.counts) {
       if (e.sampling != sampling || !(e.p999_grey > 0.0)) continue;
       series.x.push_back(std::log10(static_cast<double>(e.rays())));
       series.y.push_back(std::log10(e.p999_grey));
@@ -124,19 +148,20 @@ HtmlReport MakeReport(const RaysOptions& options, const Measured& measured, cons
       "Images of few rays against images of many, by the paper's model: nothing here was recorded.");
   report.Section("Errors");
   report.List(FewestTexts(options, measured));
-  Table table{.caption = fmt::format("Errors over all pixels of {} pose{}; {}", measured.poses,
-                                     measured.poses == 1 ? "" : "s", measured.display),
-              .columns = {{"Sampling and rays"},
-                          {"Rays"},
-                          {"Dense image", "times the rays"},
-                          {"99.9th percentile", "grey levels"},
-                          {"99.9th percentile", "dB"},
-                          {"Largest", "grey levels"},
-                          {"Within one level", "% of pixels"},
-                          {"Within one level", "% of lit pixels"}},
-              .rows = {}};
-  for (const RayError& e : measured.errors) {
-    const auto fewest = FewestRays(measured.errors, e.sampling);
+  Table table{
+      .caption = fmt::format("Errors over all pixels of {} pose{}; {}; rays weighed {}", measured.poses,
+                             measured.poses == 1 ? "" : "s", measured.display, WeightText(options.weight)),
+      .columns = {{"Sampling and rays"},
+                  {"Rays"},
+                  {"Dense image", "times the rays"},
+                  {"99.9th percentile", "grey levels"},
+                  {"99.9th percentile", "dB"},
+                  {"Largest", "grey levels"},
+                  {"Within one level", "% of pixels"},
+                  {"Within one level", "% of lit pixels"}},
+      .rows = {}};
+  for (const RayError& e : measured.errors.counts) {
+    const auto fewest = FewestRays(measured.errors.counts, e.sampling);
     table.rows.push_back(
         {{fmt::format("{} {}", ToString(e.sampling), GridText(e.grid)), fmt::format("{}", e.rays()),
           fmt::format("{:.1f}", e.denser), fmt::format("{:.2f}", e.p999_grey),
@@ -169,6 +194,8 @@ Provenance ProvenanceOf(const RaysOptions& options, const SonarChoice& choice) {
                         {"sampling", options.sampling ? Json(ToString(*options.sampling)) : Json(nullptr)},
                         {"dense", options.dense},
                         {"denser", options.denser},
+                        {"ray_weight", ToString(options.weight)},
+                        {"display_db", options.display_db ? Json(*options.display_db) : Json(nullptr)},
                         {"absorption", ToString(options.absorption)},
                         {"threads", options.threads}},
       .inputs = {options.scene, options.params, options.poses}};
@@ -181,10 +208,11 @@ Provenance ProvenanceOf(const RaysOptions& options, const SonarChoice& choice) {
 
 ExitStatus RunRays(const RaysOptions& options) {
   const ThreadLimit threads(options.threads);
-  RayErrorOptions errors{.dense = ParseRayGridSize(options.dense), .denser = options.denser};
+  RayErrorOptions errors{
+      .dense = ParseRayGridSize(options.dense), .denser = options.denser, .weight = options.weight};
   for (const std::string& count : options.counts) errors.grids.push_back(ParseRayGridSize(count));
   if (options.sampling) errors.samplings = {*options.sampling};
-  const ParameterSet parameters = ReadParameters(options.params);
+  ParameterSet parameters = ReadParameters(options.params);
   const SonarChoice choice = ChooseSonar(options.sonar);
   const WaterChoice water = ChooseWater(parameters, choice.water);
   if (!water.note.empty()) PrintNote(options.common, water.note);
@@ -197,11 +225,16 @@ ExitStatus RunRays(const RaysOptions& options) {
   std::optional<RunOutput> output;
   if (!options.out.empty()) output.emplace(options.out);
 
-  Measured measured{.sonar = choice.sonar.name,
-                    .poses = poses.size(),
-                    .display = fmt::format("{:g} .. {:g} dB over {:g} grey levels", parameters.display.db_min,
-                                           parameters.display.db_max, simulation.full_scale()),
-                    .errors = {}};
+  if (options.display_db) {
+    parameters.display = DisplayUpToBrightest(caster, choice.sonar, parameters, simulation, poses,
+                                              errors.dense, *options.display_db);
+  }
+  Measured measured{
+      .sonar = choice.sonar.name,
+      .poses = poses.size(),
+      .display = fmt::format("{:.5g} .. {:.5g} dB over {:g} grey levels", parameters.display.db_min,
+                             parameters.display.db_max, simulation.full_scale()),
+      .errors = {}};
   {
     Progress progress("Rendering", RayErrorImages(choice.sonar, poses.size(), errors), options.common);
     measured.errors = MeasureRayErrors(caster, choice.sonar, parameters, simulation, poses, errors,
@@ -255,6 +288,13 @@ void SetupRays(CLI::App& app) {
   command->add_option("--denser", options->denser, "Times as many rays has the dense image")
       ->type_name("N")
       ->check(CLI::Range(1.0, 1024.0).description(""));
+  AddRayWeight(*command, options->weight);
+  command
+      ->add_option("--display-db", options->display_db,
+                   "Display of so many dB up to the scene's brightest echo at these poses (default: the "
+                   "parameters' display)")
+      ->type_name("DB")
+      ->check(CLI::Range(0.1, 1000.0).description(""));
   command->add_option("--threads", options->threads, "Threads to use, 0 for all cores")
       ->type_name("N")
       ->check(CLI::Range(0, 1024).description(""));

@@ -24,6 +24,8 @@ struct RaysOptions {
   std::optional<Sampling> sampling;  // absent: both
   std::string dense = "1500x1200";   // times `denser`
   double denser = 64.0;
+  RayWeight weight = RayWeight::kEven;
+  std::optional<double> display_db;  // up to the brightest echo; absent: the parameters' display
   AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
   int threads = 0;
 };

@@ -174,11 +174,12 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   ParameterSet parameters = ReadParameters(options.params);
   if (options.model) parameters.model = *options.model;
   CheckFrozenSpeckle(options, parameters.model);
+  CheckRayWeight(options.rays.weight, parameters.model);
   const SonarChoice choice = ChooseSonar(options.sonar);
   const WaterChoice water = ChooseWater(parameters, choice.water);
   std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
 
-  SimulationOptions simulation = options.rays.For(choice.sonar, water.water);
+  SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters.model);
   if (parameters.model == EchoModel::kAcoustic && options.rays.rays.empty())
     simulation.fan = AcousticFanOptions(choice.sonar, parameters);
   simulation.bits = options.bits;

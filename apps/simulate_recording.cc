@@ -73,14 +73,17 @@ RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const Parameter
   info.source_level_db = parameters.source_level_db;
   if (!scene_path.empty()) info.scene_path = scene_path;
   info.synthetic = true;
-  info.details = {{"generator", "sonarcal " SONARCAL_VERSION},
-                  {"model", std::string(ToString(parameters.model))},
-                  {"rays", fmt::format("{}x{}, {}", simulator.fan().cols(), simulator.fan().rows(),
-                                       ToString(options.fan.sampling))},
-                  {"normals", std::string(ToString(options.trace.normals))},
-                  {"absorption", fmt::format("{:.4f} dB/m, {}", simulator.absorption_db_per_m(),
-                                             ToString(options.absorption))},
-                  {"noise", NoiseText(simulator, parameters)}};
+  info.details = {
+      {"generator", "sonarcal " SONARCAL_VERSION},
+      {"model", std::string(ToString(parameters.model))},
+      {"rays", fmt::format("{}x{}, {}{}", simulator.fan().cols(), simulator.fan().rows(),
+                           ToString(options.fan.sampling), options.fan.stagger ? ", staggered" : "")},
+      {"normals", std::string(ToString(options.trace.normals))},
+      {"absorption",
+       fmt::format("{:.4f} dB/m, {}", simulator.absorption_db_per_m(), ToString(options.absorption))},
+      {"noise", NoiseText(simulator, parameters)}};
+  if (parameters.model == EchoModel::kPaper)
+    info.details.emplace_back("ray weight", std::string(ToString(options.fan.weight)));
   return info;
 }
 

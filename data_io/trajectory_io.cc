@@ -125,9 +125,10 @@ Columns ColumnsOf(const std::string& file, const Line& header) {
   const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
   const auto column = [&](std::string_view name) {
     if (std::ranges::count(names, name) != 1) {
-      throw DataError("{}:{}: {} columns are named '{}', expected one; needed are time_s, x_m, y_m, z_m and "
-                      "either qw, qx, qy, qz or yaw_deg, pitch_deg, roll_deg",
-                      file, header.number, std::ranges::count(names, name), name);
+      throw DataError(
+          "{}:{}: {} columns are named '{}', expected one; needed are time_s, x_m, y_m, z_m and "
+          "either qw, qx, qy, qz or yaw_deg, pitch_deg, roll_deg",
+          file, header.number, std::ranges::count(names, name), name);
     }
     return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
   };
@@ -157,10 +158,9 @@ TrajectoryPose ReadLine(const LineReader& line, TrajectoryFormat format, const C
     return RadFromDeg(line.Number(columns.yaw_pitch_roll[which], name));
   };
   const Eigen::Quaterniond rotation =
-      columns.has_quaternion
-          ? line.Quaternion(columns.wxyz)
-          : RotationFromYawPitchRoll(angle_rad(0, "yaw_deg"), angle_rad(1, "pitch_deg"),
-                                     angle_rad(2, "roll_deg"));
+      columns.has_quaternion ? line.Quaternion(columns.wxyz)
+                             : RotationFromYawPitchRoll(angle_rad(0, "yaw_deg"), angle_rad(1, "pitch_deg"),
+                                                        angle_rad(2, "roll_deg"));
   return {line.Number(columns.time, "time_s"),
           {rotation, position(columns.position[0], columns.position[1], columns.position[2])}};
 }
@@ -178,9 +178,10 @@ TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
     if (Fields(line.text, Separator::kBlanks).size() == 8) return TrajectoryFormat::kTum;
     break;
   }
-  throw DataError("{}: no trajectory, expected a csv whose first line names time_s, a EuRoC csv or TUM's 8 "
-                  "columns apart by blanks",
-                  file.string());
+  throw DataError(
+      "{}: no trajectory, expected a csv whose first line names time_s, a EuRoC csv or TUM's 8 "
+      "columns apart by blanks",
+      file.string());
 }
 
 std::vector<TrajectoryPose> ReadTrajectory(const std::filesystem::path& file, TrajectoryFormat format) {
@@ -196,7 +197,8 @@ std::vector<TrajectoryPose> ReadTrajectory(const std::filesystem::path& file, Tr
   std::vector<TrajectoryPose> trajectory;
   for (const Line& line : lines) {
     if (line.text.front() == '#') continue;
-    const LineReader reader(name, line, format == TrajectoryFormat::kTum ? Separator::kBlanks : Separator::kComma);
+    const LineReader reader(name, line,
+                            format == TrajectoryFormat::kTum ? Separator::kBlanks : Separator::kComma);
     const TrajectoryPose pose = ReadLine(reader, format, columns);
     if (!trajectory.empty() && !(pose.time_s > trajectory.back().time_s)) {
       reader.Fail(fmt::format("time {:.6f} s after {:.6f} s, expected increasing times", pose.time_s,

@@ -2,8 +2,9 @@
 // was when a frame was taken.
 //
 //   tum     lines "time tx ty tz qx qy qz qw", seconds and metres, apart by blanks
-//   euroc   lines "time, px, py, pz, qw, qx, qy, qz, ...", time in whole NANOseconds; what follows is passed over
-//   csv     a first line that names the columns, in any order: time_s, x_m, y_m, z_m, and either qw, qx, qy,
+//   euroc   lines "time, px, py, pz, qw, qx, qy, qz, ...", time in whole NANOseconds; what follows is passed
+//   over csv     a first line that names the columns, in any order: time_s, x_m, y_m, z_m, and either qw, qx,
+//   qy,
 //           qz or yaw_deg, pitch_deg, roll_deg (axes and signs of types/pose.h); others are passed over
 //
 // Lines that begin with '#' are comments, but for a csv's first. All are world_from_body: the world has Z up.

@@ -49,9 +49,9 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
       const std::size_t index = static_cast<std::size_t>(row) * histogram.beams + col;
       if (start[index] == start[index + 1]) continue;
       EchoHistogram::Cell cell{.row = row, .col = col};
-      const double weight = 1.0 / echoes.rays_per_beam[col];
       for (std::uint32_t i = start[index]; i < start[index + 1]; ++i) {
         const std::uint32_t echo = order[i];
+        const double weight = echoes.Weight(echo) / echoes.rays_per_beam[col];
         const double range_m = echoes.range_m[echo];
         cell.weight += weight;
         cell.log_range += weight * 40.0 * std::log10(range_m);
@@ -63,6 +63,7 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
         add(first, weight * (1.0 - fraction));
         add(first + 1, weight * fraction);
       }
+      if (cell.weight == 0.0) continue;  // rays that count nothing
       std::sort(touched.begin(), touched.end());
       cell.first_entry = static_cast<std::uint32_t>(histogram.entries.size());
       for (const std::uint32_t node : touched) {

@@ -29,8 +29,8 @@ inline double IncidenceOfNodeDeg(int node) {
 }
 
 struct EchoHistogram {
-  // One cell that holds echoes; `row` counts quarters of range bins. Weights are the ray's share of its beam,
-  // 1 / rays_per_beam.
+  // One cell that holds echoes; `row` counts quarters of range bins. Weights are the rays' shares of their
+  // beam, EchoList::Weight / rays_per_beam.
   struct Cell {
     std::int32_t row = 0;
     std::int32_t col = 0;

@@ -49,7 +49,7 @@ class RowShader {
     table_steps_ = steps;
 
     const int fewest = *std::min_element(fan.rays_per_beam().begin(), fan.rays_per_beam().end());
-    steps_of_one_ = kLargestStep / kLargestPaperEcho * std::max(1, fewest);
+    steps_of_one_ = kLargestStep / kLargestPaperEcho * std::max(1, fewest) / fan.largest_weight();
     for (int col = 0; col < fan.cols(); ++col) {
       const int beam = fan.BeamOfColumn(col);
       beam_.push_back(beam);
@@ -71,7 +71,17 @@ class RowShader {
   // Arrays of a row, one set a thread.
   struct Buffers {
     explicit Buffers(int cols)
-        : range_m(cols), azimuth_rad(cols), a(cols), b(cols), steps(cols), bin(cols), beam(cols) {}
+        : weight(cols),
+          true_azimuth_rad(cols),
+          range_m(cols),
+          azimuth_rad(cols),
+          a(cols),
+          b(cols),
+          steps(cols),
+          bin(cols),
+          beam(cols) {}
+    std::vector<float> weight;
+    std::vector<float> true_azimuth_rad;
     std::vector<float> range_m;
     std::vector<float> azimuth_rad;
     std::vector<float> a;
@@ -89,7 +99,12 @@ class RowShader {
     if (seed_) {
       const auto first = static_cast<std::uint32_t>(hits.row) * static_cast<std::uint32_t>(cols);
       row_math::NormalPairs(*seed_, first, cols, of.a.data(), of.b.data());
-      row_math::Disturb(growth_, range_scale_, azimuth_scale_, hits.range_m, azimuth_rad_.data(), of.a.data(),
+      const float* azimuth_rad = azimuth_rad_.data();
+      if (fan_.staggered()) {
+        fan_.RowAzimuths(hits.row, of.true_azimuth_rad.data());
+        azimuth_rad = of.true_azimuth_rad.data();
+      }
+      row_math::Disturb(growth_, range_scale_, azimuth_scale_, hits.range_m, azimuth_rad, of.a.data(),
                         of.b.data(), cols, of.range_m.data(), of.azimuth_rad.data());
       range_m = of.range_m.data();
       BeamsOf(of);
@@ -110,12 +125,18 @@ class RowShader {
  private:
   // A row seldom shows more than a few materials: each run of one is shaded at once.
   void Shade(const RowHits& hits, Buffers& of) const {
+    const float* weight = weight_.data();
+    if (!fan_.weighs_evenly()) {
+      fan_.RowWeights(hits.row, of.weight.data());
+      for (int i = 0; i < fan_.cols(); ++i) of.weight[i] *= weight_[i];
+      weight = of.weight.data();
+    }
     for (int first = 0; first < fan_.cols();) {
       int end = first + 1;
       while (end < fan_.cols() && hits.material[end] == hits.material[first]) ++end;
       const row_math::Table table{strengths_[hits.material[first]].data(), table_steps_};
-      row_math::EchoSteps(level_, table, hits.range_m + first, hits.half_tangent + first,
-                          weight_.data() + first, end - first, of.steps.data() + first);
+      row_math::EchoSteps(level_, table, hits.range_m + first, hits.half_tangent + first, weight + first,
+                          end - first, of.steps.data() + first);
       first = end;
     }
   }

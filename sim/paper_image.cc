@@ -77,7 +77,7 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
       const double echo_value = std::clamp(NormalisedPaperEcho(parameters, loss_db, strength_db),
                                            -kLargestPaperEcho, kLargestPaperEcho);
       sums(static_cast<int>(bin), beam) +=
-          static_cast<std::int64_t>(std::llrint(echo_value / rays * kFixedPoint));
+          static_cast<std::int64_t>(std::llrint(echo_value * echoes.Weight(echo) / rays * kFixedPoint));
     }
   });
 

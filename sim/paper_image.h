@@ -1,10 +1,10 @@
 // The paper's polar image, ray by ray (Park 2024 Eqs. 22-28).
 //
-// A pixel is I / n_b times the sum of the normalised echoes of the rays that fall in it, clamped to [0, I],
-// where n_b is the number of rays that the ray's own beam was given: the paper divides by the rows of its
-// depth image because it thinks of one column an azimuth. (Dividing by the count of the beam the ray came
-// from, rather than of the one it lands in, keeps the uneven columns of a pinhole from striping a noisy
-// image.)
+// A pixel is I / n_b times the sum of the normalised echoes of the rays that fall in it, each times its
+// weight (1 in the paper; by solid angle if RayFanOptions says so), clamped to [0, I], where n_b is the
+// number of rays that the ray's own beam was given: the paper divides by the rows of its depth image because
+// it thinks of one column an azimuth. (Dividing by the count of the beam the ray came from, rather than of
+// the one it lands in, keeps the uneven columns of a pinhole from striping a noisy image.)
 //
 // With noise, each ray's range and azimuth get a Gaussian error before binning; the errors depend on the seed
 // and the ray's index only, and sums are kept in fixed point, so the image is the same on any number of

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -45,6 +46,7 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
                     sonar.elevation_beam_width_deg);
   }
 
+  span_rad_ = span_rad;
   const double margin_rad = RadFromDeg(options.azimuth_margin_deg);
   const double left_rad = beam_edges_rad_.front() - margin_rad;
   const double right_rad = beam_edges_rad_.back() + margin_rad;
@@ -57,7 +59,10 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     cols_ = options.cols;
     const double left = std::tan(left_rad);
     const double right = std::tan(right_rad);
-    const double top = std::tan(0.5 * span_rad);
+    // Of a pinhole a level line bends to the middle; by solid angle, the outer beams see it too.
+    const bool all_of_span = options.weight == RayWeight::kSolidAngle;
+    const double outermost = all_of_span ? std::min(std::cos(left_rad), std::cos(right_rad)) : 1.0;
+    const double top = std::tan(0.5 * span_rad) / outermost;
     for (int col = 0; col < cols_; ++col) {
       azimuth_rad_.push_back(std::atan(left + (col + 0.5) * (right - left) / cols_));
     }
@@ -119,12 +124,67 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     row_up_.push_back(static_cast<float>(pinhole ? row_slope_[row] : row_sine_[row]));
   }
 
+  if (options.stagger) {
+    if (pinhole) throw DataError("rays: only the sampling 'beams' can be staggered");
+    for (int row = 0; row < rows_; ++row) {
+      const double turns = (row + 0.5) * (std::numbers::phi - 1.0);
+      stagger_.push_back(turns - std::floor(turns) - 0.5);
+    }
+    stagger_width_rad_.assign(column_width_rad_.begin(), column_width_rad_.end());
+  }
+
   rays_per_beam_.assign(beams, 0);
   for (int col = 0; col < cols_; ++col) {
     const auto above = std::upper_bound(beam_edges_rad_.begin(), beam_edges_rad_.end(), azimuth_rad_[col]);
     const int beam = std::clamp(static_cast<int>(above - beam_edges_rad_.begin()) - 1, 0, beams - 1);
     beam_of_column_.push_back(beam);
     rays_per_beam_[beam] += rows_;
+  }
+  if (options.weight == RayWeight::kSolidAngle) WeighBySolidAngle();
+}
+
+// A column counts by its width over the mean of its beam's, a cell by its height over the mean row's.
+void RayFan::WeighBySolidAngle() {
+  const double rows_per_rad = rows_ / span_rad_;
+  if (sampling_ == Sampling::kBeams) {
+    const auto highest = std::max_element(row_height_rad_.begin(), row_height_rad_.end());
+    const auto lowest = std::min_element(row_height_rad_.begin(), row_height_rad_.end());
+    weighs_evenly_ = *highest - *lowest < 1e-9 * *highest;
+    largest_weight_ = weighs_evenly_ ? 1.0 : *highest * rows_per_rad;
+    return;
+  }
+  weighs_evenly_ = false;
+  const double limit = std::tan(0.5 * span_rad_);
+  std::vector<double> width_rad;
+  std::vector<double> of_beam(rays_per_beam_.size(), 0.0);
+  for (int col = 0; col < cols_; ++col) {
+    const double slope = column_sine_[col] / column_cosine_[col];
+    width_rad.push_back(std::atan(slope + 0.5 * slope_width_) - std::atan(slope - 0.5 * slope_width_));
+    of_beam[beam_of_column_[col]] += width_rad.back();
+  }
+  double largest = 0.0;
+  for (int col = 0; col < cols_; ++col) {
+    const int beam = beam_of_column_[col];
+    const double columns = static_cast<double>(rays_per_beam_[beam]) / rows_;
+    const double weight = width_rad[col] * columns / of_beam[beam] * rows_per_rad;
+    largest = std::max(largest, weight);
+    column_weight_.push_back(static_cast<float>(weight));
+    column_near_.push_back(static_cast<float>(column_cosine_[col]));
+    slope_limit_.push_back(static_cast<float>(limit / column_cosine_[col]));
+  }
+  // An angle is less than its tangent, and that is greatest where the plane is nearest.
+  largest_weight_ = largest * slope_height_;
+}
+
+void RayFan::RowWeights(int row, float* weight) const {
+  if (weighs_evenly_) {
+    std::fill_n(weight, cols_, 1.0F);
+  } else if (sampling_ == Sampling::kBeams) {
+    std::fill_n(weight, cols_, static_cast<float>(row_height_rad_[row] * rows_ / span_rad_));
+  } else {
+    row_math::CellWeights(column_near_.data(), slope_limit_.data(), column_weight_.data(),
+                          static_cast<float>(row_slope_[row]), static_cast<float>(slope_height_), cols_,
+                          weight);
   }
 }
 
@@ -134,15 +194,33 @@ Eigen::Vector3f RayFan::Direction(int row, int col) const {
         .normalized()
         .cast<float>();
   }
-  return Eigen::Vector3d(column_sine_[col] * row_cosine_[row], column_cosine_[col] * row_cosine_[row],
-                         row_sine_[row])
-      .cast<float>();
+  const double sine = staggered() ? std::sin(AzimuthRad(row, col)) : column_sine_[col];
+  const double cosine = staggered() ? std::cos(AzimuthRad(row, col)) : column_cosine_[col];
+  return Eigen::Vector3d(sine * row_cosine_[row], cosine * row_cosine_[row], row_sine_[row]).cast<float>();
 }
 
 void RayFan::RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const {
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rotation;
+  if (staggered()) {
+    row_math::TurnedDirections(column_x_.data(), column_y_.data(), stagger_width_rad_.data(),
+                               static_cast<float>(stagger_[row]), row_across_[row], row_up_[row],
+                               by_rows.data(), cols_, x, y, z);
+    return;
+  }
   row_math::Directions(column_x_.data(), column_y_.data(), row_across_[row], row_up_[row], by_rows.data(),
                        cols_, x, y, z);
+}
+
+void RayFan::RowAzimuths(int row, float* azimuth_rad) const {
+  const double part = staggered() ? stagger_[row] : 0.0;
+  const double* middle = azimuth_rad_.data();
+  if (part == 0.0) {
+    for (int col = 0; col < cols_; ++col) azimuth_rad[col] = static_cast<float>(middle[col]);
+    return;
+  }
+  const double* width = column_width_rad_.data();
+  for (int col = 0; col < cols_; ++col)
+    azimuth_rad[col] = static_cast<float>(middle[col] + part * width[col]);
 }
 
 Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) const {

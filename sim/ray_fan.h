@@ -11,8 +11,18 @@
 // and side lobes. It is for models that have them; one that gives each ray to the beam it falls in needs
 // none.
 //
-// In both, every ray of a grid column has the same azimuth. Ray index = row * cols + col; row 0 looks
-// highest.
+// In both, every ray of a grid column has the same azimuth, unless rows are staggered. Ray index = row * cols
+// + col; row 0 looks highest.
+//
+// What a ray counts, to a model that sums over the rays of a beam (the paper's; one that takes solid angles
+// weighs them itself):
+//
+//   even         each ray of a beam alike, as in the paper's Eq. 22. A pinhole's rows crowd away from its
+//                centre and end lower in the outer beams, so its image is not that of even angles.
+//   solid_angle  each by its solid angle over that of even angles at its elevation: by the azimuth and
+//                elevation that its cell covers, 1 on average over a beam. A pinhole then reaches the full
+//                elevation in its outer beams too, and a cell counts by as much of it as lies within: both
+//                samplings come to one image. Even angles weigh 1 either way.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,6 +33,7 @@
 namespace sonarcal {
 
 enum class Sampling { kFrustum, kBeams };
+enum class RayWeight { kEven, kSolidAngle };
 
 struct RayFanOptions {
   Sampling sampling = Sampling::kFrustum;
@@ -35,6 +46,12 @@ struct RayFanOptions {
   // kBeams: mean height of a row over that at the horizon, 1 (even) .. 100. With u = -1..1 down the rows,
   // elevation is span / 2 x (u / crowding + (1 - 1 / crowding) u^3).
   double row_crowding = 1.0;
+  RayWeight weight = RayWeight::kEven;
+  // kBeams: each row's rays stand elsewhere in the width of their columns, as golden sections spread them. An
+  // upright edge then costs no more than a ray or two in however many rows see it, where in columns that
+  // stand alike it costs up to half of one. For models that ask for a ray's own azimuth, as the paper's does;
+  // one that blurs whole columns needs them alike.
+  bool stagger = false;
 
   // Throws DataError naming field, value and limit.
   void Check() const;
@@ -55,9 +72,20 @@ class RayFan {
   Eigen::Vector3f Direction(int row, int col) const;
   // The directions of a whole row in single precision, turned by `rotation`; arrays of cols().
   void RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const;
-  double AzimuthRad(int col) const { return azimuth_rad_[col]; }
+  double AzimuthRad(int col) const { return azimuth_rad_[col]; }  // of the column's middle
+  double AzimuthRad(int row, int col) const { return azimuth_rad_[col] + AsideRad(row, col); }
+  bool staggered() const { return !stagger_.empty(); }
+  // Azimuths of a whole row in single precision; an array of cols().
+  void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
+
+  // What the rays of a row count beside an even share of their beam, as the options say; an array of cols().
+  void RowWeights(int row, float* weight) const;
+  // All of them 1: nobody needs to ask.
+  bool weighs_evenly() const { return weighs_evenly_; }
+  // None counts more.
+  double largest_weight() const { return largest_weight_; }
 
   // Unit vector to a point of the ray's cell: u to the right and v up, -1/2..1/2 each across the cell. Even
   // steps of u and v are even in solid angle to first order in the cell's size.
@@ -70,6 +98,11 @@ class RayFan {
   const std::vector<double>& beam_edges_rad() const { return beam_edges_rad_; }
 
  private:
+  void WeighBySolidAngle();
+  double AsideRad(int row, int col) const {
+    return stagger_.empty() ? 0.0 : stagger_[row] * column_width_rad_[col];
+  }
+
   Sampling sampling_;
   int rows_;
   int cols_;
@@ -82,6 +115,14 @@ class RayFan {
   std::vector<double> row_slope_;
   double slope_width_ = 0.0;  // kFrustum: sides of a pixel on the plane at unit distance
   double slope_height_ = 0.0;
+  double span_rad_ = 0.0;
+  bool weighs_evenly_ = true;
+  double largest_weight_ = 1.0;
+  // kFrustum by solid angle, one a column: of a radian of elevation; cosine of the azimuth; slope at which
+  // the elevation ends.
+  std::vector<float> column_weight_;
+  std::vector<float> column_near_;
+  std::vector<float> slope_limit_;
   std::vector<double> row_elevation_rad_;
   std::vector<double> row_height_rad_;  // kBeams
   // Of azimuths and (kBeams) elevations, once for all rays.
@@ -95,6 +136,8 @@ class RayFan {
   std::vector<float> column_y_;
   std::vector<float> row_across_;
   std::vector<float> row_up_;
+  std::vector<double> stagger_;  // of each row, of a column's width, -1/2 .. 1/2; empty: all 0
+  std::vector<float> stagger_width_rad_;
 };
 
 }  // namespace sonarcal

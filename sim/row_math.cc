@@ -43,6 +43,44 @@ void Directions(const float* __restrict x, const float* __restrict y, float acro
 }
 
 SONARCAL_VECTOR_VERSIONS
+void TurnedDirections(const float* __restrict x, const float* __restrict y, const float* __restrict width_rad,
+                      float part, float across, float up, const float* __restrict rotation, int count,
+                      float* __restrict world_x, float* __restrict world_y, float* __restrict world_z) {
+  for (int i = 0; i < count; ++i) {
+    const float angle = part * width_rad[i];
+    const float square = angle * angle;
+    const float sine = angle * (1.0F - square / 6.0F * (1.0F - square / 20.0F * (1.0F - square / 42.0F)));
+    const float cosine = 1.0F - square / 2.0F * (1.0F - square / 12.0F * (1.0F - square / 30.0F));
+    const float right = (x[i] * cosine + y[i] * sine) * across;
+    const float ahead = (y[i] * cosine - x[i] * sine) * across;
+    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + up * up);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * up);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void CellWeights(const float* __restrict cosine, const float* __restrict limit,
+                 const float* __restrict per_rad, float slope, float height, int count,
+                 float* __restrict weight) {
+  const float upper = slope + 0.5F * height;
+  const float lower = slope - 0.5F * height;
+  for (int i = 0; i < count; ++i) {
+    const float top = upper < limit[i] ? upper : limit[i];
+    const float bottom = lower > -limit[i] ? lower : -limit[i];
+    // The height less what lies beyond keeps the digits that top - bottom loses.
+    const float within = height - (upper - top) - (bottom - lower);
+    const float kept = within > 0.0F ? within : 0.0F;
+    const float near = cosine[i];
+    // An elevation is atan(slope x cosine), a difference of two the arc of (a - b) / (1 + a b).
+    const float beside = 1.0F + top * bottom * near * near;
+    const float turned = beside < 0.0F ? std::numbers::pi_v<float> : 0.0F;
+    weight[i] = per_rad[i] * (std::atan(kept * near / beside) + turned);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
 void HalfTangents(const float* __restrict dx, const float* __restrict dy, const float* __restrict dz,
                   const float* __restrict nx, const float* __restrict ny, const float* __restrict nz,
                   int count, float* __restrict half_tangent) {

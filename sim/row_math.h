@@ -16,6 +16,17 @@ namespace sonarcal::row_math {
 void Directions(const float* x, const float* y, float across, float up, const float* rotation, int count,
                 float* world_x, float* world_y, float* world_z);
 
+// The same, each first turned to the right by part x width_rad[i], which is within half a radian; (x[i],
+// y[i]) of length 1.
+void TurnedDirections(const float* x, const float* y, const float* width_rad, float part, float across,
+                      float up, const float* rotation, int count, float* world_x, float* world_y,
+                      float* world_z);
+
+// What the cells of a row of a pinhole count: the elevation that each covers, from slope - height / 2 to
+// slope + height / 2 but no further than +-limit[i], times per_rad[i]. cosine[i] is that of the azimuth.
+void CellWeights(const float* cosine, const float* limit, const float* per_rad, float slope, float height,
+                 int count, float* weight);
+
 // tan(delta / 2) of the angle delta between a direction and a normal of any length and either side, 0..1:
 // exact to single precision at every angle, where a cosine is blind about 0.
 void HalfTangents(const float* dx, const float* dy, const float* dz, const float* nx, const float* ny,

@@ -101,6 +101,7 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   echoes.cols = fan.cols();
   for (int col = 0; col < fan.cols(); ++col) echoes.beam_of_column.push_back(fan.BeamOfColumn(col));
   echoes.rays_per_beam = fan.rays_per_beam();
+  if (!fan.weighs_evenly()) echoes.weight.resize(count);
   echoes.material_names = caster.material_names();
 
   const Eigen::Matrix3f sonar_from_world =
@@ -108,6 +109,11 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   const DepthNormals depth_normals(fan, hits, options);
   for_rows([&](int row) {
     std::size_t echo = row_start[row];
+    std::vector<float> weight;
+    if (!echoes.weight.empty()) {
+      weight.resize(static_cast<std::size_t>(fan.cols()));
+      fan.RowWeights(row, weight.data());
+    }
     for (int col = 0; col < fan.cols(); ++col) {
       const std::size_t ray = static_cast<std::size_t>(row) * fan.cols() + col;
       if (!is_echo(ray)) continue;
@@ -117,10 +123,11 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
       echoes.ray[echo] = static_cast<std::uint32_t>(ray);
       echoes.material[echo] = caster.TriangleMaterial(triangle);
       echoes.range_m[echo] = hits.range_m[ray];
-      echoes.azimuth_rad[echo] = static_cast<float>(fan.AzimuthRad(col));
+      echoes.azimuth_rad[echo] = static_cast<float>(fan.AzimuthRad(row, col));
       echoes.elevation_rad[echo] = static_cast<float>(fan.ElevationRad(row, col));
       echoes.incidence_rad[echo] = static_cast<float>(AngleBetweenRad(fan.Direction(row, col), normal));
       echoes.solid_angle_sr[echo] = static_cast<float>(fan.SolidAngleSr(row, col));
+      if (!weight.empty()) echoes.weight[echo] = weight[col];
       ++echo;
     }
   });

@@ -38,9 +38,11 @@ struct EchoList {
   int cols = 0;
   std::vector<int> beam_of_column;
   std::vector<int> rays_per_beam;
+  std::vector<float> weight;  // RayFan::RowWeights of each echo; empty: all 1
   std::vector<std::string> material_names;
 
   std::size_t size() const { return range_m.size(); }
+  double Weight(std::size_t echo) const { return weight.empty() ? 1.0 : double{weight[echo]}; }
   int Beam(std::size_t echo) const { return beam_of_column[ray[echo] % cols]; }
 };
 

@@ -174,7 +174,7 @@ class Comparison {
   }
 
   void JudgeAsFound() {
-    SimulationOptions simulation = Rays().For(recorded_->info().sonar, water_);
+    SimulationOptions simulation = Rays().For(recorded_->info().sonar, water_, EchoModel::kAcoustic);
     simulation.noise = true;
     simulation.fan.elevation_span_deg = kElevationSpanDeg;
     const Simulator simulator(MakeBody(), recorded_->info().sonar, simulation);

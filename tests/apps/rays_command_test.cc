@@ -8,6 +8,7 @@
 
 #include "apps/ray_errors.h"
 #include "data_io/types/error.h"
+#include "sim/scene_primitives.h"
 #include "sim/scenes.h"
 #include "sim/sonar_presets.h"
 #include "tests/apps/tiny_world.h"
@@ -38,8 +39,9 @@ TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
   RayErrorOptions options{
       .grids = {{256, 100}, {512, 200}, {1024, 400}}, .dense = {1024, 400}, .denser = 1.0};
   int images = 0;
-  const auto errors = MeasureRayErrors(caster, sonar, TankParameters(), simulation, {PaperTankPoses(3)[1]},
-                                       options, [&] { ++images; });
+  const RayErrors found = MeasureRayErrors(caster, sonar, TankParameters(), simulation,
+                                           {PaperTankPoses(3)[1]}, options, [&] { ++images; });
+  const std::vector<RayError>& errors = found.counts;
   EXPECT_EQ(images, RayErrorImages(sonar, 1, options));
   ASSERT_EQ(errors.size(), 6U);
   for (const std::size_t first : {0U, 3U}) {
@@ -59,9 +61,28 @@ TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
   }
   options.grids.pop_back();
   EXPECT_FALSE(FewestRays(MeasureRayErrors(caster, sonar, TankParameters(), simulation,
-                                           {PaperTankPoses(3)[1]}, options),
+                                           {PaperTankPoses(3)[1]}, options)
+                              .counts,
                           Sampling::kFrustum)
                    .has_value());
+}
+
+// One plate across the view: its brightest echo, by the printed equations, is the one straight ahead.
+TEST(DisplayUpToBrightest, EndsAtTheBrightestEcho) {
+  const SonarModel& sonar = FindSonarPreset("p900-45").sonar;
+  Scene scene = MakePatch({-20, 4, -20}, {40, 0, 0}, {0, 0, 40}, kUndivided, "plate");
+  const RayCaster caster(scene);
+  SimulationOptions simulation;
+  const double alpha_db_per_m = AbsorptionDbPerM(simulation.absorption, sonar.frequency_hz, simulation.water);
+  const double expected_db = 200.0 - 40.0 * std::log10(4.0) - 8.0 * alpha_db_per_m + 10.0 * std::log10(280.0);
+  const auto display =
+      DisplayUpToBrightest(caster, sonar, TankParameters(), simulation, {Pose{}}, {512, 401}, 60.0);
+  EXPECT_NEAR(display.db_max, expected_db, 0.01);  // no ray is quite level
+  EXPECT_LE(display.db_max, expected_db);
+  EXPECT_DOUBLE_EQ(display.db_min, display.db_max - 60.0);
+  const Pose away{Eigen::Quaterniond::Identity(), {0.0, 100.0, 0.0}};
+  EXPECT_THROW(DisplayUpToBrightest(caster, sonar, TankParameters(), simulation, {away}, {512, 401}, 60.0),
+               DataError);
 }
 
 TEST(MeasureRayErrors, OtherModelsAreRefused) {
@@ -90,6 +111,8 @@ TEST(RaysCommand, WritesTableJsonAndReport) {
   EXPECT_EQ(json["counts"][0]["rays"], "48x40");
   EXPECT_EQ(json["counts"][0]["count"], 1920);
   EXPECT_EQ(json["counts"][0]["denser"], 16.0);
+  EXPECT_EQ(json["ray_weight"], "even");
+  EXPECT_GT(json["between_samplings"]["error_grey"]["max"], 0.0);
   EXPECT_EQ(ReadJsonFile(world / "rays/provenance.json")["command"], "rays");
   EXPECT_TRUE(std::filesystem::exists(world / "rays/report.html"));
 
@@ -98,6 +121,15 @@ TEST(RaysCommand, WritesTableJsonAndReport) {
   const nlohmann::json printed = nlohmann::json::parse(only.out);
   EXPECT_EQ(printed["counts"].size(), 2U);
   EXPECT_EQ(printed["counts"][1], json["counts"][3]);
+  EXPECT_FALSE(printed.contains("between_samplings"));
+
+  const Outcome wide =
+      RunSonarcal("rays -q --json " + inputs + small + " --ray-weight solid_angle --display-db 60");
+  ASSERT_EQ(wide.status, 0) << wide.err;
+  const nlohmann::json of_wide = nlohmann::json::parse(wide.out);
+  EXPECT_EQ(of_wide["ray_weight"], "solid_angle");
+  EXPECT_NE(of_wide["display"], json["display"]);
+  EXPECT_NE(of_wide["counts"][0], json["counts"][0]);
 
   const Outcome wrong = RunSonarcal("rays " + inputs + " --rays 48by40");
   EXPECT_EQ(wrong.status, 2);

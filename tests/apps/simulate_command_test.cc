@@ -10,6 +10,7 @@
 #include "data_io/pose_io.h"
 #include "data_io/scene_io.h"
 #include "data_io/types/error.h"
+#include "sim/sonar_presets.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {
@@ -70,6 +71,46 @@ TEST(SimulateCommand, TheSeedAloneDecidesTheNoise) {
   const std::string one = run("a", "--seed 5 --threads 1");
   EXPECT_EQ(one, run("b", "--seed 5"));
   EXPECT_NE(one, run("c", "--seed 6"));
+}
+
+TEST(SimulateCommand, WhatRaysCountIsChosenAndRecorded) {
+  const TinyWorld world;
+  const auto run = [&](const std::string& name, const std::string& extra) {
+    const Outcome outcome =
+        RunSonarcal(world.SimulateArguments() + " -q " + extra + " --out " + Quoted(world / name));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return testing::ReadFile(world / (name + "/frame_0001.png"));
+  };
+  const std::string even = run("even", "--sampling frustum");
+  EXPECT_EQ(run("as_even", "--sampling frustum --ray-weight even"), even);
+  EXPECT_NE(run("weighed", "--sampling frustum --ray-weight solid_angle"), even);
+  const auto details = OpenRecording(world / "weighed")->info().details;
+  EXPECT_THAT(details, ::testing::Contains(::testing::Pair("ray weight", "solid_angle")));
+  EXPECT_EQ(testing::ReadJsonFile(world / "weighed/provenance.json")["configuration"]["ray_weight"],
+            "solid_angle");
+  const Outcome refused =
+      RunSonarcal(world.SimulateArguments() + " --model acoustic --ray-weight solid_angle" + " --out " +
+                  Quoted(world / "refused"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(testing::IsOneSentence(refused.err)) << refused.err;
+}
+
+// By name, `beams` are staggered for the paper's model alone; what other models are given is as dense as
+// ever.
+TEST(RayOptions, DefaultBeamsAreThePapers) {
+  const SonarModel& sonar = FindSonarPreset("p900-45").sonar;
+  const RayOptions rays(Sampling::kBeams);
+  const RayFanOptions paper = rays.For(sonar, {}).fan;
+  EXPECT_EQ(paper.cols, 512);
+  EXPECT_EQ(paper.rows, 330);
+  EXPECT_TRUE(paper.stagger);
+  for (const EchoModel model : {EchoModel::kAcoustic, EchoModel::kCoherent}) {
+    const RayFanOptions other = rays.For(sonar, {}, model).fan;
+    EXPECT_EQ(other.cols, 512);
+    EXPECT_EQ(other.rows, 400);
+    EXPECT_FALSE(other.stagger);
+  }
+  EXPECT_FALSE(RayOptions().For(sonar, {}).fan.stagger);
 }
 
 TEST(SimulateCommand, FansAndRangesLieBesideTheFrames) {

@@ -9,6 +9,7 @@
 
 #include "data_io/fan_image.h"
 #include "sim/environments.h"
+#include "sim/paper_fan.h"
 #include "tests/benchmarks/benchmark_world.h"
 #include "tests/benchmarks/embree_alone.h"
 
@@ -121,6 +122,26 @@ void TwoThreads(benchmark::State& state) {
   }
 }
 BENCHMARK(TwoThreads)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+// The rays that `beams` get by default beside the paper's, in turn.
+void DefaultSampling(benchmark::State& state) {
+  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const Simulator papers(Tank(300'000), preset.sonar, Options(preset, kPaperRays));
+  const Simulator by_default(Tank(300'000), preset.sonar, Options(preset, PaperFanOptions(preset.sonar)));
+  const Pose pose = PaperTankPoses(3).front();
+  for (auto unused : state) {
+    std::vector<double> ratio;
+    std::vector<double> seconds;
+    for (int round = 0; round < 5; ++round) {
+      seconds.push_back(FrameSeconds(by_default, pose));
+      ratio.push_back(seconds.back() / FrameSeconds(papers, pose));
+    }
+    state.counters["rays"] = by_default.fan().size();
+    state.counters["frame_ms"] = 1e3 * Median(seconds);
+    state.counters["frame_over_1500x1200"] = Median(ratio);
+  }
+}
+BENCHMARK(DefaultSampling)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 void Rays(benchmark::State& state) {
   const SonarPreset& preset = FindSonarPreset("p900-45");

@@ -30,14 +30,22 @@ constexpr int kNoisyFrames = 8;
 template <typename T>
 void WriteNpy(const fs::path& file, const std::string& type, const std::vector<int>& shape, const T* values) {
   static_assert(std::endian::native == std::endian::little);
-  std::string header =
-      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({},), }}", type, fmt::join(shape, ", "));
+  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({},), }}", type,
+                                   fmt::join(shape, ", "));
   header.append(63 - (10 + header.size()) % 64, ' ');
   header += '\n';
   const std::size_t count =
       std::accumulate(shape.begin(), shape.end(), std::size_t{1}, [](std::size_t a, int b) { return a * b; });
   std::ofstream stream(file, std::ios::binary);
-  const char magic[] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0, static_cast<char>(header.size() & 0xff),
+  const char magic[] = {'\x93',
+                        'N',
+                        'U',
+                        'M',
+                        'P',
+                        'Y',
+                        1,
+                        0,
+                        static_cast<char>(header.size() & 0xff),
                         static_cast<char>(header.size() >> 8)};
   stream.write(magic, sizeof(magic));
   stream << header;
@@ -105,7 +113,11 @@ Json FrameJson(const Simulator& simulator, const FanMap& map) {
                     {"reference_range_m", parameters.jitter.reference_range_m},
                     {"reference_frequency_hz", parameters.jitter.reference_frequency_hz}};
   const FanAxes& fan = map.axes();
-  json["fan"] = {{"rows", fan.rows}, {"cols", fan.cols}, {"pixel_m", fan.pixel_m}, {"x_min_m", fan.x_min_m}, {"y_max_m", fan.y_max_m}};
+  json["fan"] = {{"rows", fan.rows},
+                 {"cols", fan.cols},
+                 {"pixel_m", fan.pixel_m},
+                 {"x_min_m", fan.x_min_m},
+                 {"y_max_m", fan.y_max_m}};
   return json;
 }
 

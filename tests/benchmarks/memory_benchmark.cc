@@ -31,7 +31,7 @@ void Memory(benchmark::State& state) {
   const SonarPreset& preset = FindSonarPreset("p900-45");
   for (auto unused : state) {
     Scene scene = Tank(static_cast<int>(state.range(0)) / 2);
-    malloc_trim(0);                             // what making the scene took and gave back
+    malloc_trim(0);                               // what making the scene took and gave back
     std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts from what is there now
     const double before = StatusMiB("VmRSS");
     const auto triangles = static_cast<double>(scene.triangles.size());

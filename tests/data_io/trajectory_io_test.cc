@@ -44,9 +44,10 @@ TEST_F(TrajectoryTest, TheThreeFormatsSayTheSame) {
                         "\r\n101.5\t1 2 3 0 0 0 1\n");
   const auto euroc = Read("#timestamp [ns],p_RS_R_x [m],...\n100500000000,1,-2,3.5," + h + ",0,0," + h +
                           ",0.1,0.2,0.3\n101500000000,1,2,3,1,0,0,0\n");
-  const auto csv = Read("x_m, y_m, z_m, time_s, quality, qw, qx, qy, qz\n1,-2,3.5,100.5,9," + h + ",0,0," + h +
-                        "\n\n1,2,3,101.5,9,1,0,0,0\n");
-  const auto angles = Read("#time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n100.5,1,-2,3.5,90,0,0\n101.5,1,2,3,0,0,0");
+  const auto csv = Read("x_m, y_m, z_m, time_s, quality, qw, qx, qy, qz\n1,-2,3.5,100.5,9," + h + ",0,0," +
+                        h + "\n\n1,2,3,101.5,9,1,0,0,0\n");
+  const auto angles =
+      Read("#time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n100.5,1,-2,3.5,90,0,0\n101.5,1,2,3,0,0,0");
   for (const auto* trajectory : {&tum, &euroc, &csv, &angles}) {
     ASSERT_EQ(trajectory->size(), 2U);
     const TrajectoryPose& first = trajectory->front();
@@ -59,8 +60,8 @@ TEST_F(TrajectoryTest, TheThreeFormatsSayTheSame) {
 }
 
 TEST_F(TrajectoryTest, PosesBetweenTwoAreOnTheLineAndTheTurn) {
-  const auto trajectory =
-      Read("#time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n10,0,0,0,170,0,0\n12,4,2,0,-170,0,0\n20,0,0,0,0,0,0");
+  const auto trajectory = Read(
+      "#time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n10,0,0,0,170,0,0\n12,4,2,0,-170,0,0\n20,0,0,0,0,0,0");
   const Pose middle = PoseAt(trajectory, 10.5, 2.5).value();
   EXPECT_LT((middle.position_m - Eigen::Vector3d(1.0, 0.5, 0.0)).norm(), 1e-12);
   // The shorter way, over 180 degrees.
@@ -75,7 +76,8 @@ TEST_F(TrajectoryTest, PosesBetweenTwoAreOnTheLineAndTheTurn) {
 
 TEST_F(TrajectoryTest, WhatCannotBeIsRefusedWithItsLine) {
   EXPECT_THAT(Refusal("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), HasSubstr(":2: time 1.000000 s after"));
-  EXPECT_THAT(Refusal("1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"), HasSubstr(":2: y is 'nan', expected a finite"));
+  EXPECT_THAT(Refusal("1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"),
+              HasSubstr(":2: y is 'nan', expected a finite"));
   EXPECT_THAT(Refusal("1 0 0 0 0 0 0 0.9\n"), HasSubstr(":1: the quaternion has length 0.9"));
   EXPECT_THAT(Refusal("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n"), HasSubstr("7 columns, expected qw in column 8"));
   EXPECT_THAT(Refusal("1.5,0,0,0,1,0,0,0\n"), HasSubstr("expected whole nanoseconds"));

@@ -199,6 +199,41 @@ TEST(ExpectedPaperImage, WithoutErrorsIsTheSharpImage) {
   EXPECT_GT(lit, 1000);
 }
 
+// Rays that count by their solid angle: the image that fits use weighs them as the one ray by ray does, sharp
+// and (against the law) blurred. Bounds as above, for incidences of this scene.
+TEST(ExpectedPaperImage, WeighsRaysAsTheImageRayByRay) {
+  const SonarModel sonar = MakeSonar(EvenAzimuthsDeg(30, 1.5), 24.0, 1.5, 8.0, 130);
+  Scene plate;
+  AddQuad(plate, {-20, 4, -20}, {40, 1, 0}, {0, 3, 40}, "floor");
+  const auto trace = [&](RayWeight weight) {
+    const RayFan fan(sonar, {.sampling = Sampling::kFrustum, .cols = 300, .rows = 400, .weight = weight});
+    EchoList echoes = Trace(RayCaster(plate), fan, Pose{}, sonar.axes);
+    echoes.material_names = {"floor", "wall"};
+    return echoes;
+  };
+  const EchoList echoes = trace(RayWeight::kSolidAngle);
+  ASSERT_EQ(echoes.weight.size(), echoes.size());
+  PaperParameters<double> p = TwoMaterials(0.0, 0.0, JitterGrowth::kRoot);
+  p.display = {.db_min = 100.0, .db_max = 180.0};
+  const auto sharp = [&](const EchoList& of) {
+    return RenderPaperImage(of, sonar, p, kAlphaDbPerM, {.full_scale = 1.0, .noise_seed = {}}).value;
+  };
+  const Grid<float> ray_by_ray = sharp(echoes);
+  const std::vector<double> image = Expected(GatherEchoes(echoes, sonar.axes), sonar, p);
+  const Grid<float> even = sharp(trace(RayWeight::kEven));
+  double apart = 0.0;
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    ASSERT_NEAR(image[i], ray_by_ray.values()[i], 1e-4);
+    apart = std::max(apart, std::abs(image[i] - double{even.values()[i]}));
+  }
+  EXPECT_GT(apart, 1e-3) << "weights change the image";
+  const auto blurred = TwoMaterials(0.05, 0.7, JitterGrowth::kRoot);
+  const SlowImage exact = SlowExpectation(echoes, sonar, blurred, kAlphaDbPerM);
+  const std::vector<double> expected = Expected(GatherEchoes(echoes, sonar.axes), sonar, blurred);
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    ASSERT_NEAR(expected[i], exact.mean.values()[i], 0.02 * Largest(exact.mean));
+}
+
 // Towards 90 degrees the level of a cosine has no bottom. Echoes spread evenly over the last quarter of a
 // degree must keep their mean level, D x 10/ln 10 (ln cos(89.75 deg) - 1); not sink to the floor of -120 dB.
 TEST(ExpectedPaperImage, GrazingEchoesKeepTheirMeanLevel) {

@@ -19,6 +19,8 @@ struct Case {
   bool noise = false;
   JitterGrowth growth = JitterGrowth::kRoot;
   bool uneven_beams = false;
+  RayWeight weight = RayWeight::kEven;
+  bool stagger = false;
 };
 
 class PaperFrame : public ::testing::TestWithParam<Case> {
@@ -48,7 +50,12 @@ constexpr double kAlphaDbPerM = 0.31;
 TEST_P(PaperFrame, IsTheImageOfTheEchoes) {
   const RayCaster caster(MakePaperTank());
   const SonarModel sonar = Sonar(GetParam().uneven_beams);
-  const RayFan fan(sonar, {.sampling = GetParam().sampling, .cols = 700, .rows = 500});
+  const RayFan fan(sonar, {.sampling = GetParam().sampling,
+                           .cols = 700,
+                           .rows = 500,
+                           .row_crowding = GetParam().weight == RayWeight::kEven ? 1.0 : 3.0,
+                           .weight = GetParam().weight,
+                           .stagger = GetParam().stagger});
   const PaperParameters<double> parameters = Parameters(caster, GetParam().growth);
   PaperImageOptions options;
   if (GetParam().noise) options.noise_seed = 0xABCDEF0123ULL;
@@ -81,10 +88,15 @@ TEST_P(PaperFrame, IsTheImageOfTheEchoes) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, PaperFrame,
-    ::testing::Values(Case{.sampling = Sampling::kFrustum}, Case{.sampling = Sampling::kBeams},
-                      Case{.sampling = Sampling::kFrustum, .noise = true},
-                      Case{.sampling = Sampling::kBeams, .noise = true, .growth = JitterGrowth::kLinear},
-                      Case{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true}));
+    ::testing::Values(
+        Case{.sampling = Sampling::kFrustum}, Case{.sampling = Sampling::kBeams},
+        Case{.sampling = Sampling::kFrustum, .noise = true},
+        Case{.sampling = Sampling::kBeams, .noise = true, .growth = JitterGrowth::kLinear},
+        Case{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true},
+        Case{.sampling = Sampling::kFrustum, .weight = RayWeight::kSolidAngle},
+        Case{.sampling = Sampling::kBeams, .noise = true, .weight = RayWeight::kSolidAngle},
+        Case{.sampling = Sampling::kBeams, .stagger = true},
+        Case{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true, .stagger = true}));
 
 TEST(PaperFrameThreads, AnyNumberGivesTheSame) {
   const RayCaster caster(MakePaperTank());

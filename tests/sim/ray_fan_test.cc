@@ -228,6 +228,125 @@ TEST(Beams, CrowdedRowsCoverTheSameSpan) {
   EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<DataError>(HasSubstr("row crowding 0.5")));
 }
 
+// --- Staggered rows
+
+// Each ray stays in its column and at its elevation; down the rows all parts of the column are met alike.
+TEST(Beams, StaggeredRaysSpreadOverTheirColumns) {
+  RayFanOptions options = Options(Sampling::kBeams, 20, 233);
+  const RayFan alike(UnevenSonar(), options);
+  EXPECT_FALSE(alike.staggered());
+  options.stagger = true;
+  const RayFan fan(UnevenSonar(), options);
+  EXPECT_TRUE(fan.staggered());
+  EXPECT_EQ(fan.rays_per_beam(), alike.rays_per_beam());
+  std::vector<float> azimuth_rad(fan.cols());
+  std::vector<int> tenths(10, 0);
+  for (int row = 0; row < fan.rows(); ++row) {
+    fan.RowAzimuths(row, azimuth_rad.data());
+    for (int col = 0; col < fan.cols(); ++col) {
+      const Eigen::Vector3d d = fan.Direction(row, col).cast<double>();
+      ASSERT_NEAR(fan.AzimuthRad(row, col), std::atan2(d.x(), d.y()), 2.0 * kFloatRounding);
+      ASSERT_NEAR(azimuth_rad[col], fan.AzimuthRad(row, col), kFloatRounding);
+      ASSERT_EQ(fan.ElevationRad(row, col), alike.ElevationRad(row, col));
+      ASSERT_EQ(fan.AzimuthRad(col), alike.AzimuthRad(col));
+      const auto above = std::upper_bound(fan.beam_edges_rad().begin(), fan.beam_edges_rad().end(),
+                                          fan.AzimuthRad(row, col));
+      ASSERT_EQ(above - fan.beam_edges_rad().begin() - 1, fan.BeamOfColumn(col));
+    }
+    // Beam 1 has two columns.
+    const double width = 0.5 * (fan.beam_edges_rad()[2] - fan.beam_edges_rad()[1]);
+    ++tenths[static_cast<int>(10.0 * (fan.AzimuthRad(row, 2) - fan.beam_edges_rad()[1]) / width)];
+  }
+  EXPECT_THAT(tenths, ::testing::Each(::testing::AllOf(::testing::Ge(22), ::testing::Le(25))));
+  options.sampling = Sampling::kFrustum;
+  EXPECT_THAT([&] { RayFan(UnevenSonar(), options); }, ThrowsMessage<DataError>(HasSubstr("staggered")));
+}
+
+// --- What a ray counts
+
+std::vector<std::vector<float>> WeightsOf(const RayFan& fan) {
+  std::vector<std::vector<float>> weights(fan.rows(), std::vector<float>(fan.cols()));
+  for (int row = 0; row < fan.rows(); ++row) fan.RowWeights(row, weights[row].data());
+  return weights;
+}
+
+TEST_P(BothSamplings, WeighAlikeUnlessToldOtherwise) {
+  const RayFan fan(UnevenSonar(), Options(GetParam(), 50, 41));
+  EXPECT_TRUE(fan.weighs_evenly());
+  EXPECT_EQ(fan.largest_weight(), 1.0);
+  for (const auto& row : WeightsOf(fan)) EXPECT_THAT(row, ::testing::Each(1.0F));
+}
+
+// 1 on average over each beam, whatever is cut off above and below, and never beyond the bound; by columns,
+// rows and spans that are few, crowded, and wide.
+TEST_P(BothSamplings, WeightsBySolidAngleAverageToOneInEachBeam) {
+  for (const double span_deg : {0.0, 60.0, 165.0}) {
+    for (const int rows : {1, 2, 41}) {
+      RayFanOptions options = Options(GetParam(), 131, rows);
+      options.elevation_span_deg = span_deg;
+      options.weight = RayWeight::kSolidAngle;
+      if (GetParam() == Sampling::kBeams) options.row_crowding = 4.0;
+      const RayFan fan(UnevenSonar(), options);
+      std::vector<double> sum(10, 0.0);
+      for (const auto& row : WeightsOf(fan)) {
+        for (int col = 0; col < fan.cols(); ++col) {
+          EXPECT_GE(row[col], 0.0F);
+          EXPECT_LE(row[col], fan.largest_weight() * (1.0 + 1e-6));
+          sum[fan.BeamOfColumn(col)] += row[col];
+        }
+      }
+      for (int beam = 0; beam < 10; ++beam)
+        EXPECT_NEAR(sum[beam] / fan.rays_per_beam()[beam], 1.0, 2e-6) << rows << " rows, beam " << beam;
+    }
+  }
+}
+
+// Directions even in elevation along each column's azimuth, counted by the cell of the pinhole that they pass
+// through: its share of them, times the column's width over the mean of its beam's. A count errs by one.
+TEST(Frustum, WeighsACellByTheEvenAnglesThatPassThroughIt) {
+  constexpr int kEach = 200'000;
+  RayFanOptions options = Options(Sampling::kFrustum, 200, 25);
+  options.elevation_span_deg = 50.0;
+  options.weight = RayWeight::kSolidAngle;
+  const SonarModel sonar = EvenSonar(10, 6.0);
+  const RayFan fan(sonar, options);
+  const auto weights = WeightsOf(fan);
+  const double outer = std::tan(RadFromDeg(30.0));
+  const auto edge_rad = [&](int col) { return std::atan(-outer + col * 2.0 * outer / 200); };
+  const double top = std::tan(RadFromDeg(25.0)) / std::cos(RadFromDeg(30.0));
+  for (const int col : {0, 3, 77, 100, 199}) {
+    std::vector<int> count(25, 0);
+    for (int i = 0; i < kEach; ++i) {
+      const double elevation_rad = RadFromDeg(25.0) * (1.0 - 2.0 * (i + 0.5) / kEach);
+      const double slope = std::tan(elevation_rad) / std::cos(fan.AzimuthRad(col));
+      ++count[std::min(24, static_cast<int>((top - slope) / (2.0 * top) * 25))];
+    }
+    double width_rad = 0.0;
+    int columns = 0;
+    for (int other = 0; other < 200; ++other) {
+      if (fan.BeamOfColumn(other) != fan.BeamOfColumn(col)) continue;
+      width_rad += edge_rad(other + 1) - edge_rad(other);
+      ++columns;
+    }
+    const double width = (edge_rad(col + 1) - edge_rad(col)) / (width_rad / columns);
+    for (int row = 0; row < 25; ++row)
+      EXPECT_NEAR(weights[row][col], width * 25.0 * count[row] / kEach, 3.0 * 25.0 / kEach) << row;
+  }
+}
+
+// Even angles weigh alike by solid angle too; crowded rows by their height.
+TEST(Beams, WeighBySolidAngleAsTheirRowsAreHigh) {
+  RayFanOptions options = Options(Sampling::kBeams, 40, 200);
+  options.weight = RayWeight::kSolidAngle;
+  EXPECT_TRUE(RayFan(UnevenSonar(), options).weighs_evenly());
+  options.row_crowding = 5.0;
+  const RayFan fan(UnevenSonar(), options);
+  EXPECT_FALSE(fan.weighs_evenly());
+  const auto weights = WeightsOf(fan);
+  EXPECT_NEAR(weights[99][7], 1.0 / 5.0, 1e-3);
+  EXPECT_NEAR(weights[0][7], 0.2 + 2.4 * 0.995 * 0.995, 1e-3);
+}
+
 template <typename Make>
 void ExpectRefused(const Make& make, const std::string& words) {
   EXPECT_THAT(make, ThrowsMessage<DataError>(HasSubstr(words)));

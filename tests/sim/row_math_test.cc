@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -18,8 +19,11 @@ TEST(RowMath, DirectionsAreThoseOfTheFan) {
   const SonarModel sonar = FindSonarPreset("p900-45").sonar;
   const Eigen::Quaterniond turn = Eigen::Quaterniond(0.7, -0.2, 0.5, 0.4).normalized();
   const Eigen::Matrix3f rotation = turn.toRotationMatrix().cast<float>();
-  for (const Sampling sampling : {Sampling::kFrustum, Sampling::kBeams}) {
-    const RayFan fan(sonar, {.sampling = sampling, .cols = 300, .rows = 41});
+  for (const RayFanOptions& options :
+       {RayFanOptions{.sampling = Sampling::kFrustum, .cols = 300, .rows = 41},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41, .stagger = true}}) {
+    const RayFan fan(sonar, options);
     std::vector<float> x(fan.cols());
     std::vector<float> y(fan.cols());
     std::vector<float> z(fan.cols());

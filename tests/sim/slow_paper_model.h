@@ -100,7 +100,8 @@ inline SlowImage SlowExpectation(const EchoList& echoes, const SonarModel& sonar
     const double range_m = echoes.range_m[echo];
     const double growth = SlowJitterGrowth(p.jitter, range_m, sonar.frequency_hz);
     const double value =
-        SlowNormalisedEcho(p, echoes.material[echo], range_m, echoes.incidence_rad[echo], alpha_db_per_m) /
+        SlowNormalisedEcho(p, echoes.material[echo], range_m, echoes.incidence_rad[echo], alpha_db_per_m) *
+        (echoes.weight.empty() ? 1.0 : echoes.weight[echo]) /
         echoes.rays_per_beam[echoes.beam_of_column[echoes.ray[echo] % echoes.cols]];
     const auto in_bin = IntervalProbabilities(range_edges, range_m, p.jitter.sigma_range_m * growth);
     const auto in_beam = IntervalProbabilities(beam_edges, echoes.azimuth_rad[echo],
