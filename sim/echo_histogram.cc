@@ -14,6 +14,7 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
   histogram.beams = axes.beam_count();
   histogram.materials = static_cast<int>(echoes.material_names.size());
   const double step_m = axes.range_bin_m() / kRangeSteps;
+  const std::vector<double> edges_rad = axes.BeamEdgesRad();
   const std::size_t cells = static_cast<std::size_t>(histogram.rows) * histogram.beams;
 
   // Counting sort of echoes by cell.
@@ -49,11 +50,15 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
       const std::size_t index = static_cast<std::size_t>(row) * histogram.beams + col;
       if (start[index] == start[index + 1]) continue;
       EchoHistogram::Cell cell{.row = row, .col = col};
+      double range_sum = 0.0;
+      double azimuth_sum = 0.0;
       for (std::uint32_t i = start[index]; i < start[index + 1]; ++i) {
         const std::uint32_t echo = order[i];
         const double weight = echoes.Weight(echo) / echoes.rays_per_beam[col];
         const double range_m = echoes.range_m[echo];
         cell.weight += weight;
+        range_sum += weight * ((range_m - axes.range_min_m) / step_m - (row + 0.5));
+        azimuth_sum += weight * (echoes.azimuth_rad[echo] - 0.5 * (edges_rad[col] + edges_rad[col + 1]));
         cell.log_range += weight * 40.0 * std::log10(range_m);
         cell.two_way_range_m += weight * 2.0 * range_m;
         const double position = DegFromRad<double>(echoes.incidence_rad[echo]) / kIncidenceStepDeg;
@@ -64,6 +69,10 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
         add(first + 1, weight * fraction);
       }
       if (cell.weight == 0.0) continue;  // rays that count nothing
+      // An echo of an outer margin, or rounded across a border, is at it.
+      const double width_rad = edges_rad[col + 1] - edges_rad[col];
+      cell.range_offset = static_cast<float>(std::clamp(range_sum / cell.weight, -0.5, 0.5));
+      cell.azimuth_offset = static_cast<float>(std::clamp(azimuth_sum / cell.weight / width_rad, -0.5, 0.5));
       std::sort(touched.begin(), touched.end());
       cell.first_entry = static_cast<std::uint32_t>(histogram.entries.size());
       for (const std::uint32_t node : touched) {

@@ -16,7 +16,7 @@
 
 namespace sonarcal {
 
-inline constexpr int kRangeSteps = 4;  // cells a range bin
+inline constexpr int kRangeSteps = 2;  // cells a range bin
 inline constexpr int kIncidenceNodes = 361;
 inline constexpr double kIncidenceStepDeg = 0.25;
 
@@ -29,7 +29,7 @@ inline double IncidenceOfNodeDeg(int node) {
 }
 
 struct EchoHistogram {
-  // One cell that holds echoes; `row` counts quarters of range bins. Weights are the rays' shares of their
+  // One cell that holds echoes; `row` counts halves of range bins. Weights are the rays' shares of their
   // beam, EchoList::Weight / rays_per_beam.
   struct Cell {
     std::int32_t row = 0;
@@ -37,6 +37,9 @@ struct EchoHistogram {
     double weight = 0.0;           // sum of weights
     double log_range = 0.0;        // weighted sum of 40 log10 R, dB
     double two_way_range_m = 0.0;  // weighted sum of 2 R
+    // Where in the cell its echoes are on average, -1/2 .. 1/2 of its height and of its beam's width.
+    float range_offset = 0.0F;
+    float azimuth_offset = 0.0F;
     std::uint32_t first_entry = 0;
     std::uint32_t last_entry = 0;  // one past
   };

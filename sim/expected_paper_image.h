@@ -1,9 +1,10 @@
 // The mean of the paper's image over its range and azimuth errors, from an EchoHistogram: the forward model
 // that renders and that Ceres differentiates.
 //
-// Each cell's echoes are taken to be spread evenly over the cell, and each is spread over its neighbours by
-// the Gaussian errors of its own range (sim/physics/jitter.h, sim/paper_blur.h). Without errors it is the
-// sharp image. The clamp to [0, I] is applied to the mean, as if the many rays of a pixel had averaged out.
+// Each cell's echoes are taken to be spread over the cell about their mean place, and each is spread over its
+// neighbours by the Gaussian errors of its own range (sim/physics/jitter.h, sim/paper_blur.h). Without errors
+// it is the sharp image. The clamp to [0, I] is applied to the mean, as if the many rays of a pixel had
+// averaged out.
 //
 // Derivatives come from the same formulas with dual numbers for scalars: cell by cell, where the physics is.
 // The blur is linear, so it carries each derivative as it carries the image itself.

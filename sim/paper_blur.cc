@@ -30,6 +30,21 @@ void ForRows(int count, const Body& body) {
   });
 }
 
+// From an interval into another: of what is spread evenly over it, and what its mean's offset by the whole of
+// the interval adds, by which one half weighs more than the other.
+struct HalvesWeight {
+  BlurWeight even;
+  BlurWeight moment;
+};
+
+HalvesWeight WeightOfHalves(double from_low, double from_high, double to_low, double to_high, double sigma) {
+  const double middle = 0.5 * (from_low + from_high);
+  const BlurWeight lower = GaussianBlurWeight(from_low, middle, to_low, to_high, sigma);
+  const BlurWeight upper = GaussianBlurWeight(middle, from_high, to_low, to_high, sigma);
+  return {.even = {0.5 * (lower.value + upper.value), 0.5 * (lower.slope + upper.slope)},
+          .moment = {2.0 * (upper.value - lower.value), 2.0 * (upper.slope - lower.slope)}};
+}
+
 // Indices [first, last) of the intervals between `edges` that touch [low, high].
 std::pair<int, int> IntervalsWithin(const std::vector<double>& edges, double low, double high) {
   const int count = static_cast<int>(edges.size()) - 1;
@@ -62,19 +77,27 @@ PaperBlur::PaperBlur(const EchoHistogram& histogram, const ImageGeometry& geomet
 PaperBlur::AzimuthKernel PaperBlur::MakeAzimuthKernel(double sigma_rad) const {
   const std::vector<double>& edges = geometry_.beam_edges_rad;
   const double reach_rad = kBlurReach * sigma_rad;
-  AzimuthKernel kernel{
-      .sigma_rad = sigma_rad, .first = {}, .last = {}, .start = {}, .value = {}, .slope = {}};
-  const auto put = [&](int from, int to) {
-    const BlurWeight weight =
-        GaussianBlurWeight(edges[from], edges[from + 1], edges[to], edges[to + 1], sigma_rad);
-    kernel.value.push_back(weight.value);
-    kernel.slope.push_back(weight.slope);
+  AzimuthKernel kernel{.sigma_rad = sigma_rad,
+                       .first = {},
+                       .last = {},
+                       .start = {},
+                       .value = {},
+                       .slope = {},
+                       .moment = {},
+                       .moment_slope = {}};
+  const auto put = [&](int from, int to, double side) {
+    const auto [even, moment] =
+        WeightOfHalves(edges[from], edges[from + 1], edges[to], edges[to + 1], sigma_rad);
+    kernel.value.push_back(even.value);
+    kernel.slope.push_back(even.slope);
+    kernel.moment.push_back(side * moment.value);
+    kernel.moment_slope.push_back(side * moment.slope);
   };
   int reach_beams = 0;
   if (geometry_.beams_are_even) {
     // One beam's weights to its right, mirrored, serve every beam.
     while (reach_beams + 1 < beams() && edges[reach_beams + 1] - edges[1] <= reach_rad) ++reach_beams;
-    for (int to = -reach_beams; to <= reach_beams; ++to) put(0, std::abs(to));
+    for (int to = -reach_beams; to <= reach_beams; ++to) put(0, std::abs(to), to < 0 ? -1.0 : 1.0);
   }
   for (int from = 0; from < beams(); ++from) {
     auto [first, last] = IntervalsWithin(edges, edges[from] - reach_rad, edges[from + 1] + reach_rad);
@@ -84,7 +107,7 @@ PaperBlur::AzimuthKernel PaperBlur::MakeAzimuthKernel(double sigma_rad) const {
       kernel.start.push_back(reach_beams - from);
     } else {
       kernel.start.push_back(static_cast<std::ptrdiff_t>(kernel.value.size()) - first);
-      for (int to = first; to < last; ++to) put(from, to);
+      for (int to = first; to < last; ++to) put(from, to, 1.0);
     }
     kernel.first.push_back(first);
     kernel.last.push_back(last);
@@ -124,10 +147,11 @@ void PaperBlur::MakeRangeWeights() {
       const double sigma_m = AtMiddle(sigma_range_m_, row);
       const double low_m = row * group_ * step_m;
       if (sigma_m > 0.0) {
-        of_bin[bin].push_back({row, GaussianBlurWeight(low_m, low_m + group_ * step_m, bin * bin_m,
-                                                       (bin + 1) * bin_m, sigma_m)});
+        const auto [even, moment] =
+            WeightOfHalves(low_m, low_m + group_ * step_m, bin * bin_m, (bin + 1) * bin_m, sigma_m);
+        of_bin[bin].push_back({row, even, moment});
       } else if (row >= first_own && row < first_own + own_rows) {
-        of_bin[bin].push_back({row, {.value = 1.0, .slope = 0.0}});
+        of_bin[bin].push_back({row, {.value = 1.0, .slope = 0.0}, {}});
       }
     }
   });
@@ -162,8 +186,9 @@ void PaperBlur::Widen(Rows& rows, int out_row, int beams, std::pair<int, int> to
   std::int32_t& row_first = rows.first[out_row];
   std::int32_t& row_last = rows.last[out_row];
   if (row_first >= row_last) row_first = row_last = first;
-  for (int beam = first; beam < row_first; ++beam) values[beam] = 0.0;
-  for (int beam = row_last; beam < last; ++beam) values[beam] = 0.0;
+  double* moments = &rows.moments[static_cast<std::size_t>(out_row) * beams];
+  for (int beam = first; beam < row_first; ++beam) values[beam] = moments[beam] = 0.0;
+  for (int beam = row_last; beam < last; ++beam) values[beam] = moments[beam] = 0.0;
   row_first = std::min(row_first, first);
   row_last = std::max(row_last, last);
 }
@@ -182,6 +207,7 @@ void PaperBlur::Spread(std::span<const double> cells, Rows& rows, WeightOf weigh
   ForRows(row_count(), [&](int out_row) {
     Widen(rows, out_row, beams(), TouchedBeams(cells, out_row));
     double* out = &rows.values[static_cast<std::size_t>(out_row) * beams()];
+    double* out_moment = &rows.moments[static_cast<std::size_t>(out_row) * beams()];
     for (int row = out_row * group_; row < (out_row + 1) * group_; ++row) {
       const auto [of_value, of_slope] = weight_of(row);
       const AzimuthKernel* kernel = kernel_of_row_[row] < 0 ? nullptr : &kernels_[kernel_of_row_[row]];
@@ -189,8 +215,11 @@ void PaperBlur::Spread(std::span<const double> cells, Rows& rows, WeightOf weigh
         const double cell = cells[i];
         if (cell == 0.0) continue;
         const int from = histogram_.cells[i].col;
+        const double range_offset = RangeOffset(histogram_.cells[i]);
+        const double azimuth_offset = histogram_.cells[i].azimuth_offset;
         if (kernel == nullptr) {
           out[from] += of_value * cell;
+          out_moment[from] += of_value * cell * range_offset;
           continue;
         }
         const int first = kernel->first[from];
@@ -199,7 +228,15 @@ void PaperBlur::Spread(std::span<const double> cells, Rows& rows, WeightOf weigh
         const double* slope = &kernel->slope[kernel->start[from] + first];
         const double a = cell * of_value;
         const double b = cell * of_slope;
-        for (int k = 0; k < last - first; ++k) out[first + k] += a * value[k] + b * slope[k];
+        const double* moment = &kernel->moment[kernel->start[from] + first];
+        const double* moment_slope = &kernel->moment_slope[kernel->start[from] + first];
+        const double a_aside = a * azimuth_offset;
+        const double b_aside = b * azimuth_offset;
+        for (int k = 0; k < last - first; ++k) {
+          const double at = a * value[k] + b * slope[k] + a_aside * moment[k] + b_aside * moment_slope[k];
+          out[first + k] += at;
+          out_moment[first + k] += range_offset * at;
+        }
       }
     }
   });
@@ -208,6 +245,7 @@ void PaperBlur::Spread(std::span<const double> cells, Rows& rows, WeightOf weigh
 PaperBlur::Rows PaperBlur::AlongAzimuth(std::span<const double> cells) const {
   const auto count = static_cast<std::size_t>(row_count());
   Rows rows{.values = std::make_unique_for_overwrite<double[]>(count * beams()),
+            .moments = std::make_unique_for_overwrite<double[]>(count * beams()),
             .first = std::vector<std::int32_t>(count),
             .last = std::vector<std::int32_t>(count)};
   Spread(cells, rows, [&](int row) {
@@ -228,10 +266,13 @@ std::vector<double> PaperBlur::AlongRange(const Rows& rows) const {
   ForRows(bins, [&](int bin) {
     double* out = &image[static_cast<std::size_t>(bin) * beams()];
     for (std::size_t i = range_start_[bin]; i < range_start_[bin + 1]; ++i) {
-      const auto& [row, weight] = range_weights_[i];
+      const auto& [row, weight, moment] = range_weights_[i];
       const double* in = &rows.values[static_cast<std::size_t>(row) * beams()];
+      const double* aside = &rows.moments[static_cast<std::size_t>(row) * beams()];
       const double w = weight.value;
-      for (int beam = rows.first[row]; beam < rows.last[row]; ++beam) out[beam] += w * in[beam];
+      const double m = moment.value;
+      for (int beam = rows.first[row]; beam < rows.last[row]; ++beam)
+        out[beam] += w * in[beam] + m * aside[beam];
     }
   });
   return image;
@@ -242,10 +283,14 @@ void PaperBlur::AddRangeGrowth(const Rows& rows, std::span<const double> growth_
   ForRows(geometry_.axes.range_bins, [&](int bin) {
     double* out = &image[static_cast<std::size_t>(bin) * beams()];
     for (std::size_t i = range_start_[bin]; i < range_start_[bin + 1]; ++i) {
-      const auto& [row, weight] = range_weights_[i];
+      const auto& [row, weight, moment] = range_weights_[i];
       const double* in = &rows.values[static_cast<std::size_t>(row) * beams()];
-      const double w = weight.slope * AtMiddle(growth_m, row);
-      for (int beam = rows.first[row]; beam < rows.last[row]; ++beam) out[beam] += w * in[beam];
+      const double* aside = &rows.moments[static_cast<std::size_t>(row) * beams()];
+      const double growth = AtMiddle(growth_m, row);
+      const double w = weight.slope * growth;
+      const double m = moment.slope * growth;
+      for (int beam = rows.first[row]; beam < rows.last[row]; ++beam)
+        out[beam] += w * in[beam] + m * aside[beam];
     }
   });
 }

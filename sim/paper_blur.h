@@ -1,6 +1,10 @@
 // The Gaussian range and azimuth errors of the paper's rays, as what they are to a mean image: a linear map
 // from the cells of an EchoHistogram to pixels, and its derivatives with respect to the errors' sizes.
 //
+// A cell's echoes are taken to be spread evenly over its lower and upper half, and over the two halves of its
+// beam, in such shares that their mean is where it is: right to first order in the size of a cell. Sharp
+// where there are no errors.
+//
 // Being linear it serves an image and each of the image's derivatives alike, in plain numbers: what depends
 // on a parameter goes through one cell at a time (sim/expected_paper_image.h), what depends on neighbours is
 // here.
@@ -29,6 +33,7 @@ class PaperBlur {
   // Cells spread over the beams: rows of cells (or of whole bins, where range errors are wide) x beams.
   struct Rows {
     std::unique_ptr<double[]> values;
+    std::unique_ptr<double[]> moments;  // the same of each cell times its offset in range
     // Beams [first, last) that hold anything; the rest is not set and never looked at.
     std::vector<std::int32_t> first;
     std::vector<std::int32_t> last;
@@ -54,11 +59,14 @@ class PaperBlur {
     std::vector<std::int32_t> last;
     std::vector<std::ptrdiff_t> start;  // of a beam's weights, less its first target
     std::vector<double> value;
-    std::vector<double> slope;  // d value / d sigma
+    std::vector<double> slope;   // d value / d sigma
+    std::vector<double> moment;  // what an offset of the whole beam would add to it
+    std::vector<double> moment_slope;
   };
   struct RangeWeight {
     std::int32_t row = 0;  // of Rows
     BlurWeight weight;
+    BlurWeight moment;
   };
 
   AzimuthKernel MakeAzimuthKernel(double sigma_rad) const;
@@ -69,6 +77,10 @@ class PaperBlur {
   template <typename WeightOf>
   void Spread(std::span<const double> cells, Rows& rows, WeightOf weight_of) const;
   // The value at the middle of a row, between those of the rows of cells that make it up.
+  // Offset of a cell in range within its row.
+  double RangeOffset(const EchoHistogram::Cell& cell) const {
+    return (cell.row % group_ + 0.5 + cell.range_offset) / group_ - 0.5;
+  }
   double AtMiddle(std::span<const double> of_rows_of_cells, int row) const;
   int row_count() const { return histogram_.rows / group_; }
   int beams() const { return histogram_.beams; }
