@@ -10,7 +10,7 @@
 // misses the bound on overlap by 0.0003.
 //
 // Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038); overlap of the other pose, 0.10
-// (0.1004). Bounds named kRegression... hold what is reached and claim no more.
+// (0.1017). Bounds named kRegression... hold what is reached and claim no more.
 #include <gtest/gtest.h>
 
 #include <array>
