@@ -263,13 +263,14 @@ std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels
   // Curves change faster along range than from beam to beam.
   constexpr int kMostBins = 4;
   constexpr int kMostBeams = 8;
+  constexpr double kWorthwhile = 4.0;  // fewer pixels by less are hardly quicker, and less exact
   const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
                                 [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
   const double factor =
       static_cast<double>(pixel_count() * frames_.size()) / static_cast<double>(wanted_pixels);
   const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMostBins),
                          .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMostBeams)};
-  if (bent || block.bins * block.beams == 1) return nullptr;
+  if (bent || factor < kWorthwhile) return nullptr;
   return std::make_unique<CoarseFrameModel>(*this, block);
 }
 

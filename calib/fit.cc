@@ -150,6 +150,9 @@ class Fitter {
       }
     }
     state_.values = best;
+    // Of a round among others nothing follows that would mend what blocks get wrong.
+    if (coarse != nullptr && options_.rough && !report_.start_costs.empty())
+      Solve(model_, kRoughTolerance, std::min(kRoughIterations, options_.max_iterations));
   }
 
   // A hundredth of a log-likelihood is nothing that a fit could be judged by.
