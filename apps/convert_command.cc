@@ -1,6 +1,7 @@
 #include "apps/convert_command.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -25,8 +26,8 @@ constexpr JsonWords<TrajectoryFormat, 3> kTrajectoryFormats = {
     {{"tum", TrajectoryFormat::kTum}, {"euroc", TrajectoryFormat::kEuroc}, {"csv", TrajectoryFormat::kCsv}}};
 
 // The recording with poses from a trajectory in place of its own.
-std::unique_ptr<RecordingSource> WithTrajectory(std::unique_ptr<RecordingSource> recording,
-                                                const ConvertOptions& options) {
+std::unique_ptr<PosedRecording> WithTrajectory(std::unique_ptr<RecordingSource> recording,
+                                               const ConvertOptions& options) {
   const TrajectoryFormat format =
       options.trajectory_format ? *options.trajectory_format : GuessTrajectoryFormat(options.trajectory);
   PosesOverTime poses{.world_from_body = ReadTrajectory(options.trajectory, format),
@@ -42,17 +43,18 @@ ExitStatus RunConvert(const ConvertOptions& options) {
   if (options.trajectory.empty() && !options.mount.empty())
     throw UsageError("--mount is given without --trajectory, expected both");
   std::unique_ptr<RecordingSource> recording = OpenRecording(options.file);
-  if (!options.trajectory.empty()) recording = WithTrajectory(std::move(recording), options);
   const FrameRange range = ParseFrameRange(options.frames, recording->frame_count());
-  const FrameRangeView chosen(std::move(recording), range);
-
-  int posed = 0;
-  for (int index = 0; index < chosen.frame_count(); ++index)
-    posed += chosen.frame_info(index).world_from_sonar ? 1 : 0;
+  recording = std::make_unique<FrameRangeView>(std::move(recording), range);
+  std::optional<int> posed;  // where a trajectory gives poses
+  if (!options.trajectory.empty()) {
+    auto with_poses = WithTrajectory(std::move(recording), options);
+    posed = with_poses->posed_count();
+    recording = std::move(with_poses);
+  }
 
   RunOutput output(options.out);
-  Progress progress("Converting", chosen.frame_count(), options.common);
-  WriteRecording(chosen, output.directory(),
+  Progress progress("Converting", range.count(), options.common);
+  WriteRecording(*recording, output.directory(),
                  {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
   std::vector<std::filesystem::path> inputs = {options.file};
   for (const auto* input : {&options.trajectory, &options.mount}) {
@@ -71,12 +73,13 @@ ExitStatus RunConvert(const ConvertOptions& options) {
   output.Commit();
 
   if (options.common.json) {
-    PrintJson({{"recording", output.final_path().string()},
-               {"frames", range.count()},
-               {"frames_with_pose", posed}});
+    nlohmann::ordered_json json = {{"recording", output.final_path().string()}, {"frames", range.count()}};
+    if (posed) json["frames_with_pose"] = *posed;
+    PrintJson(json);
   } else {
-    PrintResult(fmt::format("{}: {} {}, {} with a pose\n", options.out.string(), range.count(),
-                            range.count() == 1 ? "frame" : "frames", posed));
+    PrintResult(fmt::format("{}: {} {}{}\n", options.out.string(), range.count(),
+                            range.count() == 1 ? "frame" : "frames",
+                            posed ? fmt::format(", {} with a pose", *posed) : ""));
   }
   return ExitStatus::kDone;
 }
