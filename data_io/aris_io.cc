@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "data_io/aris_beam_tables.h"
 #include "data_io/byte_reader.h"
+#include "data_io/frames_by_size.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -50,16 +50,6 @@ struct ArisHeader {
   double range_max_m() const { return range_min_m() + samples_per_beam * bin_m(); }
 };
 
-// A u32 within lowest..highest, or DataError.
-std::uint32_t U32Within(const ByteReader& reader, std::uint64_t offset, std::string_view field,
-                        std::uint32_t lowest, std::uint32_t highest) {
-  const std::uint32_t value = reader.U32(offset, field);
-  if (value < lowest || value > highest) {
-    throw DataError("{}: {}, expected {}..{}", reader.Where(offset, field), value, lowest, highest);
-  }
-  return value;
-}
-
 ArisHeader ParseFrameHeader(const ByteReader& reader) {
   if (reader.U32(12, "Version") != kMagic) {
     throw DataError("{}: {:#010x}, expected {:#010x}", reader.Where(12, "Version"), reader.U32(12, "Version"),
@@ -71,20 +61,20 @@ ArisHeader ParseFrameHeader(const ByteReader& reader) {
   header.window_length_m = reader.F32(56, "WindowLength");
   header.gain_db = reader.U32(68, "ReceiverGain");
   header.water_temperature_c = reader.F32(224, "WaterTemp");
-  header.ping_mode = U32Within(reader, 436, "PingMode", 1, 12);
+  header.ping_mode = reader.U32Within(436, "PingMode", 1, 12);
   header.high_frequency = reader.U32(440, "FrequencyHiLow") != 0;
   header.pulse_width_us = reader.U32(444, "PulseWidth");
-  header.sample_period_us = U32Within(reader, 452, "SamplePeriod", 1, 1000);
+  header.sample_period_us = reader.U32Within(452, "SamplePeriod", 1, 1000);
   header.frame_rate_hz = reader.F32(460, "FrameRate");
   header.sound_speed_m_per_s = reader.F32(464, "SoundSpeed");
   if (!(header.sound_speed_m_per_s >= 1300.0f && header.sound_speed_m_per_s <= 1700.0f)) {
     throw DataError("{}: {} m/s, expected 1300..1700", reader.Where(464, "SoundSpeed"),
                     header.sound_speed_m_per_s);
   }
-  header.samples_per_beam = U32Within(reader, 468, "SamplesPerBeam", 1, kMostSamplesPerBeam);
-  header.sample_start_delay_us = U32Within(reader, 476, "SampleStartDelay", 0, 1'000'000);
+  header.samples_per_beam = reader.U32Within(468, "SamplesPerBeam", 1, kMostSamplesPerBeam);
+  header.sample_start_delay_us = reader.U32Within(476, "SampleStartDelay", 0, 1'000'000);
   header.lens = reader.U32(480, "LargeLens") != 0 ? ArisLens::kTelephoto : ArisLens::kStandard;
-  header.system = static_cast<ArisSystem>(U32Within(reader, 484, "TheSystemType", 0, 2));
+  header.system = static_cast<ArisSystem>(reader.U32Within(484, "TheSystemType", 0, 2));
   if (reader.U32(516, "ReorderedSamples") == 0) {
     throw DataError("{}: 0, expected samples that are sorted by beam already",
                     reader.Where(516, "ReorderedSamples"));
@@ -137,18 +127,15 @@ class ArisRecording final : public RecordingSource {
     }
     first_ =
         ParseFrameHeader({reader.Bytes(kHeaderBytes, kHeaderBytes, "frame 0 header"), name_, kHeaderBytes});
-    const std::uint64_t frames = (size - kHeaderBytes) / first_.frame_bytes();
-    const std::uint64_t rest = (size - kHeaderBytes) % first_.frame_bytes();
-    if (frames == 0) {
+    const FramesBySize frames = CountFramesBySize(name_, size, kHeaderBytes, first_.frame_bytes());
+    if (frames.count == 0) {
       throw DataError("{}: byte {}: frame 0: the file ends at byte {}, expected {} beams x {} samples", name_,
                       2 * kHeaderBytes, size, first_.beam_count(), first_.samples_per_beam);
     }
-    if (frames > static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
-      throw DataError("{}: {} frames, expected at most {}", name_, frames, std::numeric_limits<int>::max());
-    }
-    frame_count_ = static_cast<int>(frames);
+    frame_count_ = frames.count;
     DescribeSonar();
-    NoteQuirks(reader.U32(4, "FrameCount"), rest);
+    NoteFrameCount(frames, reader.U32(4, "FrameCount"), info_.notes);
+    NoteWindow();
   }
 
   const RecordingInfo& info() const override { return info_; }
@@ -236,15 +223,7 @@ class ArisRecording final : public RecordingSource {
                      {"salinity", fmt::format("{} ppt", first_.salinity_ppt)}};
   }
 
-  void NoteQuirks(std::uint32_t header_frame_count, std::uint64_t rest_bytes) {
-    if (header_frame_count != static_cast<std::uint32_t>(frame_count_)) {
-      info_.notes.push_back(fmt::format("The file header says {} frames; the file's size makes it {}.",
-                                        header_frame_count, frame_count_));
-    }
-    if (rest_bytes > 0) {
-      info_.notes.push_back(
-          fmt::format("The last {} bytes are no whole frame and were left out.", rest_bytes));
-    }
+  void NoteWindow() {
     const double window_end_m = double{first_.window_start_m} + first_.window_length_m;
     const double tolerance_m = first_.bin_m();
     // Negated, so that a NaN in the header is noted too.

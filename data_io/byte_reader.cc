@@ -19,6 +19,27 @@ T ByteReader::Integer(std::uint64_t offset, std::string_view field) const {
   return value;
 }
 
+template <typename T>
+T ByteReader::Within(T value, std::uint64_t offset, std::string_view field, T lowest, T highest) const {
+  if (value < lowest || value > highest)
+    throw DataError("{}: {}, expected {}..{}", Where(offset, field), value, lowest, highest);
+  return value;
+}
+
+std::uint32_t ByteReader::U32Within(std::uint64_t offset, std::string_view field, std::uint32_t lowest,
+                                    std::uint32_t highest) const {
+  return Within(U32(offset, field), offset, field, lowest, highest);
+}
+
+std::int32_t ByteReader::I32Within(std::uint64_t offset, std::string_view field, std::int32_t lowest,
+                                   std::int32_t highest) const {
+  return Within(I32(offset, field), offset, field, lowest, highest);
+}
+
+std::int32_t ByteReader::I32(std::uint64_t offset, std::string_view field) const {
+  return static_cast<std::int32_t>(U32(offset, field));
+}
+
 std::uint8_t ByteReader::U8(std::uint64_t offset, std::string_view field) const {
   return Integer<std::uint8_t>(offset, field);
 }

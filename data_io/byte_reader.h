@@ -35,8 +35,15 @@ class ByteReader {
   std::uint32_t U32(std::uint64_t offset, std::string_view field) const;
   std::uint64_t U64(std::uint64_t offset, std::string_view field) const;
   std::int16_t I16(std::uint64_t offset, std::string_view field) const;
+  std::int32_t I32(std::uint64_t offset, std::string_view field) const;
   float F32(std::uint64_t offset, std::string_view field) const;   // any bit pattern, NaN included
   double F64(std::uint64_t offset, std::string_view field) const;  // likewise
+
+  // Within lowest..highest, or DataError.
+  std::uint32_t U32Within(std::uint64_t offset, std::string_view field, std::uint32_t lowest,
+                          std::uint32_t highest) const;
+  std::int32_t I32Within(std::uint64_t offset, std::string_view field, std::int32_t lowest,
+                         std::int32_t highest) const;
 
   // `count` bytes from `offset`.
   std::span<const std::byte> Bytes(std::uint64_t offset, std::uint64_t count, std::string_view field) const;
@@ -47,6 +54,8 @@ class ByteReader {
  private:
   template <typename T>
   T Integer(std::uint64_t offset, std::string_view field) const;
+  template <typename T>
+  T Within(T value, std::uint64_t offset, std::string_view field, T lowest, T highest) const;
 
   std::span<const std::byte> bytes_;
   std::string file_;

@@ -4,10 +4,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "data_io/byte_reader.h"
 #include "data_io/didson_io.h"
+#include "data_io/frames_by_size.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -45,19 +45,6 @@ struct DdfFrameHeader {
   float roll_deg = 0.0F;
 };
 
-std::int32_t I32(const ByteReader& reader, std::uint64_t offset, std::string_view field) {
-  return static_cast<std::int32_t>(reader.U32(offset, field));
-}
-
-std::int32_t I32Within(const ByteReader& reader, std::uint64_t offset, std::string_view field,
-                       std::int32_t lowest, std::int32_t highest) {
-  const std::int32_t value = I32(reader, offset, field);
-  if (value < lowest || value > highest) {
-    throw DataError("{}: {}, expected {}..{}", reader.Where(offset, field), value, lowest, highest);
-  }
-  return value;
-}
-
 // 3 or 4 where the bytes begin a file of that version.
 int VersionOf(std::span<const std::byte> bytes) {
   constexpr std::array<std::byte, 3> kName = {std::byte{'D'}, std::byte{'D'}, std::byte{'F'}};
@@ -69,22 +56,22 @@ int VersionOf(std::span<const std::byte> bytes) {
 DdfHeader ParseFileHeader(const ByteReader& reader, int version) {
   DdfHeader header;
   header.version = version;
-  header.frames = I32(reader, 4, "frame count");
-  header.frame_rate_hz = I32(reader, 8, "frame rate");
-  header.high_frequency = I32Within(reader, 12, "resolution", 0, 1) == 1;
-  header.beams = I32Within(reader, 16, "beams", 48, 96);
+  header.frames = reader.I32(4, "frame count");
+  header.frame_rate_hz = reader.I32(8, "frame rate");
+  header.high_frequency = reader.I32Within(12, "resolution", 0, 1) == 1;
+  header.beams = reader.I32Within(16, "beams", 48, 96);
   if (header.beams != 48 && header.beams != 96) {
     throw DataError("{}: {}, expected 48 or 96", reader.Where(16, "beams"), header.beams);
   }
-  I32Within(reader, 24, "samples a beam", kSamples, kSamples);
-  header.reverse = I32(reader, 40, "reverse") != 0;
-  header.serial_number = I32(reader, 44, "serial number");
+  reader.I32Within(24, "samples a beam", kSamples, kSamples);
+  header.reverse = reader.I32(40, "reverse") != 0;
+  header.serial_number = reader.I32(44, "serial number");
   return header;
 }
 
 // Seconds since 1970 of the frame's clock fields; nothing where they are no date.
 std::optional<double> TimeOf(const ByteReader& reader) {
-  const auto field = [&](int index) { return I32(reader, 20 + 4 * index, "date and time"); };
+  const auto field = [&](int index) { return reader.I32(20 + 4 * index, "date and time"); };
   const std::chrono::year_month_day date{std::chrono::year{field(0)},
                                          std::chrono::month{static_cast<unsigned>(field(1))},
                                          std::chrono::day{static_cast<unsigned>(field(2))}};
@@ -111,17 +98,17 @@ DdfFrameHeader ParseFrameHeader(const ByteReader& reader, const DdfHeader& file)
   constexpr int kBuiltBeforeExtendedWindows = 19;  // serial numbers below
   constexpr int kLongRangeOfOld = 15;
   DdfFrameHeader header;
-  const std::int32_t flags = I32(reader, 192, "flags");
+  const std::int32_t flags = reader.I32(192, "flags");
   header.classic = (flags & 1) != 0 || file.serial_number < kBuiltBeforeExtendedWindows;
   header.long_range = file.serial_number < kBuiltBeforeExtendedWindows ? file.serial_number == kLongRangeOfOld
                                                                        : (flags & 2) != 0;
   header.time_s = TimeOf(reader);
-  const int start_code = I32Within(reader, 52, "window start code", 0, 31);
-  const int length_code = I32Within(reader, 56, "window length code", 0, 3);
+  const int start_code = reader.I32Within(52, "window start code", 0, 31);
+  const int length_code = reader.I32Within(56, "window length code", 0, 3);
   header.window_start_m = start_code * (header.classic ? 0.375 : 0.419) * (file.high_frequency ? 1.0 : 2.0);
   header.window_length_m =
       WindowLengthM(file, header.classic, header.long_range, length_code + (file.high_frequency ? 0 : 2));
-  header.gain_db = I32(reader, 68, "gain");
+  header.gain_db = reader.I32(68, "gain");
   header.pan_deg = reader.F32(160, "sonar pan");
   header.tilt_deg = reader.F32(164, "sonar tilt");
   header.roll_deg = reader.F32(168, "sonar roll");
@@ -154,19 +141,16 @@ class DdfRecording final : public RecordingSource {
     const std::vector<std::byte> bytes =
         ReadFileRange(file, 0, std::min(size, header_.file_header_bytes()), "file header");
     header_ = ParseFileHeader({bytes, name_}, version);
-    const std::uint64_t after_header = size - std::min(size, header_.file_header_bytes());
-    const std::uint64_t frames = after_header / header_.frame_bytes();
-    if (frames == 0) {
+    const FramesBySize frames =
+        CountFramesBySize(name_, size, header_.file_header_bytes(), header_.frame_bytes());
+    if (frames.count == 0) {
       throw DataError("{}: byte {}: frame 0: the file ends at byte {}, expected {} bytes a frame", name_,
                       header_.file_header_bytes(), size, header_.frame_bytes());
     }
-    if (frames > static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
-      throw DataError("{}: {} frames, expected at most {}", name_, frames, std::numeric_limits<int>::max());
-    }
-    frame_count_ = static_cast<int>(frames);
+    frame_count_ = frames.count;
     first_ = ReadHeader(0);
     DescribeSonar();
-    NoteQuirks(after_header % header_.frame_bytes());
+    NoteFrameCount(frames, header_.frames, info_.notes);
   }
 
   const RecordingInfo& info() const override { return info_; }
@@ -235,17 +219,6 @@ class DdfRecording final : public RecordingSource {
     info_.notes.emplace_back(first_.time_s
                                  ? "Times are the sonar's clock, of unknown time zone, taken as UTC."
                                  : "The date fields are no date; frames have no time.");
-  }
-
-  void NoteQuirks(std::uint64_t rest_bytes) {
-    if (header_.frames != frame_count_) {
-      info_.notes.push_back(fmt::format("The file header says {} frames; the file's size makes it {}.",
-                                        header_.frames, frame_count_));
-    }
-    if (rest_bytes > 0) {
-      info_.notes.push_back(
-          fmt::format("The last {} bytes are no whole frame and were left out.", rest_bytes));
-    }
   }
 
   fs::path file_;

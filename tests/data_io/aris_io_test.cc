@@ -6,12 +6,10 @@
 #include <limits>
 #include <numeric>
 
-#include "data_io/open_recording.h"
 #include "data_io/types/units.h"
 #include "tests/data_io/byte_writer.h"
-#include "tests/data_io/hostile.h"
+#include "tests/data_io/recording_file_test.h"
 #include "tests/support/recordings.h"
-#include "tests/support/temp_dir.h"
 
 namespace sonarcal {
 namespace {
@@ -20,8 +18,6 @@ using testing::ByteWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::RefusalOf;
-using testing::TempDir;
 
 constexpr std::uint32_t kMagic = 0x05464444;
 constexpr int kSamples = 20;
@@ -84,19 +80,10 @@ struct SyntheticAris {
   }
 };
 
-class ArisTest : public ::testing::Test {
+class ArisTest : public testing::RecordingFileTest {
  protected:
-  std::unique_ptr<RecordingSource> Open(const std::string& bytes) {
-    testing::WriteFile(path_, bytes);
-    return OpenRecording(path_);
-  }
-  std::string Refusal(const SyntheticAris& aris) {
-    testing::WriteFile(path_, aris.Write().bytes());
-    return RefusalOf(path_);
-  }
-
-  TempDir dir_;
-  std::filesystem::path path_ = dir_ / "test.aris";
+  ArisTest() : RecordingFileTest("test.aris") {}
+  std::string Refusal(const SyntheticAris& aris) { return RecordingFileTest::Refusal(aris.Write().bytes()); }
 };
 
 TEST(ArisSample, HoldsWhatTheMakersFileHolds) {
@@ -218,13 +205,13 @@ TEST_F(ArisTest, RefusesAFrameOfAnotherShapeOrNoFrame) {
   const SyntheticAris aris;
   ByteWriter file = aris.Write();
   file.U32(aris.FrameOffset(1) + 468, kSamples - 1);
-  testing::WriteFile(path_, file.bytes());
-  EXPECT_THAT(RefusalOf(path_), HasSubstr("frame 1: PingMode 6 and 19 samples a beam, expected 6 and 20"));
+  EXPECT_THAT(RecordingFileTest::Refusal(file.bytes()),
+              HasSubstr("frame 1: PingMode 6 and 19 samples a beam, expected 6 and 20"));
 
   file = aris.Write();
   file.U32(aris.FrameOffset(1) + 12, 0);
-  testing::WriteFile(path_, file.bytes());
-  EXPECT_THAT(RefusalOf(path_), HasSubstr("byte 3340: Version: 0x00000000, expected 0x05464444"));
+  EXPECT_THAT(RecordingFileTest::Refusal(file.bytes()),
+              HasSubstr("byte 3340: Version: 0x00000000, expected 0x05464444"));
 }
 
 TEST_F(ArisTest, HostileFilesEndInDataError) {

@@ -4,11 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "data_io/didson_io.h"
-#include "data_io/open_recording.h"
 #include "data_io/types/units.h"
 #include "tests/data_io/byte_writer.h"
-#include "tests/data_io/hostile.h"
-#include "tests/support/temp_dir.h"
+#include "tests/data_io/recording_file_test.h"
 
 namespace sonarcal {
 namespace {
@@ -16,8 +14,6 @@ namespace {
 using testing::ByteWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::RefusalOf;
-using testing::TempDir;
 
 // A small made-up recording, by the published layout; a test changes what it is about.
 struct MadeUpDdf {
@@ -73,19 +69,13 @@ struct MadeUpDdf {
   }
 };
 
-class DdfTest : public ::testing::Test {
+class DdfTest : public testing::RecordingFileTest {
  protected:
+  DdfTest() : RecordingFileTest("test.ddf") {}
   std::unique_ptr<RecordingSource> Open(const MadeUpDdf& ddf) {
-    testing::WriteFile(path_, ddf.Write().bytes());
-    return OpenRecording(path_);
+    return RecordingFileTest::Open(ddf.Write().bytes());
   }
-  std::string Refusal(const MadeUpDdf& ddf) {
-    testing::WriteFile(path_, ddf.Write().bytes());
-    return RefusalOf(path_);
-  }
-
-  TempDir dir_;
-  std::filesystem::path path_ = dir_ / "test.ddf";
+  std::string Refusal(const MadeUpDdf& ddf) { return RecordingFileTest::Refusal(ddf.Write().bytes()); }
 };
 
 TEST_F(DdfTest, BothVersionsGiveTheirPixels) {

@@ -6,12 +6,10 @@
 #include <limits>
 #include <numeric>
 
-#include "data_io/open_recording.h"
 #include "data_io/types/units.h"
-#include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_ping.h"
+#include "tests/data_io/recording_file_test.h"
 #include "tests/support/recordings.h"
-#include "tests/support/temp_dir.h"
 
 namespace sonarcal {
 namespace {
@@ -21,24 +19,12 @@ using testing::ByteWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::RefusalOf;
-using testing::TempDir;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-class OculusTest : public ::testing::Test {
+class OculusTest : public testing::RecordingFileTest {
  protected:
-  std::unique_ptr<RecordingSource> Open(const std::string& bytes) {
-    testing::WriteFile(path_, bytes);
-    return OpenRecording(path_);
-  }
-  std::string Refusal(const std::string& bytes) {
-    testing::WriteFile(path_, bytes);
-    return RefusalOf(path_);
-  }
-
-  TempDir dir_;
-  std::filesystem::path path_ = dir_ / "ping.raw";
+  OculusTest() : RecordingFileTest("ping.raw") {}
 };
 
 TEST(OculusSample, HoldsOnePingOfTheHighFrequency) {

@@ -6,10 +6,8 @@
 
 #include <algorithm>
 
-#include "data_io/open_recording.h"
-#include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_ping.h"
-#include "tests/support/temp_dir.h"
+#include "tests/data_io/recording_file_test.h"
 
 namespace sonarcal {
 namespace {
@@ -18,8 +16,6 @@ using testing::ByteWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using testing::MadeUpPing;
-using testing::RefusalOf;
-using testing::TempDir;
 
 std::string Text(ByteWriter writer) {
   return writer.bytes();
@@ -66,20 +62,11 @@ struct MadeUpItem {
   }
 };
 
-class OculusLogTest : public ::testing::Test {
+class OculusLogTest : public testing::RecordingFileTest {
  protected:
-  std::unique_ptr<RecordingSource> Open(const std::string& bytes) {
-    testing::WriteFile(path_, bytes);
-    return OpenRecording(path_);
-  }
-  std::string Refusal(const std::string& bytes) {
-    testing::WriteFile(path_, bytes);
-    return RefusalOf(path_);
-  }
+  OculusLogTest() : RecordingFileTest("test.oculus") {}
 
   const std::string ping_ = Text(MadeUpPing{.version = 2, .ranges = 9}.Write());
-  TempDir dir_;
-  std::filesystem::path path_ = dir_ / "test.oculus";
 };
 
 // The same pixels as from the message alone, however it is stored.
