@@ -68,13 +68,14 @@ class RowShader {
 
   double steps_of_one() const { return steps_of_one_; }
 
-  // Arrays of a row, one set a thread.
+  // Arrays of a row's hits, one set a thread.
   struct Buffers {
     explicit Buffers(int cols)
         : weight(cols),
           true_azimuth_rad(cols),
           range_m(cols),
           azimuth_rad(cols),
+          of_columns(cols),
           a(cols),
           b(cols),
           steps(cols),
@@ -84,6 +85,7 @@ class RowShader {
     std::vector<float> true_azimuth_rad;
     std::vector<float> range_m;
     std::vector<float> azimuth_rad;
+    std::vector<float> of_columns;
     std::vector<float> a;
     std::vector<float> b;
     std::vector<std::int32_t> steps;
@@ -94,35 +96,43 @@ class RowShader {
   void Add(const RowHits& hits, Buffers& of, Grid<std::int64_t>& sums) const {
     Shade(hits, of);
     const float* range_m = hits.range_m;
-    const std::int32_t* beam = beam_.data();
-    const int cols = fan_.cols();
     if (seed_) {
-      const auto first = static_cast<std::uint32_t>(hits.row) * static_cast<std::uint32_t>(cols);
-      row_math::NormalPairs(*seed_, first, cols, of.a.data(), of.b.data());
+      const auto first = static_cast<std::uint32_t>(hits.row) * static_cast<std::uint32_t>(fan_.cols());
+      row_math::NormalPairs(*seed_, first, hits.col, hits.count, of.a.data(), of.b.data());
       const float* azimuth_rad = azimuth_rad_.data();
       if (fan_.staggered()) {
         fan_.RowAzimuths(hits.row, of.true_azimuth_rad.data());
         azimuth_rad = of.true_azimuth_rad.data();
       }
-      row_math::Disturb(growth_, range_scale_, azimuth_scale_, hits.range_m, azimuth_rad, of.a.data(),
-                        of.b.data(), cols, of.range_m.data(), of.azimuth_rad.data());
+      row_math::Disturb(growth_, range_scale_, azimuth_scale_, hits.range_m,
+                        OfHits(azimuth_rad, hits, of.of_columns), of.a.data(), of.b.data(), hits.count,
+                        of.range_m.data(), of.azimuth_rad.data());
       range_m = of.range_m.data();
-      BeamsOf(of);
-      beam = of.beam.data();
+      BeamsOf(hits.count, of);
+    } else {
+      for (int i = 0; i < hits.count; ++i) of.beam[i] = beam_[hits.col[i]];
     }
     row_math::Bins(range_m, static_cast<float>(axes_.range_min_m),
-                   static_cast<float>(1.0 / axes_.range_bin_m()), axes_.range_bins, cols, of.bin.data());
+                   static_cast<float>(1.0 / axes_.range_bin_m()), axes_.range_bins, hits.count,
+                   of.bin.data());
     const auto nearest_m = static_cast<float>(axes_.range_min_m);
     const auto farthest_m = static_cast<float>(axes_.range_max_m);
-    for (int i = 0; i < cols; ++i) {
+    for (int i = 0; i < hits.count; ++i) {
       const float true_m = hits.range_m[i];
-      if (of.bin[i] < 0 || beam[i] < 0 || !(true_m > 0.0F && true_m >= nearest_m && true_m < farthest_m))
+      if (of.bin[i] < 0 || of.beam[i] < 0 || !(true_m > 0.0F && true_m >= nearest_m && true_m < farthest_m))
         continue;
-      sums(of.bin[i], beam[i]) += of.steps[i];
+      sums(of.bin[i], of.beam[i]) += of.steps[i];
     }
   }
 
  private:
+  // Of one number a column, those of the hits: the array itself where every ray hit.
+  const float* OfHits(const float* of_columns, const RowHits& hits, std::vector<float>& buffer) const {
+    if (hits.count == fan_.cols()) return of_columns;
+    for (int i = 0; i < hits.count; ++i) buffer[i] = of_columns[hits.col[i]];
+    return buffer.data();
+  }
+
   // A row seldom shows more than a few materials: each run of one is shaded at once.
   void Shade(const RowHits& hits, Buffers& of) const {
     const float* weight = weight_.data();
@@ -131,9 +141,10 @@ class RowShader {
       for (int i = 0; i < fan_.cols(); ++i) of.weight[i] *= weight_[i];
       weight = of.weight.data();
     }
-    for (int first = 0; first < fan_.cols();) {
+    weight = OfHits(weight, hits, of.of_columns);
+    for (int first = 0; first < hits.count;) {
       int end = first + 1;
-      while (end < fan_.cols() && hits.material[end] == hits.material[first]) ++end;
+      while (end < hits.count && hits.material[end] == hits.material[first]) ++end;
       const row_math::Table table{strengths_[hits.material[first]].data(), table_steps_};
       row_math::EchoSteps(level_, table, hits.range_m + first, hits.half_tangent + first, weight + first,
                           end - first, of.steps.data() + first);
@@ -141,15 +152,15 @@ class RowShader {
     }
   }
 
-  void BeamsOf(Buffers& of) const {
+  void BeamsOf(int count, Buffers& of) const {
     const int beams = axes_.beam_count();
     const double width = (edges_rad_.back() - edges_rad_.front()) / beams;
     if (even_beams_) {
       row_math::Bins(of.azimuth_rad.data(), static_cast<float>(edges_rad_.front()),
-                     static_cast<float>(1.0 / width), beams, fan_.cols(), of.beam.data());
+                     static_cast<float>(1.0 / width), beams, count, of.beam.data());
       return;
     }
-    for (int i = 0; i < fan_.cols(); ++i) {
+    for (int i = 0; i < count; ++i) {
       const auto above = std::upper_bound(edges_rad_.begin(), edges_rad_.end(), of.azimuth_rad[i]);
       const auto beam = static_cast<std::int32_t>(above - edges_rad_.begin()) - 1;
       of.beam[i] = beam < beams ? beam : -1;

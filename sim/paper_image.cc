@@ -48,7 +48,7 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
   const int beams = axes.beam_count();
   const std::vector<double> edges_rad = axes.BeamEdgesRad();
   const bool noisy = options.noise_seed.has_value();
-  const CounterRandom random(options.noise_seed.value_or(0));
+  const std::uint64_t seed = options.noise_seed.value_or(0);
 
   tbb::enumerable_thread_specific<Grid<std::int64_t>> partial_sums(Grid<std::int64_t>(bins, beams));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, echoes.size(), 4096), [&](const auto& range) {
@@ -59,7 +59,8 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
       int beam = echoes.Beam(echo);
       const int rays = echoes.rays_per_beam[beam];
       if (noisy) {
-        const auto [range_error, azimuth_error] = random.Normal2(echoes.ray[echo]);
+        const auto [range_error, azimuth_error] =
+            NormalPairOfRay(seed, static_cast<std::uint32_t>(echoes.ray[echo]));
         noisy_range_m += range_error * JitterSigmaRangeM(parameters.jitter, range_m, sonar.frequency_hz);
         const double azimuth_rad =
             echoes.azimuth_rad[echo] +

@@ -1,5 +1,6 @@
 // Random numbers that depend only on (seed, stream, index), so that a noisy image is the same on any number
-// of threads. Philox 4x32-10 (Salmon et al., SC 2011), a counter-based generator that passes BigCrush.
+// of threads. Philox 4x32-10 and 2x32-10 (Salmon et al., SC 2011), counter-based generators that pass
+// BigCrush.
 #pragma once
 
 #include <array>
@@ -16,6 +17,7 @@ inline constexpr std::uint32_t kMultiplier0 = 0xD2511F53;
 inline constexpr std::uint32_t kMultiplier1 = 0xCD9E8D57;
 inline constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
 inline constexpr std::uint32_t kWeyl1 = 0xBB67AE85;
+inline constexpr std::uint32_t kMultiplierOfTwo = 0xD256D193;
 }  // namespace philox
 
 inline std::array<std::uint32_t, 4> Philox(std::array<std::uint32_t, 4> counter,
@@ -29,6 +31,26 @@ inline std::array<std::uint32_t, 4> Philox(std::array<std::uint32_t, 4> counter,
     key[1] += philox::kWeyl1;
   }
   return counter;
+}
+
+inline std::array<std::uint32_t, 2> Philox2(std::array<std::uint32_t, 2> counter, std::uint32_t key) {
+  for (int round = 0; round < philox::kRounds; ++round) {
+    const std::uint64_t product = std::uint64_t{philox::kMultiplierOfTwo} * counter[0];
+    counter = {static_cast<std::uint32_t>(product >> 32) ^ key ^ counter[1],
+               static_cast<std::uint32_t>(product)};
+    key += philox::kWeyl0;
+  }
+  return counter;
+}
+
+// Two independent standard normal numbers (Box and Muller) of a ray, from the two words that are all a pair
+// costs: in steps of 2^-32 of their distribution, up to 6.7. sim/row_math.h makes the same, many at once.
+inline std::pair<double, double> NormalPairOfRay(std::uint64_t seed, std::uint32_t ray) {
+  const auto [first, second] =
+      Philox2({ray, static_cast<std::uint32_t>(seed >> 32)}, static_cast<std::uint32_t>(seed));
+  const double radius = std::sqrt(-2.0 * std::log((first + 0.5) * 0x1p-32));
+  const double angle = second * (2.0 * std::numbers::pi * 0x1p-32);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
 class CounterRandom {

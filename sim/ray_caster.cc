@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -25,6 +26,59 @@ constexpr int kPacket = 16;
 struct RayCaster::RowBuffers {
   std::array<std::vector<float>, 3> direction;
 };
+
+namespace {
+
+// The hits of a row, one packet after the other.
+class HitsOfRow {
+ public:
+  explicit HitsOfRow(int cols)
+      : col_(static_cast<std::size_t>(cols + kPacket)),
+        range_m_(col_.size()),
+        half_tangent_(col_.size()),
+        material_(col_.size()) {}
+
+  void Clear() { count_ = 0; }
+
+  void Add(int first, int count, const RTCRayHit16& packet, const std::vector<std::uint16_t>& materials) {
+    int hits = 0;
+    for (int i = 0; i < count; ++i) hits += packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+    if (hits == 0) return;
+    float half_tangent[kPacket];
+    row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
+                           packet.hit.Ng_y, packet.hit.Ng_z, kPacket, half_tangent);
+    if (hits == kPacket) {
+      std::iota(&col_[count_], &col_[count_] + kPacket, first);
+      std::copy_n(packet.ray.tfar, kPacket, &range_m_[count_]);
+      std::copy_n(half_tangent, kPacket, &half_tangent_[count_]);
+      for (int i = 0; i < kPacket; ++i) material_[count_ + i] = materials[packet.hit.primID[i]];
+      count_ += kPacket;
+      return;
+    }
+    // Written whether hit or not, and written over by the next where not: no branch to be guessed.
+    for (int i = 0; i < count; ++i) {
+      const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+      col_[count_] = first + i;
+      range_m_[count_] = packet.ray.tfar[i];
+      half_tangent_[count_] = half_tangent[i];
+      material_[count_] = materials[hit ? packet.hit.primID[i] : 0];
+      count_ += hit ? 1 : 0;
+    }
+  }
+
+  RowHits Of(int row) const {
+    return {row, count_, col_.data(), range_m_.data(), half_tangent_.data(), material_.data()};
+  }
+
+ private:
+  int count_ = 0;
+  std::vector<std::int32_t> col_;
+  std::vector<float> range_m_;
+  std::vector<float> half_tangent_;
+  std::vector<std::uint16_t> material_;
+};
+
+}  // namespace
 
 struct RayCaster::Embree {
   RTCDevice device = nullptr;
@@ -140,23 +194,14 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
   tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
     const embree::FlushDenormals flush;
     RowBuffers buffers;
-    const auto padded = static_cast<std::size_t>(fan.cols() + kPacket);
-    std::vector<float> range_m(padded);
-    std::vector<float> half_tangent(padded);
-    std::vector<std::uint16_t> material(padded);
+    HitsOfRow hits(fan.cols());
     for (int row = rows.begin(); row != rows.end(); ++row) {
+      hits.Clear();
       CastRow(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
               [&](int first, int count, const RTCRayHit16& packet) {
-                row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
-                                       packet.hit.Ng_y, packet.hit.Ng_z, kPacket, &half_tangent[first]);
-                for (int i = 0; i < count; ++i) {
-                  const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-                  range_m[first + i] = hit ? packet.ray.tfar[i] : -1.0F;
-                  material[first + i] =
-                      hit ? TriangleMaterial(static_cast<int>(packet.hit.primID[i])) : std::uint16_t{0};
-                }
+                hits.Add(first, count, packet, scene_.triangle_material);
               });
-      take({row, range_m.data(), half_tangent.data(), material.data()});
+      take(hits.Of(row));
     }
   });
   embree_->rays_cast += fan.size();

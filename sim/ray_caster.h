@@ -20,10 +20,12 @@ struct FanHits {
   std::vector<std::int32_t> triangle;  // index into Scene::triangles; -1 for a miss
 };
 
-// What a row of a fan's rays met; arrays of the fan's columns.
+// Those of a fan's row of rays that met something; arrays of `count`.
 struct RowHits {
   int row = 0;
-  const float* range_m = nullptr;       // -1 for a miss
+  int count = 0;
+  const std::int32_t* col = nullptr;  // ascending
+  const float* range_m = nullptr;
   const float* half_tangent = nullptr;  // tan(delta / 2) of the incidence angle: 0 (normal) .. 1 (grazing)
   const std::uint16_t* material = nullptr;
 };

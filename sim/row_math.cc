@@ -5,6 +5,7 @@
 #define SONARCAL_AVX2
 #endif
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -119,95 +120,89 @@ namespace {
 
 constexpr int kLanes = 64;
 
-// Philox (sim/random.h), a lane for each index: words 0 and 2, which are the high ones.
-void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, std::uint32_t* word0, std::uint32_t* word2) {
+// Philox2 (sim/random.h), a lane for each index.
+void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset,
+                      std::uint32_t* word0, std::uint32_t* word1) {
   for (int i = 0; i < kLanes; ++i) {
-    const auto words = Philox({first + static_cast<std::uint32_t>(i), 0, 0, 0},
-                              {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+    const auto words =
+        Philox2({first + static_cast<std::uint32_t>(offset[i]), static_cast<std::uint32_t>(seed >> 32)},
+                static_cast<std::uint32_t>(seed));
     word0[i] = words[0];
-    word2[i] = words[2];
+    word1[i] = words[1];
   }
 }
 
 #ifdef SONARCAL_AVX2
-// High and low halves of 32 x 32 bit products, lane by lane.
-__attribute__((target("avx2"))) inline void Multiply(__m256i value, __m256i by, __m256i& high, __m256i& low) {
-  const __m256i even = _mm256_mul_epu32(value, by);
-  const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(value, 32), by);
-  high = _mm256_blend_epi32(_mm256_srli_epi64(even, 32), odd, 0xAA);
-  low = _mm256_blend_epi32(even, _mm256_slli_epi64(odd, 32), 0xAA);
-}
-
 struct PhiloxLanes {
-  __m256i c[4];
+  __m256i word0;
+  __m256i word1;
 };
 
-__attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by0, __m256i by1, __m256i key0,
-                                                  __m256i key1) {
-  __m256i high0;
-  __m256i high1;
-  __m256i low0;
-  __m256i low1;
-  Multiply(lanes.c[0], by0, high0, low0);
-  Multiply(lanes.c[2], by1, high1, low1);
-  lanes.c[0] = _mm256_xor_si256(_mm256_xor_si256(high1, lanes.c[1]), key0);
-  lanes.c[2] = _mm256_xor_si256(_mm256_xor_si256(high0, lanes.c[3]), key1);
-  lanes.c[1] = low1;
-  lanes.c[3] = low0;
+__attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by, __m256i key) {
+  // 32 x 32 bit products of the even lanes and of the odd ones; high and low halves put side by side.
+  const __m256i even = _mm256_mul_epu32(lanes.word0, by);
+  const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(lanes.word0, 32), by);
+  const __m256i high = _mm256_blend_epi32(_mm256_srli_epi64(even, 32), odd, 0xAA);
+  const __m256i low = _mm256_blend_epi32(even, _mm256_slli_epi64(odd, 32), 0xAA);
+  lanes.word0 = _mm256_xor_si256(_mm256_xor_si256(high, key), lanes.word1);
+  lanes.word1 = low;
 }
 
-// Two vectors at a time: one's products are under way while the other's are used.
+// Four vectors at a time: one's products are under way while the others' are used.
 __attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::uint32_t first,
-                                                     std::uint32_t* word0, std::uint32_t* word2) {
-  const __m256i by0 = _mm256_set1_epi64x(philox::kMultiplier0);
-  const __m256i by1 = _mm256_set1_epi64x(philox::kMultiplier1);
-  const __m256i weyl0 = _mm256_set1_epi32(static_cast<int>(philox::kWeyl0));
-  const __m256i weyl1 = _mm256_set1_epi32(static_cast<int>(philox::kWeyl1));
-  const __m256i zero = _mm256_setzero_si256();
-  const __m256i steps = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-  for (int start = 0; start < kLanes; start += 16) {
-    const auto from = static_cast<int>(first + static_cast<std::uint32_t>(start));
-    PhiloxLanes a = {{_mm256_add_epi32(_mm256_set1_epi32(from), steps), zero, zero, zero}};
-    PhiloxLanes b = {{_mm256_add_epi32(a.c[0], _mm256_set1_epi32(8)), zero, zero, zero}};
-    __m256i key0 = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed)));
-    __m256i key1 = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed >> 32)));
-    for (int round = 0; round < philox::kRounds; ++round) {
-      Round(a, by0, by1, key0, key1);
-      Round(b, by0, by1, key0, key1);
-      key0 = _mm256_add_epi32(key0, weyl0);
-      key1 = _mm256_add_epi32(key1, weyl1);
+                                                     const std::int32_t* offset, std::uint32_t* word0,
+                                                     std::uint32_t* word1) {
+  constexpr int kVectors = 4;
+  constexpr int kOfVector = 8;
+  const __m256i by = _mm256_set1_epi64x(philox::kMultiplierOfTwo);
+  const __m256i weyl = _mm256_set1_epi32(static_cast<int>(philox::kWeyl0));
+  const __m256i from = _mm256_set1_epi32(static_cast<int>(first));
+  const __m256i high = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed >> 32)));
+  for (int start = 0; start < kLanes; start += kVectors * kOfVector) {
+    PhiloxLanes lanes[kVectors];
+    for (int v = 0; v < kVectors; ++v) {
+      const auto* offsets = reinterpret_cast<const __m256i*>(offset + start + v * kOfVector);
+      lanes[v] = {_mm256_add_epi32(from, _mm256_loadu_si256(offsets)), high};
     }
-    _mm256_store_si256(reinterpret_cast<__m256i*>(word0 + start), a.c[0]);
-    _mm256_store_si256(reinterpret_cast<__m256i*>(word2 + start), a.c[2]);
-    _mm256_store_si256(reinterpret_cast<__m256i*>(word0 + start + 8), b.c[0]);
-    _mm256_store_si256(reinterpret_cast<__m256i*>(word2 + start + 8), b.c[2]);
+    __m256i key = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed)));
+    for (int round = 0; round < philox::kRounds; ++round) {
+      for (PhiloxLanes& of_vector : lanes) Round(of_vector, by, key);
+      key = _mm256_add_epi32(key, weyl);
+    }
+    for (int v = 0; v < kVectors; ++v) {
+      _mm256_store_si256(reinterpret_cast<__m256i*>(word0 + start + v * kOfVector), lanes[v].word0);
+      _mm256_store_si256(reinterpret_cast<__m256i*>(word1 + start + v * kOfVector), lanes[v].word1);
+    }
   }
 }
 #endif
 
-void PhiloxWords(std::uint64_t seed, std::uint32_t first, std::uint32_t* word0, std::uint32_t* word2) {
+void PhiloxWords(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset, std::uint32_t* word0,
+                 std::uint32_t* word1) {
 #ifdef SONARCAL_AVX2
   static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
   if (has_avx2) {
-    PhiloxWordsAvx2(seed, first, word0, word2);
+    PhiloxWordsAvx2(seed, first, offset, word0, word1);
     return;
   }
 #endif
-  PhiloxWordsPlain(seed, first, word0, word2);
+  PhiloxWordsPlain(seed, first, offset, word0, word1);
 }
 
 }  // namespace
 
 SONARCAL_VECTOR_VERSIONS
-void NormalPairs(std::uint64_t seed, std::uint32_t first, int count, float* __restrict a,
-                 float* __restrict b) {
+void NormalPairs(std::uint64_t seed, std::uint32_t first, const std::int32_t* __restrict offset, int count,
+                 float* __restrict a, float* __restrict b) {
   for (int start = 0; start < count; start += kLanes) {
+    const int here = count - start < kLanes ? count - start : kLanes;
+    std::int32_t whole[kLanes] = {};  // the last offsets, where they fill no whole set of lanes
+    if (here < kLanes) std::copy_n(offset + start, here, whole);
     alignas(32) std::uint32_t first_word[kLanes];
-    alignas(32) std::uint32_t third_word[kLanes];
-    PhiloxWords(seed, first + static_cast<std::uint32_t>(start), first_word, third_word);
-    // Box and Muller. The high words alone: steps of 2^-32 reach 6.7 standard deviations. Turns lie within
-    // half a one of 0, where single precision serves a sine best. Sine and cosine in loops of their own: a
-    // compiler that takes them together finds no vectors for both.
+    alignas(32) std::uint32_t second_word[kLanes];
+    PhiloxWords(seed, first, here < kLanes ? whole : offset + start, first_word, second_word);
+    // Box and Muller. Turns lie within half a one of 0, where single precision serves a sine best. Sine and
+    // cosine in loops of their own: a compiler that takes them together finds no vectors for both.
     constexpr float kStep = 0x1p-32F;
     constexpr float kWholeTurn = 2.0F * std::numbers::pi_v<float>;
     float radius[kLanes];
@@ -218,11 +213,10 @@ void NormalPairs(std::uint64_t seed, std::uint32_t first, int count, float* __re
       const float u =
           (static_cast<float>(static_cast<std::int32_t>(first_word[i] >> 1)) * 2.0F + 1.0F) * kStep;
       radius[i] = std::sqrt(-2.0F * std::log(u));
-      angle[i] = static_cast<float>(static_cast<std::int32_t>(third_word[i])) * (kWholeTurn * kStep);
+      angle[i] = static_cast<float>(static_cast<std::int32_t>(second_word[i])) * (kWholeTurn * kStep);
     }
     for (int i = 0; i < kLanes; ++i) normal_a[i] = radius[i] * std::cos(angle[i]);
     for (int i = 0; i < kLanes; ++i) normal_b[i] = radius[i] * std::sin(angle[i]);
-    const int here = count - start < kLanes ? count - start : kLanes;
     for (int i = 0; i < here; ++i) {
       a[start + i] = normal_a[i];
       b[start + i] = normal_b[i];

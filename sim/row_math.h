@@ -49,9 +49,10 @@ struct EchoLevel {
 void EchoSteps(const EchoLevel& level, const Table& table, const float* range_m, const float* half_tangent,
                const float* weight, int count, std::int32_t* steps);
 
-// Two standard normal numbers for each of `count` indices from `first` on: those of
-// CounterRandom(seed, 0).Normal2, but for rounding. first + count <= 2^32.
-void NormalPairs(std::uint64_t seed, std::uint32_t first, int count, float* a, float* b);
+// Two standard normal numbers for each of `count` indices first + offset[i]: those of
+// NormalPairOfRay (sim/random.h), but for rounding. Indices are below 2^32.
+void NormalPairs(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset, int count, float* a,
+                 float* b);
 
 // Standard deviation of an error that grows with range: scale x g(R), g^2 (or g, where not `root`) =
 // 1 + (R / reference)^2; added to what it disturbs.

@@ -19,6 +19,14 @@ TEST(Philox, KnownAnswers) {
             (Counter{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
+// Likewise, philox2x32 with 10 rounds.
+TEST(Philox2, KnownAnswers) {
+  using Words = std::array<std::uint32_t, 2>;
+  EXPECT_EQ(Philox2({0, 0}, 0), (Words{0xff1dae59, 0x6cd10df2}));
+  EXPECT_EQ(Philox2({0xffffffff, 0xffffffff}, 0xffffffff), (Words{0x2c3f628b, 0xab4fd7ad}));
+  EXPECT_EQ(Philox2({0x243f6a88, 0x85a308d3}, 0x13198a2e), (Words{0xdd7ce038, 0xf62a4c12}));
+}
+
 TEST(CounterRandom, EverythingOfItsKeyMatters) {
   const auto at = [](std::uint64_t seed, std::uint32_t stream, std::uint64_t index) {
     return CounterRandom(seed, stream).Uniform2(index);
@@ -46,33 +54,48 @@ double KolmogorovDistance(std::vector<double> sample, const Cdf& cdf) {
   return distance;
 }
 
-TEST(CounterRandom, UniformAndNormal) {
-  constexpr int kCount = 100'000;
-  const CounterRandom random(42);
-  std::vector<double> uniform;
+constexpr int kCount = 100'000;
+constexpr double kCritical = 2.69;
+
+// `pair(i)`, i = 0 .. kCount - 1: two independent standard normal numbers each.
+template <typename Pair>
+void ExpectNormalPairs(const Pair& pair) {
   std::vector<double> first;
   std::vector<double> second;
   double product = 0.0;
   double product_of_squares = 0.0;
   for (int i = 0; i < kCount; ++i) {
-    const auto [u, v] = random.Uniform2(i);
-    ASSERT_GT(std::min(u, v), 0.0);
-    ASSERT_LT(std::max(u, v), 1.0);
-    uniform.push_back(u);
-    const auto [x, y] = random.Normal2(i);
+    const auto [x, y] = pair(i);
     first.push_back(x);
     second.push_back(y);
     product += x * y;
     product_of_squares += (x * x - 1.0) * (y * y - 1.0);
   }
-  const double critical = 2.69 / std::sqrt(kCount);
   const auto normal_cdf = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
-  EXPECT_LT(KolmogorovDistance(uniform, [](double u) { return u; }), critical);
-  EXPECT_LT(KolmogorovDistance(first, normal_cdf), critical);
-  EXPECT_LT(KolmogorovDistance(second, normal_cdf), critical);
+  EXPECT_LT(KolmogorovDistance(first, normal_cdf), kCritical / std::sqrt(kCount));
+  EXPECT_LT(KolmogorovDistance(second, normal_cdf), kCritical / std::sqrt(kCount));
   // Standard errors of the two sums: sqrt(n), and sqrt(n) times the variance 2 of a squared normal.
   EXPECT_LT(std::abs(product), 4.9 * std::sqrt(kCount));
   EXPECT_LT(std::abs(product_of_squares), 4.9 * 2.0 * std::sqrt(kCount));
+}
+
+TEST(CounterRandom, UniformAndNormal) {
+  const CounterRandom random(42);
+  std::vector<double> uniform;
+  for (int i = 0; i < kCount; ++i) {
+    const auto [u, v] = random.Uniform2(i);
+    ASSERT_GT(std::min(u, v), 0.0);
+    ASSERT_LT(std::max(u, v), 1.0);
+    uniform.push_back(u);
+  }
+  EXPECT_LT(KolmogorovDistance(uniform, [](double u) { return u; }), kCritical / std::sqrt(kCount));
+  ExpectNormalPairs([&](int i) { return random.Normal2(i); });
+}
+
+TEST(NormalPairOfRay, IsNormalOverRaysAndSeeds) {
+  ExpectNormalPairs([](int ray) { return NormalPairOfRay(42, ray); });
+  ExpectNormalPairs([](int seed) { return NormalPairOfRay(seed, 7); });
+  ExpectNormalPairs([](int seed) { return NormalPairOfRay(static_cast<std::uint64_t>(seed) << 32, 7); });
 }
 
 }  // namespace

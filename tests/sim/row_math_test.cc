@@ -92,15 +92,16 @@ TEST(RowMath, EchoStepsFollowTheLevel) {
 
 TEST(RowMath, NormalPairsAreThoseOfTheCounter) {
   const std::uint64_t seed = 0x123456789ABCDEFULL;
-  const CounterRandom random(seed);
   constexpr int kCount = 100'003;
   constexpr std::uint32_t kFirst = 4'000'000'000U;
   std::vector<float> a(kCount);
   std::vector<float> b(kCount);
-  row_math::NormalPairs(seed, kFirst, kCount, a.data(), b.data());
+  std::vector<std::int32_t> offset(kCount);
+  for (int i = 0; i < kCount; ++i) offset[i] = 2 * i + i % 3;
+  row_math::NormalPairs(seed, kFirst, offset.data(), kCount, a.data(), b.data());
   double largest = 0.0;
   for (int i = 0; i < kCount; ++i) {
-    const auto [x, y] = random.Normal2(std::uint64_t{kFirst} + static_cast<std::uint64_t>(i));
+    const auto [x, y] = NormalPairOfRay(seed, kFirst + static_cast<std::uint32_t>(offset[i]));
     largest = std::max({largest, std::abs(x - a[i]), std::abs(y - b[i])});
   }
   // Twenty-four bits of a turn, and of a number near 1 under the logarithm (radius 3e-4 is its resolution).
