@@ -1,0 +1,142 @@
+// One source for all targets: SONARCAL_FUZZ_TARGET names the one that is built.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "data_io/cad_io.h"
+#include "data_io/image_io.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/recording_io.h"
+#include "data_io/scene_io.h"
+#include "data_io/trajectory_io.h"
+#include "data_io/types/error.h"
+#include "tests/fuzz/fuzz_target.h"
+
+namespace sonarcal::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of this process alone, in memory where the system has such a place.
+class Folder {
+ public:
+  Folder() {
+    const fs::path root = fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path();
+    path_ = root / ("sonarcal_fuzz_" + std::to_string(getpid()));
+    fs::create_directories(path_);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  fs::path Write(const std::string& name, std::string_view bytes) const {
+    std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return path_ / name;
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+const Folder& TheFolder() {
+  static const Folder folder;
+  return folder;
+}
+
+// An input may hold frames by the thousand, all through the same code.
+void ReadSomeFrames(const RecordingSource& recording) {
+  for (int i = 0; i < std::min(recording.frame_count(), 4); ++i) {
+    recording.frame_info(i);
+    recording.ReadFrame(i);
+  }
+  if (recording.frame_count() > 4) recording.ReadFrame(recording.frame_count() - 1);
+}
+
+void RecordingFile(std::string_view bytes) {
+  ReadSomeFrames(*OpenRecording(TheFolder().Write("recording.bin", bytes)));
+}
+
+// The frame beside it: 3 x 2 pixels.
+void RecordingFolder(std::string_view bytes) {
+  static const bool written = [] {
+    WritePng(TheFolder().path() / "frame_0000.png", Grid<std::uint8_t>(3, 2, 100));
+    return true;
+  }();
+  static_cast<void>(written);
+  TheFolder().Write("recording.json", bytes);
+  ReadSomeFrames(*OpenRecordingFolder(TheFolder().path()));
+}
+
+// Settings of a DIDSON ping, beside a picture of one.
+void DidsonSettings(std::string_view bytes) {
+  static const bool written = [] {
+    WritePng(TheFolder().path() / "1468966376476216.png", Grid<std::uint8_t>(512, 96, 7));
+    return true;
+  }();
+  static_cast<void>(written);
+  ReadSomeFrames(*OpenRecording(TheFolder().Write("1468966376476216.json", bytes)));
+}
+
+void Picture(std::string_view bytes) {
+  const ImageFile file(std::string(bytes), "picture");
+  try {
+    file.DecodeGrey();
+  } catch (const DataError&) {
+    file.DecodeRgb();
+  }
+}
+
+void Gltf(std::string_view bytes) {
+  ParseGltf(bytes, TheFolder().Write("scene.gltf", bytes));
+}
+
+void Obj(std::string_view bytes) {
+  ParseObj(std::string(bytes), "scene.obj");
+}
+
+void Stl(std::string_view bytes) {
+  ParseStl(std::string(bytes), "scene.stl");
+}
+
+void Parameters(std::string_view bytes) {
+  ParseParameters(bytes, "params.json");
+}
+
+void Poses(std::string_view bytes) {
+  ReadPoses(TheFolder().Write("poses.json", bytes));
+}
+
+void Trajectory(std::string_view bytes) {
+  const fs::path file = TheFolder().Write("trajectory.txt", bytes);
+  ReadTrajectory(file, GuessTrajectoryFormat(file));
+}
+
+void Mount(std::string_view bytes) {
+  ReadMount(TheFolder().Write("mount.json", bytes));
+}
+
+}  // namespace
+}  // namespace sonarcal::fuzz
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  sonarcal::fuzz::last_refusal.clear();
+  try {
+    sonarcal::fuzz::SONARCAL_FUZZ_TARGET({reinterpret_cast<const char*>(data), size});
+  } catch (const sonarcal::DataError& error) {
+    sonarcal::fuzz::last_refusal = error.what();
+    if (sonarcal::fuzz::last_refusal.empty()) std::abort();
+  }
+  return 0;  // any other exception ends the program, which is what is looked for
+}

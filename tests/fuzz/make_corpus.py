@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Writes corpus/: small inputs for every fuzz target, by the published layouts and not by the program's code.
+
+  tests/fuzz/make_corpus.py
+
+What is found by scripts/fuzz.sh and mended goes beside them by hand, under a name that says what it was.
+"""
+
+import base64
+import json
+import pathlib
+import struct
+import zlib
+
+ROOT = pathlib.Path(__file__).parent / "corpus"
+
+
+def put(target, name, data):
+    folder = ROOT / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(data if isinstance(data, bytes) else data.encode())
+
+
+def fields(size, *values):
+    """`size` bytes of zeros with (offset, struct format, value) written into them."""
+    data = bytearray(size)
+    for offset, form, value in values:
+        struct.pack_into("<" + form, data, offset, value)
+    return bytes(data)
+
+
+def png(rows, cols, pixels, bits=8, colour=0):
+    channels = {0: 1, 2: 3}[colour]
+    row_bytes = cols * channels * bits // 8
+    raw = b"".join(b"\0" + pixels[i * row_bytes:(i + 1) * row_bytes] for i in range(rows))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", cols, rows, bits, colour, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
+
+
+def tiff(rows, cols, bits, is_float):
+    pixels = struct.pack(f"<{rows * cols}f", *range(rows * cols)) if is_float else bytes(rows * cols * bits // 8)
+    tags = [(256, 4, cols), (257, 4, rows), (258, 3, bits), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1),
+            (278, 4, rows), (279, 4, len(pixels)), (339, 3, 3 if is_float else 1)]
+    entries = b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags)
+    return (b"II*\0" + struct.pack("<I", 8 + len(pixels)) + pixels + struct.pack("<H", len(tags)) + entries +
+            bytes(4))
+
+
+def aris(frames, samples=3, beams=64):
+    magic = 0x05464444
+    data = fields(1024, (0, "I", magic), (4, "I", frames))
+    for k in range(frames):
+        data += fields(1024, (0, "I", k), (4, "Q", 1371198079122519 + k), (12, "I", magic), (52, "f", 0.75),
+                       (56, "f", 0.15), (68, "I", 18), (224, "f", 12.5), (436, "I", 6), (444, "I", 15),
+                       (452, "I", 10), (460, "f", 6.5), (464, "f", 1500.0), (468, "I", samples), (476, "I", 1000),
+                       (484, "I", 1), (516, "I", 1), (520, "I", 35))
+        data += bytes(i % 256 for i in range(samples * beams))
+    return data
+
+
+def ddf(version, frames=1):
+    sizes = {3: (512, 256), 4: (1024, 1024)}[version]
+    data = fields(sizes[0], (3, "B", version), (4, "i", frames), (8, "i", 10), (12, "i", 0), (16, "i", 48),
+                  (24, "i", 512), (40, "i", version - 3), (44, "i", 200))
+    data = b"DDF" + data[3:]
+    for _ in range(frames):
+        head = fields(sizes[1], *[(20 + 4 * i, "i", v) for i, v in enumerate((2016, 7, 19, 22, 12, 56, 47))],
+                      (52, "i", 5), (56, "i", 1), (68, "i", 40))
+        data += head + bytes(48 * 512)
+    return data
+
+
+def oculus(version, bytes_per_sample=1, gains=False, ranges=5, beams=4):
+    result = 89 if version == 2 else 53
+    sizes = result + (72 if version == 2 else 44)
+    offsets = result + (101 if version == 2 else 57)
+    bearings = offsets + 12
+    image = bearings + 2 * beams + 6
+    row = beams * bytes_per_sample + (4 if gains else 0)
+    whole = image + row * ranges
+    sound = (result + 56, "d", 1490.0) if version == 2 else (result + 32, "d", 1490.0)
+    head = fields(image, (0, "H", 0x4F53), (6, "H", 0x23), (8, "H", 2 if version == 2 else 0), (10, "I", whole - 16),
+                  (16, "B", 2), (19, "B", 127), (20, "B", 0x09 | (4 if gains else 0)), (21, "d", 2.0),
+                  (29, "d", 50.0), (45, "d", 0.5), (result, "I", 77), (result + 8, "d", 2.1e6),
+                  (result + 16, "d", 11.5), (result + 24, "d", 1.2), sound, (sizes, "B", bytes_per_sample - 1),
+                  (sizes + 1, "d", 0.01), (sizes + 9, "H", ranges), (sizes + 11, "H", beams), (offsets, "I", image),
+                  (offsets + 4, "I", row * ranges), (offsets + 8, "I", whole),
+                  *[(bearings + 2 * i, "h", 180 * i - 270) for i in range(beams)])
+    gain = struct.pack("<I", 7) if gains else b""
+    return head + (gain + bytes(range(1, beams * bytes_per_sample + 1))) * ranges
+
+
+def oculus_log(messages):
+    data = fields(48, (0, "I", 0x11223344), (4, "I", 48), (24, "H", 1))
+    for compressed, message in messages:
+        payload = struct.pack(">I", len(message)) + zlib.compress(message) if compressed else message
+        data += fields(40, (0, "I", 0xAABBCCDD), (4, "I", 40), (8, "H", 10), (16, "d", 1.5e9),
+                       (24, "H", 1 if compressed else 0), (28, "I", len(message)), (32, "I", len(payload))) + payload
+    return data
+
+
+def gltf(buffer=None, **more):
+    corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<3H", 0, 1, 2)
+    uri = buffer or "data:application/octet-stream;base64," + base64.b64encode(corners).decode()
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": [0, 1, 2], "rotation": [0, 0, 0, 1], "scale": [1, 2, -1]}],
+        "materials": [{"name": "floor"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0, "mode": 4}]}],
+        "buffers": [{"byteLength": len(corners), "uri": uri}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}],
+    }
+    document.update(more)
+    return json.dumps(document), corners
+
+
+def glb():
+    text, corners = gltf()
+    document = json.loads(text)
+    del document["buffers"][0]["uri"]
+    head = json.dumps(document).encode()
+    head += b" " * (-len(head) % 4)
+    corners += bytes(-len(corners) % 4)
+    body = struct.pack("<I4s", len(head), b"JSON") + head + struct.pack("<I4s", len(corners), b"BIN\0") + corners
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+def main():
+    put("recording_file", "aris", aris(2))
+    put("recording_file", "aris_cut_short", aris(2)[:-1])
+    put("recording_file", "ddf3", ddf(3))
+    put("recording_file", "ddf4", ddf(4))
+    for version in (1, 2):
+        put("recording_file", f"oculus{version}", oculus(version))
+    put("recording_file", "oculus_gains_16_bits", oculus(2, bytes_per_sample=2, gains=True))
+    put("recording_file", "oculus_two_pings", oculus(1) + oculus(1))
+    put("recording_file", "oculus_log", oculus_log([(False, oculus(2)), (True, oculus(2))]))
+
+    sonar = {"name": "small", "frequency_hz": 9e5, "beam_azimuth_deg": [-1, 1], "range_min_m": 1, "range_max_m": 2,
+             "range_bins": 3, "sound_speed_m_per_s": 1480}
+    pose = {"position_m": [0, 0, 1], "quaternion_wxyz": [1, 0, 0, 0]}
+    water = {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
+    put("recording_folder", "recording.json", json.dumps({
+        "format": "sonar-recording/1", "sonar": sonar, "water": water, "source_level_db": 200,
+        "image": {"layout": "polar", "bits": 8, "db_min": 0, "db_max": 80}, "synthetic": True,
+        "frames": [{"file": "frame_0000.png", "time_s": 0.0, "world_from_sonar": pose}]}))
+    put("didson_settings", "ping.json", json.dumps({
+        "num_beams": 96, "num_bins": 512, "min_range": 2.25, "max_range": 11.25, "fov": 0.5, "psf": [0.01] * 96,
+        "taper": [1.0] * 96, "noise": 1e-4, "rx_gain": 40}))
+
+    put("picture", "grey8.png", png(3, 2, bytes(range(6))))
+    put("picture", "grey16.png", png(3, 2, bytes(range(12)), bits=16))
+    put("picture", "colour.png", png(2, 2, bytes(range(12)), colour=2))
+    put("picture", "grey8.tiff", tiff(3, 2, 8, False))
+    put("picture", "float.tiff", tiff(3, 2, 32, True))
+
+    put("gltf", "triangle.gltf", gltf()[0])
+    put("gltf", "triangle.glb", glb())
+    put("gltf", "refused_buffer_is_itself.gltf", gltf(buffer="scene.gltf")[0])
+    put("gltf", "refused_buffer_outside.gltf", gltf(buffer="../../etc/passwd")[0])
+    put("gltf", "refused_nodes_in_a_circle.gltf", gltf(nodes=[{"children": [1]}, {"children": [0], "mesh": 0}])[0])
+    put("obj", "square.obj", "o square\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nusemtl floor\nf 1 2 3 4\nf -4//1 -3//1 -2//1\n")
+    put("obj", "concave.obj", "v 0 0 0\nv 2 0 0\nv 1 0 0.5\nv 2 0 2\nv 0 0 2\nf 1/1 2/1 3/1 4/1 5/1\n")
+    put("stl", "text.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+        "endloop\nendfacet\nendsolid s\n")
+    put("stl", "binary.stl", bytes(80) + struct.pack("<I", 1) + struct.pack("<12fH", 0, 0, 1, *range(9), 0))
+
+    gsab = {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}
+    put("parameters", "paper.json", json.dumps({
+        "format": "sonar-parameters/1", "model": "paper", "source_level_db": 200,
+        "display": {"db_min": 80, "db_max": 190}, "materials": {"floor": {"gsab": gsab}},
+        "jitter": {"sigma_range_m": 0.01, "sigma_azimuth_deg": 0.1, "growth": "root"}, "water": water}))
+    put("parameters", "acoustic.json", json.dumps({
+        "format": "sonar-parameters/1", "model": "acoustic", "source_level_db": 200,
+        "display": {"db_min": 80, "db_max": 190, "law": "soft_log", "soft_db": 3},
+        "materials": {"default": {"gsab": gsab}},
+        "receiver": {"gain_db": 0, "time_varied_gain": "40logR+alpha", "noise_db": 94, "noise_taper_db": [0, 1], "looks": 1},
+        "beam": {"azimuth_width_deg": 1, "azimuth_pattern": "table", "azimuth_table_db": [-20, 0, -20]},
+        "pulse": {"length_m": 0.02}}))
+    put("poses", "poses.json", json.dumps({
+        "format": "sonar-poses/1", "poses": [{"time_s": 0.0, "world_from_sonar": pose}]}))
+    put("poses", "list.json", json.dumps([{"world_from_sonar": pose}]))
+    put("mount", "mount.json", json.dumps({"format": "sonar-mount/1", "body_from_sonar": pose}))
+    put("trajectory", "tum.txt", "# time tx ty tz qx qy qz qw\n0 0 0 1 0 0 0 1\n0.5 1 0 1 0 0 0 1\n")
+    put("trajectory", "euroc.csv", "#timestamp,x,y,z,qw,qx,qy,qz\n1403636579758555392,4.6,-1.7,0.5,1,0,0,0\n")
+    put("trajectory", "named.csv", "time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n0,0,0,1,10,-5,0\n1,0,1,1,11,-5,0\n")
+
+
+if __name__ == "__main__":
+    main()
