@@ -8,14 +8,15 @@ class App;
 
 namespace sonarcal {
 
-void SetupReproduce(CLI::App& app);  // apps/reproduce_command.h
-void SetupScenes(CLI::App& app);     // apps/scenes_command.h
-void SetupGallery(CLI::App& app);    // apps/gallery_command.h
-void SetupSimulate(CLI::App& app);   // apps/simulate_command.h
-void SetupRays(CLI::App& app);       // apps/rays_command.h
-void SetupCompare(CLI::App& app);    // apps/compare_command.h
-void SetupFit(CLI::App& app);        // apps/fit_command.h
-void SetupInspect(CLI::App& app);    // apps/inspect_command.h
-void SetupConvert(CLI::App& app);    // apps/convert_command.h
+void SetupReproduce(CLI::App& app);   // apps/reproduce_command.h
+void SetupScenes(CLI::App& app);      // apps/scenes_command.h
+void SetupGallery(CLI::App& app);     // apps/gallery_command.h
+void SetupSimulate(CLI::App& app);    // apps/simulate_command.h
+void SetupRays(CLI::App& app);        // apps/rays_command.h
+void SetupCompare(CLI::App& app);     // apps/compare_command.h
+void SetupFit(CLI::App& app);         // apps/fit_command.h
+void SetupInspect(CLI::App& app);     // apps/inspect_command.h
+void SetupConvert(CLI::App& app);     // apps/convert_command.h
+void SetupRecordings(CLI::App& app);  // apps/recordings_command.h
 
 }  // namespace sonarcal

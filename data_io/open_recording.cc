@@ -4,6 +4,7 @@
 #include "data_io/aris_io.h"
 #include "data_io/ddf_io.h"
 #include "data_io/didson_io.h"
+#include "data_io/fan_picture_io.h"
 #include "data_io/oculus_io.h"
 #include "data_io/recording_io.h"
 #include "data_io/types/error.h"
@@ -25,6 +26,8 @@ constexpr Format kFormats[] = {
     {"Oculus simple ping results", IsOculus, OpenOculus},
     {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
     {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
+    // Last: any picture is one, those of the formats above too.
+    {"fan pictures or a video (PNG, JPEG, AVI, MP4)", IsFanPictures, OpenFanPictures},
 };
 
 }  // namespace

@@ -12,8 +12,8 @@
 
 namespace sonarcal::fuzz {
 
-// A picture may have 64 million pixels of four bytes (data_io/image_header.h), held twice while it is decoded;
-// no parser may take more.
+// A picture may have 64 million pixels of four bytes (data_io/image_header.h), held twice while it is
+// decoded; no parser may take more.
 inline constexpr int kMostFuzzMemoryMiB = 1024;
 
 // What was said of the last input; empty where it was read.

@@ -41,7 +41,8 @@ class Folder {
   Folder& operator=(const Folder&) = delete;
 
   fs::path Write(const std::string& name, std::string_view bytes) const {
-    std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path_ / name, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     return path_ / name;
   }
   const fs::path& path() const { return path_; }

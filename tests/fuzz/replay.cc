@@ -1,6 +1,6 @@
 // A target without libFuzzer: every file of the corpus as it is and in damaged copies, of which there are as
-// many as are asked for and which are the same on every run. Files of the corpus are read, but for those whose
-// name begins with refused_.
+// many as are asked for and which are the same on every run. Files of the corpus are read, but for those
+// whose name begins with refused_.
 //
 //   fuzz_<target> COPIES CORPUS_FOLDER
 #include <sys/resource.h>
@@ -29,20 +29,32 @@ void Try(const std::string& input) {
 
 // Cut short, grown, bytes changed, counts made huge, parts repeated: up to four of these together.
 std::string Damaged(std::string input, std::mt19937& random) {
-  const auto below = [&](std::size_t limit) { return static_cast<std::size_t>(random()) % std::max<std::size_t>(limit, 1); };
+  const auto below = [&](std::size_t limit) {
+    return static_cast<std::size_t>(random()) % std::max<std::size_t>(limit, 1);
+  };
   for (std::size_t change = 0; change <= below(4) && !input.empty(); ++change) {
     // Headers are at the beginning: half of the changes go there.
     const std::size_t at = below(random() % 2 == 0 ? input.size() : std::min<std::size_t>(input.size(), 256));
     switch (below(6)) {
-      case 0: input.resize(at); break;
-      case 1: input[at] = static_cast<char>(random()); break;
-      case 2: input[at] = static_cast<char>(input[at] ^ (1 << below(8))); break;
+      case 0:
+        input.resize(at);
+        break;
+      case 1:
+        input[at] = static_cast<char>(random());
+        break;
+      case 2:
+        input[at] = static_cast<char>(input[at] ^ (1 << below(8)));
+        break;
       case 3:
         for (std::size_t i = at; i < std::min(at + 4, input.size()); ++i)
           input[i] = static_cast<char>(random() % 2 == 0 ? 0xff : 0x7f);
         break;
-      case 4: input.insert(at, input.substr(below(input.size()), below(64))); break;
-      case 5: input.erase(at, below(64)); break;
+      case 4:
+        input.insert(at, input.substr(below(input.size()), below(64)));
+        break;
+      case 5:
+        input.erase(at, below(64));
+        break;
     }
   }
   return input;
