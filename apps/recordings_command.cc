@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
+
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
@@ -16,9 +17,12 @@ using Json = nlohmann::ordered_json;
 
 const char* ToString(RecordingPresence presence) {
   switch (presence) {
-    case RecordingPresence::kAbsent: return "absent";
-    case RecordingPresence::kPresent: return "present";
-    case RecordingPresence::kDifferent: return "different";
+    case RecordingPresence::kAbsent:
+      return "absent";
+    case RecordingPresence::kPresent:
+      return "present";
+    case RecordingPresence::kDifferent:
+      return "different";
   }
   return "";
 }
@@ -27,9 +31,9 @@ std::string PresenceText(const PublicRecording& recording, RecordingPresence pre
                          const std::filesystem::path& folder) {
   switch (presence) {
     case RecordingPresence::kPresent:
-      return fmt::format("here, {}{}", (folder / recording.name).string(),
-                         recording.witness.empty() ? " (not checked: no checksum is known)"
-                                                   : ", and the checksum is right");
+      return fmt::format(
+          "here, {}{}", (folder / recording.name).string(),
+          recording.witness.empty() ? " (not checked: no checksum is known)" : ", and the checksum is right");
     case RecordingPresence::kDifferent:
       return fmt::format("{} is there, but {} in it is not what was published",
                          (folder / recording.name).string(), recording.witness);
@@ -43,12 +47,18 @@ std::string PresenceText(const PublicRecording& recording, RecordingPresence pre
 
 Json ToJson(const PublicRecording& recording, RecordingPresence presence) {
   Json paths = Json::array();
-  for (const PublicRecording::Path& path : recording.paths) paths.push_back({{"from", path.from}, {"to", path.to}});
-  return {{"name", recording.name},       {"sensor", recording.sensor},
-          {"shows", recording.shows},     {"licence", recording.licence},
-          {"source", recording.source},   {"commit", recording.commit},
-          {"paths", paths},               {"witness", recording.witness},
-          {"witness_sha256", recording.witness_sha256}, {"presence", ToString(presence)}};
+  for (const PublicRecording::Path& path : recording.paths)
+    paths.push_back({{"from", path.from}, {"to", path.to}});
+  return {{"name", recording.name},
+          {"sensor", recording.sensor},
+          {"shows", recording.shows},
+          {"licence", recording.licence},
+          {"source", recording.source},
+          {"commit", recording.commit},
+          {"paths", paths},
+          {"witness", recording.witness},
+          {"witness_sha256", recording.witness_sha256},
+          {"presence", ToString(presence)}};
 }
 
 }  // namespace
@@ -67,7 +77,8 @@ ExitStatus RunRecordings(const RecordingsOptions& options) {
     add("sensor", recording.sensor);
     add("shows", recording.shows);
     add("licence", recording.licence);
-    add("source", recording.source + (recording.commit.empty() ? "" : " at " + recording.commit.substr(0, 12)));
+    add("source",
+        recording.source + (recording.commit.empty() ? "" : " at " + recording.commit.substr(0, 12)));
     add("status", PresenceText(recording, presence, folder));
   }
   if (options.common.json) {
@@ -80,8 +91,8 @@ ExitStatus RunRecordings(const RecordingsOptions& options) {
 
 void SetupRecordings(CLI::App& app) {
   auto options = std::make_shared<RecordingsOptions>();
-  CLI::App* command =
-      AddCommand(app, "recordings", "Lists public recordings of real sonars, their licences, and which are here");
+  CLI::App* command = AddCommand(
+      app, "recordings", "Lists public recordings of real sonars, their licences, and which are here");
   command->add_option("--dir", options->folder,
                       "Folder where they are looked for; default: $SONARCAL_RECORDINGS, else recordings/");
   OnRun(command, options->common, [options] { return RunRecordings(*options); });

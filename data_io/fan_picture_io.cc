@@ -86,8 +86,8 @@ Mask LitPixels(const PictureFrames& pictures) {
     const Grid<float> grey = pictures.Read(index);
     if (lit.empty()) lit = Mask(grey.rows(), grey.cols());
     if (grey.rows() != lit.rows() || grey.cols() != lit.cols()) {
-      throw DataError("{}: {} x {} pixels, expected those of the first picture, {} x {}", pictures.name(index),
-                      grey.rows(), grey.cols(), lit.rows(), lit.cols());
+      throw DataError("{}: {} x {} pixels, expected those of the first picture, {} x {}",
+                      pictures.name(index), grey.rows(), grey.cols(), lit.rows(), lit.cols());
     }
     const float black = pictures.is_lossy() ? kLossyBlack : 0.0F;
     for (std::size_t k = 0; k < lit.size(); ++k) {
@@ -99,7 +99,8 @@ Mask LitPixels(const PictureFrames& pictures) {
 
 std::string JsonOf(const FanGeometry& fan) {
   return fmt::format(
-      "\"apex_px\": [{:.1f}, {:.1f}], \"radius_px\": [{:.1f}, {:.1f}], \"half_angle_deg\": {:.2f}, \"x_scale\": "
+      "\"apex_px\": [{:.1f}, {:.1f}], \"radius_px\": [{:.1f}, {:.1f}], \"half_angle_deg\": {:.2f}, "
+      "\"x_scale\": "
       "{:.3f}",
       fan.apex_x_px, fan.apex_y_px, fan.radius_min_px, fan.radius_max_px, fan.half_angle_deg, fan.x_scale);
 }
@@ -128,7 +129,8 @@ class FanPictures final : public RecordingSource {
     const bool given = description.geometry.has_value();
     FanGeometry fan = given ? *description.geometry : FoundIn(*pictures_, path.string());
     if (description.half_angle_deg) {
-      fan.x_scale *= std::tan(RadFromDeg(fan.half_angle_deg)) / std::tan(RadFromDeg(*description.half_angle_deg));
+      fan.x_scale *=
+          std::tan(RadFromDeg(fan.half_angle_deg)) / std::tan(RadFromDeg(*description.half_angle_deg));
       fan.half_angle_deg = *description.half_angle_deg;
     }
     const Grid<float> first = pictures_->Read(0);
@@ -142,10 +144,12 @@ class FanPictures final : public RecordingSource {
     info_.notes.push_back(fmt::format("Where the fan lies in the picture was {}.",
                                       given ? "given" : "found by its edges, to about a pixel"));
     info_.notes.emplace_back(
-        "Resampled from fan pictures, bilinear: neighbouring samples are not independent, and grey values are "
+        "Resampled from fan pictures, bilinear: neighbouring samples are not independent, and grey values "
+        "are "
         "the viewer's.");
     if (pictures_->is_lossy())
-      info_.notes.emplace_back("The pictures were compressed with losses: grey values are not the recorded ones.");
+      info_.notes.emplace_back(
+          "The pictures were compressed with losses: grey values are not the recorded ones.");
   }
 
   const RecordingInfo& info() const override { return info_; }
@@ -181,7 +185,8 @@ class FanPictures final : public RecordingSource {
     if (axes.range_bins == 0)
       axes.range_bins = std::max(1, static_cast<int>(std::lround(fan.radius_max_px - fan.radius_min_px)));
     if (beams == 0)
-      beams = std::clamp(static_cast<int>(std::lround(2.0 * half_rad * fan.radius_max_px * fan.x_scale)), 2, 4096);
+      beams = std::clamp(static_cast<int>(std::lround(2.0 * half_rad * fan.radius_max_px * fan.x_scale)), 2,
+                         4096);
     for (int beam = 0; beam < beams; ++beam)
       axes.beam_azimuth_rad.push_back(half_rad * (2.0 * (beam + 0.5) / beams - 1.0));
     axes.Validate(info_.source);
@@ -201,8 +206,9 @@ class FanPictures final : public RecordingSource {
       }
     }
     if (outside > 0) {
-      info_.notes.push_back(fmt::format("{:.2g} % of the samples lie outside the picture and are 0.",
-                                        100.0 * static_cast<double>(outside) / static_cast<double>(samples_.size())));
+      info_.notes.push_back(
+          fmt::format("{:.2g} % of the samples lie outside the picture and are 0.",
+                      100.0 * static_cast<double>(outside) / static_cast<double>(samples_.size())));
     }
   }
 

@@ -30,8 +30,8 @@ namespace sonarcal {
 // A picture, a folder of pictures or a video. Reads first bytes only.
 bool IsFanPictures(const std::filesystem::path& path);
 
-// Throws DataError where the JSON file is absent (the sentence holds one to begin with, with the geometry that
-// was found), where no fan can be made out, or a picture is not to be read.
+// Throws DataError where the JSON file is absent (the sentence holds one to begin with, with the geometry
+// that was found), where no fan can be made out, or a picture is not to be read.
 std::unique_ptr<RecordingSource> OpenFanPictures(const std::filesystem::path& path);
 
 }  // namespace sonarcal

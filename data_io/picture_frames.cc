@@ -5,11 +5,12 @@
 #include <cmath>
 #include <fstream>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 
 #include "data_io/file_bytes.h"
 #include "data_io/image_header.h"
@@ -42,7 +43,9 @@ bool IsJpeg(std::string_view bytes) {
 
 // Rows and columns of a JPEG, from its start-of-frame segment: known before a decoder allocates anything.
 void CheckJpegSize(std::string_view bytes, const std::string& file) {
-  const auto byte = [&](std::size_t at) { return static_cast<unsigned>(static_cast<unsigned char>(bytes[at])); };
+  const auto byte = [&](std::size_t at) {
+    return static_cast<unsigned>(static_cast<unsigned char>(bytes[at]));
+  };
   std::size_t at = 2;
   while (at + 9 <= bytes.size() && byte(at) == 0xff) {
     const unsigned marker = byte(at + 1);
@@ -50,7 +53,8 @@ void CheckJpegSize(std::string_view bytes, const std::string& file) {
       ++at;
       continue;
     }
-    const bool is_frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    const bool is_frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (is_frame) {
       const ImageHeader header{.rows = static_cast<int>(byte(at + 5) << 8 | byte(at + 6)),
                                .cols = static_cast<int>(byte(at + 7) << 8 | byte(at + 8)),

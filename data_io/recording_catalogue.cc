@@ -59,8 +59,9 @@ const std::vector<PublicRecording>& RecordingCatalogue() {
        .witness_sha256 = "bd48b6601147c37b1c06489fa1bfbf9c363f4d10e6720eaa27648bcdba55363b"},
       {.name = "uxo_dataset2024",
        .sensor = "Sound Metrics ARIS Explorer 3000, 3 MHz, on a gantry",
-       .shows = "dummies of ammunition in a test basin: 74,000 raw frames with the poses of sonar and targets, "
-                "and models of them",
+       .shows =
+           "dummies of ammunition in a test basin: 74,000 raw frames with the poses of sonar and targets, "
+           "and models of them",
        .licence = "see its page",
        .source = "https://zenodo.org/records/11068046",
        .commit = {},
@@ -79,7 +80,7 @@ RecordingPresence PresenceOf(const PublicRecording& recording, const fs::path& r
   const fs::path witness = folder / recording.witness;
   if (!fs::is_regular_file(witness, error)) return RecordingPresence::kDifferent;
   return Sha256OfFile(witness) == recording.witness_sha256 ? RecordingPresence::kPresent
-                                                          : RecordingPresence::kDifferent;
+                                                           : RecordingPresence::kDifferent;
 }
 
 fs::path DefaultRecordingsFolder() {

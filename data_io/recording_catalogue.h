@@ -11,7 +11,7 @@
 namespace sonarcal {
 
 struct PublicRecording {
-  std::string name;     // of its folder among the recordings
+  std::string name;  // of its folder among the recordings
   std::string sensor;
   std::string shows;
   std::string licence;  // as its source states it; "none stated" leaves all rights with its makers

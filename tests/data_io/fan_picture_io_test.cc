@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -36,7 +37,8 @@ PolarAxes Axes() {
 
 // Smooth, nowhere black, bright on the right and far away: what is mirrored or turned shows.
 float Grey(double range_m, double azimuth_rad, int frame = 0) {
-  return static_cast<float>(60.0 + 30.0 * range_m + 100.0 * azimuth_rad + 20.0 * std::sin(4.0 * range_m) + frame);
+  return static_cast<float>(60.0 + 30.0 * range_m + 100.0 * azimuth_rad + 20.0 * std::sin(4.0 * range_m) +
+                            frame);
 }
 
 // A viewer's picture: the fan on black, a margin about it.
@@ -74,8 +76,9 @@ double WorstDifference(const Frame& frame, int number = 0) {
 TEST(FanPictures, ComeBackAsRangeAndAzimuth) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());
-  testing::WriteFile(dir / "fan.png.fan.json",
-                     R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "name": "a sonar", "db_span": 60})");
+  testing::WriteFile(
+      dir / "fan.png.fan.json",
+      R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "name": "a sonar", "db_span": 60})");
   const auto recording = OpenRecording(dir / "fan.png");
   EXPECT_EQ(recording->info().format, "fan pictures");
   EXPECT_EQ(recording->info().sonar.name, "a sonar");
@@ -141,7 +144,8 @@ TEST(FanPictures, WhatLiesOutsideThePictureIsNoted) {
 
 TEST(FanPictures, JpegsAndVideosAreReadWithTheirLosses) {
   const TempDir dir;
-  const char* description = R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 60, "range_bins": 200})";
+  const char* description =
+      R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 60, "range_bins": 200})";
   const auto mat = [](Grid<std::uint8_t>& picture) {
     return cv::Mat(picture.rows(), picture.cols(), CV_8UC1, picture.values().data());
   };
@@ -153,8 +157,9 @@ TEST(FanPictures, JpegsAndVideosAreReadWithTheirLosses) {
   EXPECT_LT(WorstDifference(jpeg->ReadFrame(0)), 6.0);
 
   {
-    cv::VideoWriter writer((dir / "fan.avi").string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
-                           5.0, cv::Size(still.cols(), still.rows()), false);
+    cv::VideoWriter writer((dir / "fan.avi").string(), cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 5.0,
+                           cv::Size(still.cols(), still.rows()), false);
     ASSERT_TRUE(writer.isOpened());
     for (int k = 0; k < 4; ++k) {
       Grid<std::uint8_t> picture = Picture(10 * k);
@@ -202,7 +207,8 @@ TEST(FanPictures, HostileFilesAreRefused) {
   Grid<std::uint8_t> small(24, 24, 90);
   std::vector<std::uint8_t> jpeg;
   ASSERT_TRUE(cv::imencode(".jpg", cv::Mat(24, 24, CV_8UC1, small.values().data()), jpeg));
-  const char* description = R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 6, "range_bins": 9,
+  const char* description =
+      R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 6, "range_bins": 9,
                                "apex_px": [12, 23], "radius_px": [2, 20], "half_angle_deg": 20})";
   testing::WriteFile(dir / "fan.jpg.fan.json", description);
   testing::ExpectOnlyDataErrors(dir / "fan.jpg", dir / "fan.jpg", {jpeg.begin(), jpeg.end()}, jpeg.size());

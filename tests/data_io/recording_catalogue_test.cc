@@ -32,8 +32,15 @@ TEST(RecordingCatalogue, EveryEntrySaysWhoseItIs) {
 
 TEST(RecordingCatalogue, KnowsARecordingByItsWitness) {
   const testing::TempDir dir;
-  const PublicRecording recording{.name = "a", .sensor = {}, .shows = {}, .licence = {}, .source = {}, .commit = {},
-                                  .paths = {}, .witness = "w", .witness_sha256 = Sha256("right")};
+  const PublicRecording recording{.name = "a",
+                                  .sensor = {},
+                                  .shows = {},
+                                  .licence = {},
+                                  .source = {},
+                                  .commit = {},
+                                  .paths = {},
+                                  .witness = "w",
+                                  .witness_sha256 = Sha256("right")};
   EXPECT_EQ(PresenceOf(recording, dir.path()), RecordingPresence::kAbsent);
   std::filesystem::create_directory(dir / "a");
   EXPECT_EQ(PresenceOf(recording, dir.path()), RecordingPresence::kDifferent);

@@ -99,6 +99,34 @@ void Picture(std::string_view bytes) {
   }
 }
 
+constexpr const char* kFanDescription =
+    R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 6, "range_bins": 9})";
+
+// A picture in which a fan is looked for.
+void FanPicture(std::string_view bytes) {
+  static const fs::path description = TheFolder().Write("picture.fan.json", kFanDescription);
+  ReadSomeFrames(*OpenRecording(TheFolder().Write("picture", bytes)));
+}
+
+// Its description, beside a picture of a fan of 60 degrees.
+void FanDescription(std::string_view bytes) {
+  static const fs::path picture = [] {
+    Grid<std::uint8_t> fan(60, 70);
+    for (int row = 0; row < 60; ++row) {
+      for (int col = 0; col < 70; ++col) {
+        const int right = col - 35;
+        const int ahead = 60 - row;
+        const bool inside = std::abs(right) * 7 < ahead * 4 && right * right + ahead * ahead < 3000;
+        fan(row, col) = inside ? 200 : 0;
+      }
+    }
+    WritePng(TheFolder().path() / "fan.png", fan);
+    return TheFolder().path() / "fan.png";
+  }();
+  TheFolder().Write("fan.png.fan.json", bytes);
+  ReadSomeFrames(*OpenRecording(picture));
+}
+
 void Gltf(std::string_view bytes) {
   ParseGltf(bytes, TheFolder().Write("scene.gltf", bytes));
 }

@@ -103,6 +103,21 @@ def oculus_log(messages):
     return data
 
 
+# 60 x 70 grey pixels with a fan, by a common encoder (baseline, quality 60).
+JPEG = base64.b64decode(
+    "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAA0JCgsKCA0LCgsODg0PEyAVExISEyccHhcgLikxMC4pLSwzOko+MzZGNywtQFdBRkxO"
+    "UlNSMj5aYVpQYEpRUk//wAALCAA8AEYBAREA/8QAGgABAAMBAQEAAAAAAAAAAAAAAAUGBwMCBP/EADIQAAEDAwMCAwcCBwAAAAAA"
+    "AAEAAgMEBRESITEGQTJRYQcTFSIjQoEUFlJVYnKRo9L/2gAIAQEAAD8AzBF0ggmqZmw08UksrvCyNpc499gFLwdJX+ohbKy2yBru"
+    "BI9rHfkOIIXT9mdRfy//AHR/9LjU9K36ljD5bbK4E4xERIf8NJP5URIx8Ujo5WOY9hLXNcMFpHIIXlEWidNdGWmotsFdWSurDPGH"
+    "BjXaWMyBkfKckg5HP4VzgghpoWw08UcUTfCyNoa0d9gF0RFwraKluFOaetgjmiP2vGcHGMjyO53G6ofWHSduttvkuNFO6ANIaKd5"
+    "1B5JAw0k541Hv+MKjorx7Ory9lU+0TyOMcgL6cE50uG7gNu4yecbeZWhoiIst68vL6+8PoopHfpaQ6NOdnSDxHGO3h78HHKqyL1G"
+    "98UjZInuY9hDmuacFpHBBW0WC6MvFngrG6Q9w0ytH2vHIxk48xnsQpFEUD1nePhNjk90/TU1H0osHBGeXcg7DuOCQsiREVl6GvLL"
+    "VeDFUyNZS1Q0Pc44DXDwknHqR2HzZPC1ZF5keyKN0kr2sYwFznOOA0DkkrHeqbt8Zvk1Sw5gZ9OH+wcHgHc5O/GcdlEIiItb6MvY"
+    "u9nayV7nVdKAyYkH5udLsnOcgb+oPorAqf7Qb2KS3/C4HuFRUgF5AI0xZPf1IxjfbOeyzREREUr01eDZLxHVlrnxEFkrG4y5p8s+"
+    "RAPbjGVrtXX01JbZLhJI11OyP3mprgdQxtg5wc7Y88hYzdq+S6XSorpRh0z8hv8ACOAOBnAAGfRfGiIiIp+rvFZN0bRUL3/SFRIw"
+    "nJ1OawMLQd9wNfH9LfJQCIi//9k=")
+
+
 def gltf(buffer=None, **more):
     corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<3H", 0, 1, 2)
     uri = buffer or "data:application/octet-stream;base64," + base64.b64encode(corners).decode()
@@ -160,6 +175,16 @@ def main():
     put("picture", "colour.png", png(2, 2, bytes(range(12)), colour=2))
     put("picture", "grey8.tiff", tiff(3, 2, 8, False))
     put("picture", "float.tiff", tiff(3, 2, 32, True))
+
+    fan = bytes(200 if abs(x - 35) * 7 < (60 - y) * 4 and (x - 35) ** 2 + (60 - y) ** 2 < 3000 else 0
+                for y in range(60) for x in range(70))
+    put("fan_picture", "fan.png", png(60, 70, fan))
+    put("fan_picture", "fan.jpg", JPEG)
+    put("fan_description", "found.json", json.dumps({"format": "sonar-fan-picture/1", "range_m": [1, 4]}))
+    put("fan_description", "given.json", json.dumps({
+        "format": "sonar-fan-picture/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6, "beams": 12,
+        "sound_speed_m_per_s": 1480, "range_bins": 20, "db_span": 80, "apex_px": [35, 60], "radius_px": [10, 55],
+        "half_angle_deg": 29, "x_scale": 1.0}))
 
     put("gltf", "triangle.gltf", gltf()[0])
     put("gltf", "triangle.glb", glb())
