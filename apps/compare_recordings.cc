@@ -46,6 +46,16 @@ void CheckScales(const ImageScale& real, const ImageScale& simulated, double tol
   check("db_max", real.db_max, simulated.db_max);
 }
 
+// Settings may change from frame to frame.
+void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
+  const std::string mismatch = SettingsMismatch(real.settings, simulated.settings);
+  if (mismatch.empty()) return;
+  throw DataError(
+      "{}: {} in the real and the simulated recording: their grey values mean different things; compare them "
+      "all the same with --as-displayed",
+      real.name, mismatch);
+}
+
 }  // namespace
 
 MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
@@ -67,6 +77,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
   for (const int index : frames) {
     const Frame real_frame = real.ReadFrame(index);
     Frame simulated_frame = simulated.ReadFrame(index);
+    if (!options.as_displayed) CheckSettings(real_frame.info, simulated_frame.info);
     if (options.as_displayed) {
       ImageScale& scale = simulated_frame.image.scale;
       scale.db_min = real_frame.image.scale.db_min;

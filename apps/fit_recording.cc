@@ -70,6 +70,31 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
     throw DataError("{}: the images hold {}, expected grey levels", info.source,
                     ToString(info.scale.quantity));
   }
+  const std::optional<Compression>& compression = info.settings.compression;
+  const bool by_power = initial.display.law == DisplayLaw::kPower;
+  if (compression && initial.model == EchoModel::kAcoustic &&
+      by_power != (*compression == Compression::kPower)) {
+    throw DataError("{}: grey values go by {}, but the parameters' display.law is '{}', expected {}",
+                    info.source,
+                    *compression == Compression::kPower ? "a power of the amplitude" : "the logarithm",
+                    ToString(initial.display.law),
+                    *compression == Compression::kPower ? "'power'" : "'log' or 'soft_log'");
+  }
+}
+
+// One display is fitted: frames made with other settings would be taken for other echoes.
+void CheckSettings(const RecordingSource& recording, const std::vector<int>& frames) {
+  if (frames.empty()) return;
+  const FrameInfo first = recording.frame_info(frames.front());
+  for (const int index : frames) {
+    const FrameInfo frame = recording.frame_info(index);
+    const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
+    if (mismatch.empty()) continue;
+    throw DataError(
+        "{}: {} in {} and {}: frames of different settings cannot be fitted together; take some out with "
+        "'convert --frames A:B'",
+        recording.info().source, mismatch, first.name, frame.name);
+  }
 }
 
 // Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
@@ -288,6 +313,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   CheckFittable(recording, initial, options);
   const std::vector<TimedPose> poses = PosesOfRecording(recording);
   const FrameSplit split = SplitFrames(options.config, recording.frame_count());
+  CheckSettings(recording, split.used);
+  CheckSettings(recording, split.held_out);
   const SonarModel& sonar = recording.info().sonar;
   const WaterChoice water = ChooseWater(initial, recording.info().water);
   say(water.note);

@@ -177,6 +177,7 @@ std::string DescribeRecording(const RecordingSource& recording) {
   page.Add("beam width", BeamWidthText(info.sonar));
   page.Add("frames", FramesText(recording.frame_count(), summary));
   page.Add("scale", ScaleText(info.scale));
+  page.Add("settings", Describe(info.settings));
   if (summary.first_frame) page.Add("first frame", PixelsText(*summary.first_frame, info.scale));
   if (!summary.first_frame_failure.empty()) page.Add("first frame", summary.first_frame_failure);
   if (info.sonar.sound_speed_m_per_s > 0.0) {

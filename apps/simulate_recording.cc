@@ -58,6 +58,21 @@ WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Wate
                              WaterText(fresh))};
 }
 
+namespace {
+
+// What of a model's parameters a recorder would have to have set alike.
+SonarSettings SettingsOf(const ParameterSet& parameters) {
+  SonarSettings settings;
+  settings.compression =
+      parameters.display.law == DisplayLaw::kPower ? Compression::kPower : Compression::kLogarithm;
+  // The paper's model knows no gain over range, on or off.
+  if (parameters.model != EchoModel::kPaper)
+    settings.time_varied_gain = parameters.receiver.time_varied_gain != TimeVariedGain::kNone;
+  return settings;
+}
+
+}  // namespace
+
 RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const ParameterSet& parameters,
                                      const std::string& scene_path) {
   const SimulationOptions& options = simulator.options();
@@ -69,6 +84,7 @@ RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const Parameter
                 .db_min = parameters.display.db_min,
                 .db_max = parameters.display.db_max,
                 .db_span = {}};
+  info.settings = SettingsOf(parameters);
   info.water = options.water;
   info.source_level_db = parameters.source_level_db;
   if (!scene_path.empty()) info.scene_path = scene_path;
@@ -98,7 +114,7 @@ SimulatedRecording::SimulatedRecording(const Simulator& simulator, std::vector<T
 
 FrameInfo SimulatedRecording::frame_info(int index) const {
   const TimedPose& pose = poses_.at(index);
-  return {fmt::format("frame {}", index), pose.time_s, pose.world_from_sonar};
+  return {fmt::format("frame {}", index), pose.time_s, pose.world_from_sonar, info_.settings};
 }
 
 Frame SimulatedRecording::ReadFrame(int index) const {

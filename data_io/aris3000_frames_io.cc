@@ -109,6 +109,7 @@ RecordingInfo CommonInfo(const fs::path& path, std::span<const double> centre_de
   info.sonar.elevation_beam_width_deg = 15.0;
   info.sonar.sound_speed_m_per_s = kSoundSpeedMPerS;
   info.scale.full_scale = 255.0;
+  info.settings.compression = Compression::kLogarithm;
   info.details = {{"source", "dfki-ric/uxo-dataset2024"},
                   {"licence", "none stated: evaluation only"},
                   {"object", "100 lb bomb, body of revolution, length 737 mm, diameter 208 mm, ogive nose"}};
@@ -148,7 +149,9 @@ class FrameFolder final : public RecordingSource {
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(files_.size()); }
-  FrameInfo frame_info(int index) const override { return {files_.at(index).filename().string(), {}, {}}; }
+  FrameInfo frame_info(int index) const override {
+    return {files_.at(index).filename().string(), {}, {}, info_.settings};
+  }
 
   Frame ReadFrame(int index) const override {
     return {frame_info(index),
@@ -174,7 +177,7 @@ class FanPicture final : public RecordingSource {
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return 1; }
-  FrameInfo frame_info(int) const override { return {file_.filename().string(), {}, {}}; }
+  FrameInfo frame_info(int) const override { return {file_.filename().string(), {}, {}, info_.settings}; }
 
   Frame ReadFrame(int index) const override {
     const Grid<float> fan = ReadGreyFrame(file_, kFanRows, kFanCols);

@@ -181,9 +181,16 @@ class ArisRecording final : public RecordingSource {
     return header;
   }
 
+  static SonarSettings SettingsOf(const ArisHeader& header) {
+    return {.gain_db = header.gain_db,
+            .pulse_length_us = header.pulse_width_us,
+            .time_varied_gain = {},
+            .compression = Compression::kLogarithm};
+  }
+
   static FrameInfo InfoOf(int index, const ArisHeader& header) {
     return {fmt::format("frame {}", index), header.time_s > 0.0 ? std::optional(header.time_s) : std::nullopt,
-            std::nullopt};
+            std::nullopt, SettingsOf(header)};
   }
 
   void DescribeSonar() {
@@ -212,6 +219,7 @@ class ArisRecording final : public RecordingSource {
           fmt::format("Water temperature {} C and salinity {} ppt are no water's; left out.",
                       first_.water_temperature_c, first_.salinity_ppt));
     }
+    info_.settings = SettingsOf(first_);
     info_.details = {{"frame rate", fmt::format("{:.3f} Hz", first_.frame_rate_hz)},
                      {"receiver gain", fmt::format("{} dB", first_.gain_db)},
                      {"pulse width", fmt::format("{} us", first_.pulse_width_us)},

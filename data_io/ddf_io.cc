@@ -186,8 +186,12 @@ class DdfRecording final : public RecordingSource {
     return ParseFrameHeader({bytes, name_, offset}, header_);
   }
 
+  static SonarSettings SettingsOf(const DdfFrameHeader& header) {
+    return {.gain_db = header.gain_db, .pulse_length_us = {}, .time_varied_gain = {}, .compression = {}};
+  }
+
   static FrameInfo InfoOf(int index, const DdfFrameHeader& header) {
-    return {fmt::format("frame {}", index), header.time_s, std::nullopt};
+    return {fmt::format("frame {}", index), header.time_s, std::nullopt, SettingsOf(header)};
   }
 
   PolarAxes AxesOf(const DdfFrameHeader& header) const {
@@ -203,6 +207,7 @@ class DdfRecording final : public RecordingSource {
     info_.sonar.axes = AxesOf(first_);
     info_.sonar.elevation_beam_width_deg = 14.0;
     info_.scale.full_scale = 255.0;
+    info_.settings = SettingsOf(first_);
     info_.details = {
         {"frame rate", fmt::format("{} Hz", header_.frame_rate_hz)},
         {"receiver gain", fmt::format("{} dB", first_.gain_db)},

@@ -95,6 +95,11 @@ Settings ReadSettings(const fs::path& file) {
   return settings;
 }
 
+SonarSettings SonarSettingsOf(const Settings& settings) {
+  return {
+      .gain_db = settings.receiver_gain_db, .pulse_length_us = {}, .time_varied_gain = {}, .compression = {}};
+}
+
 class DidsonRecording final : public RecordingSource {
  public:
   DidsonRecording(const fs::path& path, std::vector<Ping> pings) : pings_(std::move(pings)) {
@@ -106,6 +111,7 @@ class DidsonRecording final : public RecordingSource {
     info_.sonar.axes = first.axes;
     info_.sonar.elevation_beam_width_deg = 14.0;
     info_.scale.full_scale = 255.0;
+    info_.settings = SonarSettingsOf(first);
     info_.azimuth_psf = first.psf;
     info_.beam_taper = first.taper;
     info_.details = {{"field of view", fmt::format("{:.2f} degrees", DegFromRad(first.field_of_view_rad))},
@@ -120,18 +126,22 @@ class DidsonRecording final : public RecordingSource {
   int frame_count() const override { return static_cast<int>(pings_.size()); }
 
   FrameInfo frame_info(int index) const override {
-    const Ping& ping = pings_.at(index);
-    return {ping.png().filename().string(), static_cast<double>(ping.time_us) * 1e-6, std::nullopt};
+    return InfoOf(pings_.at(index), ReadSettings(pings_.at(index).json()));
   }
 
   Frame ReadFrame(int index) const override {
     const Ping& ping = pings_.at(index);
     const Settings settings = ReadSettings(ping.json());
-    return {frame_info(index),
+    return {InfoOf(ping, settings),
             {settings.axes, info_.scale, ReadGreyFrame(ping.png(), settings.axes.range_bins, kBeams)}};
   }
 
  private:
+  static FrameInfo InfoOf(const Ping& ping, const Settings& settings) {
+    return {ping.png().filename().string(), static_cast<double>(ping.time_us) * 1e-6, std::nullopt,
+            SonarSettingsOf(settings)};
+  }
+
   std::vector<Ping> pings_;
   RecordingInfo info_;
 };

@@ -207,7 +207,8 @@ class OculusRecording final : public RecordingSource {
     const std::optional<OculusLogItem>& item = messages_.at(index).item;
     const std::optional<double> time_s = item ? std::optional(item->time_s) : ping.start_s;
     const bool has_time = time_s && std::isfinite(*time_s);
-    return {fmt::format("ping {}", ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt};
+    return {fmt::format("ping {}", ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt,
+            info_.settings};
   }
 
   void DescribeSonar(const OculusPing& ping) {
@@ -215,6 +216,7 @@ class OculusRecording final : public RecordingSource {
     info_.sonar.name = "Oculus";
     info_.sonar.axes = AxesOf(ping, 0);
     info_.scale = ScaleOf(ping);
+    info_.settings.compression = Compression::kPower;
     info_.display_gamma = ping.gamma == 0 ? 1.0 : ping.gamma / 255.0;
     if (const Mode* mode = FindMode(ping)) {
       info_.sonar.name = mode->model;

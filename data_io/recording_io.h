@@ -7,9 +7,11 @@
 //              "azimuth_psf": [...], "beam_taper": [...]},
 //    "water": {...}, "source_level_db", "scene",
 //    "image": {"layout": "polar", "bits": 8 | 16 | 32, "db_min", "db_max", "db_span", "full_scale",
-//              "quantity": "grey" | "decibel" | "power" | "depth", "display_gamma"},
+//              "quantity": "grey" | "decibel" | "power" | "depth", "display_gamma",
+//              "settings": {"gain_db", "pulse_length_us", "time_varied_gain": true | false,
+//                           "compression": "logarithm" | "power"}},
 //    "synthetic": true, "generator", "details": [["name", "value"], ...], "notes": ["...", ...],
-//    "frames": [{"file": "frame_0000.png", "time_s", "world_from_sonar": {...}}, ...]}
+//    "frames": [{"file": "frame_0000.png", "time_s", "world_from_sonar": {...}, "settings"}, ...]}
 //
 // Row i of an image covers range_min_m + i (range_max_m - range_min_m) / range_bins to the next; column j is
 // beam j, leftmost first. Required are `format`, the window and beams, `image.layout` and `image.bits`, and
@@ -17,6 +19,7 @@
 //   bits        32 means float TIFF
 //   full_scale  grey value shown at db_max; if absent 255, 65535, or 1 for float images
 //   quantity    what the numbers are; if absent, grey
+//   settings    of all frames but those that have their own
 //   scene       relative to the folder
 // Unknown keys become notes, as other programs add their own. A recording counts as synthetic where
 // `synthetic` is true, `generator` names what made it, or a truth.json lies in the folder.

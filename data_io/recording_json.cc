@@ -28,6 +28,9 @@ constexpr JsonWords<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
                                                  {"power", Quantity::kPower},
                                                  {"depth", Quantity::kDepth}}};
 
+constexpr JsonWords<Compression, 2> kCompressions = {
+    {{"logarithm", Compression::kLogarithm}, {"power", Compression::kPower}}};
+
 const NumberRange kLevelDb = NumberRange::Between(-1000.0, 1000.0);
 const NumberRange kRangeM = NumberRange::Between(0.0, 1e5);
 const NumberRange kBeamWidthDeg = NumberRange::Between(0.0, 360.0);
@@ -99,6 +102,25 @@ void ReadSonar(const JsonReader& json, RecordingInfo& info) {
   info.beam_taper = FindPerBeam(json, "beam_taper", sonar.axes.beam_count());
 }
 
+SonarSettings ReadSettings(const JsonReader& json) {
+  SonarSettings settings;
+  settings.gain_db = json.FindNumber("gain_db", kLevelDb);
+  settings.pulse_length_us = json.FindNumber("pulse_length_us", NumberRange::AboveUpTo(0.0, 1e6));
+  if (const auto applied = json.Find("time_varied_gain")) settings.time_varied_gain = applied->Bool();
+  if (const auto compression = json.Find("compression"))
+    settings.compression = compression->Word(kCompressions);
+  return settings;
+}
+
+Json SettingsJson(const SonarSettings& settings) {
+  Json json = Json::object();
+  if (settings.gain_db) json["gain_db"] = *settings.gain_db;
+  if (settings.pulse_length_us) json["pulse_length_us"] = *settings.pulse_length_us;
+  if (settings.time_varied_gain) json["time_varied_gain"] = *settings.time_varied_gain;
+  if (settings.compression) json["compression"] = JsonWord(kCompressions, *settings.compression);
+  return json;
+}
+
 double LargestInteger(int bits) {
   return bits == 8 ? 255.0 : 65535.0;
 }
@@ -135,10 +157,12 @@ void ReadImage(const JsonReader& json, RecordingHeader& header) {
       json.At("db_span").Fail(fmt::format("is {}, expected db_max - db_min, {}", *scale.db_span, span_db));
     }
   }
+  if (const auto settings = json.Find("settings")) header.info.settings = ReadSettings(*settings);
   header.info.display_gamma = json.FindNumber("display_gamma", NumberRange::AboveUpTo(0.0, 100.0));
 }
 
-FrameInfo ReadFrameInfo(const JsonReader& json) {
+// Settings are those of the recording but where the frame has its own.
+FrameInfo ReadFrameInfo(const JsonReader& json, const SonarSettings& of_recording) {
   FrameInfo frame;
   const JsonReader file = json.At("file");
   frame.name = file.String();
@@ -151,6 +175,8 @@ FrameInfo ReadFrameInfo(const JsonReader& json) {
   }
   frame.time_s = json.FindNumber("time_s");
   if (const auto pose = json.Find("world_from_sonar")) frame.world_from_sonar = ReadPose(*pose);
+  const auto settings = json.Find("settings");
+  frame.settings = settings ? ReadSettings(*settings) : of_recording;
   return frame;
 }
 
@@ -246,14 +272,16 @@ Json ImageJson(const RecordingHeader& header) {
   if (scale.db_min) json["db_min"] = *scale.db_min;
   if (scale.db_max) json["db_max"] = *scale.db_max;
   if (scale.db_span) json["db_span"] = *scale.db_span;
+  if (header.info.settings != SonarSettings{}) json["settings"] = SettingsJson(header.info.settings);
   if (header.info.display_gamma) json["display_gamma"] = *header.info.display_gamma;
   return json;
 }
 
-Json FrameJson(const FrameInfo& frame) {
+Json FrameJson(const FrameInfo& frame, const SonarSettings& of_recording) {
   Json json = {{"file", frame.name}};
   if (frame.time_s) json["time_s"] = *frame.time_s;
   if (frame.world_from_sonar) json["world_from_sonar"] = PoseJson(*frame.world_from_sonar);
+  if (frame.settings != of_recording) json["settings"] = SettingsJson(frame.settings);
   return json;
 }
 
@@ -275,7 +303,7 @@ RecordingHeader ReadRecordingHeader(const fs::path& folder) {
   if (const auto scene = json.Find("scene")) ReadScene(*scene, folder, info);
   ReadOrigin(json, folder, info);
   const JsonReader frames = json.At("frames");
-  for (const JsonReader& frame : frames.Items()) header.frames.push_back(ReadFrameInfo(frame));
+  for (const JsonReader& frame : frames.Items()) header.frames.push_back(ReadFrameInfo(frame, info.settings));
   if (header.frames.empty()) frames.Fail("is empty, expected at least one frame");
   NoteUnknownKeys(json, info);
   return header;
@@ -309,7 +337,7 @@ Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {
     json["details"].push_back(Json::array({"original format", info.format}));
   }
   if (!info.notes.empty()) json["notes"] = info.notes;
-  for (const FrameInfo& frame : header.frames) json["frames"].push_back(FrameJson(frame));
+  for (const FrameInfo& frame : header.frames) json["frames"].push_back(FrameJson(frame, info.settings));
   return json;
 }
 

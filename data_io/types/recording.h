@@ -11,6 +11,7 @@
 #include "data_io/types/image.h"
 #include "data_io/types/pose.h"
 #include "data_io/types/sonar_model.h"
+#include "data_io/types/sonar_settings.h"
 
 namespace sonarcal {
 
@@ -19,6 +20,7 @@ struct RecordingInfo {
   std::string format;  // "sonar-recording/1", "ARIS v5", ...
   SonarModel sonar;    // axes of the first frame
   ImageScale scale;
+  SonarSettings settings;  // of the first frame
   std::optional<Water> water;
   std::optional<double> source_level_db;
   std::optional<std::string> scene_path;  // absolute, or relative to the working directory
@@ -38,6 +40,7 @@ struct FrameInfo {
   std::string name;  // file name, or "frame 3"
   std::optional<double> time_s;
   std::optional<Pose> world_from_sonar;
+  SonarSettings settings = {};
 };
 
 struct Frame {

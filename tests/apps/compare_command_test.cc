@@ -118,6 +118,28 @@ TEST_F(CompareCommand, OtherDisplaysAreRefusedUnlessAsked) {
   EXPECT_EQ(RunSonarcal(Arguments("--as-displayed")).status, 0);
 }
 
+// Adds settings to every frame of a recording, or to one.
+void SetSettings(const std::filesystem::path& recording, const nlohmann::json& settings, int frame = -1) {
+  nlohmann::json json = testing::ReadJsonFile(recording / "recording.json");
+  (frame < 0 ? json["image"] : json["frames"][frame])["settings"] = settings;
+  testing::WriteFile(recording / "recording.json", json.dump());
+}
+
+TEST_F(CompareCommand, OtherSettingsAreRefusedUnlessAsked) {
+  SetSettings(real_, {{"compression", "power"}});
+  Outcome outcome = RunSonarcal(Arguments());
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("compression is power and logarithm"));
+  EXPECT_EQ(RunSonarcal(Arguments("--as-displayed")).status, 0);
+  SetSettings(real_, {{"gain_db", 18}});
+  EXPECT_EQ(RunSonarcal(Arguments()).status, 0) << "the simulation has no gain of a receiver";
+  SetSettings(simulated_, {{"gain_db", 24}}, 1);
+  outcome = RunSonarcal(Arguments());
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("gain_db is 18 and 24"));
+}
+
 TEST_F(CompareCommand, ARegionOfInterestHoldsTheObject) {
   const auto largest_count = [&](const std::string& extra) {
     const Outcome outcome =

@@ -73,6 +73,18 @@ TEST_F(FitCommand, FindsTheParametersAndJudgesThemOnOtherFrames) {
   EXPECT_EQ(fitted.materials.at("box").gsab.b_deg, 3.0) << "what is not free stays";
 }
 
+TEST_F(FitCommand, FramesOfDifferentSettingsAreNotFittedTogether) {
+  nlohmann::json json = testing::ReadJsonFile(real_ / "recording.json");
+  json["frames"][0]["settings"] = {{"gain_db", 18}};
+  json["frames"][2]["settings"] = {{"gain_db", 24}};
+  testing::WriteFile(real_ / "recording.json", json.dump());
+  const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("gain_db is 18 and 24 in frame_0000.png and frame_0002.png"));
+  EXPECT_EQ(RunSonarcal(Arguments("--held-out 0,1,3")).status, 1) << "frames that judge are as one, too";
+}
+
 TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
   ASSERT_EQ(RunSonarcal(Arguments("--object box")).status, 0);
   const std::string html = testing::ReadFile(world_ / "out/report.html");

@@ -93,6 +93,9 @@ TEST(ArisSample, HoldsWhatTheMakersFileHolds) {
   EXPECT_EQ(info.format, "ARIS v5");
   EXPECT_EQ(info.sonar.name, "ARIS 1200, telephoto lens");
   EXPECT_EQ(info.sonar.frequency_hz, 1.2e6);
+  EXPECT_EQ(info.settings.compression, Compression::kLogarithm);
+  EXPECT_EQ(info.settings.time_varied_gain, std::nullopt) << "not recorded";
+  EXPECT_EQ(recording->frame_info(3).settings, info.settings);
   EXPECT_EQ(recording->frame_count(), 6);
   EXPECT_EQ(info.sonar.axes.range_bins, 2000);
   EXPECT_NEAR(info.sonar.axes.range_min_m, 3.2976, 5e-5);

@@ -232,6 +232,24 @@ TEST_F(RecordingFolderTest, DamageIsSurvived) {
   });
 }
 
+// Where a gain was changed while recording, the frame says so; the others have the recording's.
+TEST(WriteRecordingTest, FramesKeepTheirOwnSettings) {
+  const TempDir dir;
+  RecordingInfo info = SmallInfo();
+  info.settings.gain_db = 18.0;
+  std::vector<Frame> frames;
+  for (int i = 0; i < 2; ++i) {
+    frames.push_back(SmallRecording(info, 2).ReadFrame(i));
+    frames.back().info.settings = info.settings;
+  }
+  frames[1].info.settings.gain_db = 20.0;
+  WriteRecording(MemoryRecording(info, frames), dir / "out");
+  const auto read = OpenRecordingFolder(dir / "out");
+  EXPECT_EQ(read->frame_info(0).settings.gain_db, 18.0);
+  EXPECT_EQ(read->frame_info(1).settings.gain_db, 20.0);
+  EXPECT_EQ(read->frame_info(1).settings.compression, std::nullopt);
+}
+
 TEST(WriteRecordingTest, ComesBackWhole) {
   const TempDir dir;
   RecordingInfo info = SmallInfo();
@@ -243,6 +261,10 @@ TEST(WriteRecordingTest, ComesBackWhole) {
   info.azimuth_psf = {0.1, 1.0, 0.1};
   info.beam_taper = {0.9, 1.0, 0.9};
   info.display_gamma = 0.5;
+  info.settings = {.gain_db = 18.0,
+                   .pulse_length_us = 15.0,
+                   .time_varied_gain = false,
+                   .compression = Compression::kPower};
   info.details = {{"gain", "12 dB"}, {"gain", "13 dB"}};
   info.notes = {"a note"};
   const MemoryRecording written = SmallRecording(info, 3);
@@ -262,6 +284,7 @@ TEST(WriteRecordingTest, ComesBackWhole) {
   EXPECT_EQ(back.azimuth_psf, info.azimuth_psf);
   EXPECT_EQ(back.beam_taper, info.beam_taper);
   EXPECT_EQ(back.display_gamma, info.display_gamma);
+  EXPECT_EQ(back.settings, info.settings);
   EXPECT_EQ(back.details, info.details);
   EXPECT_THAT(back.notes, Contains("a note"));
   ASSERT_EQ(read->frame_count(), 3);

@@ -64,5 +64,27 @@ TEST(UnitsTest, DecibelsAndPowerAreInverse) {
   EXPECT_NEAR(DbFromPower(100.0), 20.0, 1e-12);
 }
 
+TEST(SonarSettings, TheFirstFieldThatBothTellAndThatDiffersIsNamed) {
+  const SonarSettings unknown;
+  const SonarSettings known{.gain_db = 18.0,
+                            .pulse_length_us = 15.0,
+                            .time_varied_gain = true,
+                            .compression = Compression::kLogarithm};
+  EXPECT_EQ(SettingsMismatch(unknown, unknown), "");
+  EXPECT_EQ(SettingsMismatch(unknown, known), "");
+  EXPECT_EQ(SettingsMismatch(known, known), "");
+  SonarSettings other = known;
+  other.pulse_length_us = 15.1;
+  EXPECT_EQ(SettingsMismatch(known, other), "") << "within 1 %";
+  other.pulse_length_us = 20.0;
+  EXPECT_EQ(SettingsMismatch(known, other), "pulse_length_us is 15 and 20");
+  other.gain_db = 24.0;
+  EXPECT_EQ(SettingsMismatch(known, other), "gain_db is 18 and 24");
+  other.time_varied_gain = false;
+  EXPECT_EQ(SettingsMismatch(known, other), "time_varied_gain is applied and not applied");
+  other.compression = Compression::kPower;
+  EXPECT_EQ(SettingsMismatch(known, other), "compression is logarithm and power");
+}
+
 }  // namespace
 }  // namespace sonarcal
