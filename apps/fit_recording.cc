@@ -83,15 +83,17 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
 }
 
 // One display is fitted: frames made with other settings would be taken for other echoes.
-void CheckSettings(const RecordingSource& recording, const std::vector<int>& frames) {
-  if (frames.empty()) return;
+void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
+  std::vector<int> frames = split.used;
+  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
   const FrameInfo first = recording.frame_info(frames.front());
   for (const int index : frames) {
     const FrameInfo frame = recording.frame_info(index);
     const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
     if (mismatch.empty()) continue;
     throw DataError(
-        "{}: {} in {} and {}: frames of different settings cannot be fitted together; take some out with "
+        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
+        "out with "
         "'convert --frames A:B'",
         recording.info().source, mismatch, first.name, frame.name);
   }
@@ -313,8 +315,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   CheckFittable(recording, initial, options);
   const std::vector<TimedPose> poses = PosesOfRecording(recording);
   const FrameSplit split = SplitFrames(options.config, recording.frame_count());
-  CheckSettings(recording, split.used);
-  CheckSettings(recording, split.held_out);
+  CheckSettings(recording, split);
   const SonarModel& sonar = recording.info().sonar;
   const WaterChoice water = ChooseWater(initial, recording.info().water);
   say(water.note);

@@ -14,9 +14,9 @@ enum class Compression {
 };
 
 struct SonarSettings {
-  std::optional<double> gain_db;          // of the receiver
+  std::optional<double> gain_db;  // of the receiver
   std::optional<double> pulse_length_us;
-  std::optional<bool> time_varied_gain;   // whether grey values contain one
+  std::optional<bool> time_varied_gain;  // whether grey values contain one
   std::optional<Compression> compression;
 
   bool operator==(const SonarSettings&) const = default;

@@ -82,7 +82,7 @@ TEST_F(FitCommand, FramesOfDifferentSettingsAreNotFittedTogether) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("gain_db is 18 and 24 in frame_0000.png and frame_0002.png"));
-  EXPECT_EQ(RunSonarcal(Arguments("--held-out 0,1,3")).status, 1) << "frames that judge are as one, too";
+  EXPECT_EQ(RunSonarcal(Arguments("--held-out 0,1,3")).status, 1) << "nor judged";
 }
 
 TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {

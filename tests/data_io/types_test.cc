@@ -3,6 +3,7 @@
 #include "data_io/types/image.h"
 #include "data_io/types/pose.h"
 #include "data_io/types/scene.h"
+#include "data_io/types/sonar_settings.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
