@@ -13,32 +13,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What a topic that was asked for is instead of a sonar's.
+std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
+  const auto index = bag.FindTopic(asked);
+  if (!index) return "is not there";
+  const BagTopic& topic = bag.topics()[*index];
+  if (!pictures && IsPictureType(topic.type)) {
+    return fmt::format(
+        "has bare pictures ({}), which do not tell their window and beams: give --image-geometry",
+        Printable(topic.type));
+  }
+  return fmt::format("has {} of type {}", topic.count == 0 ? "no message" : "messages",
+                     Printable(topic.type));
+}
+
 // Index of the sonar's topic.
-std::size_t ChooseTopic(const Bag& bag, const std::string& file, const std::string& asked) {
+std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOptions& options) {
+  const bool pictures = options.message.geometry.has_value();
   std::vector<std::size_t> found;
   std::vector<BagTopic> sonars;
   for (std::size_t i = 0; i < bag.topics().size(); ++i) {
     const BagTopic& topic = bag.topics()[i];
-    if (!IsSonarType(topic.type) || topic.count == 0 || (!asked.empty() && topic.name != asked)) continue;
+    if (!(pictures ? IsPictureType(topic.type) : IsSonarType(topic.type)) || topic.count == 0) continue;
+    if (!options.topic.empty() && topic.name != options.topic) continue;
     found.push_back(i);
     sonars.push_back(topic);
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) {
-    throw DataError("{}: {} topics of sonars, expected the name of one of them (--topic): {}", file,
-                    found.size(), DescribeTopics(sonars));
+    throw DataError("{}: {} topics of {}, expected the name of one of them (--topic): {}", file, found.size(),
+                    pictures ? "pictures" : "sonars", DescribeTopics(sonars));
   }
-  if (!asked.empty()) {
-    const auto other = bag.FindTopic(asked);
-    throw DataError(
-        "{}: topic '{}' {}, expected a sonar's; the bag has {}", file, Printable(asked),
-        other ? "is of type " + Printable(bag.topics()[*other].type) : std::string("is not there"),
-        DescribeTopics(bag.topics()));
+  if (!options.topic.empty()) {
+    throw DataError("{}: topic '{}' {}, expected {}; the bag has {}", file, Printable(options.topic),
+                    WhyNot(bag, options.topic, pictures), pictures ? "pictures" : "a sonar's",
+                    DescribeTopics(bag.topics()));
   }
-  throw DataError(
-      "{}: no topic of a sonar, expected one of marine_acoustic_msgs/ProjectedSonarImage or "
-      "sonar_oculus/OculusPing; the bag has {}",
-      file, DescribeTopics(bag.topics()));
+  throw DataError("{}: no topic of a sonar, expected one of {}; the bag has {}", file,
+                  pictures ? "sensor_msgs/Image or sensor_msgs/CompressedImage"
+                           : "marine_acoustic_msgs/ProjectedSonarImage or sonar_oculus/OculusPing (of "
+                             "sensor_msgs/Image or CompressedImage with --image-geometry)",
+                  DescribeTopics(bag.topics()));
 }
 
 class BagRecording final : public RecordingSource {
@@ -46,7 +61,7 @@ class BagRecording final : public RecordingSource {
   BagRecording(const fs::path& path, const BagOptions& options)
       : bag_(Bag::Open(path)), options_(options.message) {
     info_.source = path.string();
-    const std::size_t index = ChooseTopic(*bag_, info_.source, options.topic);
+    const std::size_t index = ChooseTopic(*bag_, info_.source, options);
     topic_ = bag_->topics()[index];
     messages_ = bag_->Messages(index);
     if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))

@@ -18,6 +18,8 @@ namespace sonarcal {
 struct BagOptions {
   std::string topic = {};  // of the sonar; empty where the bag has only one
   SonarMessageOptions message = {};
+
+  bool operator==(const BagOptions&) const = default;
 };
 
 // Throws DataError where the topic is not there or not a sonar's, where none is named and the bag has none or

@@ -13,6 +13,10 @@
 namespace sonarcal {
 namespace {
 
+constexpr const char* kPictureType = "sensor_msgs/Image";
+constexpr const char* kCompressedPictureType = "sensor_msgs/CompressedImage";
+constexpr const char* kMirrored = "Left and right are exchanged, as asked for.";
+
 bool IsProjected(const std::string& type) {
   return type == "marine_acoustic_msgs/ProjectedSonarImage" || type == "acoustic_msgs/ProjectedSonarImage";
 }
@@ -85,10 +89,45 @@ void Describe(PingWithPicture with_picture, const RosOculusPing& message, const 
   if (message.is_compressed) info.details.emplace_back("picture", Printable(message.compressed.format));
   if ((message.flags & kRowGains) != 0)
     info.notes.emplace_back("The sonar was asked for gains of the rows, which the message does not have.");
-  if (options.mirrored) info.notes.emplace_back("Left and right are exchanged, as asked for.");
+  if (options.mirrored) info.notes.emplace_back(kMirrored);
+}
+
+PolarImage ImageOfPicture(const std::string& type, std::span<const std::byte> bytes, MessageEncoding encoding,
+                          const std::string& where, const SonarMessageOptions& options) {
+  SONARCAL_CHECK(IsPictureType(type) && options.geometry, "{}", type);
+  MessageStream stream(bytes, encoding, where);
+  const RosPicture picture = type == kPictureType ? PictureOf(ReadRosImage(stream), where)
+                                                  : PictureOf(ReadRosCompressedImage(stream), where);
+  PolarImage image = PolarFromPicture(picture, *options.geometry, where);
+  if (options.mirrored) {
+    for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
+    std::ranges::reverse(image.axes.beam_azimuth_rad);
+    for (double& azimuth_rad : image.axes.beam_azimuth_rad) azimuth_rad = -azimuth_rad;
+  }
+  return image;
+}
+
+void DescribePicture(const PolarImage& image, const SonarMessageOptions& options, RecordingInfo& info) {
+  const ImageGeometry& geometry = *options.geometry;
+  info.sonar.name = geometry.name;
+  info.sonar.axes = image.axes;
+  info.sonar.frequency_hz = geometry.frequency_hz;
+  info.sonar.sound_speed_m_per_s = geometry.sound_speed_m_per_s;
+  info.scale = image.scale;
+  info.notes.emplace_back(
+      "The message is a bare picture: window and beams are as the geometry says that was given.");
+  info.notes.emplace_back("Neither gain, dB scale nor water is recorded.");
+  if (geometry.is_fan)
+    info.notes.emplace_back(
+        "A fan was sampled by nearest neighbour: near the sonar, beams repeat each other.");
+  if (options.mirrored) info.notes.emplace_back(kMirrored);
 }
 
 }  // namespace
+
+bool IsPictureType(const std::string& type) {
+  return type == kPictureType || type == kCompressedPictureType;
+}
 
 bool IsSonarType(const std::string& type) {
   return IsProjected(type) || IsOculusPing(type);
@@ -101,7 +140,7 @@ PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte
     MessageStream stream(bytes, encoding, where);
     return ImageOf(ReadProjectedSonarImage(stream), where, options);
   }
-  SONARCAL_CHECK(IsOculusPing(type), "{}", type);
+  if (!IsOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options);
   return ImageOf(PingOf(ReadRosOculusPing(bytes, encoding, where), where), where, options);
 }
 
@@ -112,7 +151,10 @@ void DescribeSonarMessage(const std::string& type, std::span<const std::byte> by
     Describe(ReadProjectedSonarImage(stream), where, options, info);
     return;
   }
-  SONARCAL_CHECK(IsOculusPing(type), "{}", type);
+  if (!IsOculusPing(type)) {
+    DescribePicture(ImageOfPicture(type, bytes, encoding, where, options), options, info);
+    return;
+  }
   const RosOculusPing message = ReadRosOculusPing(bytes, encoding, where);
   Describe(PingOf(message, where), message, options, info);
 }

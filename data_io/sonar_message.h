@@ -14,15 +14,20 @@
 //   - Whole numbers are grey, full scale the largest of their type; floats are taken for linear power.
 //   - Beam widths: the mean of rx in azimuth, of tx in elevation.
 //
+// sensor_msgs/Image and CompressedImage: grey pictures, where data_io/image_geometry.h says how their pixels
+// lie.
+//
 // sonar_oculus/OculusPing: as data_io/oculus_model.h, the picture's rows being ranges. Row gains are not in
 // it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "data_io/image_geometry.h"
 #include "data_io/message_stream.h"
 #include "data_io/types/recording.h"
 
@@ -33,12 +38,19 @@ enum class SampleOrder { kByBeam, kByRange };
 struct SonarMessageOptions {
   SampleOrder sample_order = SampleOrder::kByBeam;  // of ProjectedSonarImage
   bool mirrored = false;                            // exchange left and right
+  std::optional<ImageGeometry> geometry = {};       // of bare pictures, which are read only with it
+
+  bool operator==(const SonarMessageOptions&) const = default;
 };
 
 // Whether messages of the type are pings of a sonar, geometry included.
 bool IsSonarType(const std::string& type);
 
-// One message of a sonar type. Throws DataError beginning with `where` where it is damaged, or no image.
+// Whether they are bare pictures.
+bool IsPictureType(const std::string& type);
+
+// One message of a sonar's type, or of pictures where options.geometry is there. Throws DataError beginning
+// with `where` where it is damaged, or no image.
 PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte> bytes,
                               MessageEncoding encoding, const std::string& where,
                               const SonarMessageOptions& options);
