@@ -182,9 +182,9 @@ void NoteOrder(const ProjectedSonarImage& message, const std::string& where,
   const double other = MeanChange(samples, by_beam ? beams : ranges);
   if (change > kClearly * other) {
     info.notes.push_back(
-        fmt::format("The first frame speaks for the other order, {}: neighbours there differ by {:.3g} "
-                    "instead of {:.3g}.",
-                    by_beam ? "range by range" : "beam by beam", other, change));
+        fmt::format("The first frame speaks for the other order, {} (--sample-order {}): neighbours there "
+                    "differ by {:.3g} instead of {:.3g}.",
+                    by_beam ? "range by range" : "beam by beam", by_beam ? "range" : "beam", other, change));
   }
 }
 

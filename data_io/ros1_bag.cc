@@ -307,11 +307,12 @@ class Ros1Bag final : public Bag {
         nameless += messages.size();
         continue;
       }
-      const auto& [topic, type] = connection->second;
-      const auto known = std::ranges::find_if(
-          topics_, [&](const BagTopic& other) { return other.name == topic && other.type == type; });
+      const Connection& about = connection->second;
+      const auto known = std::ranges::find_if(topics_, [&](const BagTopic& other) {
+        return other.name == about.topic && other.type == about.type;
+      });
       if (known == topics_.end()) {
-        topics_.push_back({topic, type, messages.size()});
+        topics_.push_back({about.topic, about.type, messages.size()});
       } else {
         known->count += messages.size();
       }

@@ -85,6 +85,7 @@ class Database {
     sqlite3_progress_handler(db_, kStepsACall, &Database::StepsAreSpent, this);
     sqlite3_exec(db_, "PRAGMA cell_size_check=ON; PRAGMA mmap_size=0", nullptr, nullptr, nullptr);
   }
+  ~Database() = default;
   // SQLite has the object's address.
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;

@@ -1,7 +1,6 @@
 #include "data_io/ros_messages.h"
 
 #include <cmath>
-#include <optional>
 
 #include "data_io/types/error.h"
 
@@ -111,7 +110,8 @@ RosOculusPing ReadOculusPingAs(MessageStream& stream, OculusLayout layout) {
 }  // namespace
 
 double SecondsOfNs(std::int64_t time_ns) {
-  return static_cast<double>(time_ns / kNsPerS) + 1e-9 * static_cast<double>(time_ns % kNsPerS);
+  const std::int64_t seconds = time_ns / kNsPerS;
+  return static_cast<double>(seconds) + 1e-9 * static_cast<double>(time_ns % kNsPerS);
 }
 
 std::int64_t ReadStampNs(MessageStream& stream) {
@@ -155,17 +155,17 @@ RosCompressedImage ReadRosCompressedImage(MessageStream& stream) {
 
 RosOculusPing ReadRosOculusPing(std::span<const std::byte> bytes, MessageEncoding encoding,
                                 const std::string& where) {
-  std::optional<DataError> of_first;
+  std::string of_first;
   for (const OculusLayout layout :
        {OculusLayout::kImageFirst, OculusLayout::kCompressedLast, OculusLayout::kImageLast}) {
     MessageStream stream(bytes, encoding, where);
     try {
       return ReadOculusPingAs(stream, layout);
     } catch (const DataError& error) {
-      if (!of_first) of_first = error;
+      if (of_first.empty()) of_first = error.what();
     }
   }
-  throw *of_first;
+  throw DataError(of_first);
 }
 
 RosPose ReadOdometry(MessageStream& stream) {
@@ -183,8 +183,7 @@ RosPose ReadOdometry(MessageStream& stream) {
 
 RosPose ReadPoseStamped(MessageStream& stream) {
   const RosHeader header = ReadHeader(stream);
-  const RosPose pose{header.stamp_ns, header.frame_id, "",
-                     ReadPose(stream, "pose.position", "pose.orientation")};
+  RosPose pose{header.stamp_ns, header.frame_id, "", ReadPose(stream, "pose.position", "pose.orientation")};
   stream.Finish();
   return pose;
 }
