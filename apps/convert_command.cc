@@ -14,7 +14,7 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
-#include "data_io/open_recording.h"
+#include "data_io/bag_trajectory.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recording_io.h"
 #include "data_io/types/error.h"
@@ -25,29 +25,54 @@ namespace {
 constexpr JsonWords<TrajectoryFormat, 3> kTrajectoryFormats = {
     {{"tum", TrajectoryFormat::kTum}, {"euroc", TrajectoryFormat::kEuroc}, {"csv", TrajectoryFormat::kCsv}}};
 
-// The recording with poses from a trajectory in place of its own.
-std::unique_ptr<PosedRecording> WithTrajectory(std::unique_ptr<RecordingSource> recording,
-                                               const ConvertOptions& options) {
-  const TrajectoryFormat format =
-      options.trajectory_format ? *options.trajectory_format : GuessTrajectoryFormat(options.trajectory);
-  PosesOverTime poses{.world_from_body = ReadTrajectory(options.trajectory, format),
+// world_from_body, from a file or from the bag that is converted.
+std::vector<TrajectoryPose> PosesOf(const ConvertOptions& options) {
+  if (options.pose_topic.empty()) {
+    const TrajectoryFormat format =
+        options.trajectory_format ? *options.trajectory_format : GuessTrajectoryFormat(options.trajectory);
+    return ReadTrajectory(options.trajectory, format);
+  }
+  BagPoseOptions of_bag{.topic = options.pose_topic, .most_gap_s = options.most_gap_s};
+  if (!options.pose_frames.empty()) {
+    const std::size_t colon = options.pose_frames.find(':');
+    of_bag.world_frame = options.pose_frames.substr(0, colon);
+    if (colon != std::string::npos) of_bag.body_frame = options.pose_frames.substr(colon + 1);
+    if (of_bag.world_frame.empty() || of_bag.body_frame.empty())
+      throw UsageError("--pose-frames is '{}', expected WORLD:BODY", options.pose_frames);
+  }
+  return ReadBagTrajectory(options.file, of_bag);
+}
+
+// The recording with these poses in place of its own.
+std::unique_ptr<PosedRecording> WithPoses(std::unique_ptr<RecordingSource> recording,
+                                          const ConvertOptions& options) {
+  PosesOverTime poses{.world_from_body = PosesOf(options),
                       .body_from_sonar = options.mount.empty() ? Pose{} : ReadMount(options.mount),
                       .time_offset_s = options.time_offset_s,
                       .most_gap_s = options.most_gap_s};
   return std::make_unique<PosedRecording>(std::move(recording), std::move(poses));
 }
 
+void CheckOptions(const ConvertOptions& options) {
+  const bool takes_poses = !options.trajectory.empty() || !options.pose_topic.empty();
+  if (!takes_poses && !options.mount.empty())
+    throw UsageError("--mount is given without --trajectory or --pose-topic, expected both");
+  if (!options.trajectory.empty() && !options.pose_topic.empty())
+    throw UsageError("--trajectory and --pose-topic are given, expected one of them");
+  if (options.pose_topic.empty() && !options.pose_frames.empty())
+    throw UsageError("--pose-frames is given without --pose-topic, expected both");
+}
+
 }  // namespace
 
 ExitStatus RunConvert(const ConvertOptions& options) {
-  if (options.trajectory.empty() && !options.mount.empty())
-    throw UsageError("--mount is given without --trajectory, expected both");
-  std::unique_ptr<RecordingSource> recording = OpenRecording(options.file);
+  CheckOptions(options);
+  std::unique_ptr<RecordingSource> recording = OpenWithBagOptions(options.file, options.bag);
   const FrameRange range = ParseFrameRange(options.frames, recording->frame_count());
   recording = std::make_unique<FrameRangeView>(std::move(recording), range);
   std::optional<int> posed;  // where a trajectory gives poses
-  if (!options.trajectory.empty()) {
-    auto with_poses = WithTrajectory(std::move(recording), options);
+  if (!options.trajectory.empty() || !options.pose_topic.empty()) {
+    auto with_poses = WithPoses(std::move(recording), options);
     posed = with_poses->posed_count();
     recording = std::move(with_poses);
   }
@@ -57,19 +82,27 @@ ExitStatus RunConvert(const ConvertOptions& options) {
   WriteRecording(*recording, output.directory(),
                  {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
   std::vector<std::filesystem::path> inputs = {options.file};
-  for (const auto* input : {&options.trajectory, &options.mount}) {
+  for (const auto* input : {&options.trajectory, &options.mount, &options.bag.image_geometry}) {
     if (!input->empty()) inputs.push_back(*input);
   }
-  WriteProvenance(output.staging(), {.command = "convert",
-                                     .configuration = {{"file", options.file.string()},
-                                                       {"out", options.out.string()},
-                                                       {"trajectory", options.trajectory.string()},
-                                                       {"mount", options.mount.string()},
-                                                       {"time_offset_s", options.time_offset_s},
-                                                       {"most_gap_s", options.most_gap_s},
-                                                       {"first_frame", range.begin},
-                                                       {"frames", range.count()}},
-                                     .inputs = inputs});
+  WriteProvenance(
+      output.staging(),
+      {.command = "convert",
+       .configuration = {{"file", options.file.string()},
+                         {"out", options.out.string()},
+                         {"trajectory", options.trajectory.string()},
+                         {"topic", options.bag.bag.topic},
+                         {"samples_by_range", options.bag.bag.message.sample_order == SampleOrder::kByRange},
+                         {"image_geometry", options.bag.image_geometry.string()},
+                         {"mirrored", options.bag.bag.message.mirrored},
+                         {"pose_topic", options.pose_topic},
+                         {"pose_frames", options.pose_frames},
+                         {"mount", options.mount.string()},
+                         {"time_offset_s", options.time_offset_s},
+                         {"most_gap_s", options.most_gap_s},
+                         {"first_frame", range.begin},
+                         {"frames", range.count()}},
+       .inputs = inputs});
   output.Commit();
 
   if (options.common.json) {
@@ -103,6 +136,16 @@ void SetupConvert(CLI::App& app) {
       ->type_name("FILE");
   AddChoice(*command, "--trajectory-format", options->trajectory_format, kTrajectoryFormats,
             "Format of the trajectory (default: told by its first lines)");
+  AddBagOptions(*command, options->bag);
+  command
+      ->add_option("--pose-topic", options->pose_topic,
+                   "Topic of a ROS bag that says where that body was, in place of --trajectory: Odometry, "
+                   "PoseStamped or transforms")
+      ->type_name("NAME");
+  command
+      ->add_option("--pose-frames", options->pose_frames,
+                   "Frames between which the transforms are followed, of the world and of the body")
+      ->type_name("WORLD:BODY");
   command->add_option("--mount", options->mount, "How the sonar sits on that body (sonar-mount/1)")
       ->type_name("FILE");
   command

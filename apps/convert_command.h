@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/bag_options.h"
 #include "apps/command.h"
 #include "data_io/trajectory_io.h"
 
@@ -18,9 +19,12 @@ struct ConvertOptions {
   std::string frames;                                 // "A:B", see apps/frame_range.h; empty for all
   std::filesystem::path trajectory;                   // empty: poses as recorded
   std::optional<TrajectoryFormat> trajectory_format;  // absent: told by its first lines
-  std::filesystem::path mount;                        // empty: the trajectory is the sonar's own
-  double time_offset_s = 0.0;                         // added to frame times to look them up
-  double most_gap_s = 1.0;                            // between poses that are interpolated
+  BagArguments bag;
+  std::string pose_topic;       // of a ROS bag, in place of a trajectory
+  std::string pose_frames;      // "WORLD:BODY", where the topic has transforms
+  std::filesystem::path mount;  // empty: the trajectory is the sonar's own
+  double time_offset_s = 0.0;   // added to frame times to look them up
+  double most_gap_s = 1.0;      // between poses that are interpolated
 };
 
 ExitStatus RunConvert(const ConvertOptions& options);

@@ -11,7 +11,6 @@
 
 #include "apps/commands.h"
 #include "apps/recording_summary.h"
-#include "data_io/open_recording.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -219,7 +218,7 @@ ExitStatus RunInspect(const InspectOptions& options) {
   bool first = true;
   for (const std::filesystem::path& file : options.files) {
     try {
-      const auto recording = OpenRecording(file);
+      const auto recording = OpenWithBagOptions(file, options.bag);
       if (options.common.json) {
         pages.push_back(RecordingToJson(*recording));
       } else {
@@ -241,6 +240,7 @@ void SetupInspect(CLI::App& app) {
       AddCommand(app, "inspect", "Says what a recording holds: sensor, window, beams, frames, gain, quirks");
   command->add_option("FILE", options->files, "Recording folders, or files of a sonar's native format")
       ->required();
+  AddBagOptions(*command, options->bag);
   OnRun(command, options->common, [options] { return RunInspect(*options); });
 }
 

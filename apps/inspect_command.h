@@ -7,6 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "apps/bag_options.h"
 #include "apps/command.h"
 #include "data_io/types/recording.h"
 
@@ -15,6 +16,7 @@ namespace sonarcal {
 struct InspectOptions {
   CommonOptions common;
   std::vector<std::filesystem::path> files;
+  BagArguments bag;
 };
 
 // Prints a page for each file. A file that can't be read costs its sentence on stderr and status 1, and the

@@ -5,44 +5,14 @@
 #include <limits>
 
 #include "data_io/oculus_log.h"
+#include "data_io/oculus_model.h"
 #include "data_io/oculus_ping.h"
 #include "data_io/types/error.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A model's nominal figures in one of its modes (Blueprint Subsea, data sheets of the Oculus series).
-struct Mode {
-  std::uint8_t mode;
-  double frequency_hz;
-  const char* model;
-  double azimuth_beam_width_deg;
-  double elevation_beam_width_deg;
-};
-constexpr Mode kModes[] = {
-    {1, 0.75e6, "Oculus M750d", 1.0, 20.0},           {2, 1.2e6, "Oculus M750d", 0.6, 20.0},
-    {1, 1.2e6, "Oculus M1200d or M3000d", 0.6, 20.0}, {2, 2.1e6, "Oculus M1200d", 0.4, 12.0},
-    {2, 3.0e6, "Oculus M3000d", 0.0, 20.0},
-};
-constexpr double kFrequencyTolerance = 0.05;  // the recorded frequency is a little off the nominal one
-
-const Mode* FindMode(const OculusPing& ping) {
-  for (const Mode& mode : kModes) {
-    if (mode.mode == ping.mode &&
-        std::abs(ping.frequency_hz - mode.frequency_hz) <= kFrequencyTolerance * mode.frequency_hz) {
-      return &mode;
-    }
-  }
-  return nullptr;
-}
-
-// Within limits, and not one of the tiny numbers that uninitialised memory makes when read as a double.
-bool IsPlausible(double value, double lowest, double highest) {
-  return value >= lowest && value <= highest && (value == 0.0 || std::abs(value) > 1e-6);
-}
 
 // A ping of the file, and its head.
 struct Message {
@@ -59,8 +29,8 @@ class OculusRecording final : public RecordingSource {
     is_log ? IndexLog() : IndexMessages();
     RefuseTooFewOrMany();
     const OculusPing first = ParsePing(0, PingHeaderBytes(0));
-    DescribeSonar(first);
-    NoteEnvironment(first);
+    info_.format = fmt::format("Oculus simple ping result, version {}", first.version);
+    DescribeOculus(first, info_);
     if (is_log) {
       info_.format += ", in a log";
       info_.notes.emplace_back("Frames have the times of the log's items; their epoch is not documented.");
@@ -78,8 +48,8 @@ class OculusRecording final : public RecordingSource {
     const std::vector<std::byte> bytes = MessageBytes(index);
     const OculusPing ping = ParsePing(index, bytes);
     Frame frame{InfoOf(index, ping),
-                {AxesOf(ping, index), ScaleOf(ping), Grid<float>(ping.ranges, ping.beams)}};
-    const bool right_to_left = IsRightToLeft(ping);
+                {AxesOf(ping, index), OculusScale(ping), Grid<float>(ping.ranges, ping.beams)}};
+    const bool right_to_left = BearingsRunRightToLeft(ping);
     const std::uint64_t start = messages_.at(index).offset;
     const ByteReader image(
         ByteReader(bytes, name_, start).Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image"),
@@ -183,24 +153,8 @@ class OculusRecording final : public RecordingSource {
     return ParseOculusPing({bytes, name_, message.offset}, message.head);
   }
 
-  static bool IsRightToLeft(const OculusPing& ping) {
-    return ping.bearing_centideg.front() > ping.bearing_centideg.back();
-  }
-
   PolarAxes AxesOf(const OculusPing& ping, int index) const {
-    PolarAxes axes{0.0, ping.ranges * ping.range_resolution_m, ping.ranges, {}};
-    for (const std::int16_t bearing : ping.bearing_centideg) {
-      axes.beam_azimuth_rad.push_back(RadFromDeg(0.01 * bearing));
-    }
-    if (IsRightToLeft(ping)) std::reverse(axes.beam_azimuth_rad.begin(), axes.beam_azimuth_rad.end());
-    axes.Validate(fmt::format("{}: ping {}", name_, index));
-    return axes;
-  }
-
-  static ImageScale ScaleOf(const OculusPing& ping) {
-    ImageScale scale;
-    scale.full_scale = ping.full_scale();
-    return scale;
+    return OculusAxes(ping, fmt::format("{}: ping {}", name_, index));
   }
 
   FrameInfo InfoOf(int index, const OculusPing& ping) const {
@@ -209,63 +163,6 @@ class OculusRecording final : public RecordingSource {
     const bool has_time = time_s && std::isfinite(*time_s);
     return {fmt::format("ping {}", ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt,
             info_.settings};
-  }
-
-  void DescribeSonar(const OculusPing& ping) {
-    info_.format = fmt::format("Oculus simple ping result, version {}", ping.version);
-    info_.sonar.name = "Oculus";
-    info_.sonar.axes = AxesOf(ping, 0);
-    info_.scale = ScaleOf(ping);
-    info_.settings.compression = Compression::kPower;
-    info_.display_gamma = ping.gamma == 0 ? 1.0 : ping.gamma / 255.0;
-    if (const Mode* mode = FindMode(ping)) {
-      info_.sonar.name = mode->model;
-      info_.sonar.azimuth_beam_width_deg = mode->azimuth_beam_width_deg;
-      info_.sonar.elevation_beam_width_deg = mode->elevation_beam_width_deg;
-      info_.notes.emplace_back(
-          "The model is not recorded: it and its beam widths are presumed from mode and frequency.");
-    } else {
-      info_.notes.emplace_back("The model is not recorded and no known one has this mode and frequency.");
-    }
-    if (IsPlausible(ping.frequency_hz, 1e5, 1e7)) {
-      info_.sonar.frequency_hz = ping.frequency_hz;
-    } else {
-      info_.notes.push_back(fmt::format("Frequency {} Hz is garbage; left out.", ping.frequency_hz));
-    }
-    if (IsPlausible(ping.sound_speed_m_per_s, 1300.0, 1700.0)) {
-      info_.sonar.sound_speed_m_per_s = ping.sound_speed_m_per_s;
-    } else {
-      info_.notes.push_back(
-          fmt::format("Sound speed {} m/s is garbage; left out.", ping.sound_speed_m_per_s));
-    }
-    info_.details = {
-        {"mode", ping.mode == 1 ? "1 (low frequency)" : fmt::format("{} (high frequency)", ping.mode)},
-        {"range setting", fmt::format("{} {}", ping.range_setting, ping.range_is_metres ? "m" : "%")},
-        {"gain", fmt::format("{} %", ping.gain_percent)},
-        {"gamma", fmt::format("{:.3f} (byte {})", *info_.display_gamma, ping.gamma)},
-        {"salinity setting", fmt::format("{} ppt", ping.salinity_ppt)},
-        {"sample size", fmt::format("{} bits", 8 * ping.bytes_per_sample)},
-        {"gain of each row", ping.has_gains ? "sent, values divided by its square root" : "not sent"}};
-    if (ping.version == 2) {
-      info_.details.emplace_back("heading, pitch, roll", fmt::format("{}, {}, {} degrees", ping.heading_deg,
-                                                                     ping.pitch_deg, ping.roll_deg));
-    }
-  }
-
-  void NoteEnvironment(const OculusPing& ping) {
-    if (IsPlausible(ping.temperature_c, -3.0, 45.0) && IsPlausible(ping.salinity_ppt, 0.0, 50.0)) {
-      info_.water = Water{.temperature_c = ping.temperature_c, .salinity_ppt = ping.salinity_ppt};
-      info_.details.emplace_back("temperature", fmt::format("{:.2f} C", ping.temperature_c));
-      info_.notes.emplace_back("Acidity and depth of the water are not recorded; defaults stand for them.");
-    } else {
-      info_.notes.push_back(fmt::format("Temperature {:.6g} C with salinity {:.6g} ppt is garbage; left out.",
-                                        ping.temperature_c, ping.salinity_ppt));
-    }
-    if (IsPlausible(ping.pressure_bar, 0.0, 1200.0)) {
-      info_.details.emplace_back("pressure", fmt::format("{:.3f} bar", ping.pressure_bar));
-    } else {
-      info_.notes.push_back(fmt::format("Pressure {:.6g} bar is garbage; left out.", ping.pressure_bar));
-    }
   }
 
   fs::path file_;

@@ -34,6 +34,7 @@ struct OculusPing {
   double salinity_ppt = 0.0;
   // Result.
   std::uint32_t ping_id = 0;
+  bool has_environment = true;  // frequency, temperature, pressure and sound speed
   double frequency_hz = 0.0;
   double temperature_c = 0.0;
   double pressure_bar = 0.0;

@@ -2,7 +2,9 @@
 
 #include "data_io/aris3000_frames_io.h"
 #include "data_io/aris_io.h"
+#include "data_io/bag_recording.h"
 #include "data_io/ddf_io.h"
+#include "data_io/dfki_uxo_io.h"
 #include "data_io/didson_io.h"
 #include "data_io/fan_picture_io.h"
 #include "data_io/oculus_io.h"
@@ -26,6 +28,8 @@ constexpr Format kFormats[] = {
     {"Oculus simple ping results", IsOculus, OpenOculus},
     {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
     {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
+    {"a recording of the DFKI UXO data set (aris_frame_meta.csv, aris_raw)", IsDfkiUxo, OpenDfkiUxo},
+    {"a ROS bag with a sonar's topic (.bag, .db3)", IsBag, OpenBag},
     // Last: any picture is one, those of the formats above too.
     {"fan pictures or a video (PNG, JPEG, AVI, MP4)", IsFanPictures, OpenFanPictures},
 };

@@ -27,6 +27,8 @@ LIBRARIES = {
     "Ceres": (r"ceres/", r"calib/.*"),
     "tinygltf": (r"tiny_gltf\.h", r"data_io/scene_io\.cc"),
     "assimp": (r"assimp/", r"data_io/cad_io\.cc"),
+    "librosbag": (r"ros(bag)?/", r"data_io/ros1_chunk\.cc"),
+    "SQLite": (r"sqlite3\.h", r"data_io/ros2_bag\.cc"),
     "OpenCV": (r"opencv2?/", r".*\.cc"),  # never in a header
     "CLI11": (r"CLI/", r"apps/.*"),
 }
@@ -96,6 +98,10 @@ def self_test():
         ("data_io/scene_io.cc", "#include <tiny_gltf.h>", False),
         ("data_io/cad_io.h", "#include <assimp/scene.h>", True),
         ("data_io/cad_io.cc", "#include <assimp/scene.h>", False),
+        ("data_io/ros1_bag.cc", "#include <rosbag/bag.h>", True),
+        ("data_io/ros1_chunk.cc", "#include <rosbag/chunked_file.h>", False),
+        ("data_io/bag.cc", "#include <sqlite3.h>", True),
+        ("data_io/ros2_bag.cc", "#include <sqlite3.h>", False),
         ("data_io/a.h", "#include <opencv2/core.hpp>", True),
         ("data_io/a.cc", "#include <opencv2/core.hpp>", False),
         ("sim/a.cc", "#include <CLI/CLI.hpp>", True),

@@ -1,15 +1,14 @@
 // The program as a shell sees it: exit statuses, what goes to stdout and what to stderr.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "apps/run_output.h"
 #include "data_io/recording_io.h"
+#include "tests/apps/run_program.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal {
@@ -18,27 +17,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using testing::Outcome;
+using testing::Quoted;
+using testing::RunProgram;
 using ::testing::StartsWith;
-
-struct Outcome {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-// Runs `sonarcal ARGUMENTS` in a shell; single quotes guard what is quoted.
-Outcome RunProgram(const std::string& arguments) {
-  const testing::TempDir dir;
-  const std::string command = std::string(SONARCAL_BINARY) + ' ' + arguments + " >'" +
-                              (dir / "out").string() + "' 2>'" + (dir / "err").string() + "'";
-  const int wait_status = std::system(command.c_str());
-  return {WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : -1, testing::ReadFile(dir / "out"),
-          testing::ReadFile(dir / "err")};
-}
-
-std::string Quoted(const std::filesystem::path& path) {
-  return "'" + path.string() + "'";
-}
 
 // Three frames of three beams and four bins.
 void WriteSmallRecording(const std::filesystem::path& folder, bool synthetic) {

@@ -1,0 +1,46 @@
+#include "apps/bag_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "apps/choice_option.h"
+#include "data_io/open_recording.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr JsonWords<SampleOrder, 2> kSampleOrders = {
+    {{"beam", SampleOrder::kByBeam}, {"range", SampleOrder::kByRange}}};
+
+}  // namespace
+
+void AddBagOptions(CLI::App& command, BagArguments& arguments) {
+  BagOptions& options = arguments.bag;
+  command.add_option("--topic", options.topic, "The sonar's topic in a ROS bag (default: the only one)")
+      ->type_name("NAME");
+  AddChoice(command, "--sample-order", options.message.sample_order, kSampleOrders,
+            "How a ProjectedSonarImage's samples follow each other: beam by beam or range by range");
+  command.add_flag("--mirror", options.message.mirrored, "Exchange left and right of a ROS bag's images");
+  command
+      .add_option("--image-geometry", arguments.image_geometry,
+                  "Where the pixels of bare pictures in a ROS bag lie (sonar-image-geometry/1)")
+      ->type_name("FILE");
+}
+
+std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
+                                                    const BagArguments& arguments) {
+  if (arguments == BagArguments{}) return OpenRecording(path);
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !IsBag(path)) {
+    throw UsageError(
+        "--topic, --sample-order, --mirror and --image-geometry are for ROS bags, expected one in place of "
+        "{}",
+        path.string());
+  }
+  BagOptions options = arguments.bag;
+  if (!arguments.image_geometry.empty())
+    options.message.geometry = ReadImageGeometry(arguments.image_geometry);
+  return OpenBagRecording(path, options);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,27 @@
+// What a command is told of a ROS bag: which of its topics is the sonar's, and how its samples lie.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/command.h"
+#include "data_io/bag_recording.h"
+
+namespace sonarcal {
+
+struct BagArguments {
+  BagOptions bag;
+  std::filesystem::path image_geometry;  // empty: none
+
+  bool operator==(const BagArguments&) const = default;
+};
+
+// --topic, --sample-order, --mirror and --image-geometry.
+void AddBagOptions(CLI::App& command, BagArguments& arguments);
+
+// A recording of any format; of a bag, what the options say. Throws UsageError where they say something and
+// the recording is no bag.
+std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
+                                                    const BagArguments& arguments);
+
+}  // namespace sonarcal

@@ -1,0 +1,162 @@
+#include "data_io/sonar_message.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "data_io/oculus_model.h"
+#include "data_io/printable.h"
+#include "data_io/projected_sonar_image.h"
+#include "data_io/ros_messages.h"
+#include "data_io/ros_picture.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr const char* kPictureType = "sensor_msgs/Image";
+constexpr const char* kCompressedPictureType = "sensor_msgs/CompressedImage";
+constexpr const char* kMirrored = "Left and right are exchanged, as asked for.";
+
+bool IsProjected(const std::string& type) {
+  return type == "marine_acoustic_msgs/ProjectedSonarImage" || type == "acoustic_msgs/ProjectedSonarImage";
+}
+
+bool IsOculusPing(const std::string& type) {
+  return type == "sonar_oculus/OculusPing" || type == "sonar_oculus_interface/OculusPing";
+}
+
+struct PingWithPicture {
+  OculusPing ping;
+  RosPicture picture;
+};
+
+// The message as the sonar's own, checked to the point where DescribeOculus can take it.
+PingWithPicture PingOf(const RosOculusPing& message, const std::string& where) {
+  constexpr std::uint8_t kRangeIsMetres = 1;
+  const RosPicture picture =
+      message.is_compressed ? PictureOf(message.compressed, where) : PictureOf(message.image, where);
+  if (message.beams < 2 || std::cmp_not_equal(picture.value.rows(), message.ranges) ||
+      std::cmp_not_equal(picture.value.cols(), message.beams)) {
+    throw DataError("{}: a picture of {} x {} pixels, expected {} ranges x {} beams, 2 beams at least", where,
+                    picture.value.rows(), picture.value.cols(), message.ranges, message.beams);
+  }
+  OculusPing ping;
+  ping.mode = message.mode;
+  ping.gamma = message.gamma;
+  ping.range_is_metres = (message.flags & kRangeIsMetres) != 0;
+  ping.range_setting = message.range_setting;
+  ping.gain_percent = message.gain_percent;
+  ping.salinity_ppt = message.salinity_ppt;
+  ping.ping_id = message.ping_id;
+  ping.has_environment = message.has_environment;
+  ping.frequency_hz = message.frequency_hz;
+  ping.temperature_c = message.temperature_c;
+  ping.pressure_bar = message.pressure_bar;
+  ping.sound_speed_m_per_s = message.sound_speed_m_per_s;
+  ping.range_resolution_m = message.range_resolution_m;
+  ping.ranges = static_cast<int>(message.ranges);
+  ping.beams = static_cast<int>(message.beams);
+  ping.bytes_per_sample = picture.full_scale > 255.0 ? 2 : 1;
+  ping.bearing_centideg = message.bearing_centideg;
+  return {std::move(ping), picture};
+}
+
+void Mirror(std::vector<std::int16_t>& bearing_centideg) {
+  for (std::int16_t& bearing : bearing_centideg) bearing = static_cast<std::int16_t>(-bearing);
+}
+
+PolarImage ImageOf(PingWithPicture with_picture, const std::string& where,
+                   const SonarMessageOptions& options) {
+  OculusPing& ping = with_picture.ping;
+  if (options.mirrored) Mirror(ping.bearing_centideg);
+  PolarImage image{OculusAxes(ping, where), OculusScale(ping), std::move(with_picture.picture.value)};
+  if (BearingsRunRightToLeft(ping)) {
+    for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
+  }
+  return image;
+}
+
+void Describe(PingWithPicture with_picture, const RosOculusPing& message, const SonarMessageOptions& options,
+              RecordingInfo& info) {
+  constexpr std::uint8_t kRowGains = 4;
+  if (options.mirrored) Mirror(with_picture.ping.bearing_centideg);
+  DescribeOculus(with_picture.ping, info);
+  if (!with_picture.ping.has_environment && message.fire_sound_speed_m_per_s > 1300.0 &&
+      message.fire_sound_speed_m_per_s < 1700.0) {
+    info.sonar.sound_speed_m_per_s = message.fire_sound_speed_m_per_s;
+    info.notes.emplace_back("The sound speed is the one that was asked for.");
+  }
+  if (message.is_compressed) info.details.emplace_back("picture", Printable(message.compressed.format));
+  if ((message.flags & kRowGains) != 0)
+    info.notes.emplace_back("The sonar was asked for gains of the rows, which the message does not have.");
+  if (options.mirrored) info.notes.emplace_back(kMirrored);
+}
+
+PolarImage ImageOfPicture(const std::string& type, std::span<const std::byte> bytes, MessageEncoding encoding,
+                          const std::string& where, const SonarMessageOptions& options) {
+  SONARCAL_CHECK(IsPictureType(type) && options.geometry, "{}", type);
+  MessageStream stream(bytes, encoding, where);
+  const RosPicture picture = type == kPictureType ? PictureOf(ReadRosImage(stream), where)
+                                                  : PictureOf(ReadRosCompressedImage(stream), where);
+  PolarImage image = PolarFromPicture(picture, *options.geometry, where);
+  if (options.mirrored) {
+    for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
+    std::ranges::reverse(image.axes.beam_azimuth_rad);
+    for (double& azimuth_rad : image.axes.beam_azimuth_rad) azimuth_rad = -azimuth_rad;
+  }
+  return image;
+}
+
+void DescribePicture(const PolarImage& image, const SonarMessageOptions& options, RecordingInfo& info) {
+  const ImageGeometry& geometry = *options.geometry;
+  info.sonar.name = geometry.name;
+  info.sonar.axes = image.axes;
+  info.sonar.frequency_hz = geometry.frequency_hz;
+  info.sonar.sound_speed_m_per_s = geometry.sound_speed_m_per_s;
+  info.scale = image.scale;
+  info.notes.emplace_back(
+      "The message is a bare picture: window and beams are as the geometry says that was given.");
+  info.notes.emplace_back("Neither gain, dB scale nor water is recorded.");
+  if (geometry.is_fan)
+    info.notes.emplace_back(
+        "A fan was sampled by nearest neighbour: near the sonar, beams repeat each other.");
+  if (options.mirrored) info.notes.emplace_back(kMirrored);
+}
+
+}  // namespace
+
+bool IsPictureType(const std::string& type) {
+  return type == kPictureType || type == kCompressedPictureType;
+}
+
+bool IsSonarType(const std::string& type) {
+  return IsProjected(type) || IsOculusPing(type);
+}
+
+PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte> bytes,
+                              MessageEncoding encoding, const std::string& where,
+                              const SonarMessageOptions& options) {
+  if (IsProjected(type)) {
+    MessageStream stream(bytes, encoding, where);
+    return ImageOf(ReadProjectedSonarImage(stream), where, options);
+  }
+  if (!IsOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options);
+  return ImageOf(PingOf(ReadRosOculusPing(bytes, encoding, where), where), where, options);
+}
+
+void DescribeSonarMessage(const std::string& type, std::span<const std::byte> bytes, MessageEncoding encoding,
+                          const std::string& where, const SonarMessageOptions& options, RecordingInfo& info) {
+  if (IsProjected(type)) {
+    MessageStream stream(bytes, encoding, where);
+    Describe(ReadProjectedSonarImage(stream), where, options, info);
+    return;
+  }
+  if (!IsOculusPing(type)) {
+    DescribePicture(ImageOfPicture(type, bytes, encoding, where, options), options, info);
+    return;
+  }
+  const RosOculusPing message = ReadRosOculusPing(bytes, encoding, where);
+  Describe(PingOf(message, where), message, options, info);
+}
+
+}  // namespace sonarcal

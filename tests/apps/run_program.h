@@ -1,0 +1,34 @@
+// The program as a shell runs it. SONARCAL_BINARY is its path.
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal::testing {
+
+struct Outcome {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+// Runs `sonarcal ARGUMENTS` in a shell; single quotes guard what is quoted.
+inline Outcome RunProgram(const std::string& arguments) {
+  const TempDir dir;
+  const std::string command = std::string(SONARCAL_BINARY) + ' ' + arguments + " >'" +
+                              (dir / "out").string() + "' 2>'" + (dir / "err").string() + "'";
+  const int wait_status = std::system(command.c_str());
+  return {WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : -1, ReadFile(dir / "out"),
+          ReadFile(dir / "err")};
+}
+
+inline std::string Quoted(const std::filesystem::path& path) {
+  return "'" + path.string() + "'";
+}
+
+}  // namespace sonarcal::testing

@@ -1,0 +1,34 @@
+// Bags of both kinds for tests, made from serialised messages without the code that reads them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sonarcal::testing {
+
+struct MadeUpMessage {
+  std::string topic;
+  std::string type;  // "package/Message"
+  std::int64_t log_time_ns = 0;
+  std::string bytes;
+};
+
+struct MadeUpRos1Bag {
+  std::string compression = "none";
+  std::size_t messages_a_chunk = 2;
+  bool with_end = true;  // connections and chunk infos, which a recording that was cut off has not
+  bool encrypted = false;
+};
+
+// The bytes of a ROS 1 bag, format 2.0. `scratch` is a file that may be written.
+std::string Ros1BagBytes(const std::vector<MadeUpMessage>& messages, const MadeUpRos1Bag& bag,
+                         const std::filesystem::path& scratch);
+
+// Writes the tables of rosbag2 to `file`, with small pages so that tests reach many of them. Runs
+// `more_sql` at the end.
+void WriteRos2Bag(const std::filesystem::path& file, const std::vector<MadeUpMessage>& messages,
+                  const std::string& more_sql = "");
+
+}  // namespace sonarcal::testing
