@@ -1,0 +1,171 @@
+#include "tests/support/marker_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <opencv2/aruco.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "data_io/marker_map_io.h"
+
+namespace sonarcal::testing {
+namespace {
+
+constexpr double kFloorGrey = 120.0;
+constexpr double kBlack = 35.0;
+constexpr double kWhite = 205.0;
+
+// OpenCV's forward model, undone by repeated substitution.
+Eigen::Vector3d RayOfPixel(const Camera& camera, double u, double v) {
+  const double xd = (u - camera.cx_px) / camera.fx_px;
+  const double yd = (v - camera.cy_px) / camera.fy_px;
+  const auto& d = camera.distortion;
+  double x = xd;
+  double y = yd;
+  for (int i = 0; i < 100; ++i) {
+    const double r2 = x * x + y * y;
+    const double radial = (1 + d[0] * r2 + d[1] * r2 * r2 + d[4] * r2 * r2 * r2) /
+                          (1 + d[5] * r2 + d[6] * r2 * r2 + d[7] * r2 * r2 * r2);
+    const double dx = 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x) + d[8] * r2 + d[9] * r2 * r2;
+    const double dy = d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y + d[10] * r2 + d[11] * r2 * r2;
+    x = (xd - dx) / radial;
+    y = (yd - dy) / radial;
+  }
+  return Eigen::Vector3d(x, y, 1.0).normalized();
+}
+
+// Snell's law for vectors; `ratio` is the index before over the index behind.
+Eigen::Vector3d Refracted(const Eigen::Vector3d& incoming, const Eigen::Vector3d& normal, double ratio) {
+  const double cos_in = normal.dot(incoming);
+  const double cos_out = std::sqrt(1.0 - ratio * ratio * (1.0 - cos_in * cos_in));
+  return ratio * incoming + (cos_out - ratio * cos_in) * normal;
+}
+
+}  // namespace
+
+MarkerMap MarkerField(const FieldOptions& options) {
+  std::mt19937 random(options.seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  MarkerMap map{.dictionary = options.dictionary, .markers = {}, .sigma = {}};
+  for (int row = 0; row < options.rows; ++row) {
+    for (int col = 0; col < options.cols; ++col) {
+      const double free_m = 0.3 * (options.spacing_m - 1.5 * options.size_m);
+      Eigen::Vector3d position((col - 0.5 * (options.cols - 1)) * options.spacing_m + free_m * unit(random),
+                               (row - 0.5 * (options.rows - 1)) * options.spacing_m + free_m * unit(random), 0.0);
+      Eigen::Quaterniond rotation(Eigen::AngleAxisd(3.14159 * unit(random), Eigen::Vector3d::UnitZ()));
+      if (!options.flat) {
+        position.z() = 0.1 + 0.1 * unit(random);
+        rotation = rotation * Eigen::AngleAxisd(0.35 * unit(random), Eigen::Vector3d::UnitX());
+      }
+      map.markers.push_back({row * options.cols + col, options.size_m, {rotation, position}});
+    }
+  }
+  return map;
+}
+
+Camera FieldCamera() {
+  Camera camera{.cols = 640, .rows = 480, .fx_px = 560.0, .fy_px = 558.0, .cx_px = 322.3, .cy_px = 237.6};
+  camera.distortion = {-0.18, 0.07, 0.0012, -0.0009, -0.01};
+  return camera;
+}
+
+Pose LookingDown(double height_m, const Eigen::Vector2d& aside_m, const Eigen::Vector2d& target_m, double spin_rad) {
+  const Eigen::Vector3d eye(aside_m.x(), aside_m.y(), height_m);
+  const Eigen::Vector3d ahead = (Eigen::Vector3d(target_m.x(), target_m.y(), 0.0) - eye).normalized();
+  const Eigen::Vector3d right =
+      ahead.cross(Eigen::Vector3d(std::sin(spin_rad), std::cos(spin_rad), 0.0)).normalized();
+  Eigen::Matrix3d axes;
+  axes << right, ahead.cross(right), ahead;
+  return {Eigen::Quaterniond(axes), eye};
+}
+
+FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const FlatPort* port, int supersampling)
+    : camera_(camera), supersampling_(supersampling) {
+  const double part = 1.0 / supersampling;
+  for (int row = 0; row < camera.rows * supersampling; ++row) {
+    for (int col = 0; col < camera.cols * supersampling; ++col) {
+      // Pixel (0, 0) reaches from -0.5 to 0.5.
+      Ray ray{Eigen::Vector3d::Zero(), RayOfPixel(camera, (col + 0.5) * part - 0.5, (row + 0.5) * part - 0.5)};
+      if (port != nullptr) {
+        const Eigen::Vector3d& n = port->normal;
+        ray.origin = ray.direction * (port->distance_m / n.dot(ray.direction));
+        ray.direction = Refracted(ray.direction, n, 1.0 / port->glass_index);
+        ray.origin += ray.direction * (port->thickness_m / n.dot(ray.direction));
+        ray.direction = Refracted(ray.direction, n, port->glass_index / port->water_index);
+      }
+      rays_.push_back(ray);
+    }
+  }
+  const MarkerDictionary* dictionary = FindMarkerDictionary(map.dictionary);
+  if (dictionary == nullptr) throw std::logic_error("no such dictionary");
+  for (const Marker& marker : map.markers) {
+    cv::Mat print;
+    cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(dictionary->opencv_code), marker.id, dictionary->cells,
+                          print, 1);
+    Sheet sheet{marker.world_from_marker.Inverse(), marker.size_m, Grid<std::uint8_t>(print.rows, print.cols)};
+    for (int r = 0; r < print.rows; ++r) {
+      for (int c = 0; c < print.cols; ++c) sheet.cells(r, c) = print.at<std::uint8_t>(r, c);
+    }
+    sheets_.push_back(std::move(sheet));
+  }
+}
+
+double FieldRenderer::GreyAlong(const Ray& ray, const Pose& world_from_camera) const {
+  const Eigen::Vector3d origin = world_from_camera * ray.origin;
+  const Eigen::Vector3d direction = world_from_camera.rotation * ray.direction;
+  double nearest = std::numeric_limits<double>::infinity();
+  double grey = kFloorGrey;
+  for (const Sheet& sheet : sheets_) {
+    const Eigen::Vector3d d = sheet.marker_from_world.rotation * direction;
+    if (!(d.z() < 0.0)) continue;  // from behind
+    const Eigen::Vector3d o = sheet.marker_from_world * origin;
+    const double t = -o.z() / d.z();
+    if (!(t > 0.0 && t < nearest)) continue;
+    const double x = o.x() + t * d.x();
+    const double y = o.y() + t * d.y();
+    const double half = 0.5 * sheet.size_m;
+    const double paper = 1.35 * half;  // with its white margin
+    if (std::abs(x) > paper || std::abs(y) > paper) continue;
+    nearest = t;
+    grey = kWhite;
+    if (std::abs(x) < half && std::abs(y) < half) {
+      const int n = sheet.cells.rows();
+      const int col = std::clamp(static_cast<int>((x + half) / sheet.size_m * n), 0, n - 1);
+      const int row = std::clamp(static_cast<int>((half - y) / sheet.size_m * n), 0, n - 1);
+      grey = sheet.cells(row, col) > 0 ? kWhite : kBlack;
+    }
+  }
+  return grey;
+}
+
+Grid<std::uint8_t> FieldRenderer::Render(const Pose& world_from_camera, const PictureOptions& options) const {
+  const int n = supersampling_;
+  cv::Mat sum(camera_.rows, camera_.cols, CV_64FC1, cv::Scalar(0.0));
+  std::size_t at = 0;
+  for (int row = 0; row < camera_.rows * n; ++row) {
+    for (int col = 0; col < camera_.cols * n; ++col)
+      sum.at<double>(row / n, col / n) += GreyAlong(rays_[at++], world_from_camera) / (n * n);
+  }
+  std::mt19937 random(options.seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int i = 0; i < options.occluders; ++i) {
+    const cv::Point centre(static_cast<int>(unit(random) * camera_.cols), static_cast<int>(unit(random) * camera_.rows));
+    cv::circle(sum, centre, static_cast<int>(15.0 + 25.0 * unit(random)), cv::Scalar(90.0), cv::FILLED);
+  }
+  if (options.blur_px > 0.0)
+    cv::GaussianBlur(sum, sum, cv::Size(0, 0), options.blur_px, options.blur_px, cv::BORDER_REPLICATE);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  Grid<std::uint8_t> grey(camera_.rows, camera_.cols);
+  for (int row = 0; row < camera_.rows; ++row) {
+    for (int col = 0; col < camera_.cols; ++col) {
+      const double value = sum.at<double>(row, col) + options.noise_grey * noise(random);
+      grey(row, col) = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+    }
+  }
+  return grey;
+}
+
+}  // namespace sonarcal::testing
