@@ -17,5 +17,6 @@ void SetupCompare(CLI::App& app);    // apps/compare_command.h
 void SetupFit(CLI::App& app);        // apps/fit_command.h
 void SetupInspect(CLI::App& app);    // apps/inspect_command.h
 void SetupConvert(CLI::App& app);    // apps/convert_command.h
+void SetupPoses(CLI::App& app);      // apps/poses_command.h
 
 }  // namespace sonarcal

@@ -16,5 +16,6 @@ int main(int argc, char** argv) {
   sonarcal::SetupFit(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
+  sonarcal::SetupPoses(app);
   return sonarcal::RunApp(app, argc, argv);
 }

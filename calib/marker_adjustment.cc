@@ -41,8 +41,8 @@ Eigen::Quaterniond Turned(const Eigen::Quaterniond& reference, const double* vec
 
 class Adjuster {
  public:
-  Adjuster(std::vector<AdjustedFrame> frames, const MarkerMap& map, const Camera& camera, const FlatPort* port,
-           bool refine_focal)
+  Adjuster(std::vector<AdjustedFrame> frames, const MarkerMap& map, const Camera& camera,
+           const FlatPort* port, bool refine_focal)
       : frames_(std::move(frames)), map_(map), camera_(camera), port_(port), refine_focal_(refine_focal) {
     for (const AdjustedFrame& frame : frames_) {
       references_.push_back(frame.world_from_camera.rotation);
@@ -99,7 +99,8 @@ class Adjuster {
     for (auto& [id, step] : steps_) {
       if (map_.sigma) {
         prior_blocks_.push_back(problem_->AddResidualBlock(
-            new ceres::AutoDiffCostFunction<MapPrior, 6, 6>(new MapPrior{*map_.sigma}), nullptr, step.data()));
+            new ceres::AutoDiffCostFunction<MapPrior, 6, 6>(new MapPrior{*map_.sigma}), nullptr,
+            step.data()));
       } else {
         problem_->SetParameterBlockConstant(step.data());
       }
@@ -117,7 +118,8 @@ class Adjuster {
     ceres::Solver::Summary summary;
     ceres::Solve(options, problem_.get(), &summary);
     if (!summary.IsSolutionUsable())
-      throw DataError("the poses of {} frames could not be refined together: {}", frames_.size(), summary.message);
+      throw DataError("the poses of {} frames could not be refined together: {}", frames_.size(),
+                      summary.message);
   }
 
   double SquaredNorm(ceres::ResidualBlockId block, bool weighted) const {
@@ -138,8 +140,9 @@ class Adjuster {
     freedom_ = 8.0 * static_cast<double>(marker_blocks_.size()) - 6.0 * static_cast<double>(frames_.size()) -
                (refine_focal_ ? 1.0 : 0.0) - priors;
     if (!(freedom_ > 0.0)) {
-      throw DataError("{} markers in {} frames leave no degree of freedom to tell the noise by, expected more",
-                      marker_blocks_.size(), frames_.size());
+      throw DataError(
+          "{} markers in {} frames leave no degree of freedom to tell the noise by, expected more",
+          marker_blocks_.size(), frames_.size());
     }
     return std::max(1e-6, noise_factor2 * sum / freedom_);
   }
@@ -162,8 +165,9 @@ class Adjuster {
     for (const Block& block : blocks_) wanted.emplace_back(block.data(), block.data());
     if (refine_focal_) wanted.emplace_back(&focal_, &focal_);
     if (!covariance.Compute(wanted, problem_.get())) {
-      throw DataError("the markers in {} frames do not determine {}", frames_.size(),
-                      refine_focal_ ? "poses and focal length together: hold the focal length" : "their poses");
+      throw DataError(
+          "the markers in {} frames do not determine {}", frames_.size(),
+          refine_focal_ ? "poses and focal length together: hold the focal length" : "their poses");
     }
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       Eigen::Matrix<double, 6, 6, Eigen::RowMajor> block;

@@ -24,22 +24,23 @@ constexpr double kStillPx = 1e-3;
 // Camera and port as a change of coordinates: straight ones in units of about a pixel.
 class Straightener {
  public:
-  Straightener(const Camera& camera, const FlatPort* port)
-      : camera_(camera), port_(port), scale_px_(std::sqrt(camera.fx_px * camera.fy_px)) {}
+  Straightener(const Camera& camera, const FlatPort* port, double depth_m)
+      : camera_(camera), port_(port), depth_m_(depth_m), scale_px_(std::sqrt(camera.fx_px * camera.fy_px)) {}
 
   std::optional<Vector2d> FromPixel(const Vector2d& pixel) const {
-    const auto straight = StraightFromPixel(camera_, port_, pixel);
+    const auto straight = StraightFromPixel(camera_, port_, depth_m_, pixel);
     if (!straight) return std::nullopt;
     return Vector2d(scale_px_ * *straight);
   }
 
   std::optional<Vector2d> ToPixel(const Vector2d& straight_px) const {
-    return PixelFromStraight(camera_, port_, straight_px / scale_px_);
+    return PixelFromStraight(camera_, port_, depth_m_, straight_px / scale_px_);
   }
 
  private:
   const Camera& camera_;
   const FlatPort* port_;
+  double depth_m_;
   double scale_px_;
 };
 
@@ -62,8 +63,8 @@ struct Profile {
   double integral = 0.0;  // grey times pixels
 };
 
-std::optional<Profile> ProfileAt(const Grid<std::uint8_t>& grey, const Vector2d& centre, const Vector2d& outward,
-                                 double half_px) {
+std::optional<Profile> ProfileAt(const Grid<std::uint8_t>& grey, const Vector2d& centre,
+                                 const Vector2d& outward, double half_px) {
   const int steps = std::max(4, static_cast<int>(std::ceil(4.0 * half_px)));
   const double step_px = 2.0 * half_px / steps;
   Profile profile;
@@ -132,13 +133,14 @@ std::optional<EdgeLine> FitLine(const std::vector<Vector2d>& points, const Vecto
 
 using Quad = std::array<Vector2d, 4>;
 
-// Half the window across the edge from corner e: as far as the border of one cell reaches where it is narrowest.
+// Half the window across the edge from corner e: as far as the border of one cell reaches where it is
+// narrowest.
 double WindowPx(const Quad& pixels, int e, int cells) {
   const Vector2d& a = pixels[e];
   const Vector2d along = (pixels[(e + 1) % 4] - a).normalized();
   const Vector2d across(-along.y(), along.x());
-  const double width_px = std::min(std::abs(across.dot(pixels[(e + 2) % 4] - a)),
-                                   std::abs(across.dot(pixels[(e + 3) % 4] - a)));
+  const double width_px =
+      std::min(std::abs(across.dot(pixels[(e + 2) % 4] - a)), std::abs(across.dot(pixels[(e + 3) % 4] - a)));
   return std::clamp(kWindowOfCell * width_px / cells, kLeastWindowPx, kMostWindowPx);
 }
 
@@ -251,15 +253,27 @@ std::optional<Matrix8d> CornerCovariance(const std::array<EdgeLine, 4>& lines, c
     variance(2 * e + 1) = sample_variance / lines[e].spread2;
   }
   // Below this no edge is known: interpolation and the camera's own calibration are not better.
-  constexpr double kFloorPx = 0.02;
+  constexpr double kFloorPx = 0.005;
   return slope * variance.asDiagonal() * slope.transpose() + kFloorPx * kFloorPx * Matrix8d::Identity();
 }
 
 }  // namespace
 
+double MarkerDepthM(const MarkerQuad& quad, double size_m, const Camera& camera, const FlatPort* port) {
+  double side_px = 1.0;
+  for (int k = 0; k < 4; ++k)
+    side_px = std::max(side_px, (quad.corners_px[(k + 1) % 4] - quad.corners_px[k]).norm());
+  const double focal_px = std::sqrt(camera.fx_px * camera.fy_px);
+  if (port == nullptr) return focal_px * size_m / side_px;
+  // Near the axis water magnifies by its index, and all distances are from the window.
+  return port->outer_m() + std::max(1e-3, port->water_index * focal_px * size_m / side_px - port->distance_m);
+}
+
 std::optional<MarkerObservation> RefineMarkerCorners(const Grid<std::uint8_t>& grey, const MarkerQuad& quad,
-                                                     int cells, const Camera& camera, const FlatPort* port) {
-  const Straightener straightener(camera, port);
+                                                     const MarkerShape& shape, const Camera& camera,
+                                                     const FlatPort* port) {
+  const int cells = shape.cells;
+  const Straightener straightener(camera, port, MarkerDepthM(quad, shape.size_m, camera, port));
   Quad straight;
   for (int k = 0; k < 4; ++k) {
     const auto point = straightener.FromPixel(quad.corners_px[k]);

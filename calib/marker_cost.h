@@ -1,5 +1,5 @@
-// What one marker in one image says: its four corners as projected less as measured, whitened by the covariance
-// of calib/marker_corners.h, eight numbers. For Ceres.
+// What one marker in one image says: its four corners as projected less as measured, whitened by the
+// covariance of calib/marker_corners.h, eight numbers. For Ceres.
 //
 // Parameters, each about a reference that is held beside it, so that they stay near 0:
 //

@@ -16,16 +16,16 @@ namespace sonarcal {
 namespace {
 
 constexpr double kMedianOfChi2With8 = 7.344;
-// Beyond this many times the typical a marker is something else; one right one in 10^8 is.
-constexpr double kMostMisfit = 60.0;
+// Beyond this many times the typical a marker is something else: one that is wrong is off by thousands.
+constexpr double kMostMisfit = 200.0;
 
 struct StartedFrame {
   std::vector<MarkerObservation> seen;
   std::vector<PoseCandidate> candidates;
 };
 
-// s^2 by the median of the markers' misfits, which wrong ones do not move. A frame of few markers fits itself in
-// part: its misfits are smaller by the freedom it has left.
+// s^2 by the median of the markers' misfits, which wrong ones do not move. A frame of few markers fits itself
+// in part: its misfits are smaller by the freedom it has left.
 double TypicalFactor(const std::vector<StartedFrame>& frames, const MarkerMap& map, const Camera& camera,
                      const FlatPort* port) {
   std::vector<double> factors;
@@ -72,7 +72,8 @@ void AddResiduals(const std::vector<MarkerObservation>& seen, bool left_out, con
   scaled.fy_px *= focal_scale;
   const Pose camera_from_world = frame.world_from_camera.Inverse();
   for (const MarkerObservation& observation : seen) {
-    MarkerResidual residual{.id = observation.id, .left_out = left_out, .observation = observation, .projected_px = {}};
+    MarkerResidual residual{
+        .id = observation.id, .left_out = left_out, .observation = observation, .projected_px = {}};
     const Marker& marker = *map.Find(observation.id);
     const auto corners_m = MarkerCorners(marker.size_m);
     for (int k = 0; k < 4; ++k) {
@@ -98,7 +99,8 @@ double RmsOf(const std::vector<MarkerResidual>& markers) {
 }
 
 // Of a start: whether its markers fit one pose at all.
-double StartRmsPx(const StartedFrame& frame, const MarkerMap& map, const Camera& camera, const FlatPort* port) {
+double StartRmsPx(const StartedFrame& frame, const MarkerMap& map, const Camera& camera,
+                  const FlatPort* port) {
   MarkerFramePose pose;
   pose.world_from_camera = frame.candidates.front().world_from_camera;
   AddResiduals(frame.seen, false, map, 1.0, camera, port, pose);
@@ -137,7 +139,8 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
       continue;
     }
     started[i] = {frames[i], FindPoseCandidates(frames[i], map, camera, port)};
-    if (started[i].candidates.empty()) result.frames[i].refused = "no pose puts the markers before the camera";
+    if (started[i].candidates.empty())
+      result.frames[i].refused = "no pose puts the markers before the camera";
   }
 
   const double typical = TypicalFactor(started, map, camera, port);
@@ -153,11 +156,13 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
     }
     const double rms_px = StartRmsPx(started[i], map, camera, port);
     if (!(rms_px <= options.most_rms_px)) {
-      result.frames[i].refused = fmt::format("its {} markers are {:.2f} pixels (rms) off one pose, expected at most {:g}",
-                                             started[i].seen.size(), rms_px, options.most_rms_px);
+      result.frames[i].refused =
+          fmt::format("its {} markers are {:.2f} pixels (rms) off one pose, expected at most {:g}",
+                      started[i].seen.size(), rms_px, options.most_rms_px);
       continue;
     }
-    adjusted.push_back({.seen = started[i].seen, .world_from_camera = started[i].candidates.front().world_from_camera});
+    adjusted.push_back(
+        {.seen = started[i].seen, .world_from_camera = started[i].candidates.front().world_from_camera});
     place.push_back(i);
   }
   if (adjusted.empty()) return result;

@@ -32,8 +32,8 @@ std::vector<Pose> Solutions(const CvPoints3& object, const CvPoints2& image, int
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
   try {
-    cv::solvePnPGeneric(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rotations, translations, false,
-                        static_cast<cv::SolvePnPMethod>(method));
+    cv::solvePnPGeneric(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rotations, translations,
+                        false, static_cast<cv::SolvePnPMethod>(method));
   } catch (const cv::Exception&) {
     return {};  // corners that no plane explains: others are tried
   }
@@ -87,18 +87,19 @@ double AreaPx2(const MarkerObservation& seen) {
   return std::abs(area);
 }
 
-std::vector<Pose> Guesses(const std::vector<MarkerObservation>& seen, const MarkerMap& map, const Camera& camera,
-                          const FlatPort* port) {
+std::vector<Pose> Guesses(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
+                          const Camera& camera, const FlatPort* port) {
   Corners all;
   std::vector<std::pair<double, std::size_t>> by_area;
   std::vector<std::array<Eigen::Vector2d, 4>> straight(seen.size());
   for (std::size_t i = 0; i < seen.size(); ++i) {
+    const Marker& marker = MarkerOf(map, seen[i].id);
+    const double depth_m = MarkerDepthM({seen[i].id, seen[i].corners_px}, marker.size_m, camera, port);
     for (int k = 0; k < 4; ++k) {
-      const auto point = StraightFromPixel(camera, port, seen[i].corners_px[k]);
+      const auto point = StraightFromPixel(camera, port, depth_m, seen[i].corners_px[k]);
       SONARCAL_CHECK(point.has_value(), "a corner of marker {} left the camera's image", seen[i].id);
       straight[i][k] = *point;
     }
-    const Marker& marker = MarkerOf(map, seen[i].id);
     all.Add(marker.world_from_marker, marker.size_m, straight[i]);
     by_area.push_back({-AreaPx2(seen[i]), i});
   }
@@ -125,7 +126,8 @@ bool AreSame(const Pose& a, const Pose& b) {
 }
 
 std::vector<MarkerCost> CostsOf(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
-                                const Camera& camera, const FlatPort* port, const Eigen::Quaterniond& reference) {
+                                const Camera& camera, const FlatPort* port,
+                                const Eigen::Quaterniond& reference) {
   std::vector<MarkerCost> costs;
   for (const MarkerObservation& observation : seen) {
     costs.push_back({.camera = &camera,
@@ -154,9 +156,8 @@ std::optional<PoseCandidate> Refined(const std::vector<MarkerObservation>& seen,
     double focal = kNoScale;
     ceres::Problem problem;
     for (const MarkerCost& cost : CostsOf(seen, map, camera, port, reference)) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<MarkerCost, 8, 6, 6, 1>(new MarkerCost(cost)),
-          new ceres::HuberLoss(kMarkerHuber), frame.data(), step.data(), &focal);
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<MarkerCost, 8, 6, 6, 1>(new MarkerCost(cost)),
+                               new ceres::HuberLoss(kMarkerHuber), frame.data(), step.data(), &focal);
     }
     problem.SetParameterBlockConstant(step.data());
     problem.SetParameterBlockConstant(&focal);
@@ -194,8 +195,9 @@ std::vector<double> MarkerMisfits(const std::vector<MarkerObservation>& seen, co
   return misfits;
 }
 
-std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
-                                              const Camera& camera, const FlatPort* port) {
+std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
+                                              const MarkerMap& map, const Camera& camera,
+                                              const FlatPort* port) {
   std::vector<PoseCandidate> candidates;
   for (const Pose& guess : Guesses(seen, map, camera, port)) {
     const auto refined = Refined(seen, map, camera, port, guess);

@@ -33,7 +33,8 @@ ImageHeader JpegHeader(std::string_view bytes, const std::string& name) {
       ++at;
       continue;
     }
-    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    const bool is_frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (is_frame) {
       return {.rows = big16(at + 5), .cols = big16(at + 7), .channels = byte(at + 9), .bits = byte(at + 4)};
     }
@@ -49,7 +50,8 @@ Grid<std::uint8_t> DecodeJpeg(const std::string& bytes, const std::string& name)
     throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows, header.cols,
                     kMaxImagePixels);
   }
-  // The decoder fills up what is missing without a word; a whole file ends with the end marker, at most padded.
+  // The decoder fills up what is missing without a word; a whole file ends with the end marker, at most
+  // padded.
   const std::size_t end = bytes.rfind("\xFF\xD9");
   if (end == std::string::npos) throw DataError("{}: JPEG cut short, expected an end marker", name);
   cv::Mat image;
@@ -78,12 +80,15 @@ Grid<std::uint8_t> GreyOf(const RgbImage& rgb) {
 
 bool IsPicture(const fs::path& file) {
   std::string end = file.extension().string();
-  std::ranges::transform(end, end.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(end, end.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   constexpr std::array<std::string_view, 5> kEnds = {".png", ".jpg", ".jpeg", ".tif", ".tiff"};
   return std::ranges::count(kEnds, end) > 0;
 }
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 bool IsPlainNumber(std::string_view name) {
   if (name.empty() || !IsDigit(name.front()) || !IsDigit(name.back())) return false;
@@ -157,7 +162,8 @@ Grid<std::uint8_t> ReadCameraImage(const fs::path& file) {
 }
 
 CameraImageFolder ListCameraImages(const fs::path& folder, std::optional<NameTimes> unit) {
-  if (!fs::is_directory(folder)) throw DataError("{}: no such folder, expected one of images", folder.string());
+  if (!fs::is_directory(folder))
+    throw DataError("{}: no such folder, expected one of images", folder.string());
   CameraImageFolder found;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && IsPicture(entry.path())) found.images.push_back({entry.path(), {}});
@@ -169,7 +175,8 @@ CameraImageFolder ListCameraImages(const fs::path& folder, std::optional<NameTim
     return NaturalLess(a.file.filename().string(), b.file.filename().string());
   });
   found.times = unit ? *unit : UnitOf(stem(found.images.front()));
-  if (!unit && !std::ranges::all_of(found.images, [&](const auto& i) { return UnitOf(stem(i)) == found.times; }))
+  if (!unit &&
+      !std::ranges::all_of(found.images, [&](const auto& i) { return UnitOf(stem(i)) == found.times; }))
     found.times = NameTimes::kNone;
   if (found.times == NameTimes::kNone) return found;
   for (CameraImageFile& image : found.images) {

@@ -1,8 +1,8 @@
 // A camera's pictures: which files of a folder they are, when they were taken, and their grey values.
 //
-// PNG, grey TIFF of 8 bits and JPEG, told by their first bytes. Colour becomes grey as 0.299 R + 0.587 G + 0.114 B, 16
-// bits are cut to 8, an orientation noted by the camera is not applied: pixels stay as the calibration saw
-// them. A JPEG's announced size is checked before it is decoded.
+// PNG, grey TIFF of 8 bits and JPEG, told by their first bytes. Colour becomes grey as 0.299 R + 0.587 G +
+// 0.114 B, 16 bits are cut to 8, an orientation noted by the camera is not applied: pixels stay as the
+// calibration saw them. A JPEG's announced size is checked before it is decoded.
 #pragma once
 
 #include <cstdint>
@@ -32,11 +32,11 @@ struct CameraImageFolder {
   NameTimes times = NameTimes::kNone;
 };
 
-// The .png, .jpg, .jpeg, .tif and .tiff files of a folder, at least one. Names tell times where all of them are
-// plain numbers ("1700000000.25.png", "1700000000250000.jpg") of one kind: with a decimal point, or 10 digits:
-// seconds; 13: milliseconds; 16: microseconds; 19: nanoseconds (since 1970, or any other start). `unit` takes
-// them for that whatever their digits, kNone for no times. Throws DataError where the folder has none, names are
-// not what `unit` asks for, or two have one time.
+// The .png, .jpg, .jpeg, .tif and .tiff files of a folder, at least one. Names tell times where all of them
+// are plain numbers ("1700000000.25.png", "1700000000250000.jpg") of one kind: with a decimal point, or 10
+// digits: seconds; 13: milliseconds; 16: microseconds; 19: nanoseconds (since 1970, or any other start).
+// `unit` takes them for that whatever their digits, kNone for no times. Throws DataError where the folder has
+// none, names are not what `unit` asks for, or two have one time.
 CameraImageFolder ListCameraImages(const std::filesystem::path& folder, std::optional<NameTimes> unit = {});
 
 std::string_view ToString(NameTimes times);

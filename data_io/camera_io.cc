@@ -52,7 +52,8 @@ class FlatYaml {
 
   const Value& At(const std::string& key) const {
     const Value* value = Find(key);
-    if (value == nullptr) throw DataError("{}: no '{}', expected a camera calibration in OpenCV's YAML", file_, key);
+    if (value == nullptr)
+      throw DataError("{}: no '{}', expected a camera calibration in OpenCV's YAML", file_, key);
     return *value;
   }
 
@@ -95,7 +96,8 @@ class FlatYaml {
     }
     const std::string_view text = Trimmed(line);
     if (text.empty() || text.front() == '%' || text.front() == '#' || text == "---" || text == "...") return;
-    if (text.front() == '<') Fail(number, "XML, expected YAML (cv::FileStorage with a name in .yaml or .yml)");
+    if (text.front() == '<')
+      Fail(number, "XML, expected YAML (cv::FileStorage with a name in .yaml or .yml)");
     const std::size_t colon = text.find(':');
     // What follows another program's key (a list of images, say) is none of ours.
     if (colon == std::string_view::npos) return;
@@ -107,7 +109,8 @@ class FlatYaml {
     if (is_inner) key = block + "." + key;
     const auto [place, is_new] = values_.try_emplace(key, Value{number, std::string(rest)});
     if (!is_new)
-      Fail(number, fmt::format("key '{}' for the second time, first in line {}", Printable(key), place->second.line));
+      Fail(number,
+           fmt::format("key '{}' for the second time, first in line {}", Printable(key), place->second.line));
     if (rest.starts_with('[') && !rest.ends_with(']')) open_list = &place->second;
   }
 
@@ -130,15 +133,16 @@ void ReadCameraMatrix(const FlatYaml& yaml, Camera& camera) {
   if (m.size() != 9) yaml.Fail(line, fmt::format("{} has {} numbers, expected 9", kKey, m.size()));
   const auto in_range = [](double focal_px) { return focal_px > 0.0 && focal_px < 1e6; };
   if (!in_range(m[0]) || !in_range(m[4]))
-    yaml.Fail(line, fmt::format("focal lengths are {:g} and {:g}, expected pixels > 0 and < 1e6", m[0], m[4]));
+    yaml.Fail(line,
+              fmt::format("focal lengths are {:g} and {:g}, expected pixels > 0 and < 1e6", m[0], m[4]));
   if (m[1] != 0.0 || m[3] != 0.0 || m[6] != 0.0 || m[7] != 0.0 || m[8] != 1.0)
     yaml.Fail(line, "camera_matrix is not fx 0 cx, 0 fy cy, 0 0 1: skewed axes are not modelled");
   const auto inside = [](double centre_px, int size_px) {
     return centre_px > -size_px && centre_px < 2.0 * size_px;
   };
   if (!inside(m[2], camera.cols) || !inside(m[5], camera.rows)) {
-    yaml.Fail(line, fmt::format("principal point {:g}, {:g} is far outside an image of {} x {} pixels", m[2], m[5],
-                                camera.cols, camera.rows));
+    yaml.Fail(line, fmt::format("principal point {:g}, {:g} is far outside an image of {} x {} pixels", m[2],
+                                m[5], camera.cols, camera.rows));
   }
   camera.fx_px = m[0];
   camera.fy_px = m[4];
@@ -169,7 +173,8 @@ void ReadDistortion(const FlatYaml& yaml, Camera& camera) {
     if (i >= camera.distortion.size()) {
       if (k[i] != 0.0) yaml.Fail(line, "a tilted sensor (tau_x, tau_y) is not modelled");
     } else {
-      if (!(std::abs(k[i]) < 1e4)) yaml.Fail(line, fmt::format("{} has {:g}, expected less than 1e4", kKey, k[i]));
+      if (!(std::abs(k[i]) < 1e4))
+        yaml.Fail(line, fmt::format("{} has {:g}, expected less than 1e4", kKey, k[i]));
       camera.distortion[i] = k[i];
     }
   }
@@ -207,7 +212,8 @@ FlatPort ReadFlatPort(const std::filesystem::path& file) {
     if (n.size() != 3) normal->Fail(fmt::format("has {} numbers, expected 3", n.size()));
     port.normal = {n[0], n[1], n[2]};
     const double length_1 = port.normal.norm();
-    if (!(port.normal.z() > 0.1 * length_1)) normal->Fail("points aside or back, expected ahead of the camera");
+    if (!(port.normal.z() > 0.1 * length_1))
+      normal->Fail("points aside or back, expected ahead of the camera");
     port.normal /= length_1;
   }
   json.Finish();

@@ -12,9 +12,9 @@
 //   distortion_coefficients: !!opencv-matrix   # k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4]]]; absent: none
 //      ...
 //
-// Other keys are passed over. Refused: skew, fisheye and tilted-sensor models, files over 1 MB, and numbers that
-// are not finite. Of YAML only this much is read: keys in the first column, blocks of indented keys, and lists
-// in square brackets. OpenCV's XML is not read.
+// Other keys are passed over. Refused: skew, fisheye and tilted-sensor models, files over 1 MB, and numbers
+// that are not finite. Of YAML only this much is read: keys in the first column, blocks of indented keys, and
+// lists in square brackets. OpenCV's XML is not read.
 //
 // Port, JSON, lengths in metres, indices relative to air, normal (default: the optical axis) in camera axes:
 //

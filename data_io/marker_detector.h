@@ -1,5 +1,5 @@
-// Markers in an image, by OpenCV's ArUco detector, which knows AprilTag's dictionaries too. Corners come as the
-// detector's contours give them, to about a pixel: calib/marker_corners.h refines them.
+// Markers in an image, by OpenCV's ArUco detector, which knows AprilTag's dictionaries too. Corners come as
+// the detector's contours give them, to about a pixel: calib/marker_corners.h refines them.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // An optical camera beside the sonar, and the flat window it may look through.
 //
-// Camera frame as OpenCV's: X right, Y down, Z ahead, metres, origin at the centre of projection. Pixels: u to
-// the right, v down, the centre of the top-left pixel at (0, 0). The formulas are in sim/physics/camera.h.
+// Camera frame as OpenCV's: X right, Y down, Z ahead, metres, origin at the centre of projection. Pixels: u
+// to the right, v down, the centre of the top-left pixel at (0, 0). The formulas are in sim/physics/camera.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,8 +28,8 @@ struct FlatPort {
   double distance_m = 0.0;   // from the centre of projection to the inner face, along the normal; >= 0
   double thickness_m = 0.0;  // of the window; >= 0
   double glass_index = 1.49;
-  double water_index = 1.333;                              // refractive indices relative to air, 1 to 3
-  Eigen::Vector3d normal = {0.0, 0.0, 1.0};                // into the water, camera frame, unit length
+  double water_index = 1.333;                // refractive indices relative to air, 1 to 3
+  Eigen::Vector3d normal = {0.0, 0.0, 1.0};  // into the water, camera frame, unit length
 
   // Of the outer face, from the centre of projection, along the normal.
   double outer_m() const { return distance_m + thickness_m; }
@@ -38,8 +38,8 @@ struct FlatPort {
 // How the camera sits beside the sonar.
 struct CameraMount {
   Pose camera_from_sonar;
-  // Standard deviation an axis of what is left to doubt; 0: taken for exact. Position along the camera's axes,
-  // angle about the sonar's.
+  // Standard deviation an axis of what is left to doubt; 0: taken for exact. Position along the camera's
+  // axes, angle about the sonar's.
   double sigma_position_m = 0.0;
   double sigma_angle_rad = 0.0;
 };

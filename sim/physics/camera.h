@@ -51,11 +51,12 @@ bool PixelOfPoint(const Camera& camera, const FlatPort* port, const T& focal_sca
          PixelOfDirection(camera, focal_scale, direction, pixel);
 }
 
-// Where a pixel's light comes from: (X / Z, Y / Z) of its direction, beyond the port where there is one. Without
-// a port, or far from it, straight lines of the world are straight in these coordinates. Nothing where the
-// distortion does not reach that pixel.
+// Where a pixel's ray meets the plane `depth_m` ahead of the camera, as (X, Y) / depth. Straight lines of the
+// world are straight in these coordinates, through a port to the extent that they lie near that plane;
+// without a port the depth does not matter. Nothing where the distortion does not reach that pixel, or the
+// plane is not behind the port.
 inline std::optional<Eigen::Vector2d> StraightFromPixel(const Camera& camera, const FlatPort* port,
-                                                        const Eigen::Vector2d& pixel) {
+                                                        double depth_m, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d bent((pixel.x() - camera.cx_px) / camera.fx_px,
                              (pixel.y() - camera.cy_px) / camera.fy_px);
   constexpr double kStep = 1e-6;
@@ -78,22 +79,20 @@ inline std::optional<Eigen::Vector2d> StraightFromPixel(const Camera& camera, co
   }
   if (!found || !xy.allFinite()) return std::nullopt;
   if (port == nullptr) return xy;
+  Eigen::Vector3d start;
   Eigen::Vector3d in_water;
-  if (!DirectionInWater(*port, xy.homogeneous().normalized(), in_water) || !(in_water.z() > 0.0))
-    return std::nullopt;
-  return in_water.hnormalized();
+  if (!RayBehindPort(*port, xy.homogeneous(), start, in_water)) return std::nullopt;
+  if (!(in_water.z() > 0.0) || !(start.z() < depth_m)) return std::nullopt;
+  const Eigen::Vector3d point = start + (depth_m - start.z()) / in_water.z() * in_water;
+  return Eigen::Vector2d(point.head<2>() / depth_m);
 }
 
 // The inverse of StraightFromPixel. Nothing where no pixel is.
 inline std::optional<Eigen::Vector2d> PixelFromStraight(const Camera& camera, const FlatPort* port,
-                                                        const Eigen::Vector2d& straight) {
-  Eigen::Vector3d direction = straight.homogeneous().normalized();
-  if (port != nullptr) {
-    const Eigen::Vector3d in_water = direction;
-    if (!DirectionInAir(*port, in_water, direction)) return std::nullopt;
-  }
+                                                        double depth_m, const Eigen::Vector2d& straight) {
+  const Eigen::Vector3d point = depth_m * straight.homogeneous();
   Eigen::Vector2d pixel;
-  if (!PixelOfDirection(camera, 1.0, direction, pixel)) return std::nullopt;
+  if (!PixelOfPoint(camera, port, 1.0, point, pixel)) return std::nullopt;
   return pixel;
 }
 

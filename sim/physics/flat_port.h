@@ -1,9 +1,9 @@
 // Refraction at a flat port: the direction in which a camera behind a window sees a point in the water.
 //
 // The camera stands in air at the origin; the window's inner face lies at distance d along the unit normal n,
-// is t thick (index g), and water (index w) begins behind it. For a point at depth z along n and at the distance
-// r from the axis through the camera, the ray that leaves the camera with the tangent q = tan(angle in air)
-// meets it where, by Snell's law sin = g sin_g = w sin_w,
+// is t thick (index g), and water (index w) begins behind it. For a point at depth z along n and at the
+// distance r from the axis through the camera, the ray that leaves the camera with the tangent q = tan(angle
+// in air) meets it where, by Snell's law sin = g sin_g = w sin_w,
 //
 //   d q + t q / sqrt(g^2 + (g^2 - 1) q^2) + h q / sqrt(w^2 + (w^2 - 1) q^2) = r,   h = z - d - t.
 //
@@ -23,7 +23,8 @@
 
 namespace sonarcal {
 
-// The terms of F(m) and its slope: one layer, of index n and depth h, contributes h m / sqrt(n^2 + (n^2-1) q^2).
+// The terms of F(m) and its slope: one layer, of index n and depth h, contributes h m / sqrt(n^2 + (n^2-1)
+// q^2).
 template <typename T>
 struct PortLayer {
   T value;
@@ -69,22 +70,21 @@ bool DirectionThroughPort(const FlatPort& port, const Eigen::Matrix<T, 3, 1>& po
   return false;
 }
 
-// The same for a point infinitely far away, and back: unit directions in water and in air. `in_air` false
-// beyond total reflection.
-inline bool DirectionInAir(const FlatPort& port, const Eigen::Vector3d& in_water, Eigen::Vector3d& in_air) {
-  const double along = port.normal.dot(in_water);
-  const Eigen::Vector3d aside = port.water_index * (in_water - along * port.normal);
-  const double sin2 = aside.squaredNorm();
-  if (!(along > 0.0) || !(sin2 < 1.0)) return false;
-  in_air = std::sqrt(1.0 - sin2) * port.normal + aside;
-  return true;
-}
-
-inline bool DirectionInWater(const FlatPort& port, const Eigen::Vector3d& in_air, Eigen::Vector3d& in_water) {
-  const double along = port.normal.dot(in_air);
-  const Eigen::Vector3d aside = (in_air - along * port.normal) / port.water_index;
-  if (!(along > 0.0)) return false;
-  in_water = std::sqrt(1.0 - aside.squaredNorm()) * port.normal + aside;
+// The other way: the ray in the water that a direction in the camera's air becomes, from where it leaves the
+// window; `in_water` of unit length. False for a direction that does not meet the window.
+inline bool RayBehindPort(const FlatPort& port, const Eigen::Vector3d& in_air, Eigen::Vector3d& start_m,
+                          Eigen::Vector3d& in_water) {
+  const double length = in_air.norm();
+  const double cosine = port.normal.dot(in_air) / length;
+  if (!(cosine > 0.0)) return false;
+  const Eigen::Vector3d sine = in_air / length - cosine * port.normal;  // its length is the sine
+  const auto aside = [&](double index) -> Eigen::Vector3d {             // a metre along the normal
+    return sine / std::sqrt(index * index - sine.squaredNorm());
+  };
+  const double index = port.water_index;
+  start_m = port.outer_m() * port.normal + port.distance_m * aside(1.0) +
+            port.thickness_m * aside(port.glass_index);
+  in_water = (aside(index) + port.normal).normalized();
   return true;
 }
 

@@ -1,6 +1,7 @@
 #include "tests/support/marker_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -17,6 +18,7 @@ namespace {
 constexpr double kFloorGrey = 120.0;
 constexpr double kBlack = 35.0;
 constexpr double kWhite = 205.0;
+constexpr double kPaper = 1.35;  // of a marker's side, white margin included
 
 // OpenCV's forward model, undone by repeated substitution.
 Eigen::Vector3d RayOfPixel(const Camera& camera, double u, double v) {
@@ -54,7 +56,8 @@ MarkerMap MarkerField(const FieldOptions& options) {
     for (int col = 0; col < options.cols; ++col) {
       const double free_m = 0.3 * (options.spacing_m - 1.5 * options.size_m);
       Eigen::Vector3d position((col - 0.5 * (options.cols - 1)) * options.spacing_m + free_m * unit(random),
-                               (row - 0.5 * (options.rows - 1)) * options.spacing_m + free_m * unit(random), 0.0);
+                               (row - 0.5 * (options.rows - 1)) * options.spacing_m + free_m * unit(random),
+                               0.0);
       Eigen::Quaterniond rotation(Eigen::AngleAxisd(3.14159 * unit(random), Eigen::Vector3d::UnitZ()));
       if (!options.flat) {
         position.z() = 0.1 + 0.1 * unit(random);
@@ -72,7 +75,8 @@ Camera FieldCamera() {
   return camera;
 }
 
-Pose LookingDown(double height_m, const Eigen::Vector2d& aside_m, const Eigen::Vector2d& target_m, double spin_rad) {
+Pose LookingDown(double height_m, const Eigen::Vector2d& aside_m, const Eigen::Vector2d& target_m,
+                 double spin_rad) {
   const Eigen::Vector3d eye(aside_m.x(), aside_m.y(), height_m);
   const Eigen::Vector3d ahead = (Eigen::Vector3d(target_m.x(), target_m.y(), 0.0) - eye).normalized();
   const Eigen::Vector3d right =
@@ -82,13 +86,15 @@ Pose LookingDown(double height_m, const Eigen::Vector2d& aside_m, const Eigen::V
   return {Eigen::Quaterniond(axes), eye};
 }
 
-FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const FlatPort* port, int supersampling)
+FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const FlatPort* port,
+                             int supersampling)
     : camera_(camera), supersampling_(supersampling) {
   const double part = 1.0 / supersampling;
   for (int row = 0; row < camera.rows * supersampling; ++row) {
     for (int col = 0; col < camera.cols * supersampling; ++col) {
       // Pixel (0, 0) reaches from -0.5 to 0.5.
-      Ray ray{Eigen::Vector3d::Zero(), RayOfPixel(camera, (col + 0.5) * part - 0.5, (row + 0.5) * part - 0.5)};
+      Ray ray{Eigen::Vector3d::Zero(),
+              RayOfPixel(camera, (col + 0.5) * part - 0.5, (row + 0.5) * part - 0.5)};
       if (port != nullptr) {
         const Eigen::Vector3d& n = port->normal;
         ray.origin = ray.direction * (port->distance_m / n.dot(ray.direction));
@@ -99,13 +105,15 @@ FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const F
       rays_.push_back(ray);
     }
   }
+  if (camera.rows % 16 != 0 || camera.cols % 16 != 0) throw std::logic_error("sides not multiples of 16");
   const MarkerDictionary* dictionary = FindMarkerDictionary(map.dictionary);
   if (dictionary == nullptr) throw std::logic_error("no such dictionary");
   for (const Marker& marker : map.markers) {
     cv::Mat print;
-    cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(dictionary->opencv_code), marker.id, dictionary->cells,
-                          print, 1);
-    Sheet sheet{marker.world_from_marker.Inverse(), marker.size_m, Grid<std::uint8_t>(print.rows, print.cols)};
+    cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(dictionary->opencv_code), marker.id,
+                          dictionary->cells, print, 1);
+    Sheet sheet{marker.world_from_marker.Inverse(), marker.size_m,
+                Grid<std::uint8_t>(print.rows, print.cols)};
     for (int r = 0; r < print.rows; ++r) {
       for (int c = 0; c < print.cols; ++c) sheet.cells(r, c) = print.at<std::uint8_t>(r, c);
     }
@@ -113,46 +121,83 @@ FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const F
   }
 }
 
-double FieldRenderer::GreyAlong(const Ray& ray, const Pose& world_from_camera) const {
-  const Eigen::Vector3d origin = world_from_camera * ray.origin;
-  const Eigen::Vector3d direction = world_from_camera.rotation * ray.direction;
+// Where a ray meets the plane of a sheet, in the sheet's frame; `distance` negative where it does not.
+FieldRenderer::Meeting FieldRenderer::Meet(const Ray& ray, const PlacedSheet& sheet) {
+  const Eigen::Vector3d d = sheet.rotation * ray.direction;
+  if (!(d.z() < 0.0)) return {};  // from behind
+  const Eigen::Vector3d o = sheet.rotation * ray.origin + sheet.position_m;
+  const double t = -o.z() / d.z();
+  return {t, o.x() + t * d.x(), o.y() + t * d.y()};
+}
+
+double FieldRenderer::GreyAlong(const Ray& ray, const std::vector<PlacedSheet>& sheets) {
   double nearest = std::numeric_limits<double>::infinity();
   double grey = kFloorGrey;
-  for (const Sheet& sheet : sheets_) {
-    const Eigen::Vector3d d = sheet.marker_from_world.rotation * direction;
-    if (!(d.z() < 0.0)) continue;  // from behind
-    const Eigen::Vector3d o = sheet.marker_from_world * origin;
-    const double t = -o.z() / d.z();
-    if (!(t > 0.0 && t < nearest)) continue;
-    const double x = o.x() + t * d.x();
-    const double y = o.y() + t * d.y();
-    const double half = 0.5 * sheet.size_m;
-    const double paper = 1.35 * half;  // with its white margin
-    if (std::abs(x) > paper || std::abs(y) > paper) continue;
-    nearest = t;
+  for (const PlacedSheet& sheet : sheets) {
+    const Meeting hit = Meet(ray, sheet);
+    if (!(hit.distance > 0.0 && hit.distance < nearest)) continue;
+    const double half = 0.5 * sheet.sheet->size_m;
+    if (std::abs(hit.x) > kPaper * half || std::abs(hit.y) > kPaper * half) continue;
+    nearest = hit.distance;
     grey = kWhite;
-    if (std::abs(x) < half && std::abs(y) < half) {
-      const int n = sheet.cells.rows();
-      const int col = std::clamp(static_cast<int>((x + half) / sheet.size_m * n), 0, n - 1);
-      const int row = std::clamp(static_cast<int>((half - y) / sheet.size_m * n), 0, n - 1);
-      grey = sheet.cells(row, col) > 0 ? kWhite : kBlack;
+    if (std::abs(hit.x) < half && std::abs(hit.y) < half) {
+      const Grid<std::uint8_t>& cells = sheet.sheet->cells;
+      const int n = cells.rows();
+      const int col = std::clamp(static_cast<int>((hit.x + half) / (2.0 * half) * n), 0, n - 1);
+      const int row = std::clamp(static_cast<int>((half - hit.y) / (2.0 * half) * n), 0, n - 1);
+      grey = cells(row, col) > 0 ? kWhite : kBlack;
     }
   }
   return grey;
 }
 
+// The sheets that the rays of a tile can meet: its four corner rays say where on the sheet's plane it lies.
+std::vector<FieldRenderer::PlacedSheet> FieldRenderer::SheetsOfTile(const std::vector<PlacedSheet>& sheets,
+                                                                    int row, int col, int size) const {
+  const int cols = camera_.cols * supersampling_;
+  std::vector<PlacedSheet> near;
+  for (const PlacedSheet& sheet : sheets) {
+    std::array<Meeting, 4> corners;
+    bool in_front = true;
+    for (int k = 0; k < 4; ++k) {
+      const std::size_t at =
+          static_cast<std::size_t>(row + (k / 2) * (size - 1)) * cols + col + (k % 2) * (size - 1);
+      corners[k] = Meet(rays_[at], sheet);
+      in_front = in_front && corners[k].distance > 0.0;
+    }
+    if (!in_front) continue;  // the cameras here look down on all of them
+    double reach = kPaper * std::sqrt(0.5) * sheet.sheet->size_m;
+    reach += std::hypot(corners[3].x - corners[0].x, corners[3].y - corners[0].y);
+    if (std::hypot(corners[0].x, corners[0].y) < reach) near.push_back(sheet);
+  }
+  return near;
+}
+
 Grid<std::uint8_t> FieldRenderer::Render(const Pose& world_from_camera, const PictureOptions& options) const {
   const int n = supersampling_;
   cv::Mat sum(camera_.rows, camera_.cols, CV_64FC1, cv::Scalar(0.0));
-  std::size_t at = 0;
-  for (int row = 0; row < camera_.rows * n; ++row) {
-    for (int col = 0; col < camera_.cols * n; ++col)
-      sum.at<double>(row / n, col / n) += GreyAlong(rays_[at++], world_from_camera) / (n * n);
+  std::vector<PlacedSheet> sheets;
+  for (const Sheet& sheet : sheets_) {
+    const Pose marker_from_camera = sheet.marker_from_world * world_from_camera;
+    sheets.push_back({&sheet, marker_from_camera.rotation.toRotationMatrix(), marker_from_camera.position_m});
+  }
+  const int tile = 16 * n;  // rays a side; the image's sides are multiples of 16 pixels
+  for (int top = 0; top < camera_.rows * n; top += tile) {
+    for (int left = 0; left < camera_.cols * n; left += tile) {
+      const std::vector<PlacedSheet> near = SheetsOfTile(sheets, top, left, tile);
+      for (int row = top; row < top + tile; ++row) {
+        for (int col = left; col < left + tile; ++col) {
+          const std::size_t at = static_cast<std::size_t>(row) * camera_.cols * n + col;
+          sum.at<double>(row / n, col / n) += GreyAlong(rays_[at], near) / (n * n);
+        }
+      }
+    }
   }
   std::mt19937 random(options.seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int i = 0; i < options.occluders; ++i) {
-    const cv::Point centre(static_cast<int>(unit(random) * camera_.cols), static_cast<int>(unit(random) * camera_.rows));
+    const cv::Point centre(static_cast<int>(unit(random) * camera_.cols),
+                           static_cast<int>(unit(random) * camera_.rows));
     cv::circle(sum, centre, static_cast<int>(15.0 + 25.0 * unit(random)), cv::Scalar(90.0), cv::FILLED);
   }
   if (options.blur_px > 0.0)

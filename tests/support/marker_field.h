@@ -1,10 +1,10 @@
-// A field of markers and pictures of it, rendered by ray: a second implementation of the camera that shares no
-// formula with the code under test. For each of n x n rays a pixel it undoes the distortion by fixed-point
-// iteration, bends the ray at both faces of the port by the vector form of Snell's law, meets the planes of the
-// markers, and looks the cell up. Then Gaussian blur (a lens's), occluders, and white noise. SYNTHETIC.
+// A field of markers and pictures of it, rendered by ray: a second implementation of the camera that shares
+// no formula with the code under test. For each of n x n rays a pixel it undoes the distortion by fixed-point
+// iteration, bends the ray at both faces of the port by the vector form of Snell's law, meets the planes of
+// the markers, and looks the cell up. Then Gaussian blur (a lens's), occluders, and white noise. SYNTHETIC.
 //
-// The camera looks down on a floor at z = 0 whose markers are a jittered grid, turned every which way; some may
-// stand higher or be tilted.
+// The camera looks down on a floor at z = 0 whose markers are a jittered grid, turned every which way; some
+// may stand higher or be tilted.
 #pragma once
 
 #include <cstdint>
@@ -34,10 +34,11 @@ MarkerMap MarkerField(const FieldOptions& options = {});
 Camera FieldCamera();
 
 // Above the field, looking at a point of it: `height_m` up, `aside_m` off (x, y), turned by `spin_rad`.
-Pose LookingDown(double height_m, const Eigen::Vector2d& aside_m, const Eigen::Vector2d& target_m, double spin_rad);
+Pose LookingDown(double height_m, const Eigen::Vector2d& aside_m, const Eigen::Vector2d& target_m,
+                 double spin_rad);
 
 struct PictureOptions {
-  double blur_px = 0.7;   // standard deviation
+  double blur_px = 0.7;  // standard deviation
   double noise_grey = 3.0;
   int occluders = 0;  // discs of mid grey, of 15 to 40 pixels
   unsigned seed = 1;
@@ -60,7 +61,20 @@ class FieldRenderer {
     double size_m = 0.0;
     Grid<std::uint8_t> cells;  // of the print, row 0 on top; 0 black
   };
-  double GreyAlong(const Ray& ray, const Pose& world_from_camera) const;
+  struct PlacedSheet {  // sheet_from_camera
+    const Sheet* sheet = nullptr;
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d position_m;
+  };
+  struct Meeting {
+    double distance = -1.0;
+    double x = 0.0;
+    double y = 0.0;
+  };
+  static Meeting Meet(const Ray& ray, const PlacedSheet& sheet);
+  static double GreyAlong(const Ray& ray, const std::vector<PlacedSheet>& sheets);
+  std::vector<PlacedSheet> SheetsOfTile(const std::vector<PlacedSheet>& sheets, int row, int col,
+                                        int size) const;
 
   Camera camera_;
   int supersampling_;
