@@ -118,11 +118,9 @@ std::vector<Pose> Guesses(const std::vector<MarkerObservation>& seen, const Mark
   return guesses;
 }
 
-bool AreSame(const Pose& a, const Pose& b) {
-  constexpr double kApartM = 0.01;
-  constexpr double kApartDeg = 0.5;
-  return (a.position_m - b.position_m).norm() <= kApartM &&
-         DegFromRad(a.rotation.angularDistance(b.rotation)) <= kApartDeg;
+bool AreSame(const Pose& a, const Pose& b, double apart_m, double apart_deg) {
+  return (a.position_m - b.position_m).norm() <= apart_m &&
+         DegFromRad(a.rotation.angularDistance(b.rotation)) <= apart_deg;
 }
 
 std::vector<MarkerCost> CostsOf(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
@@ -143,6 +141,18 @@ std::vector<MarkerCost> CostsOf(const std::vector<MarkerObservation>& seen, cons
 constexpr std::array<double, 6> kNoStep{};
 constexpr double kNoScale = 1.0;
 
+// A marker where the map has it, by a camera as given: the frame alone is free.
+struct FrameOnlyCost {
+  MarkerCost cost;
+
+  template <typename T>
+  bool operator()(const T* frame, T* residual) const {
+    const std::array<T, 6> step{};
+    const T focal(kNoScale);
+    return cost(frame, step.data(), &focal, residual);
+  }
+};
+
 // The pose refined from a guess. Nothing where it leaves what can be seen.
 std::optional<PoseCandidate> Refined(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
                                      const Camera& camera, const FlatPort* port, const Pose& guess) {
@@ -152,15 +162,11 @@ std::optional<PoseCandidate> Refined(const std::vector<MarkerObservation>& seen,
   for (int round = 0; round < 2; ++round) {
     const Eigen::Quaterniond reference = pose.rotation;
     std::array<double, 6> frame{pose.position_m.x(), pose.position_m.y(), pose.position_m.z()};
-    std::array<double, 6> step = kNoStep;
-    double focal = kNoScale;
     ceres::Problem problem;
     for (const MarkerCost& cost : CostsOf(seen, map, camera, port, reference)) {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<MarkerCost, 8, 6, 6, 1>(new MarkerCost(cost)),
-                               new ceres::HuberLoss(kMarkerHuber), frame.data(), step.data(), &focal);
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FrameOnlyCost, 8, 6>(new FrameOnlyCost{cost}),
+                               new ceres::HuberLoss(kMarkerHuber), frame.data());
     }
-    problem.SetParameterBlockConstant(step.data());
-    problem.SetParameterBlockConstant(&focal);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.max_num_iterations = 100;
@@ -198,8 +204,19 @@ std::vector<double> MarkerMisfits(const std::vector<MarkerObservation>& seen, co
 std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
                                               const MarkerMap& map, const Camera& camera,
                                               const FlatPort* port) {
-  std::vector<PoseCandidate> candidates;
+  // Guesses that lie in one valley need one refinement.
+  constexpr double kGuessesApartM = 0.03;
+  constexpr double kGuessesApartDeg = 3.0;
+  constexpr double kApartM = 0.01;
+  constexpr double kApartDeg = 0.5;
+  std::vector<Pose> guesses;
   for (const Pose& guess : Guesses(seen, map, camera, port)) {
+    const bool is_known = std::ranges::any_of(
+        guesses, [&](const Pose& other) { return AreSame(guess, other, kGuessesApartM, kGuessesApartDeg); });
+    if (!is_known) guesses.push_back(guess);
+  }
+  std::vector<PoseCandidate> candidates;
+  for (const Pose& guess : guesses) {
     const auto refined = Refined(seen, map, camera, port, guess);
     if (refined) candidates.push_back(*refined);
   }
@@ -207,7 +224,7 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservatio
   std::vector<PoseCandidate> different;
   for (const PoseCandidate& candidate : candidates) {
     const bool is_known = std::ranges::any_of(different, [&](const PoseCandidate& other) {
-      return AreSame(candidate.world_from_camera, other.world_from_camera);
+      return AreSame(candidate.world_from_camera, other.world_from_camera, kApartM, kApartDeg);
     });
     if (!is_known) different.push_back(candidate);
   }
