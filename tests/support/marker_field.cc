@@ -33,8 +33,10 @@ Eigen::Vector3d RayOfPixel(const Camera& camera, double u, double v) {
                           (1 + d[5] * r2 + d[6] * r2 * r2 + d[7] * r2 * r2 * r2);
     const double dx = 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x) + d[8] * r2 + d[9] * r2 * r2;
     const double dy = d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y + d[10] * r2 + d[11] * r2 * r2;
+    const double before = x + y;
     x = (xd - dx) / radial;
     y = (yd - dy) / radial;
+    if (std::abs(x + y - before) < 1e-14) break;
   }
   return Eigen::Vector3d(x, y, 1.0).normalized();
 }
