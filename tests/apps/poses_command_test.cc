@@ -67,8 +67,8 @@ TEST_F(PosesCommandTest, FindsThePosesAndSaysWhatItCouldNot) {
   ASSERT_EQ(found.size(), truth.size());
   ASSERT_EQ(trajectory.size(), truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    EXPECT_EQ(*found[i].time_s, *truth[i].time_s);
-    EXPECT_EQ(trajectory[i].time_s, *truth[i].time_s);
+    EXPECT_NEAR(*found[i].time_s, *truth[i].time_s, 1e-6);
+    EXPECT_NEAR(trajectory[i].time_s, *truth[i].time_s, 1e-6);
     const Eigen::Vector3d error_m =
         found[i].world_from_sonar.position_m - truth[i].world_from_sonar.position_m;
     const double sigma_m = result["frames"][i]["sigma_position_m"];
