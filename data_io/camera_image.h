@@ -2,7 +2,8 @@
 //
 // PNG, grey TIFF of 8 bits and JPEG, told by their first bytes. Colour becomes grey as 0.299 R + 0.587 G +
 // 0.114 B, 16 bits are cut to 8, an orientation noted by the camera is not applied: pixels stay as the
-// calibration saw them. A JPEG's announced size is checked before it is decoded.
+// calibration saw them. A JPEG's announced size is checked before it is decoded; of one
+// that is damaged within, what the decoder makes is taken, with its warning on stderr.
 #pragma once
 
 #include <cstdint>
