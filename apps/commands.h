@@ -17,6 +17,7 @@ void SetupCompare(CLI::App& app);     // apps/compare_command.h
 void SetupFit(CLI::App& app);         // apps/fit_command.h
 void SetupInspect(CLI::App& app);     // apps/inspect_command.h
 void SetupConvert(CLI::App& app);     // apps/convert_command.h
+void SetupPoses(CLI::App& app);       // apps/poses_command.h
 void SetupRecordings(CLI::App& app);  // apps/recordings_command.h
 
 }  // namespace sonarcal

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   sonarcal::SetupFit(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
+  sonarcal::SetupPoses(app);
   sonarcal::SetupRecordings(app);
   return sonarcal::RunApp(app, argc, argv);
 }
