@@ -22,8 +22,8 @@ void AddBagOptions(CLI::App& command, BagArguments& arguments) {
             "How a ProjectedSonarImage's samples follow each other: beam by beam or range by range");
   command.add_flag("--mirror", options.message.mirrored, "Exchange left and right of a ROS bag's images");
   command
-      .add_option("--image-geometry", arguments.image_geometry,
-                  "Where the pixels of bare pictures in a ROS bag lie (sonar-image-geometry/1)")
+      .add_option("--picture-geometry", arguments.picture_geometry,
+                  "Where the pixels of bare pictures in a ROS bag lie (sonar-picture-geometry/1)")
       ->type_name("FILE");
 }
 
@@ -33,13 +33,13 @@ std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path&
   std::error_code error;
   if (std::filesystem::exists(path, error) && !IsBag(path)) {
     throw UsageError(
-        "--topic, --sample-order, --mirror and --image-geometry are for ROS bags, expected one in place of "
+        "--topic, --sample-order, --mirror and --picture-geometry are for ROS bags, expected one in place of "
         "{}",
         path.string());
   }
   BagOptions options = arguments.bag;
-  if (!arguments.image_geometry.empty())
-    options.message.geometry = ReadImageGeometry(arguments.image_geometry);
+  if (!arguments.picture_geometry.empty())
+    options.message.geometry = ReadPictureGeometry(arguments.picture_geometry);
   return OpenBagRecording(path, options);
 }
 

@@ -11,12 +11,12 @@ namespace sonarcal {
 
 struct BagArguments {
   BagOptions bag;
-  std::filesystem::path image_geometry;  // empty: none
+  std::filesystem::path picture_geometry;  // empty: none
 
   bool operator==(const BagArguments&) const = default;
 };
 
-// --topic, --sample-order, --mirror and --image-geometry.
+// --topic, --sample-order, --mirror and --picture-geometry.
 void AddBagOptions(CLI::App& command, BagArguments& arguments);
 
 // A recording of any format; of a bag, what the options say. Throws UsageError where they say something and

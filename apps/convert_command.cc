@@ -82,7 +82,7 @@ ExitStatus RunConvert(const ConvertOptions& options) {
   WriteRecording(*recording, output.directory(),
                  {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
   std::vector<std::filesystem::path> inputs = {options.file};
-  for (const auto* input : {&options.trajectory, &options.mount, &options.bag.image_geometry}) {
+  for (const auto* input : {&options.trajectory, &options.mount, &options.bag.picture_geometry}) {
     if (!input->empty()) inputs.push_back(*input);
   }
   WriteProvenance(
@@ -93,7 +93,7 @@ ExitStatus RunConvert(const ConvertOptions& options) {
                          {"trajectory", options.trajectory.string()},
                          {"topic", options.bag.bag.topic},
                          {"samples_by_range", options.bag.bag.message.sample_order == SampleOrder::kByRange},
-                         {"image_geometry", options.bag.image_geometry.string()},
+                         {"picture_geometry", options.bag.picture_geometry.string()},
                          {"mirrored", options.bag.bag.message.mirrored},
                          {"pose_topic", options.pose_topic},
                          {"pose_frames", options.pose_frames},

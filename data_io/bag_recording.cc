@@ -20,7 +20,7 @@ std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
   const BagTopic& topic = bag.topics()[*index];
   if (!pictures && IsPictureType(topic.type)) {
     return fmt::format(
-        "has bare pictures ({}), which do not tell their window and beams: give --image-geometry",
+        "has bare pictures ({}), which do not tell their window and beams: give --picture-geometry",
         Printable(topic.type));
   }
   return fmt::format("has {} of type {}", topic.count == 0 ? "no message" : "messages",
@@ -52,7 +52,7 @@ std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOption
   throw DataError("{}: no topic of a sonar, expected one of {}; the bag has {}", file,
                   pictures ? "sensor_msgs/Image or sensor_msgs/CompressedImage"
                            : "marine_acoustic_msgs/ProjectedSonarImage or sonar_oculus/OculusPing (of "
-                             "sensor_msgs/Image or CompressedImage with --image-geometry)",
+                             "sensor_msgs/Image or CompressedImage with --picture-geometry)",
                   DescribeTopics(bag.topics()));
 }
 

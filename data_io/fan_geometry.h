@@ -22,6 +22,8 @@ struct FanGeometry {
   double half_angle_deg = 0.0;
   double x_scale = 1.0;  // columns a row: other than 1 where a picture was resized unevenly
 
+  bool operator==(const FanGeometry&) const = default;
+
   // Throws DataError naming `what`, field and limit.
   void Validate(const std::string& what) const;
 };

@@ -6,8 +6,8 @@
 #include "data_io/ddf_io.h"
 #include "data_io/dfki_uxo_io.h"
 #include "data_io/didson_io.h"
-#include "data_io/fan_picture_io.h"
 #include "data_io/oculus_io.h"
+#include "data_io/picture_io.h"
 #include "data_io/recording_io.h"
 #include "data_io/types/error.h"
 
@@ -31,7 +31,7 @@ constexpr Format kFormats[] = {
     {"a recording of the DFKI UXO data set (aris_frame_meta.csv, aris_raw)", IsDfkiUxo, OpenDfkiUxo},
     {"a ROS bag with a sonar's topic (.bag, .db3)", IsBag, OpenBag},
     // Last: any picture is one, those of the formats above too.
-    {"fan pictures or a video (PNG, JPEG, AVI, MP4)", IsFanPictures, OpenFanPictures},
+    {"pictures or a video of a viewer (PNG, JPEG, AVI, MP4)", IsPictures, OpenPictureRecording},
 };
 
 }  // namespace

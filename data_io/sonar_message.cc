@@ -92,13 +92,34 @@ void Describe(PingWithPicture with_picture, const RosOculusPing& message, const 
   if (options.mirrored) info.notes.emplace_back(kMirrored);
 }
 
+ImageScale ScaleOf(const RosPicture& picture, const PictureGeometry& geometry) {
+  ImageScale scale;
+  scale.full_scale = picture.full_scale;
+  scale.db_span = geometry.db_span;
+  return scale;
+}
+
+// A message stands alone: a fan is not looked for over several.
+PictureSampler SamplerFor(const PictureGeometry& geometry, const RosPicture& picture,
+                          const std::string& where) {
+  if (!geometry.polar && !geometry.fan) {
+    throw DataError(
+        "{}: the picture's geometry says neither 'polar' nor where the fan is, expected apex_px, radius_px "
+        "and "
+        "half_angle_deg of 'fan'",
+        where);
+  }
+  return {geometry, picture.value.rows(), picture.value.cols(), where};
+}
+
 PolarImage ImageOfPicture(const std::string& type, std::span<const std::byte> bytes, MessageEncoding encoding,
                           const std::string& where, const SonarMessageOptions& options) {
   SONARCAL_CHECK(IsPictureType(type) && options.geometry, "{}", type);
   MessageStream stream(bytes, encoding, where);
   const RosPicture picture = type == kPictureType ? PictureOf(ReadRosImage(stream), where)
                                                   : PictureOf(ReadRosCompressedImage(stream), where);
-  PolarImage image = PolarFromPicture(picture, *options.geometry, where);
+  const PictureSampler sampler = SamplerFor(*options.geometry, picture, where);
+  PolarImage image{sampler.axes(), ScaleOf(picture, *options.geometry), sampler.Apply(picture.value)};
   if (options.mirrored) {
     for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
     std::ranges::reverse(image.axes.beam_azimuth_rad);
@@ -108,18 +129,15 @@ PolarImage ImageOfPicture(const std::string& type, std::span<const std::byte> by
 }
 
 void DescribePicture(const PolarImage& image, const SonarMessageOptions& options, RecordingInfo& info) {
-  const ImageGeometry& geometry = *options.geometry;
-  info.sonar.name = geometry.name;
-  info.sonar.axes = image.axes;
-  info.sonar.frequency_hz = geometry.frequency_hz;
-  info.sonar.sound_speed_m_per_s = geometry.sound_speed_m_per_s;
+  options.geometry->Describe(info);
   info.scale = image.scale;
+  info.sonar.axes = image.axes;
   info.notes.emplace_back(
       "The message is a bare picture: window and beams are as the geometry says that was given.");
-  info.notes.emplace_back("Neither gain, dB scale nor water is recorded.");
-  if (geometry.is_fan)
+  info.notes.emplace_back("Neither gain nor water is recorded.");
+  if (options.geometry->fan)
     info.notes.emplace_back(
-        "A fan was sampled by nearest neighbour: near the sonar, beams repeat each other.");
+        "Resampled from fan pictures, bilinear: neighbouring samples are not independent.");
   if (options.mirrored) info.notes.emplace_back(kMirrored);
 }
 

@@ -14,8 +14,8 @@
 //   - Whole numbers are grey, full scale the largest of their type; floats are taken for linear power.
 //   - Beam widths: the mean of rx in azimuth, of tx in elevation.
 //
-// sensor_msgs/Image and CompressedImage: grey pictures, where data_io/image_geometry.h says how their pixels
-// lie.
+// sensor_msgs/Image and CompressedImage: grey pictures, where data_io/picture_geometry.h says how their
+// pixels lie.
 //
 // sonar_oculus/OculusPing: as data_io/oculus_model.h, the picture's rows being ranges. Row gains are not in
 // it.
@@ -27,8 +27,8 @@
 #include <span>
 #include <string>
 
-#include "data_io/image_geometry.h"
 #include "data_io/message_stream.h"
+#include "data_io/picture_geometry.h"
 #include "data_io/types/recording.h"
 
 namespace sonarcal {
@@ -38,7 +38,7 @@ enum class SampleOrder { kByBeam, kByRange };
 struct SonarMessageOptions {
   SampleOrder sample_order = SampleOrder::kByBeam;  // of ProjectedSonarImage
   bool mirrored = false;                            // exchange left and right
-  std::optional<ImageGeometry> geometry = {};       // of bare pictures, which are read only with it
+  std::optional<PictureGeometry> geometry = {};     // of bare pictures, which are read only with it
 
   bool operator==(const SonarMessageOptions&) const = default;
 };

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "data_io/bag_recording.h"
-#include "data_io/image_geometry.h"
+#include "data_io/picture_geometry.h"
 #include "data_io/types/units.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_bag.h"
@@ -24,8 +24,8 @@ using ::testing::HasSubstr;
 using testing::MessageWriter;
 using testing::Wire;
 
-constexpr const char* kPolar = R"({"format": "sonar-image-geometry/1", "name": "Pool sonar",
-  "frequency_hz": 900000, "range_min_m": 1, "range_max_m": 3,
+constexpr const char* kPolar = R"({"format": "sonar-picture-geometry/1", "name": "Pool sonar",
+  "frequency_hz": 900000, "range_m": [1, 3],
   "polar": {"azimuth_first_deg": 20, "azimuth_last_deg": -10, "nearest_row": "bottom"}})";
 
 // 16 bits, 2 rows x 3 columns: 1000 row + col.
@@ -46,9 +46,9 @@ std::string Picture(Wire wire, bool big_endian) {
 
 class BagPicturesTest : public ::testing::Test {
  protected:
-  ImageGeometry Geometry(const std::string& json) {
+  PictureGeometry Geometry(const std::string& json) {
     testing::WriteFile(dir_ / "geometry.json", json);
-    return ReadImageGeometry(dir_ / "geometry.json");
+    return ReadPictureGeometry(dir_ / "geometry.json");
   }
   std::string GeometryRefusal(const std::string& json) {
     return testing::MessageOf([&] { Geometry(json); });
@@ -105,45 +105,50 @@ TEST_F(BagPicturesTest, AFanPictureIsSampledFromItsApex) {
   MessageWriter message(Wire::kRos1);
   message.Header(50, 0, "sonar").String("png").Blob(std::string(png.begin(), png.end()));
   const auto path = Write("sensor_msgs/CompressedImage", message.bytes());
-  const std::string geometry = R"({"format": "sonar-image-geometry/1", "range_min_m": 2, "range_max_m": 10,
-      "fan": {"apex_px": [130, 230], "pixel_m": 0.05, "half_angle_deg": 30, "beams": 9, "range_bins": 40}})";
+  const std::string geometry = R"({"format": "sonar-picture-geometry/1", "range_m": [2, 10],
+      "fan": {"apex_px": [130, 230], "radius_px": [40, 200], "half_angle_deg": 30, "beams": 9, "range_bins": 40}})";
   const auto recording = OpenBagRecording(path, {.message = {.geometry = Geometry(geometry)}});
   const Frame frame = recording->ReadFrame(0);
   ASSERT_EQ(frame.image.axes.beam_count(), 9);
-  EXPECT_NEAR(DegFromRad(frame.image.axes.beam_azimuth_rad[8]), 30.0, 1e-9);
+  EXPECT_NEAR(DegFromRad(frame.image.axes.BeamEdgesRad()[9]), 30.0, 1e-9);
   for (int bin = 0; bin < 40; ++bin) {
     for (int beam = 0; beam < 9; ++beam)
       EXPECT_NEAR(frame.image.value(bin, beam), 10.0 * frame.image.axes.range_centre_m(bin), 1.0);
   }
-  std::string beyond = geometry;
-  beyond.replace(beyond.find("\"range_max_m\": 10"), 17, "\"range_max_m\": 12");
+  // A message stands alone: where the fan is must be said.
+  const char* somewhere =
+      R"({"format": "sonar-picture-geometry/1", "range_m": [2, 10], "fan": {"half_angle_deg": 30}})";
   EXPECT_THAT(
-      testing::MessageOf([&] { OpenBagRecording(path, {.message = {.geometry = Geometry(beyond)}}); }),
-      HasSubstr("the fan reaches beyond the picture of 220 x 260 pixels"));
+      testing::MessageOf([&] { OpenBagRecording(path, {.message = {.geometry = Geometry(somewhere)}}); }),
+      HasSubstr("neither 'polar' nor where the fan is"));
 }
 
 TEST_F(BagPicturesTest, WithoutAGeometryItIsSaidWhatIsMissing) {
   const auto path = Write("sensor_msgs/Image", Picture(Wire::kRos1, false));
-  EXPECT_THAT(testing::RefusalOf(path), HasSubstr("with --image-geometry"));
+  EXPECT_THAT(testing::RefusalOf(path), HasSubstr("with --picture-geometry"));
   EXPECT_THAT(testing::MessageOf([&] { OpenBagRecording(path, {.topic = "/image"}); }),
-              AllOf(HasSubstr("bare pictures (sensor_msgs/Image)"), HasSubstr("give --image-geometry")));
+              AllOf(HasSubstr("bare pictures (sensor_msgs/Image)"), HasSubstr("give --picture-geometry")));
 }
 
 TEST_F(BagPicturesTest, GeometriesThatAreNoneAreRefused) {
-  const std::string start = R"({"format": "sonar-image-geometry/1", "range_min_m": 1, "range_max_m": 3)";
-  EXPECT_THAT(GeometryRefusal(start + "}"), HasSubstr("both 'polar' and 'fan', or neither"));
+  const std::string start = R"({"format": "sonar-picture-geometry/1", "range_m": [1, 3])";
+  EXPECT_FALSE(Geometry(start + "}").fan) << "to be found";
+  EXPECT_THAT(GeometryRefusal(start + R"(, "fan": {}, "polar": {"azimuth_first_deg": 5, "azimuth_last_deg": 6,
+                              "nearest_row": "top"}})"),
+              HasSubstr("both 'polar' and 'fan'"));
   EXPECT_THAT(GeometryRefusal(start + R"(, "polar": {"azimuth_first_deg": 5, "azimuth_last_deg": 5,
                               "nearest_row": "top"}})"),
               HasSubstr("expected another angle"));
-  EXPECT_THAT(GeometryRefusal(start + R"(, "fan": {"apex_px": [1], "pixel_m": 1}})"),
-              HasSubstr("expected a column and a row"));
-  EXPECT_THAT(GeometryRefusal(R"({"format": "sonar-image-geometry/1", "range_min_m": 3, "range_max_m": 3})"),
-              HasSubstr("is not beyond range_min_m"));
+  EXPECT_THAT(
+      GeometryRefusal(start + R"(, "fan": {"apex_px": [1], "radius_px": [1, 2], "half_angle_deg": 9}})"),
+      HasSubstr("expected a column and a row"));
+  EXPECT_THAT(GeometryRefusal(R"({"format": "sonar-picture-geometry/1", "range_m": [3, 3]})"),
+              HasSubstr("must be two ranges, the nearer first"));
 }
 
 TEST_F(BagPicturesTest, DamagedPicturesEndInOneSentence) {
   cv::Mat grey(12, 16, CV_8UC1, cv::Scalar(90));
-  const ImageGeometry geometry = Geometry(kPolar);
+  const PictureGeometry geometry = Geometry(kPolar);
   for (const std::string format : {".png", ".jpg"}) {
     std::vector<std::uint8_t> encoded;
     cv::imencode(format, grey, encoded);

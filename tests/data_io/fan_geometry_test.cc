@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "data_io/fan_picture_io.h"
 #include "data_io/picture_frames.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"

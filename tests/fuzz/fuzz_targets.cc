@@ -99,17 +99,17 @@ void Picture(std::string_view bytes) {
   }
 }
 
-constexpr const char* kFanDescription =
-    R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 6, "range_bins": 9})";
+constexpr const char* kFanGeometry =
+    R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {"beams": 6, "range_bins": 9}})";
 
 // A picture in which a fan is looked for.
 void FanPicture(std::string_view bytes) {
-  static const fs::path description = TheFolder().Write("picture.fan.json", kFanDescription);
+  static const fs::path geometry = TheFolder().Write("picture.geometry.json", kFanGeometry);
   ReadSomeFrames(*OpenRecording(TheFolder().Write("picture", bytes)));
 }
 
-// Its description, beside a picture of a fan of 60 degrees.
-void FanDescription(std::string_view bytes) {
+// What is said of it, beside a picture of a fan of 60 degrees.
+void PictureGeometry(std::string_view bytes) {
   static const fs::path picture = [] {
     Grid<std::uint8_t> fan(60, 70);
     for (int row = 0; row < 60; ++row) {
@@ -123,7 +123,7 @@ void FanDescription(std::string_view bytes) {
     WritePng(TheFolder().path() / "fan.png", fan);
     return TheFolder().path() / "fan.png";
   }();
-  TheFolder().Write("fan.png.fan.json", bytes);
+  TheFolder().Write("fan.png.geometry.json", bytes);
   ReadSomeFrames(*OpenRecording(picture));
 }
 

@@ -180,11 +180,13 @@ def main():
                 for y in range(60) for x in range(70))
     put("fan_picture", "fan.png", png(60, 70, fan))
     put("fan_picture", "fan.jpg", JPEG)
-    put("fan_description", "found.json", json.dumps({"format": "sonar-fan-picture/1", "range_m": [1, 4]}))
-    put("fan_description", "given.json", json.dumps({
-        "format": "sonar-fan-picture/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6, "beams": 12,
-        "sound_speed_m_per_s": 1480, "range_bins": 20, "db_span": 80, "apex_px": [35, 60], "radius_px": [10, 55],
-        "half_angle_deg": 29, "x_scale": 1.0}))
+    shown = {"format": "sonar-picture-geometry/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6,
+             "sound_speed_m_per_s": 1480, "db_span": 80}
+    put("picture_geometry", "found.json", json.dumps(shown))
+    put("picture_geometry", "given.json", json.dumps(shown | {"fan": {
+        "apex_px": [35, 60], "radius_px": [10, 55], "half_angle_deg": 29, "x_scale": 1.0, "beams": 12, "range_bins": 20}}))
+    put("picture_geometry", "polar.json", json.dumps(shown | {"polar": {
+        "azimuth_first_deg": -15, "azimuth_last_deg": 15, "nearest_row": "bottom"}}))
 
     put("gltf", "triangle.gltf", gltf()[0])
     put("gltf", "triangle.glb", glb())

@@ -1,4 +1,4 @@
-#include "data_io/fan_picture_io.h"
+#include "data_io/picture_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -73,12 +73,12 @@ double WorstDifference(const Frame& frame, int number = 0) {
   return worst;
 }
 
-TEST(FanPictures, ComeBackAsRangeAndAzimuth) {
+TEST(Pictures, ComeBackAsRangeAndAzimuth) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());
   testing::WriteFile(
-      dir / "fan.png.fan.json",
-      R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "name": "a sonar", "db_span": 60})");
+      dir / "fan.png.geometry.json",
+      R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "name": "a sonar", "db_span": 60})");
   const auto recording = OpenRecording(dir / "fan.png");
   EXPECT_EQ(recording->info().format, "fan pictures");
   EXPECT_EQ(recording->info().sonar.name, "a sonar");
@@ -93,7 +93,7 @@ TEST(FanPictures, ComeBackAsRangeAndAzimuth) {
   EXPECT_LT(WorstDifference(frame), 2.0);
 }
 
-TEST(FanPictures, GeometryAndGridAsGiven) {
+TEST(Pictures, GeometryAndGridAsGiven) {
   const TempDir dir;
   fs::create_directory(dir / "pictures");
   const Grid<std::uint8_t> picture = Picture();
@@ -102,10 +102,11 @@ TEST(FanPictures, GeometryAndGridAsGiven) {
   const double apex_y = 7 + 4.0 / 0.008 - 0.5;
   const double apex_x = 0.5 * picture.cols() - 0.5;
   testing::WriteFile(
-      dir.path() / "pictures" / "fan.json",
-      fmt::format(R"({{"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 50, "range_bins": 200,
-                      "apex_px": [{}, {}], "radius_px": [125, 500], "half_angle_deg": 20}})",
-                  apex_x, apex_y));
+      dir.path() / "pictures" / "geometry.json",
+      fmt::format(
+          R"({{"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {{"beams": 50, "range_bins": 200,
+                      "apex_px": [{}, {}], "radius_px": [125, 500], "half_angle_deg": 20}}}})",
+          apex_x, apex_y));
   const auto recording = OpenRecording(dir / "pictures");
   ASSERT_EQ(recording->frame_count(), 3);
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("was given")));
@@ -118,23 +119,38 @@ TEST(FanPictures, GeometryAndGridAsGiven) {
   }
 }
 
-TEST(FanPictures, APictureOfOtherSizeIsRefused) {
+TEST(Pictures, APictureOfOtherSizeIsRefused) {
   const TempDir dir;
   fs::create_directory(dir / "pictures");
   WritePng(dir.path() / "pictures" / "0.png", Picture());
   WritePng(dir.path() / "pictures" / "1.png", Grid<std::uint8_t>(30, 40, 9));
-  testing::WriteFile(dir.path() / "pictures" / "fan.json",
-                     R"({"format": "sonar-fan-picture/1", "range_m": [1, 4],
-                        "apex_px": [100, 500], "radius_px": [125, 400], "half_angle_deg": 20})");
+  testing::WriteFile(dir.path() / "pictures" / "geometry.json",
+                     R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {
+                        "apex_px": [100, 500], "radius_px": [125, 400], "half_angle_deg": 20}})");
   EXPECT_THAT(RefusalOf(dir / "pictures"), HasSubstr("1.png: 30 x 40 pixels, expected those of the first"));
 }
 
+// A picture of ranges and beams, as some recorders keep them.
+TEST(Pictures, PolarOnesAreTurnedAsIsSaid) {
+  const TempDir dir;
+  Grid<std::uint8_t> picture(2, 3);
+  for (int i = 0; i < 6; ++i) picture.values()[i] = static_cast<std::uint8_t>(10 * i);
+  WritePng(dir / "polar.png", picture);
+  testing::WriteFile(dir / "polar.png.geometry.json",
+                     R"({"format": "sonar-picture-geometry/1", "range_m": [1, 3],
+                     "polar": {"azimuth_first_deg": 20, "azimuth_last_deg": -10, "nearest_row": "bottom"}})");
+  const Frame frame = OpenRecording(dir / "polar.png")->ReadFrame(0);
+  EXPECT_THAT(frame.image.value.values(), ::testing::ElementsAre(50, 40, 30, 20, 10, 0));
+  EXPECT_NEAR(DegFromRad(frame.image.axes.beam_azimuth_rad[0]), -10.0, 1e-9);
+}
+
 // What is cut off stays 0, and the share of it is said.
-TEST(FanPictures, WhatLiesOutsideThePictureIsNoted) {
+TEST(Pictures, WhatLiesOutsideThePictureIsNoted) {
   const TempDir dir;
   WritePng(dir / "fan.png", Grid<std::uint8_t>(200, 100, 50));
-  testing::WriteFile(dir / "fan.png.fan.json", R"({"format": "sonar-fan-picture/1", "range_m": [1, 4],
-                     "apex_px": [49.5, 199], "radius_px": [20, 190], "half_angle_deg": 30, "beams": 20})");
+  testing::WriteFile(dir / "fan.png.geometry.json",
+                     R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4],
+                     "fan": {"apex_px": [49.5, 199], "radius_px": [20, 190], "half_angle_deg": 30, "beams": 20}})");
   const auto recording = OpenRecording(dir / "fan.png");
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("% of the samples lie outside the picture")));
   const Frame frame = recording->ReadFrame(0);
@@ -142,16 +158,16 @@ TEST(FanPictures, WhatLiesOutsideThePictureIsNoted) {
   EXPECT_EQ(frame.image.value(frame.image.axes.range_bins - 1, 10), 50.0F);
 }
 
-TEST(FanPictures, JpegsAndVideosAreReadWithTheirLosses) {
+TEST(Pictures, JpegsAndVideosAreReadWithTheirLosses) {
   const TempDir dir;
   const char* description =
-      R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 60, "range_bins": 200})";
+      R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {"beams": 60, "range_bins": 200}})";
   const auto mat = [](Grid<std::uint8_t>& picture) {
     return cv::Mat(picture.rows(), picture.cols(), CV_8UC1, picture.values().data());
   };
   Grid<std::uint8_t> still = Picture();
   ASSERT_TRUE(cv::imwrite((dir / "fan.jpg").string(), mat(still), {cv::IMWRITE_JPEG_QUALITY, 95}));
-  testing::WriteFile(dir / "fan.jpg.fan.json", description);
+  testing::WriteFile(dir / "fan.jpg.geometry.json", description);
   const auto jpeg = OpenRecording(dir / "fan.jpg");
   EXPECT_THAT(jpeg->info().notes, Contains(HasSubstr("compressed with losses")));
   EXPECT_LT(WorstDifference(jpeg->ReadFrame(0)), 6.0);
@@ -166,7 +182,7 @@ TEST(FanPictures, JpegsAndVideosAreReadWithTheirLosses) {
       writer.write(mat(picture));
     }
   }
-  testing::WriteFile(dir / "fan.avi.fan.json", description);
+  testing::WriteFile(dir / "fan.avi.geometry.json", description);
   const auto video = OpenRecording(dir / "fan.avi");
   ASSERT_EQ(video->frame_count(), 4);
   EXPECT_NEAR(video->frame_info(3).time_s.value(), 0.6, 1e-9);
@@ -174,45 +190,48 @@ TEST(FanPictures, JpegsAndVideosAreReadWithTheirLosses) {
   for (const int k : {0, 1, 3, 2}) EXPECT_LT(WorstDifference(video->ReadFrame(k), 10 * k), 6.0) << k;
 }
 
-TEST(FanPictures, WithoutADescriptionTheSentenceHoldsOne) {
+TEST(Pictures, WithoutADescriptionTheSentenceHoldsOne) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());
   const std::string refusal = RefusalOf(dir / "fan.png");
-  EXPECT_THAT(refusal, HasSubstr("fan.png.fan.json"));
-  EXPECT_THAT(refusal, HasSubstr("\"range_m\": [nearest, farthest], \"apex_px\": ["));
+  EXPECT_THAT(refusal, HasSubstr("fan.png.geometry.json"));
+  EXPECT_THAT(refusal, HasSubstr("\"range_m\": [nearest, farthest], \"fan\": {\"apex_px\": ["));
   WritePng(dir / "square.png", Grid<std::uint8_t>(40, 40, 200));
   EXPECT_THAT(RefusalOf(dir / "square.png"), HasSubstr("no fan could be made out"));
 }
 
-TEST(FanPictures, DescriptionsAreRefusedByKey) {
+TEST(Pictures, DescriptionsAreRefusedByKey) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());
   const auto refusal = [&](const std::string& members) {
-    testing::WriteFile(dir / "fan.png.fan.json", R"({"format": "sonar-fan-picture/1")" + members + "}");
+    testing::WriteFile(dir / "fan.png.geometry.json",
+                       R"({"format": "sonar-picture-geometry/1")" + members + "}");
     return RefusalOf(dir / "fan.png");
   };
   EXPECT_EQ(refusal(R"(, "range_m": [1, 4])"), "");
   EXPECT_THAT(refusal(""), HasSubstr("range_m"));
   EXPECT_THAT(refusal(R"(, "range_m": [4, 1])"), HasSubstr("'range_m' must be two ranges"));
   EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "beam": 3)"), HasSubstr("unknown key 'beam'"));
-  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "beams": 1)"), HasSubstr("beams"));
-  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "apex_px": [1, 2])"), HasSubstr("together"));
-  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "x_scale": 1.2)"), HasSubstr("x_scale"));
-  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "apex_px": [1, 2], "radius_px": [9, 3], "half_angle_deg": 20)"),
-              HasSubstr("radius_max_px is 3"));
+  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "fan": {"beams": 1})"), HasSubstr("beams"));
+  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "fan": {"apex_px": [1, 2]})"), HasSubstr("together"));
+  EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "fan": {"x_scale": 1.2})"), HasSubstr("x_scale"));
+  EXPECT_THAT(
+      refusal(
+          R"(, "range_m": [1, 4], "fan": {"apex_px": [1, 2], "radius_px": [9, 3], "half_angle_deg": 20})"),
+      HasSubstr("radius_max_px is 3"));
 }
 
-TEST(FanPictures, HostileFilesAreRefused) {
+TEST(Pictures, HostileFilesAreRefused) {
   const TempDir dir;
   Grid<std::uint8_t> small(24, 24, 90);
   std::vector<std::uint8_t> jpeg;
   ASSERT_TRUE(cv::imencode(".jpg", cv::Mat(24, 24, CV_8UC1, small.values().data()), jpeg));
   const char* description =
-      R"({"format": "sonar-fan-picture/1", "range_m": [1, 4], "beams": 6, "range_bins": 9,
-                               "apex_px": [12, 23], "radius_px": [2, 20], "half_angle_deg": 20})";
-  testing::WriteFile(dir / "fan.jpg.fan.json", description);
+      R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {"beams": 6, "range_bins": 9,
+                               "apex_px": [12, 23], "radius_px": [2, 20], "half_angle_deg": 20}})";
+  testing::WriteFile(dir / "fan.jpg.geometry.json", description);
   testing::ExpectOnlyDataErrors(dir / "fan.jpg", dir / "fan.jpg", {jpeg.begin(), jpeg.end()}, jpeg.size());
-  testing::ExpectOnlyDataErrors(dir / "fan.jpg", dir / "fan.jpg.fan.json", description, 1000);
+  testing::ExpectOnlyDataErrors(dir / "fan.jpg", dir / "fan.jpg.geometry.json", description, 1000);
   // 65,500 x 65,500 pixels announced.
   std::string huge(jpeg.begin(), jpeg.end());
   const std::size_t frame = huge.find("\xff\xc0");
