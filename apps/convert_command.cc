@@ -17,6 +17,7 @@
 #include "data_io/bag_trajectory.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recording_io.h"
+#include "data_io/salvaged_recording.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -70,6 +71,14 @@ ExitStatus RunConvert(const ConvertOptions& options) {
   std::unique_ptr<RecordingSource> recording = OpenWithBagOptions(options.file, options.bag);
   const FrameRange range = ParseFrameRange(options.frames, recording->frame_count());
   recording = std::make_unique<FrameRangeView>(std::move(recording), range);
+  std::optional<int> lost;
+  if (options.salvage) {
+    Progress progress("Looking for damage", range.count(), options.common);
+    auto salvaged = std::make_unique<SalvagedRecording>(
+        std::move(recording), [&](int frames_done) { progress.Update(frames_done); });
+    lost = salvaged->lost_count();
+    recording = std::move(salvaged);
+  }
   std::optional<int> posed;  // where a trajectory gives poses
   if (!options.trajectory.empty() || !options.pose_topic.empty()) {
     auto with_poses = WithPoses(std::move(recording), options);
@@ -78,7 +87,8 @@ ExitStatus RunConvert(const ConvertOptions& options) {
   }
 
   RunOutput output(options.out);
-  Progress progress("Converting", range.count(), options.common);
+  const int count = recording->frame_count();
+  Progress progress("Converting", count, options.common);
   WriteRecording(*recording, output.directory(),
                  {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
   std::vector<std::filesystem::path> inputs = {options.file};
@@ -101,18 +111,20 @@ ExitStatus RunConvert(const ConvertOptions& options) {
                          {"time_offset_s", options.time_offset_s},
                          {"most_gap_s", options.most_gap_s},
                          {"first_frame", range.begin},
+                         {"salvage", options.salvage},
                          {"frames", range.count()}},
        .inputs = inputs});
   output.Commit();
 
   if (options.common.json) {
-    nlohmann::ordered_json json = {{"recording", output.final_path().string()}, {"frames", range.count()}};
+    nlohmann::ordered_json json = {{"recording", output.final_path().string()}, {"frames", count}};
+    if (lost) json["frames_lost"] = *lost;
     if (posed) json["frames_with_pose"] = *posed;
     PrintJson(json);
   } else {
-    PrintResult(fmt::format("{}: {} {}{}\n", options.out.string(), range.count(),
-                            range.count() == 1 ? "frame" : "frames",
-                            posed ? fmt::format(", {} with a pose", *posed) : ""));
+    PrintResult(fmt::format("{}: {} {}{}{}\n", options.out.string(), count, count == 1 ? "frame" : "frames",
+                            posed ? fmt::format(", {} with a pose", *posed) : "",
+                            lost ? fmt::format(", {} left out that could not be read", *lost) : ""));
   }
   return ExitStatus::kDone;
 }
@@ -159,6 +171,10 @@ void SetupConvert(CLI::App& app) {
       ->type_name("S")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  command->add_flag(
+      "--salvage", options->salvage,
+      "Leave out the frames of a damaged recording that cannot be read, with a note of each, rather "
+      "than end at the first");
   OnRun(command, options->common, [options] { return RunConvert(*options); });
 }
 

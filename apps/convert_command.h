@@ -24,6 +24,7 @@ struct ConvertOptions {
   std::string pose_frames;      // "WORLD:BODY", where the topic has transforms
   std::filesystem::path mount;  // empty: the trajectory is the sonar's own
   double time_offset_s = 0.0;   // added to frame times to look them up
+  bool salvage = false;         // leave out frames that cannot be read
   double most_gap_s = 1.0;      // between poses that are interpolated
 };
 

@@ -28,7 +28,7 @@ struct GalleryOptions {
   std::filesystem::path params;  // empty: EnvironmentParameters
   std::string sonar = "p900-45";
   int views = 0;  // the first so many viewpoints of each scene; 0: all
-  RayOptions rays;
+  RayOptions rays{Sampling::kFrustum};
 };
 
 ExitStatus RunGallery(const GalleryOptions& options);

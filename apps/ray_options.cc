@@ -54,13 +54,17 @@ RayGridSize ParseRayGridSize(const std::string& text) {
   throw UsageError("rays '{}', expected WIDTHxHEIGHT such as 1500x1200", Printable(text));
 }
 
+Sampling RayOptions::SamplingFor(EchoModel model) const {
+  return sampling.value_or(model == EchoModel::kCoherent ? Sampling::kFrustum : Sampling::kBeams);
+}
+
 SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, EchoModel model) const {
   SimulationOptions options;
-  options.fan = {.sampling = sampling, .cols = kFrustumRays.cols, .rows = kFrustumRays.rows};
-  if (sampling == Sampling::kBeams) {
+  options.fan = {.sampling = SamplingFor(model), .cols = kFrustumRays.cols, .rows = kFrustumRays.rows};
+  if (options.fan.sampling == Sampling::kBeams) {
     options.fan = PaperFanOptions(sonar);
     if (model != EchoModel::kPaper) {
-      options.fan = {.sampling = sampling,
+      options.fan = {.sampling = Sampling::kBeams,
                      .cols = kOtherColumnsPerBeam * sonar.axes.beam_count(),
                      .rows = kOtherBeamRows};
     }
@@ -78,8 +82,13 @@ SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, E
 }
 
 void AddRayOptions(CLI::App& command, RayOptions& options) {
-  AddChoice(command, "--sampling", options.sampling, kSamplings,
-            "How rays are spread: a pinhole grid as in the paper, or equal angles within each beam");
+  const std::string by_default =
+      options.sampling ? std::string(ToString(*options.sampling))
+                       : std::string(ToString(Sampling::kBeams)) + ", for the coherent model frustum";
+  AddChoice(
+      command, "--sampling", options.sampling, kSamplings,
+      "How rays are spread: a pinhole grid as in the paper, or equal angles within each beam (default: " +
+          by_default + ")");
   command
       .add_option(
           "--rays", options.rays,
@@ -126,9 +135,10 @@ std::string_view ToString(AbsorptionFormula formula) {
 }
 
 nlohmann::ordered_json RayOptionsJson(const RayOptions& options, const RayGridSize& grid) {
-  return {{"sampling", ToString(options.sampling)},     {"rays", fmt::format("{}x{}", grid.cols, grid.rows)},
-          {"ray_weight", ToString(options.weight)},     {"normals", ToString(options.normals)},
-          {"absorption", ToString(options.absorption)}, {"threads", options.threads}};
+  return {
+      {"sampling", ToString(options.sampling.value())}, {"rays", fmt::format("{}x{}", grid.cols, grid.rows)},
+      {"ray_weight", ToString(options.weight)},         {"normals", ToString(options.normals)},
+      {"absorption", ToString(options.absorption)},     {"threads", options.threads}};
 }
 
 struct ThreadLimit::Control {

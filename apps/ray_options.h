@@ -24,7 +24,7 @@ struct RayGridSize {
 RayGridSize ParseRayGridSize(const std::string& text);
 
 struct RayOptions {
-  Sampling sampling = Sampling::kFrustum;
+  std::optional<Sampling> sampling;  // absent: SamplingFor
   std::string rays;  // "WxH"; empty: 1500x1200 for frustum (the paper's), 2 a beam x 330 for beams
   RayWeight weight = RayWeight::kEven;
   NormalSource normals = NormalSource::kGeometric;
@@ -33,6 +33,10 @@ struct RayOptions {
 
   RayOptions() = default;
   explicit RayOptions(Sampling default_sampling) : sampling(default_sampling) {}
+
+  // The one asked for; else `beams`, which need the fewest rays (docs/rays.md), but for the coherent model,
+  // whose scatterers stand on the rays and are to be as many as the paper's.
+  Sampling SamplingFor(EchoModel model) const;
 
   // Fan, trace, absorption and water of a simulation of this sonar by a model: `beams` are staggered for the
   // paper's. Throws UsageError for a wrong `rays`.

@@ -243,7 +243,7 @@ TEST(SimulateResumed, OnlyTheSameCommandGoesOn) {
       {with("96x200", "96x201"), "rays 96x200 (now 96x201)"},
       {with("--seed 3", "--seed 4"), "seed 3 (now 4)"},
       {good + " --resume --model acoustic", "model paper (now acoustic)"},
-      {good + " --resume --sampling beams", "sampling frustum (now beams)"},
+      {good + " --resume --sampling frustum", "sampling beams (now frustum)"},
       {good + " --resume --bits 12", "bits 8 (now 12)"},
       {good + " --resume --fan", "fan false (now true)"}};
   for (const auto& [command, difference] : others) {

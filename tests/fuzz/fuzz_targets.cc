@@ -10,7 +10,9 @@
 #include <string_view>
 
 #include "data_io/cad_io.h"
+#include "data_io/camera_io.h"
 #include "data_io/image_io.h"
+#include "data_io/marker_map_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
@@ -150,6 +152,14 @@ void Poses(std::string_view bytes) {
 void Trajectory(std::string_view bytes) {
   const fs::path file = TheFolder().Write("trajectory.txt", bytes);
   ReadTrajectory(file, GuessTrajectoryFormat(file));
+}
+
+void MarkerMapFile(std::string_view bytes) {
+  ReadMarkerMap(TheFolder().Write("map.json", bytes));
+}
+
+void CameraFile(std::string_view bytes) {
+  CameraFromText(bytes, "camera.yaml");
 }
 
 void Mount(std::string_view bytes) {

@@ -9,6 +9,7 @@ What is found by scripts/fuzz.sh and mended goes beside them by hand, under a na
 import base64
 import json
 import pathlib
+import sqlite3
 import struct
 import zlib
 
@@ -118,6 +119,99 @@ JPEG = base64.b64decode(
     "nJ1OawMLQd9wNfH9LfJQCIi//9k=")
 
 
+class Message:
+    """Fields of a ROS message one after the other: packed (ROS 1), or aligned behind a CDR head (ROS 2)."""
+
+    def __init__(self, cdr):
+        self.cdr = cdr
+        self.data = b""
+
+    def put(self, form, *values):
+        for value in values:
+            size = struct.calcsize("<" + form)
+            if self.cdr:
+                self.data += bytes(-len(self.data) % size)
+            self.data += struct.pack("<" + form, value)
+        return self
+
+    def text(self, text):
+        raw = text.encode() + (b"\0" if self.cdr else b"")
+        self.put("I", len(raw))
+        self.data += raw
+        return self
+
+    def blob(self, raw):
+        self.put("I", len(raw))
+        self.data += raw
+        return self
+
+    def stamped(self):
+        if not self.cdr:
+            self.put("I", 1)  # seq
+        return self.put("I", 50, 0).text("sonar")
+
+    def done(self):
+        return (b"\0\1\0\0" if self.cdr else b"") + self.data
+
+
+def projected_sonar_image(cdr, beams=3, ranges=2):
+    message = Message(cdr).stamped().put("f", 9e5, 1480.0)
+    for width in (0.3, 0.01):
+        message.put("I", beams).put("f", *[width] * beams)
+    message.put("I", beams)
+    for beam in range(beams):
+        message.put("d", 0.0, 0.1 * (beam - 1), 1.0)
+    message.put("I", ranges).put("f", *[1.0 + 0.5 * i for i in range(ranges)])
+    return message.put("B", 0).put("I", 0, beams).blob(bytes(range(beams * ranges))).done()
+
+
+def ros1_bag(topic, kind, message):
+    def record(head, data):
+        packed = b"".join(struct.pack("<I", len(name) + 1 + len(value)) + name.encode() + b"=" + value
+                          for name, value in head)
+        return struct.pack("<I", len(packed)) + packed + struct.pack("<I", len(data)) + data
+
+    def fields_of(*pairs):
+        return b"".join(struct.pack("<I", len(name) + 1 + len(value)) + name.encode() + b"=" + value for name, value in pairs)
+
+    conn = struct.pack("<I", 0)
+    connection = record([("op", b"\7"), ("conn", conn), ("topic", topic.encode())],
+                        fields_of(("topic", topic.encode()), ("type", kind.encode()), ("md5sum", b"*"),
+                                  ("message_definition", b"")))
+    time = struct.pack("<II", 50, 0)
+    chunk = connection + record([("op", b"\2"), ("conn", conn), ("time", time)], message)
+    magic = b"#ROSBAG V2.0\n"
+    chunk_record = record([("op", b"\5"), ("compression", b"none"), ("size", struct.pack("<I", len(chunk)))], chunk)
+    index = record([("op", b"\4"), ("ver", struct.pack("<I", 1)), ("conn", conn), ("count", struct.pack("<I", 1))],
+                   time + struct.pack("<I", len(connection)))
+    head = record([("op", b"\3"), ("index_pos", struct.pack("<Q", 0)), ("conn_count", struct.pack("<I", 1)),
+                   ("chunk_count", struct.pack("<I", 1))], b" " * 64)
+    after = len(magic) + len(head) + len(chunk_record) + len(index)
+    head = head.replace(struct.pack("<Q", 0), struct.pack("<Q", after), 1)
+    return magic + head + chunk_record + index + connection
+
+
+def ros2_bag(topic, kind, message):
+    database = sqlite3.connect(":memory:")
+    database.execute("PRAGMA page_size=512")
+    database.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+                     "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)")
+    database.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, "
+                     "timestamp INTEGER NOT NULL, data BLOB NOT NULL)")
+    database.execute("INSERT INTO topics VALUES(1, ?, ?, 'cdr', '')", (topic, kind))
+    database.execute("INSERT INTO messages VALUES(1, 1, 50000000000, ?)", (message,))
+    database.commit()
+    folder = ROOT / ".scratch"
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "bag.db3"
+    file.unlink(missing_ok=True)
+    database.execute("VACUUM INTO ?", (str(file),))
+    data = file.read_bytes()
+    file.unlink()
+    folder.rmdir()
+    return data
+
+
 def gltf(buffer=None, **more):
     corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<3H", 0, 1, 2)
     uri = buffer or "data:application/octet-stream;base64," + base64.b64encode(corners).decode()
@@ -157,6 +251,10 @@ def main():
     put("recording_file", "oculus_gains_16_bits", oculus(2, bytes_per_sample=2, gains=True))
     put("recording_file", "oculus_two_pings", oculus(1) + oculus(1))
     put("recording_file", "oculus_log", oculus_log([(False, oculus(2)), (True, oculus(2))]))
+
+    kind = "marine_acoustic_msgs/ProjectedSonarImage"
+    put("recording_file", "ros1_bag", ros1_bag("/sonar", kind, projected_sonar_image(cdr=False)))
+    put("recording_file", "ros2_bag", ros2_bag("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True)))
 
     sonar = {"name": "small", "frequency_hz": 9e5, "beam_azimuth_deg": [-1, 1], "range_min_m": 1, "range_max_m": 2,
              "range_bins": 3, "sound_speed_m_per_s": 1480}
@@ -215,6 +313,24 @@ def main():
         "format": "sonar-poses/1", "poses": [{"time_s": 0.0, "world_from_sonar": pose}]}))
     put("poses", "list.json", json.dumps([{"world_from_sonar": pose}]))
     put("mount", "mount.json", json.dumps({"format": "sonar-mount/1", "body_from_sonar": pose}))
+    put("marker_map", "map.json", json.dumps({
+        "format": "sonar-markers/1", "dictionary": "DICT_4X4_50", "sigma": {"position_m": 0.002, "angle_deg": 0.5},
+        "markers": [{"id": 3, "size_m": 0.15, "world_from_marker": pose}]}))
+    put("camera", "opencv.yaml", """%YAML:1.0
+---
+image_width: 640
+image_height: 480
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 5.5e+02, 0., 320., 0., 5.5e+02, 240., 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ -0.1, 0.01, 0., 0., 0. ]
+""")
     put("trajectory", "tum.txt", "# time tx ty tz qx qy qz qw\n0 0 0 1 0 0 0 1\n0.5 1 0 1 0 0 0 1\n")
     put("trajectory", "euroc.csv", "#timestamp,x,y,z,qw,qx,qy,qz\n1403636579758555392,4.6,-1.7,0.5,1,0,0,0\n")
     put("trajectory", "named.csv", "time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n0,0,0,1,10,-5,0\n1,0,1,1,11,-5,0\n")
