@@ -7,12 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-
 #include "data_io/file_bytes.h"
-#include "data_io/image_header.h"
 #include "data_io/image_io.h"
+#include "data_io/jpeg_codec.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -21,62 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 29;
-
-// The frame header of a JPEG (marker SOFn): its announced size.
-ImageHeader JpegHeader(std::string_view bytes, const std::string& name) {
-  const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
-  const auto big16 = [&](std::size_t at) { return byte(at) * 256 + byte(at + 1); };
-  std::size_t at = 2;
-  while (at + 9 < bytes.size() && byte(at) == 0xFF) {
-    const int marker = byte(at + 1);
-    if (marker == 0xFF) {  // padding
-      ++at;
-      continue;
-    }
-    const bool is_frame =
-        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame) {
-      return {.rows = big16(at + 5), .cols = big16(at + 7), .channels = byte(at + 9), .bits = byte(at + 4)};
-    }
-    at += 2 + static_cast<std::size_t>(big16(at + 2));
-  }
-  throw DataError("{}: damaged JPEG: no frame header, expected a picture", name);
-}
-
-Grid<std::uint8_t> DecodeJpeg(const std::string& bytes, const std::string& name) {
-  const ImageHeader header = JpegHeader(bytes, name);
-  // No CheckImageHeader: a JPEG of one colour is smaller than what that takes for possible.
-  if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
-    throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows, header.cols,
-                    kMaxImagePixels);
-  }
-  // The decoder fills up what is missing without a word; a whole file ends with the end marker, at most
-  // padded.
-  const std::size_t end = bytes.rfind("\xFF\xD9");
-  if (end == std::string::npos) throw DataError("{}: JPEG cut short, expected an end marker", name);
-  cv::Mat image;
-  try {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    image = cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& error) {
-    throw DataError("{}: damaged JPEG: {}", name, error.err);
-  }
-  if (image.rows != header.rows || image.cols != header.cols || image.type() != CV_8UC1)
-    throw DataError("{}: damaged JPEG, expected {} x {} pixels", name, header.rows, header.cols);
-  Grid<std::uint8_t> grey(image.rows, image.cols);
-  for (int row = 0; row < image.rows; ++row)
-    std::copy_n(image.ptr<std::uint8_t>(row), image.cols, grey.row(row).begin());
-  return grey;
-}
-
-Grid<std::uint8_t> GreyOf(const RgbImage& rgb) {
-  Grid<std::uint8_t> grey(rgb.rows(), rgb.cols());
-  for (std::size_t i = 0; i < rgb.size(); ++i) {
-    const auto& [r, g, b] = rgb.values()[i];
-    grey.values()[i] = static_cast<std::uint8_t>(std::lround(0.299 * r + 0.587 * g + 0.114 * b));
-  }
-  return grey;
-}
 
 bool IsPicture(const fs::path& file) {
   std::string end = file.extension().string();
@@ -155,7 +96,7 @@ bool NaturalLess(const std::string& a, const std::string& b) {
 
 Grid<std::uint8_t> ReadCameraImage(const fs::path& file) {
   std::string bytes = ReadFileBytes(file, kMostBytes);
-  if (bytes.starts_with("\xFF\xD8")) return DecodeJpeg(bytes, file.string());
+  if (IsJpeg(bytes)) return DecodeJpegGrey(bytes, file.string());
   const ImageFile image(std::move(bytes), file.string());
   if (image.header().channels == 1 && image.header().bits == 8) return image.DecodeGrey8();
   return GreyOf(image.DecodeRgb());

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "data_io/file_bytes.h"
 #include "data_io/image_header.h"
 #include "data_io/image_io.h"
+#include "data_io/jpeg_codec.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -37,68 +37,23 @@ bool IsPng(std::string_view bytes) {
   return bytes.starts_with("\x89PNG\r\n\x1a\n");
 }
 
-bool IsJpeg(std::string_view bytes) {
-  return bytes.starts_with("\xff\xd8\xff");
+Grid<float> Floats(const Grid<std::uint8_t>& grey) {
+  Grid<float> values(grey.rows(), grey.cols());
+  std::ranges::copy(grey.values(), values.values().begin());
+  return values;
 }
 
-// Rows and columns of a JPEG, from its start-of-frame segment: known before a decoder allocates anything.
-void CheckJpegSize(std::string_view bytes, const std::string& file) {
-  const auto byte = [&](std::size_t at) {
-    return static_cast<unsigned>(static_cast<unsigned char>(bytes[at]));
-  };
-  std::size_t at = 2;
-  while (at + 9 <= bytes.size() && byte(at) == 0xff) {
-    const unsigned marker = byte(at + 1);
-    if (marker == 0xff) {  // padding
-      ++at;
-      continue;
-    }
-    const bool is_frame =
-        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (is_frame) {
-      const ImageHeader header{.rows = static_cast<int>(byte(at + 5) << 8 | byte(at + 6)),
-                               .cols = static_cast<int>(byte(at + 7) << 8 | byte(at + 8)),
-                               .channels = 1,
-                               .bits = 8};
-      if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
-        throw DataError("{}: a JPEG of {} x {} pixels, expected 1..{} in all", file, header.rows, header.cols,
-                        kMaxImagePixels);
-      }
-      return;
-    }
-    at += 2 + (byte(at + 2) << 8 | byte(at + 3));
-  }
-  throw DataError("{}: byte {}: a JPEG without a frame", file, at);
-}
-
-// Luminance as in ITU-R BT.601; of equal channels their value.
-Grid<float> GreyOf(const cv::Mat& picture, const std::string& name) {
-  if (picture.empty() || picture.type() != CV_8UC3)
-    throw DataError("{}: not to be decoded as a picture of 8 bits", name);
-  Grid<float> grey(picture.rows, picture.cols);
+// As OpenCV keeps colours: blue first.
+RgbImage RgbOf(const cv::Mat& picture) {
+  RgbImage rgb(picture.rows, picture.cols);
   for (int row = 0; row < picture.rows; ++row) {
     const auto* pixels = picture.ptr<cv::Vec3b>(row);
     for (int col = 0; col < picture.cols; ++col) {
-      const cv::Vec3b& p = pixels[col];
-      const bool equal = p[0] == p[1] && p[1] == p[2];
-      grey(row, col) = equal ? static_cast<float>(p[0])
-                             : 0.114F * static_cast<float>(p[0]) + 0.587F * static_cast<float>(p[1]) +
-                                   0.299F * static_cast<float>(p[2]);
+      const cv::Vec3b& pixel = pixels[col];
+      rgb(row, col) = {pixel[2], pixel[1], pixel[0]};
     }
   }
-  return grey;
-}
-
-Grid<float> GreyOf(const RgbImage& picture) {
-  Grid<float> grey(picture.rows(), picture.cols());
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const auto [red, green, blue] = picture.values()[i];
-    grey.values()[i] = red == green && green == blue
-                           ? static_cast<float>(red)
-                           : 0.299F * static_cast<float>(red) + 0.587F * static_cast<float>(green) +
-                                 0.114F * static_cast<float>(blue);
-  }
-  return grey;
+  return rgb;
 }
 
 class PictureFiles final : public PictureFrames {
@@ -114,16 +69,8 @@ class PictureFiles final : public PictureFrames {
   Grid<float> Read(int index) const override {
     const fs::path& file = files_.at(index);
     std::string bytes = ReadFileBytes(file, kMostPictureBytes);
-    if (!IsJpeg(bytes)) return GreyOf(ImageFile(std::move(bytes), file.string()).DecodeRgb());
-    CheckJpegSize(bytes, file.string());
-    cv::Mat picture;
-    try {
-      const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
-      picture = cv::imdecode(encoded, cv::IMREAD_COLOR);
-    } catch (const cv::Exception&) {
-      picture.release();
-    }
-    return GreyOf(picture, file.string());
+    if (IsJpeg(bytes)) return Floats(DecodeJpegGrey(bytes, file.string()));
+    return Floats(GreyOf(ImageFile(std::move(bytes), file.string()).DecodeRgb()));
   }
 
  private:
@@ -171,8 +118,9 @@ class Video final : public PictureFrames {
       picture.release();
     }
     next_ = index + 1;
-    if (picture.empty()) throw DataError("{}: frame {} of {} cannot be decoded", name_, index, count_);
-    return GreyOf(picture, name_);
+    if (picture.empty() || picture.type() != CV_8UC3)
+      throw DataError("{}: frame {} of {} cannot be decoded", name_, index, count_);
+    return Floats(GreyOf(RgbOf(picture)));
   }
 
  private:

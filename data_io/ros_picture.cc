@@ -1,12 +1,10 @@
 #include "data_io/ros_picture.h"
 
+#include <algorithm>
 #include <cstdint>
 
-#include <opencv2/imgcodecs.hpp>
-
-#include "data_io/byte_reader.h"
-#include "data_io/image_header.h"
 #include "data_io/image_io.h"
+#include "data_io/jpeg_codec.h"
 #include "data_io/printable.h"
 #include "data_io/types/error.h"
 
@@ -20,51 +18,15 @@ std::uint64_t SampleBytes(const std::string& encoding, const std::string& where)
                   Printable(encoding));
 }
 
-// What a JPEG's start-of-frame segment announces.
-ImageHeader ReadJpegHeader(std::span<const std::byte> bytes, const std::string& where) {
-  const ByteReader reader(bytes, where);
-  const auto u16 = [&](std::uint64_t at) {  // big-endian
-    return reader.U8(at, "JPEG segment") << 8 | reader.U8(at + 1, "JPEG segment");
-  };
-  for (std::uint64_t at = 2; reader.U8(at, "JPEG segment") == 0xff;) {
-    const std::uint8_t marker = reader.U8(at + 1, "JPEG segment");
-    if (marker == 0xff) {  // padding
-      ++at;
-      continue;
-    }
-    const bool is_frame =
-        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (is_frame) {
-      return {.rows = u16(at + 5),
-              .cols = u16(at + 7),
-              .channels = reader.U8(at + 9, "JPEG components"),
-              .bits = reader.U8(at + 4, "JPEG precision")};
-    }
-    at += 2 + static_cast<std::uint64_t>(u16(at + 2));
-  }
-  throw DataError("{}: a JPEG without a frame, or a damaged one", where);
-}
-
-RosPicture DecodeJpeg(std::span<const std::byte> bytes, const std::string& where) {
+RosPicture DecodeJpeg(std::string_view bytes, const std::string& where) {
   const ImageHeader header = ReadJpegHeader(bytes, where);
   if (header.channels != 1 || header.bits != 8) {
     throw DataError("{}: a JPEG of {} channels of {} bits, expected one of 8 (grey)", where, header.channels,
                     header.bits);
   }
-  CheckImageHeader(header, bytes.size(), where);
-  cv::Mat decoded;
-  try {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data()));
-    decoded = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    decoded.release();  // said below
-  }
-  if (decoded.type() != CV_8UC1 || decoded.rows != header.rows || decoded.cols != header.cols)
-    throw DataError("{}: the JPEG is damaged", where);
-  RosPicture picture{.value = Grid<float>(header.rows, header.cols)};
-  for (int row = 0; row < header.rows; ++row) {
-    for (int col = 0; col < header.cols; ++col) picture.value(row, col) = decoded.at<std::uint8_t>(row, col);
-  }
+  const Grid<std::uint8_t> grey = DecodeJpegGrey(bytes, where);
+  RosPicture picture{.value = Grid<float>(grey.rows(), grey.cols())};
+  std::ranges::copy(grey.values(), picture.value.values().begin());
   return picture;
 }
 
@@ -98,7 +60,7 @@ RosPicture PictureOf(const RosImage& image, const std::string& where) {
 
 RosPicture PictureOf(const RosCompressedImage& image, const std::string& where) {
   const std::string_view bytes(reinterpret_cast<const char*>(image.data.data()), image.data.size());
-  if (bytes.starts_with("\xff\xd8")) return DecodeJpeg(image.data, where);
+  if (IsJpeg(bytes)) return DecodeJpeg(bytes, where);
   if (!bytes.starts_with("\x89PNG")) {
     throw DataError("{}: a compressed picture of format '{}', expected PNG or JPEG", where,
                     Printable(image.format));

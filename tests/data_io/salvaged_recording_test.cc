@@ -19,7 +19,8 @@ using ::testing::IsEmpty;
 // Frame k is of grey k.
 void WriteSmallRecording(const std::filesystem::path& folder, int frames) {
   RecordingInfo info;
-  info.sonar.axes = {.range_min_m = 1.0, .range_max_m = 2.0, .range_bins = 3, .beam_azimuth_rad = {-0.1, 0.1}};
+  info.sonar.axes = {
+      .range_min_m = 1.0, .range_max_m = 2.0, .range_bins = 3, .beam_azimuth_rad = {-0.1, 0.1}};
   std::vector<Frame> all;
   for (int k = 0; k < frames; ++k) {
     all.push_back({{}, {info.sonar.axes, info.scale, Grid<float>(3, 2, static_cast<float>(k))}});
@@ -55,7 +56,9 @@ TEST(SalvagedRecording, OfAWholeOneNothingIsSaid) {
 TEST(SalvagedRecording, ManyThatAreLostAreNotAllNamed) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "rec", 40);
-  for (int k = 1; k < 40; ++k) std::filesystem::remove(dir / ("rec/frame_00" + std::string(k < 10 ? "0" : "") + std::to_string(k) + ".png"));
+  for (int k = 1; k < 40; ++k)
+    std::filesystem::remove(dir /
+                            ("rec/frame_00" + std::string(k < 10 ? "0" : "") + std::to_string(k) + ".png"));
   const SalvagedRecording salvaged(OpenRecording(dir / "rec"));
   EXPECT_EQ(salvaged.frame_count(), 1);
   EXPECT_LT(salvaged.info().notes.size(), 20U);
