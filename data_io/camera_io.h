@@ -13,8 +13,7 @@
 //      ...
 //
 // Other keys are passed over. Refused: skew, fisheye and tilted-sensor models, files over 1 MB, and numbers
-// that are not finite. Of YAML only this much is read: keys in the first column, blocks of indented keys, and
-// lists in square brackets. OpenCV's XML is not read.
+// that are not finite. OpenCV's XML is not read.
 //
 // Port, JSON, lengths in metres, indices relative to air, normal (default: the optical axis) in camera axes:
 //

@@ -3,9 +3,10 @@
 //   setup:
 //     - frame_id: "setup/aris"
 //       parent_frame_id: "setup/ar3"
-//       translation: {x, y, z} and rotation: {x, y, z, w}, a key a line, in metres and as a quaternion
+//       translation: {x, y, z}       # metres
+//       rotation: {x, y, z, w}       # a quaternion
 //
-// That much of YAML is read, with comments: keys of one line each, in any order and under any heading.
+// Lists of frames under any heading are read.
 #pragma once
 
 #include <filesystem>

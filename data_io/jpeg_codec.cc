@@ -36,8 +36,8 @@ ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
                                .bits = reader.U8(at + 4, "JPEG precision")};
       // No CheckImageHeader: a JPEG of one colour is smaller than what that takes for possible.
       if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
-        throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows, header.cols,
-                        kMaxImagePixels);
+        throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows,
+                        header.cols, kMaxImagePixels);
       }
       return header;
     }

@@ -12,8 +12,8 @@ namespace sonarcal {
 
 bool IsJpeg(std::string_view bytes);
 
-// From the start-of-frame segment. Throws DataError naming `name` where there is none, or of no pixels or more
-// than kMaxImagePixels.
+// From the start-of-frame segment. Throws DataError naming `name` where there is none, or of no pixels or
+// more than kMaxImagePixels.
 ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name);
 
 // Of a colour picture the luminance, of the orientation that the pixels have. Throws DataError naming `name`

@@ -29,6 +29,7 @@ LIBRARIES = {
     "assimp": (r"assimp/", r"data_io/cad_io\.cc"),
     "librosbag": (r"ros(bag)?/", r"data_io/ros1_chunk\.cc"),
     "SQLite": (r"sqlite3\.h", r"data_io/ros2_bag\.cc"),
+    "yaml-cpp": (r"yaml-cpp/", r"data_io/yaml_reader\.cc"),
     "OpenCV": (r"opencv2?/", r".*\.cc"),  # never in a header
     "CLI11": (r"CLI/", r"apps/.*"),
 }
@@ -102,6 +103,8 @@ def self_test():
         ("data_io/ros1_chunk.cc", "#include <rosbag/chunked_file.h>", False),
         ("data_io/bag.cc", "#include <sqlite3.h>", True),
         ("data_io/ros2_bag.cc", "#include <sqlite3.h>", False),
+        ("data_io/camera_io.cc", "#include <yaml-cpp/yaml.h>", True),
+        ("data_io/yaml_reader.cc", "#include <yaml-cpp/yaml.h>", False),
         ("data_io/a.h", "#include <opencv2/core.hpp>", True),
         ("data_io/a.cc", "#include <opencv2/core.hpp>", False),
         ("sim/a.cc", "#include <CLI/CLI.hpp>", True),
