@@ -55,7 +55,7 @@ RayGridSize ParseRayGridSize(const std::string& text) {
 }
 
 Sampling RayOptions::SamplingFor(EchoModel model) const {
-  return sampling.value_or(model == EchoModel::kCoherent ? Sampling::kFrustum : Sampling::kBeams);
+  return sampling.value_or(model == EchoModel::kPaper ? Sampling::kBeams : Sampling::kFrustum);
 }
 
 SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, EchoModel model) const {
@@ -82,9 +82,9 @@ SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, E
 }
 
 void AddRayOptions(CLI::App& command, RayOptions& options) {
-  const std::string by_default =
-      options.sampling ? std::string(ToString(*options.sampling))
-                       : std::string(ToString(Sampling::kBeams)) + ", for the coherent model frustum";
+  const std::string by_default = options.sampling
+                                     ? std::string(ToString(*options.sampling))
+                                     : std::string(ToString(Sampling::kBeams)) + ", for other models frustum";
   AddChoice(
       command, "--sampling", options.sampling, kSamplings,
       "How rays are spread: a pinhole grid as in the paper, or equal angles within each beam (default: " +

@@ -34,8 +34,9 @@ struct RayOptions {
   RayOptions() = default;
   explicit RayOptions(Sampling default_sampling) : sampling(default_sampling) {}
 
-  // The one asked for; else `beams`, which need the fewest rays (docs/rays.md), but for the coherent model,
-  // whose scatterers stand on the rays and are to be as many as the paper's.
+  // The one asked for; else for the paper's model `beams`, which need the fewest rays (docs/rays.md). The
+  // acoustic model has rays of its own, and the scatterers of the coherent one stand on the rays, of which
+  // there are to be many: `frustum`.
   Sampling SamplingFor(EchoModel model) const;
 
   // Fan, trace, absorption and water of a simulation of this sonar by a model: `beams` are staggered for the

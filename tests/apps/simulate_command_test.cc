@@ -110,7 +110,12 @@ TEST(RayOptions, DefaultBeamsAreThePapers) {
     EXPECT_EQ(other.rows, 400);
     EXPECT_FALSE(other.stagger);
   }
-  EXPECT_FALSE(RayOptions().For(sonar, {}).fan.stagger);
+  EXPECT_EQ(RayOptions().For(sonar, {}).fan.rows, 330) << "beams, where nothing is asked for";
+  const RayFanOptions papers_own = RayOptions(Sampling::kFrustum).For(sonar, {}).fan;
+  EXPECT_EQ(papers_own.cols, 1500);
+  EXPECT_EQ(papers_own.rows, 1200);
+  EXPECT_FALSE(papers_own.stagger);
+  EXPECT_EQ(RayOptions().For(sonar, {}, EchoModel::kCoherent).fan.sampling, Sampling::kFrustum);
 }
 
 TEST(SimulateCommand, FansAndRangesLieBesideTheFrames) {

@@ -169,7 +169,7 @@ TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
 }
 
 TEST_F(SimulateResume, WhatAKilledRunLeftIsGoneOnWith) {
-  rays_ = "400x250";  // a depth image takes longer than a frame
+  rays_ = "384x250";  // a depth image takes longer than a frame
   const int status = EndAt(12, SIGKILL, "-q --depth");
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_FALSE(fs::exists(world_ / "out"));
@@ -180,7 +180,7 @@ TEST_F(SimulateResume, WhatAKilledRunLeftIsGoneOnWith) {
   ASSERT_EQ(resumed.status, 0) << resumed.err;
   // The image and the depth of each frame that was missing; those of frame 3 again.
   EXPECT_LE(nlohmann::json::parse(resumed.out)["rays_cast"].get<std::int64_t>(),
-            2LL * (kFrames - 12) * 400 * 250);
+            2LL * (kFrames - 12) * 384 * 250);
   ASSERT_EQ(RunSonarcal(Arguments("whole", "-q --depth")).status, 0);
   EXPECT_EQ(Contents(world_ / "out"), Contents(world_ / "whole"));
   EXPECT_FALSE(fs::exists(world_ / ".out.unfinished"));
