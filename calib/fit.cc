@@ -136,7 +136,9 @@ class Fitter {
     double best_cost = std::numeric_limits<double>::infinity();
     Activate();
     if (state_.active.empty()) return;
-    const std::unique_ptr<FrameModel> coarse = model_.Coarse(kStartPixels);
+    // A round among others goes on from where the last one ended, which blocks of pixels would lead away
+    // from.
+    const std::unique_ptr<FrameModel> coarse = options_.rough ? nullptr : model_.Coarse(kStartPixels);
     const FrameModel& model = coarse != nullptr ? *coarse : model_;
     for (int start = 0; start < options_.starts; ++start) {
       if (options_.starts > 1) Say(fmt::format("start {} of {}", start + 1, options_.starts));
@@ -150,9 +152,6 @@ class Fitter {
       }
     }
     state_.values = best;
-    // Of a round among others nothing follows that would mend what blocks get wrong.
-    if (coarse != nullptr && options_.rough && !report_.start_costs.empty())
-      Solve(model_, kRoughTolerance, std::min(kRoughIterations, options_.max_iterations));
   }
 
   // A hundredth of a log-likelihood is nothing that a fit could be judged by.

@@ -53,8 +53,10 @@ void ForEachPose(const PoseTopic& from, const std::function<void(const RosPose&,
 // By increasing time, the first of each.
 void Sort(std::vector<TrajectoryPose>& poses) {
   std::ranges::stable_sort(poses, {}, &TrajectoryPose::time_s);
-  const auto rest = std::ranges::unique(poses, {}, &TrajectoryPose::time_s);
-  poses.erase(rest.begin(), rest.end());
+  const auto at_one_time = [](const TrajectoryPose& a, const TrajectoryPose& b) {
+    return a.time_s == b.time_s;
+  };
+  poses.erase(std::unique(poses.begin(), poses.end(), at_one_time), poses.end());
 }
 
 std::vector<TrajectoryPose> ReadPosesOf(const PoseTopic& from) {

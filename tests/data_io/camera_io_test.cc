@@ -66,7 +66,7 @@ TEST(CameraIo, WhatCannotBeIsOneSentence) {
   EXPECT_THAT(Refusal(Changed(kOpenCv, "1.0525e+03", "-5")), HasSubstr("focal lengths -5"));
   EXPECT_THAT(Refusal(Changed(kOpenCv, "1.0525e+03, 0.", "1.0525e+03, 0.5")), HasSubstr("skewed"));
   EXPECT_THAT(Refusal(Changed(kOpenCv, "6.395e+02", "9e+05")), HasSubstr("far outside"));
-  EXPECT_THAT(Refusal(Changed(kOpenCv, "0.,\n       0., 1. ]", "0.,\n")), HasSubstr("cam.yaml:14: not YAML"));
+  EXPECT_THAT(Refusal(Changed(kOpenCv, "0.,\n       0., 1. ]", "0.,\n")), HasSubstr("cam.yaml:16: not YAML"));
   EXPECT_THAT(Refusal(Changed(kOpenCv, "-2.e-03, 0. ]", "-2.e-03, 0., 1 ]")), HasSubstr("has 6 numbers"));
   EXPECT_THAT(Refusal(Changed(kOpenCv, "nframes", "image_width")),
               HasSubstr("cam.yaml:5: key 'image_width' for the second"));

@@ -198,7 +198,7 @@ TEST_F(DfkiUxoTest, DamageIsRefusedByName) {
   std::string yaml = kTransforms;
   yaml.replace(yaml.find("0.174"), 5, "south");
   EXPECT_THAT(refusal_with(dir_ / "calibration" / "transforms.yaml", yaml),
-              HasSubstr("transforms.yaml:6: translation.y is 'south'"));
+              HasSubstr("transforms.yaml:6: setup.translation.y is 'south'"));
 }
 
 TEST_F(DfkiUxoTest, DamagedFilesEndInOneSentence) {
