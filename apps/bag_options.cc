@@ -4,6 +4,7 @@
 
 #include "apps/choice_option.h"
 #include "data_io/open_recording.h"
+#include "data_io/picture_io.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -23,18 +24,24 @@ void AddBagOptions(CLI::App& command, BagArguments& arguments) {
   command.add_flag("--mirror", options.message.mirrored, "Exchange left and right of a ROS bag's images");
   command
       .add_option("--picture-geometry", arguments.picture_geometry,
-                  "Where the pixels of bare pictures in a ROS bag lie (sonar-picture-geometry/1)")
+                  "Where the pixels of pictures, a video, or bare pictures in a ROS bag lie "
+                  "(sonar-picture-geometry/1; default: the file beside them)")
       ->type_name("FILE");
 }
 
 std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
                                                     const BagArguments& arguments) {
   if (arguments == BagArguments{}) return OpenRecording(path);
+  BagArguments picture_only;
+  picture_only.picture_geometry = arguments.picture_geometry;
+  if (arguments == picture_only && IsPictures(path))
+    return OpenPictureRecording(path, ReadPictureGeometry(arguments.picture_geometry));
   std::error_code error;
   if (std::filesystem::exists(path, error) && !IsBag(path)) {
     throw UsageError(
-        "--topic, --sample-order, --mirror and --picture-geometry are for ROS bags, expected one in place of "
-        "{}",
+        "--topic, --sample-order and --mirror are for ROS bags, --picture-geometry for them and for "
+        "pictures, "
+        "expected one in place of {}",
         path.string());
   }
   BagOptions options = arguments.bag;

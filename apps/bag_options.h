@@ -1,4 +1,5 @@
-// What a command is told of a ROS bag: which of its topics is the sonar's, and how its samples lie.
+// What a command is told of a ROS bag: which of its topics is the sonar's, and how its samples lie; and of
+// pictures, where their pixels lie.
 #pragma once
 
 #include <filesystem>

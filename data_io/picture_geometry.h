@@ -34,12 +34,12 @@ namespace sonarcal {
 struct PictureGeometry {
   double range_min_m = 0.0;
   double range_max_m = 0.0;
-  std::string name;
+  std::string name = {};
   double frequency_hz = 0.0;  // 0 = unknown, and so on
   double sound_speed_m_per_s = 0.0;
   double azimuth_beam_width_deg = 0.0;
   double elevation_beam_width_deg = 0.0;
-  std::optional<double> db_span;
+  std::optional<double> db_span = {};
 
   struct Polar {
     double azimuth_first_rad = 0.0;
@@ -48,10 +48,10 @@ struct PictureGeometry {
 
     bool operator==(const Polar&) const = default;
   };
-  std::optional<Polar> polar;            // else a fan
-  std::optional<FanGeometry> fan;        // absent: to be found
-  std::optional<double> half_angle_deg;  // of a fan that is to be found
-  int beams = 0;                         // of a fan; 0: as fine as the picture, as are range_bins
+  std::optional<Polar> polar = {};            // else a fan
+  std::optional<FanGeometry> fan = {};        // absent: to be found
+  std::optional<double> half_angle_deg = {};  // of a fan that is to be found
+  int beams = 0;                              // of a fan; 0: as fine as the picture, as are range_bins
   int range_bins = 0;
 
   // Takes a fan that was found, stretched to half_angle_deg where that is known.

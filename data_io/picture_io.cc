@@ -124,4 +124,8 @@ std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path) {
   return std::make_unique<PictureRecording>(path, std::move(pictures), ReadPictureGeometry(file));
 }
 
+std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path, const PictureGeometry& geometry) {
+  return std::make_unique<PictureRecording>(path, OpenPictures(path), geometry);
+}
+
 }  // namespace sonarcal

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "data_io/picture_geometry.h"
 #include "data_io/types/recording.h"
 
 namespace sonarcal {
@@ -21,5 +22,9 @@ bool IsPictures(const std::filesystem::path& path);
 // Throws DataError where the JSON file is absent (the sentence holds one to begin with, with the fan that was
 // found), where no fan can be made out, or a picture is not to be read.
 std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::path& path);
+
+// With a geometry from elsewhere; no file beside the picture is looked for.
+std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::path& path,
+                                                      const PictureGeometry& geometry);
 
 }  // namespace sonarcal

@@ -130,6 +130,13 @@ TEST(Pictures, APictureOfOtherSizeIsRefused) {
   EXPECT_THAT(RefusalOf(dir / "pictures"), HasSubstr("1.png: 30 x 40 pixels, expected those of the first"));
 }
 
+TEST(Pictures, AGeometryFromElsewhereNeedsNoFileBesideThem) {
+  const TempDir dir;
+  WritePng(dir / "fan.png", Picture());
+  const auto recording = OpenPictureRecording(dir / "fan.png", {.range_min_m = 1.0, .range_max_m = 4.0});
+  EXPECT_LT(WorstDifference(recording->ReadFrame(0)), 2.0);
+}
+
 // A picture of ranges and beams, as some recorders keep them.
 TEST(Pictures, PolarOnesAreTurnedAsIsSaid) {
   const TempDir dir;
