@@ -41,7 +41,7 @@ YamlReader YamlReader::FromText(std::string_view text, const std::string& file) 
   const std::size_t first = yaml.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && yaml[first] == '<') throw DataError("{}: XML, expected YAML", file);
   try {
-    return {std::make_unique<Node>(YAML::Load(yaml)), file, ""};
+    return {std::make_unique<Node>(Node{YAML::Load(yaml)}), file, ""};
   } catch (const YAML::Exception& error) {
     throw DataError("{}:{}: not YAML: {}", file, error.mark.line + 1, Printable(error.msg));
   }
