@@ -82,7 +82,8 @@ class Video final : public PictureFrames {
  public:
   explicit Video(const fs::path& file) : name_(file.string()) {
     try {
-      capture_.open(name_);
+      // By FFmpeg alone: OpenCV would go on to try whatever it has, cameras on a bus among them.
+      capture_.open(name_, cv::CAP_FFMPEG);
     } catch (const cv::Exception&) {
       capture_.release();
     }
