@@ -10,6 +10,7 @@
 #include "data_io/file_bytes.h"
 #include "data_io/image_io.h"
 #include "data_io/jpeg_codec.h"
+#include "data_io/natural_order.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -64,32 +65,6 @@ double SecondsOf(std::string_view name, NameTimes unit, const fs::path& file) {
                             : unit == NameTimes::kMicroseconds ? 1e6
                                                                : 1e9;
   return number / per_second;
-}
-
-// "frame_2" before "frame_10".
-bool NaturalLess(const std::string& a, const std::string& b) {
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!IsDigit(a[i]) || !IsDigit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-      continue;
-    }
-    const auto digits = [](const std::string& text, std::size_t& at) {
-      while (at < text.size() && text[at] == '0') ++at;
-      const std::size_t start = at;
-      while (at < text.size() && IsDigit(text[at])) ++at;
-      return text.substr(start, at - start);
-    };
-    const std::string x = digits(a, i);
-    const std::string y = digits(b, j);
-    if (x.size() != y.size()) return x.size() < y.size();
-    if (x != y) return x < y;
-  }
-  if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
-  return a < b;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "data_io/image_header.h"
 #include "data_io/image_io.h"
 #include "data_io/jpeg_codec.h"
+#include "data_io/natural_order.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -154,7 +155,9 @@ std::vector<fs::path> PicturesOf(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     if (IsPicture(entry.path())) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
+    return NaturalLess(a.filename().string(), b.filename().string());
+  });
   return files;
 }
 

@@ -35,7 +35,7 @@ class PictureFrames {
 // is none, or a video tells no size or number of frames.
 std::unique_ptr<PictureFrames> OpenPictures(const std::filesystem::path& path);
 
-// Pictures directly in `folder`, by name; none where it is no folder.
+// Pictures directly in `folder`, by name, numbers in it as numbers; none where it is no folder.
 std::vector<std::filesystem::path> PicturesOf(const std::filesystem::path& folder);
 
 }  // namespace sonarcal

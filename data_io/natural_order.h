@@ -1,0 +1,10 @@
+// Names in the order in which people count: "frame_2" before "frame_10".
+#pragma once
+
+#include <string>
+
+namespace sonarcal {
+
+bool NaturalLess(const std::string& a, const std::string& b);
+
+}  // namespace sonarcal
