@@ -10,6 +10,7 @@
 
 #include "calib/marker_cost.h"
 #include "data_io/types/error.h"
+#include "data_io/types/rotation.h"
 
 namespace sonarcal {
 namespace {
@@ -31,13 +32,6 @@ struct MapPrior {
     return true;
   }
 };
-
-Eigen::Quaterniond Turned(const Eigen::Quaterniond& reference, const double* vector) {
-  const Eigen::Vector3d turn(vector[0], vector[1], vector[2]);
-  const double angle = turn.norm();
-  if (!(angle > 0.0)) return reference;
-  return (reference * Eigen::AngleAxisd(angle, turn / angle)).normalized();
-}
 
 class Adjuster {
  public:
@@ -71,7 +65,7 @@ class Adjuster {
       if (step == steps_.end()) continue;
       const Block& s = step->second;
       marker.world_from_marker.position_m += Eigen::Vector3d(s[0], s[1], s[2]);
-      marker.world_from_marker.rotation = Turned(marker.world_from_marker.rotation, &s[3]);
+      marker.world_from_marker.rotation = Turned(marker.world_from_marker.rotation, {s[3], s[4], s[5]});
     }
     result.frames = std::move(frames_);
     return result;
@@ -150,7 +144,7 @@ class Adjuster {
   void MoveReferences() {
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       Block& block = blocks_[i];
-      references_[i] = Turned(references_[i], &block[3]);
+      references_[i] = Turned(references_[i], {block[3], block[4], block[5]});
       block[3] = block[4] = block[5] = 0.0;
       frames_[i].world_from_camera = {references_[i], {block[0], block[1], block[2]}};
     }

@@ -11,6 +11,7 @@
 
 #include "calib/marker_cost.h"
 #include "data_io/types/error.h"
+#include "data_io/types/rotation.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -46,10 +47,7 @@ std::vector<Pose> Solutions(const CvPoints3& object, const CvPoints2& image, int
     const Eigen::Vector3d vector(r.at<double>(0), r.at<double>(1), r.at<double>(2));
     const Eigen::Vector3d position_m(t.at<double>(0), t.at<double>(1), t.at<double>(2));
     if (!vector.allFinite() || !position_m.allFinite()) continue;
-    const double angle = vector.norm();
-    const Eigen::Quaterniond rotation(
-        Eigen::AngleAxisd(angle, angle > 0.0 ? Eigen::Vector3d(vector / angle) : Eigen::Vector3d::UnitZ()));
-    poses.push_back(Pose{rotation, position_m}.Inverse());
+    poses.push_back(Pose{Turned(Eigen::Quaterniond::Identity(), vector), position_m}.Inverse());
   }
   return poses;
 }
@@ -175,10 +173,7 @@ std::optional<PoseCandidate> Refined(const std::vector<MarkerObservation>& seen,
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
     if (!summary.IsSolutionUsable() || summary.termination_type == ceres::FAILURE) return std::nullopt;
-    Eigen::Vector3d turn(frame[3], frame[4], frame[5]);
-    const double angle = turn.norm();
-    pose.position_m = {frame[0], frame[1], frame[2]};
-    if (angle > 0.0) pose.rotation = (reference * Eigen::AngleAxisd(angle, turn / angle)).normalized();
+    pose = {Turned(reference, {frame[3], frame[4], frame[5]}), {frame[0], frame[1], frame[2]}};
     candidate.cost = summary.final_cost;
   }
   if (!pose.position_m.allFinite() || !pose.rotation.coeffs().allFinite()) return std::nullopt;

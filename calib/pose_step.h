@@ -10,6 +10,7 @@
 
 #include "data_io/types/image.h"
 #include "data_io/types/pose.h"
+#include "data_io/types/rotation.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -34,11 +35,7 @@ inline Eigen::Vector3d RotationVectorRad(const PoseStep& step) {
 }
 
 inline Pose MovePose(const Pose& pose, const PoseStep& step) {
-  const Eigen::Vector3d turn = RotationVectorRad(step);
-  const double angle = turn.norm();
-  Eigen::Quaterniond rotation = pose.rotation;
-  if (angle > 0.0) rotation = rotation * Eigen::AngleAxisd(angle, turn / angle);
-  return {rotation.normalized(), pose * Eigen::Vector3d(step.head<3>())};
+  return {Turned(pose.rotation, RotationVectorRad(step)), pose * Eigen::Vector3d(step.head<3>())};
 }
 
 // The step that takes `from` to `to`.

@@ -11,6 +11,7 @@
 #include "data_io/pgm_codec.h"
 #include "data_io/printable.h"
 #include "data_io/types/error.h"
+#include "data_io/types/rotation.h"
 
 namespace sonarcal {
 namespace {
@@ -58,18 +59,18 @@ ArisHeader HeaderOf(const CsvTable& table, int row) {
 }
 
 std::map<std::int64_t, Pose> ReadArm(const fs::path& file) {
-  constexpr double kOffUnit = 1e-3;
   const CsvTable table(file);
   std::map<std::int64_t, Pose> world_from_arm;
   for (int row = 0; row < table.rows(); ++row) {
     const auto number = [&](const char* column) { return table.Number(row, column, -kMostM, kMostM); };
-    const Eigen::Quaterniond rotation(number("rot.w"), number("rot.x"), number("rot.y"), number("rot.z"));
-    if (!(std::abs(rotation.norm() - 1.0) <= kOffUnit)) {
+    const Eigen::Quaterniond written(number("rot.w"), number("rot.x"), number("rot.y"), number("rot.z"));
+    const auto rotation = UnitQuaternion(written);
+    if (!rotation) {
       throw DataError("{}:{}: a quaternion of length {:g}, expected 1", file.string(), row + 2,
-                      rotation.norm());
+                      written.norm());
     }
     world_from_arm[table.Integer(row, "aris_frame_idx", 0, kMostFrameIndex)] = {
-        rotation.normalized(), {number("pos.x"), number("pos.y"), number("pos.z")}};
+        *rotation, {number("pos.x"), number("pos.y"), number("pos.z")}};
   }
   return world_from_arm;
 }

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "data_io/printable.h"
+#include "data_io/types/rotation.h"
 #include "data_io/yaml_reader.h"
 
 namespace sonarcal {
@@ -14,12 +13,11 @@ Pose PoseOf(const YamlReader& frame) {
   const YamlReader translation = frame.At("translation");
   const YamlReader rotation = frame.At("rotation");
   const auto number = [](const YamlReader& of, const char* key) { return of.At(key).Number(); };
-  constexpr double kOffUnit = 1e-3;
-  const Eigen::Quaterniond turn(number(rotation, "w"), number(rotation, "x"), number(rotation, "y"),
-                                number(rotation, "z"));
-  if (!(std::abs(turn.norm() - 1.0) <= kOffUnit))
-    rotation.Fail(fmt::format("is a quaternion of length {:g}, expected 1", turn.norm()));
-  return {turn.normalized(), {number(translation, "x"), number(translation, "y"), number(translation, "z")}};
+  const Eigen::Quaterniond written(number(rotation, "w"), number(rotation, "x"), number(rotation, "y"),
+                                   number(rotation, "z"));
+  const auto turn = UnitQuaternion(written);
+  if (!turn) rotation.Fail(fmt::format("is a quaternion of length {:g}, expected 1", written.norm()));
+  return {*turn, {number(translation, "x"), number(translation, "y"), number(translation, "z")}};
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
+
+#include "data_io/types/rotation.h"
 
 namespace sonarcal {
 namespace {
@@ -23,10 +23,10 @@ Pose ReadPose(const JsonReader& json) {
   const JsonReader quaternion_json = json.At("quaternion_wxyz");
   const std::vector<double> wxyz = ReadVector(quaternion_json, 4);
   const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (std::abs(quaternion.norm() - 1.0) > 1e-3) {
+  const auto rotation = UnitQuaternion(quaternion);
+  if (!rotation)
     quaternion_json.Fail(fmt::format("has length {:.6g}, expected a unit quaternion", quaternion.norm()));
-  }
-  return {quaternion.normalized(), {position[0], position[1], position[2]}};
+  return {*rotation, {position[0], position[1], position[2]}};
 }
 
 nlohmann::ordered_json PoseJson(const Pose& pose) {

@@ -1,8 +1,7 @@
 #include "data_io/ros_messages.h"
 
-#include <cmath>
-
 #include "data_io/types/error.h"
+#include "data_io/types/rotation.h"
 
 namespace sonarcal {
 namespace {
@@ -189,16 +188,15 @@ RosPose ReadPoseStamped(MessageStream& stream) {
 }
 
 Pose CheckedPose(const RosPose& pose, const std::string& where) {
-  constexpr double kOffUnit = 1e-3;
-  const double length = pose.parent_from_child.rotation.norm();
-  if (!(std::abs(length - 1.0) <= kOffUnit))
-    throw DataError("{}: a quaternion of length {:g}, expected 1", where, length);
+  const Eigen::Quaterniond& written = pose.parent_from_child.rotation;
+  const auto rotation = UnitQuaternion(written);
+  if (!rotation) throw DataError("{}: a quaternion of length {:g}, expected 1", where, written.norm());
   const Eigen::Vector3d& position_m = pose.parent_from_child.position_m;
   if (!position_m.allFinite()) {
     throw DataError("{}: position ({:g}, {:g}, {:g}), expected finite numbers", where, position_m.x(),
                     position_m.y(), position_m.z());
   }
-  return {pose.parent_from_child.rotation.normalized(), position_m};
+  return {*rotation, position_m};
 }
 
 std::vector<RosPose> ReadTransforms(MessageStream& stream) {

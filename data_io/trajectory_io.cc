@@ -7,11 +7,13 @@
 #include <string>
 #include <string_view>
 
+#include "data_io/byte_reader.h"
 #include "data_io/file_bytes.h"
 #include "data_io/json_fields.h"
 #include "data_io/json_reader.h"
 #include "data_io/printable.h"
 #include "data_io/types/error.h"
+#include "data_io/types/rotation.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -85,12 +87,11 @@ class LineReader {
 
   // From four columns, in the order w, x, y, z.
   Eigen::Quaterniond Quaternion(const std::array<std::size_t, 4>& wxyz) const {
-    constexpr double kOffUnit = 1e-3;
     const Eigen::Quaterniond q(Number(wxyz[0], "qw"), Number(wxyz[1], "qx"), Number(wxyz[2], "qy"),
                                Number(wxyz[3], "qz"));
-    if (!(std::abs(q.norm() - 1.0) <= kOffUnit))
-      Fail(fmt::format("the quaternion has length {:g}, expected 1", q.norm()));
-    return q.normalized();
+    const auto rotation = UnitQuaternion(q);
+    if (!rotation) Fail(fmt::format("the quaternion has length {:g}, expected 1", q.norm()));
+    return *rotation;
   }
 
   [[noreturn]] void Fail(const std::string& what) const {
@@ -168,8 +169,10 @@ TrajectoryPose ReadLine(const LineReader& line, TrajectoryFormat format, const C
 }  // namespace
 
 TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
-  const std::string bytes = ReadFileBytes(file, kMostBytes);
-  const std::vector<Line> lines = LinesOf(bytes);
+  // The first lines tell; of a long recording the rest is not read for it.
+  constexpr std::uint64_t kFirstBytes = 64 << 10;
+  const auto bytes = ReadFileRange(file, 0, std::min(RegularFileSize(file), kFirstBytes), "first lines");
+  const std::vector<Line> lines = LinesOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (!lines.empty() && lines.front().text.find("time_s") != std::string_view::npos)
     return TrajectoryFormat::kCsv;
   for (const Line& line : lines) {
