@@ -14,46 +14,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A ping of the file, and its head.
-struct Message {
-  std::uint64_t offset = 0;
-  OculusHead head;
-  std::optional<OculusLogItem> item = {};  // where it lies in a log
-};
-
 class OculusRecording final : public RecordingSource {
  public:
   explicit OculusRecording(const fs::path& file) : file_(file), name_(file.string()) {
     info_.source = name_;
-    const bool is_log = IsOculusLog(file);
-    is_log ? IndexLog() : IndexMessages();
+    is_log_ = IsOculusLog(file);
+    is_log_ ? IndexLog() : IndexMessages();
     RefuseTooFewOrMany();
-    const OculusPing first = ParsePing(0, PingHeaderBytes(0));
+    const OculusPing first = ReadPing(0, kMostOculusPingHeaderBytes).ping;
     info_.format = fmt::format("Oculus simple ping result, version {}", first.version);
     DescribeOculus(first, info_);
-    if (is_log) {
+    if (is_log_) {
       info_.format += ", in a log";
       info_.notes.emplace_back("Frames have the times of the log's items; their epoch is not documented.");
     }
   }
 
   const RecordingInfo& info() const override { return info_; }
-  int frame_count() const override { return static_cast<int>(messages_.size()); }
+  int frame_count() const override { return static_cast<int>(offsets_.size()); }
 
   FrameInfo frame_info(int index) const override {
-    return InfoOf(index, ParsePing(index, PingHeaderBytes(index)));
+    return InfoOf(ReadPing(index, kMostOculusPingHeaderBytes));
   }
 
   Frame ReadFrame(int index) const override {
-    const std::vector<std::byte> bytes = MessageBytes(index);
-    const OculusPing ping = ParsePing(index, bytes);
-    Frame frame{InfoOf(index, ping),
-                {AxesOf(ping, index), OculusScale(ping), Grid<float>(ping.ranges, ping.beams)}};
+    const PingOfFile read = ReadPing(index);
+    const OculusPing& ping = read.ping;
+    Frame frame{InfoOf(read), {AxesOf(ping, index), OculusScale(ping), Grid<float>(ping.ranges, ping.beams)}};
     const bool right_to_left = BearingsRunRightToLeft(ping);
-    const std::uint64_t start = messages_.at(index).offset;
-    const ByteReader image(
-        ByteReader(bytes, name_, start).Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image"),
-        name_, start + ping.image_offset);
+    const std::uint64_t start = offsets_.at(index);
+    const ByteReader image(ByteReader(read.bytes, name_, start)
+                               .Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image"),
+                           name_, start + ping.image_offset);
     for (int range = 0; range < ping.ranges; ++range) {
       std::uint64_t at = ping.row_bytes() * range;
       float scale = 1.0f;
@@ -73,6 +65,12 @@ class OculusRecording final : public RecordingSource {
   }
 
  private:
+  struct PingOfFile {
+    OculusPing ping;
+    std::vector<std::byte> bytes;           // of the message, the first that were wanted
+    std::optional<double> log_time_s = {};  // where it lies in a log
+  };
+
   // Finds the whole pings of the file.
   void IndexMessages() {
     const std::uint64_t size = RegularFileSize(file_);
@@ -94,7 +92,7 @@ class OculusRecording final : public RecordingSource {
         break;
       }
       if (head->message_id == kOculusSimplePingResult) {
-        messages_.push_back({offset, *head});
+        offsets_.push_back(offset);
       } else {
         ++others;
       }
@@ -106,68 +104,71 @@ class OculusRecording final : public RecordingSource {
 
   // Finds the pings of a log, each an item of its own.
   void IndexLog() {
-    OculusLog log = ReadOculusLog(file_);
-    info_.notes = std::move(log.notes);
     int others = 0;
-    for (const OculusLogItem& item : log.items) {
+    info_.notes = ForEachOculusLogItem(file_, [&](const OculusLogItem& item) {
       const std::uint64_t message_bytes = item.compressed ? item.original_bytes : item.payload_bytes;
       const std::vector<std::byte> bytes = ReadOculusLogItem(file_, item, kOculusHeadBytes);
       const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, item.offset});
       if (head && head->message_id == kOculusSimplePingResult && head->message_bytes <= message_bytes) {
-        messages_.push_back({item.offset, *head, item});
+        offsets_.push_back(item.offset);
       } else {
         ++others;
       }
-    }
+    });
     if (others > 0)
       info_.notes.push_back(fmt::format("{} sonar items that hold no whole ping were passed over.", others));
   }
 
   void RefuseTooFewOrMany() const {
-    if (messages_.empty()) {
+    if (offsets_.empty()) {
       throw DataError("{}: no whole simple ping result in {} bytes, expected at least one", name_,
                       RegularFileSize(file_));
     }
-    if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-      throw DataError("{}: {} pings, expected at most {}", name_, messages_.size(),
+    if (offsets_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+      throw DataError("{}: {} pings, expected at most {}", name_, offsets_.size(),
                       std::numeric_limits<int>::max());
     }
   }
 
-  // The first bytes of a message, up to the end of its bearings at least.
-  std::vector<std::byte> PingHeaderBytes(int index) const {
-    const Message& message = messages_.at(index);
-    const std::uint64_t wanted = std::min(message.head.message_bytes, kMostOculusPingHeaderBytes);
-    if (message.item) return ReadOculusLogItem(file_, *message.item, wanted);
-    return ReadFileRange(file_, message.offset, wanted, "ping header");
+  // The first `wanted` bytes of a message, or all of it, and what they say. Of a file of any length only the
+  // places of its pings are kept.
+  PingOfFile ReadPing(int index, std::uint64_t wanted = std::numeric_limits<std::uint64_t>::max()) const {
+    const std::uint64_t offset = offsets_.at(index);
+    PingOfFile read;
+    if (is_log_) {
+      const OculusLogItem item = ReadOculusLogItemHead(file_, offset);
+      read.log_time_s = item.time_s;
+      read.bytes = ReadOculusLogItem(file_, item, wanted);
+    } else {
+      const OculusHead head = HeadOf(ReadFileRange(file_, offset, kOculusHeadBytes, "message head"), offset);
+      read.bytes = ReadFileRange(file_, offset, std::min(head.message_bytes, wanted), "ping");
+    }
+    read.ping = ParseOculusPing({read.bytes, name_, offset}, HeadOf(read.bytes, offset));
+    return read;
   }
 
-  std::vector<std::byte> MessageBytes(int index) const {
-    const Message& message = messages_.at(index);
-    if (message.item) return ReadOculusLogItem(file_, *message.item);
-    return ReadFileRange(file_, message.offset, message.head.message_bytes, "ping");
-  }
-
-  OculusPing ParsePing(int index, const std::vector<std::byte>& bytes) const {
-    const Message& message = messages_.at(index);
-    return ParseOculusPing({bytes, name_, message.offset}, message.head);
+  // Of a message that was found to be one before.
+  OculusHead HeadOf(const std::vector<std::byte>& bytes, std::uint64_t offset) const {
+    const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
+    if (!head) throw DataError("{}: byte {}: no Oculus message any more, expected one", name_, offset);
+    return *head;
   }
 
   PolarAxes AxesOf(const OculusPing& ping, int index) const {
     return OculusAxes(ping, fmt::format("{}: ping {}", name_, index));
   }
 
-  FrameInfo InfoOf(int index, const OculusPing& ping) const {
-    const std::optional<OculusLogItem>& item = messages_.at(index).item;
-    const std::optional<double> time_s = item ? std::optional(item->time_s) : ping.start_s;
+  FrameInfo InfoOf(const PingOfFile& read) const {
+    const std::optional<double> time_s = is_log_ ? read.log_time_s : read.ping.start_s;
     const bool has_time = time_s && std::isfinite(*time_s);
-    return {fmt::format("ping {}", ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt,
+    return {fmt::format("ping {}", read.ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt,
             info_.settings};
   }
 
   fs::path file_;
   std::string name_;
-  std::vector<Message> messages_;
+  bool is_log_ = false;
+  std::vector<std::uint64_t> offsets_;  // of messages, or of the log's items
   RecordingInfo info_;
 };
 

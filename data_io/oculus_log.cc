@@ -57,6 +57,37 @@ std::vector<std::byte> Inflate(std::vector<std::byte> packed, const OculusLogIte
   return message;
 }
 
+struct ItemHead {
+  OculusLogItem item;
+  std::uint16_t type = 0;
+};
+
+// `file_bytes` is the size of the file.
+ItemHead ReadItemHead(const fs::path& file, std::uint64_t offset, std::uint64_t file_bytes) {
+  const std::vector<std::byte> bytes = ReadFileRange(
+      file, offset, std::min(file_bytes - std::min(offset, file_bytes), kItemHeadBytes), "item head");
+  const ByteReader reader(bytes, file.string(), offset);
+  if (reader.U32(0, "magic number") != kItemMagic) {
+    throw DataError("{}: {:#010x}, expected {:#010x}", reader.Where(0, "magic number"),
+                    reader.U32(0, "magic number"), kItemMagic);
+  }
+  const std::uint16_t compression = reader.U16(24, "compression");
+  if (compression > 1) {
+    throw DataError("{}: {}, expected 0 or 1", reader.Where(24, "compression"), compression);
+  }
+  const OculusLogItem item{.offset = offset,
+                           .payload_offset = offset + HeadBytes(reader, kItemHeadBytes),
+                           .payload_bytes = reader.U32(32, "payload size"),
+                           .original_bytes = reader.U32(28, "original size"),
+                           .compressed = compression == 1,
+                           .time_s = reader.F64(16, "time")};
+  if (item.payload_offset > file_bytes || item.payload_bytes > file_bytes - item.payload_offset) {
+    throw DataError("{}: {}, of which the file holds {}", reader.Where(32, "payload size"),
+                    item.payload_bytes, file_bytes - std::min(file_bytes, item.payload_offset));
+  }
+  return {item, reader.U16(8, "type")};
+}
+
 }  // namespace
 
 bool IsOculusLog(const fs::path& path) {
@@ -66,11 +97,11 @@ bool IsOculusLog(const fs::path& path) {
   return LittleEndian(ReadFileRange(path, 0, sizeof(kLogMagic), "magic number")) == kLogMagic;
 }
 
-OculusLog ReadOculusLog(const fs::path& file) {
-  const std::string name = file.string();
+std::vector<std::string> ForEachOculusLogItem(const fs::path& file,
+                                              const std::function<void(const OculusLogItem&)>& on_item) {
   const std::uint64_t size = RegularFileSize(file);
   const std::vector<std::byte> bytes = ReadFileRange(file, 0, std::min(size, kLogHeadBytes), "log head");
-  const ByteReader head(bytes, name);
+  const ByteReader head(bytes, file.string());
   if (head.U32(0, "magic number") != kLogMagic) {
     throw DataError("{}: {:#010x}, expected {:#010x}", head.Where(0, "magic number"),
                     head.U32(0, "magic number"), kLogMagic);
@@ -79,50 +110,31 @@ OculusLog ReadOculusLog(const fs::path& file) {
     throw DataError("{}: {}, expected 0: encrypted logs cannot be read", head.Where(26, "encryption"),
                     head.U16(26, "encryption"));
   }
-  OculusLog log;
+  std::vector<std::string> notes;
   int others = 0;
   std::uint64_t offset = HeadBytes(head, kLogHeadBytes);
   while (offset < size) {
-    const std::uint64_t rest = size - offset;
-    OculusLogItem item{.offset = offset};
-    std::uint16_t type = 0;
+    ItemHead next;
     try {
-      const std::vector<std::byte> item_bytes =
-          ReadFileRange(file, offset, std::min(rest, kItemHeadBytes), "item head");
-      const ByteReader reader(item_bytes, name, offset);
-      if (reader.U32(0, "magic number") != kItemMagic) {
-        throw DataError("{}: {:#010x}, expected {:#010x}", reader.Where(0, "magic number"),
-                        reader.U32(0, "magic number"), kItemMagic);
-      }
-      item.payload_offset = offset + HeadBytes(reader, kItemHeadBytes);
-      type = reader.U16(8, "type");
-      item.time_s = reader.F64(16, "time");
-      const std::uint16_t compression = reader.U16(24, "compression");
-      if (compression > 1) {
-        throw DataError("{}: {}, expected 0 or 1", reader.Where(24, "compression"), compression);
-      }
-      item.compressed = compression == 1;
-      item.original_bytes = reader.U32(28, "original size");
-      item.payload_bytes = reader.U32(32, "payload size");
-      if (item.payload_offset > size || item.payload_bytes > size - item.payload_offset) {
-        throw DataError("{}: {}, of which the file holds {}", reader.Where(32, "payload size"),
-                        item.payload_bytes, size - std::min(size, item.payload_offset));
-      }
+      next = ReadItemHead(file, offset, size);
     } catch (const DataError& error) {
-      log.notes.push_back(fmt::format("The {} bytes from byte {} on are no whole item and were left out: {}.",
-                                      rest, offset, error.what()));
+      notes.push_back(fmt::format("The {} bytes from byte {} on are no whole item and were left out: {}.",
+                                  size - offset, offset, error.what()));
       break;
     }
-    if (type == kSonarItem) {
-      log.items.push_back(item);
+    if (next.type == kSonarItem) {
+      on_item(next.item);
     } else {
       ++others;
     }
-    offset = item.payload_offset + item.payload_bytes;
+    offset = next.item.payload_offset + next.item.payload_bytes;
   }
-  if (others > 0)
-    log.notes.push_back(fmt::format("{} items that are not the sonar's were passed over.", others));
-  return log;
+  if (others > 0) notes.push_back(fmt::format("{} items that are not the sonar's were passed over.", others));
+  return notes;
+}
+
+OculusLogItem ReadOculusLogItemHead(const fs::path& file, std::uint64_t offset) {
+  return ReadItemHead(file, offset, RegularFileSize(file)).item;
 }
 
 std::vector<std::byte> ReadOculusLogItem(const fs::path& file, const OculusLogItem& item,

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,17 +32,17 @@ struct OculusLogItem {
   double time_s = 0.0;  // as recorded: seconds, of an epoch that is not documented
 };
 
-struct OculusLog {
-  std::vector<OculusLogItem> items;  // of the sonar
-  std::vector<std::string> notes;    // what was passed over, one sentence each
-};
-
 // True where the file begins with the head of such a log.
 bool IsOculusLog(const std::filesystem::path& path);
 
-// Walks through the heads of all items. Throws DataError where the log is encrypted or its head damaged; what
-// follows a damaged item is left out, with a note.
-OculusLog ReadOculusLog(const std::filesystem::path& file);
+// Walks through the heads of all items and hands over those of the sonar, one by one: a log may be of any
+// length. Returns what was passed over, one sentence each. Throws DataError where the log is encrypted or its
+// head damaged; what follows a damaged item is left out, with a note.
+std::vector<std::string> ForEachOculusLogItem(const std::filesystem::path& file,
+                                              const std::function<void(const OculusLogItem&)>& on_item);
+
+// The item whose head lies at `offset`. Throws DataError where it is damaged, or cut short.
+OculusLogItem ReadOculusLogItemHead(const std::filesystem::path& file, std::uint64_t offset);
 
 // The first bytes of an item's message, inflated; all of it where it is shorter. Throws DataError where it is
 // damaged, or longer than kMostOculusMessageBytes.
