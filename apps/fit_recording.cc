@@ -195,9 +195,16 @@ std::map<int, Mask> RegionsAround(const std::string& material, const std::vector
   return regions;
 }
 
-std::vector<std::uint8_t> UsedPixels(const FitRecordingOptions& options) {
-  if (!options.pixels) return {};
-  return {options.pixels->values().begin(), options.pixels->values().end()};
+// 1 for the pixels that hold a measurement and are to be looked at; empty: all.
+std::vector<std::uint8_t> UsedPixels(const RecordingInfo& info, const FitRecordingOptions& options) {
+  std::vector<std::uint8_t> use;
+  for (const std::optional<Mask>& mask : {info.valid, options.pixels}) {
+    if (!mask) continue;
+    if (use.empty()) use.assign(mask->size(), 1);
+    std::ranges::transform(use, mask->values(), use.begin(),
+                           [](std::uint8_t a, std::uint8_t b) { return std::uint8_t{a != 0 && b != 0}; });
+  }
+  return use;
 }
 
 FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
@@ -209,7 +216,7 @@ FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHisto
     frames.push_back({.index = index,
                       .echoes = echoes[index],
                       .measured = MeasuredForFit(recording.ReadFrame(index).image),
-                      .use = UsedPixels(options)});
+                      .use = UsedPixels(recording.info(), options)});
   }
   return FitPaperModel(frames, geometry, materials, initial, options.config, options.fit);
 }
@@ -235,7 +242,7 @@ ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
       frames.push_back({.index = index,
                         .world_from_sonar = poses[index].world_from_sonar,
                         .image = recording.ReadFrame(index).image,
-                        .use = UsedPixels(options)});
+                        .use = UsedPixels(recording.info(), options)});
     }
     return frames;
   };
@@ -253,7 +260,7 @@ std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
                       .recorded = RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = UsedPixels(options)});
+                      .use = UsedPixels(recording.info(), options)});
   }
   return frames;
 }
@@ -414,7 +421,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     result.sample_after = Judge(recording, sample_by(result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
     result.still = TellStillPoses(
-        recording, fitted, simulator.absorption_db_per_m(), UsedPixels(options), &report,
+        recording, fitted, simulator.absorption_db_per_m(), UsedPixels(recording.info(), options), &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
   }
   if (options.pictures) {

@@ -28,7 +28,7 @@ struct Pings {
 };
 
 NoiseCells CellsOf(const RecordingInfo& info, const NoiseFitOptions& options) {
-  NoiseCells cells{.axes = info.sonar.axes};
+  NoiseCells cells{.axes = info.sonar.axes, .valid = info.valid};
   if (info.scale.quantity != Quantity::kGrey || !(info.scale.full_scale <= 4095.0)) {
     throw DataError("{}: {} images of full scale {}; a noise law is fitted to grey images of up to 12 bits",
                     info.source, ToString(info.scale.quantity), info.scale.full_scale);
@@ -193,6 +193,9 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   }
   const Pings choosing = ReadPings(recording, fit.frames_chosen_on, fit.cells);
   fit.weight = KeepBackground(forms.front(), used.all, fit.cells, options.reject_beyond, options);
+  for (std::size_t i = 0; i < fit.weight.size(); ++i) {
+    if (used.all[i].empty()) fit.weight[i] = 0.0;
+  }
   fit.bands_held_out = fit.cells.bands() >= kFewestBandsToSplit &&
                        (options.hold_out_bands || (options.choose_held_out && recording.frame_count() == 1));
   fit.judged_on_held_out = fit.judged_on_held_out || fit.bands_held_out;

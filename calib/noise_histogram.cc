@@ -45,6 +45,7 @@ NoiseCounts CountGrey(const PolarImage& image, const NoiseCells& cells) {
   for (int bin = cells.first_bin; bin < cells.last_bin; ++bin) {
     const int band = (bin - cells.first_bin) / cells.band_bins;
     for (int beam = 0; beam < cells.beams(); ++beam) {
+      if (cells.valid && (*cells.valid)(bin, beam) == 0) continue;
       const double value = std::round(std::clamp<double>(image.value(bin, beam), 0.0, cells.full_scale));
       ++dense[static_cast<std::size_t>(band * cells.beams() + beam) * levels + static_cast<int>(value)];
     }

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "data_io/types/image.h"
+#include "data_io/types/mask.h"
 
 namespace sonarcal {
 
@@ -21,7 +23,8 @@ struct NoiseCells {
   int first_bin = 0;  // of band 0
   int last_bin = 0;   // one past the last bin of the last band
   int band_bins = 1;
-  int full_scale = 255;  // levels run from 0 to this
+  int full_scale = 255;            // levels run from 0 to this
+  std::optional<Mask> valid = {};  // samples of an image that are counted; absent: all
 
   int bands() const { return (last_bin - first_bin + band_bins - 1) / band_bins; }
   int beams() const { return axes.beam_count(); }

@@ -152,8 +152,6 @@ void PictureSampler::LayOutFan(const PictureGeometry& geometry) {
                                   fan.apex_y_px - radius_px * std::cos(azimuth_rad)));
     }
   }
-  const auto outside = std::ranges::count(samples_, -1, &Sample::index);
-  outside_fraction_ = static_cast<double>(outside) / static_cast<double>(samples_.size());
 }
 
 PictureSampler::Sample PictureSampler::SampleAt(double x, double y) const {
@@ -161,6 +159,14 @@ PictureSampler::Sample PictureSampler::SampleAt(double x, double y) const {
   const auto col = static_cast<int>(x);
   const auto row = static_cast<int>(y);
   return {row * cols_ + col, static_cast<float>(x - col), static_cast<float>(y - row)};
+}
+
+std::optional<Mask> PictureSampler::inside() const {
+  if (std::ranges::count(samples_, -1, &Sample::index) == 0) return std::nullopt;
+  Mask inside(axes_.range_bins, axes_.beam_count());
+  std::ranges::transform(samples_, inside.values().begin(),
+                         [](const Sample& sample) { return std::uint8_t{sample.index >= 0}; });
+  return inside;
 }
 
 Grid<float> PictureSampler::Apply(const Grid<float>& picture) const {

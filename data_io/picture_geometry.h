@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "data_io/fan_geometry.h"
+#include "data_io/types/mask.h"
 #include "data_io/types/recording.h"
 
 namespace sonarcal {
@@ -79,8 +80,8 @@ class PictureSampler {
   const PolarAxes& axes() const { return axes_; }
   int rows() const { return rows_; }
   int cols() const { return cols_; }
-  // How many of the polar pixels lie outside the picture, and are 0.
-  double outside_fraction() const { return outside_fraction_; }
+  // Polar pixels that lie within the picture, where not all do; the others are 0.
+  std::optional<Mask> inside() const;
 
   // The picture has the size given. Row 0 nearest, columns from left to right.
   Grid<float> Apply(const Grid<float>& picture) const;
@@ -100,7 +101,6 @@ class PictureSampler {
   int rows_;
   int cols_;
   PolarAxes axes_;
-  double outside_fraction_ = 0.0;
   std::vector<Sample> samples_;
 };
 

@@ -81,9 +81,12 @@ class PictureRecording final : public RecordingSource {
     if (pictures_->is_lossy())
       info_.notes.emplace_back(
           "The pictures were compressed with losses: grey values are not the viewer's own.");
-    if (sampler_->outside_fraction() > 0.0) {
-      info_.notes.push_back(fmt::format("{:.2g} % of the samples lie outside the picture and are 0.",
-                                        100.0 * sampler_->outside_fraction()));
+    info_.valid = sampler_->inside();
+    if (info_.valid) {
+      const double outside =
+          1.0 - static_cast<double>(CountSet(*info_.valid)) / static_cast<double>(info_.valid->size());
+      info_.notes.push_back(
+          fmt::format("{:.2g} % of the samples lie outside the picture and do not count.", 100.0 * outside));
     }
   }
 
@@ -108,7 +111,11 @@ class PictureRecording final : public RecordingSource {
 }  // namespace
 
 bool IsPictures(const fs::path& path) {
-  return IsPicture(path) || IsVideo(path) || !PicturesOf(path).empty();
+  if (IsPicture(path) || IsVideo(path)) return true;
+  std::error_code error;
+  const fs::directory_iterator files(path, error);
+  return std::any_of(begin(files), end(files),
+                     [](const fs::directory_entry& file) { return IsPicture(file.path()); });
 }
 
 std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path) {

@@ -28,9 +28,47 @@ void CheckValues(const PolarImage& image, const std::string& what) {
                   is_grey ? fmt::format("0 .. full_scale, {}", full_scale) : "a finite number");
 }
 
+ImageHeader GreyHeader(const PolarAxes& axes, int bits) {
+  return {.rows = axes.range_bins,
+          .cols = axes.beam_count(),
+          .channels = 1,
+          .bits = bits,
+          .is_float = bits == 32};
+}
+
+// Size and kind are checked before anything is decoded.
+Grid<float> ReadImage(const fs::path& file, const ImageHeader& expected) {
+  const ImageFile image(file);
+  if (image.header() != expected) {
+    throw DataError("{}: {}, expected {} as in {}", file.string(), image.header().Describe(),
+                    expected.Describe(), kRecordingFile);
+  }
+  return image.DecodeGrey();
+}
+
+Mask ReadValid(const fs::path& file, const PolarAxes& axes) {
+  const Grid<float> grey = ReadImage(file, GreyHeader(axes, 8));
+  Mask valid(grey.rows(), grey.cols());
+  std::transform(grey.values().begin(), grey.values().end(), valid.values().begin(),
+                 [](float value) { return std::uint8_t{value > 0.0F}; });
+  if (CountSet(valid) == 0) throw DataError("{}: no sample is valid, expected some", file.string());
+  return valid;
+}
+
+void WriteValid(const fs::path& file, const Mask& valid) {
+  constexpr std::uint8_t kWhite = 255;
+  Grid<std::uint8_t> shown(valid.rows(), valid.cols());
+  std::transform(valid.values().begin(), valid.values().end(), shown.values().begin(),
+                 [](std::uint8_t set) { return set != 0 ? kWhite : std::uint8_t{0}; });
+  WritePng(file, shown);
+}
+
 class RecordingFolder final : public RecordingSource {
  public:
-  explicit RecordingFolder(const fs::path& folder) : folder_(folder), header_(ReadRecordingHeader(folder)) {}
+  explicit RecordingFolder(const fs::path& folder) : folder_(folder), header_(ReadRecordingHeader(folder)) {
+    if (!header_.valid_file.empty())
+      header_.info.valid = ReadValid(folder_ / header_.valid_file, header_.info.sonar.axes);
+  }
 
   const RecordingInfo& info() const override { return header_.info; }
   int frame_count() const override { return static_cast<int>(header_.frames.size()); }
@@ -40,18 +78,8 @@ class RecordingFolder final : public RecordingSource {
     Frame frame;
     frame.info = frame_info(index);
     const fs::path file = folder_ / frame.info.name;
-    const ImageFile image(file);
     const PolarAxes& axes = header_.info.sonar.axes;
-    const ImageHeader expected{.rows = axes.range_bins,
-                               .cols = axes.beam_count(),
-                               .channels = 1,
-                               .bits = header_.bits,
-                               .is_float = header_.bits == 32};
-    if (image.header() != expected) {
-      throw DataError("{}: {}, expected {} as in {}", file.string(), image.header().Describe(),
-                      expected.Describe(), kRecordingFile);
-    }
-    frame.image = {axes, header_.info.scale, image.DecodeGrey()};
+    frame.image = {axes, header_.info.scale, ReadImage(file, GreyHeader(axes, header_.bits))};
     CheckValues(frame.image, file.string());
     return frame;
   }
@@ -147,6 +175,10 @@ int WriteRecording(const RecordingSource& recording, const OutputDirectory& outp
   }
   const auto frames_done = static_cast<int>(header.frames.size());
   if (frames_done == 0) return 0;
+  if (header.info.valid) {
+    header.valid_file = "valid.png";
+    WriteValid(output / header.valid_file, *header.info.valid);
+  }
   if (frames_done < frame_count) {
     header.info.notes.push_back(fmt::format("unfinished: {} of {} frames", frames_done, frame_count));
   }

@@ -8,6 +8,7 @@
 //    "water": {...}, "source_level_db", "scene",
 //    "image": {"layout": "polar", "bits": 8 | 16 | 32, "db_min", "db_max", "db_span", "full_scale",
 //              "quantity": "grey" | "decibel" | "power" | "depth", "display_gamma",
+//              "valid": "valid.png",
 //              "settings": {"gain_db", "pulse_length_us", "time_varied_gain": true | false,
 //                           "compression": "logarithm" | "power"}},
 //    "synthetic": true, "generator", "details": [["name", "value"], ...], "notes": ["...", ...],
@@ -19,8 +20,8 @@
 //   bits        32 means float TIFF
 //   full_scale  grey value shown at db_max; if absent 255, 65535, or 1 for float images
 //   quantity    what the numbers are; if absent, grey
-//   settings    of all frames but those that have their own
-//   scene       relative to the folder
+//   valid       name of an 8-bit PNG of an image's size: 0 where a sample holds no measurement; absent: all
+//   do settings    of all frames but those that have their own scene       relative to the folder
 // Unknown keys become notes, as other programs add their own. A recording counts as synthetic where
 // `synthetic` is true, `generator` names what made it, or a truth.json lies in the folder.
 //

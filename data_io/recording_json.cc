@@ -121,6 +121,16 @@ Json SettingsJson(const SonarSettings& settings) {
   return json;
 }
 
+// The name of a picture. Nothing outside the folder is ever opened, on any system's idea of a path.
+std::string ReadFileName(const JsonReader& json) {
+  std::string name = json.String();
+  const bool is_plain = !name.empty() && name != "." && name != ".." &&
+                        name.find_first_of(std::string_view("/\\:\0", 4)) == std::string::npos;
+  if (!is_plain)
+    json.Fail(fmt::format("is \"{}\", expected the plain name of a file in the folder", Printable(name)));
+  return name;
+}
+
 double LargestInteger(int bits) {
   return bits == 8 ? 255.0 : 65535.0;
 }
@@ -159,20 +169,13 @@ void ReadImage(const JsonReader& json, RecordingHeader& header) {
   }
   if (const auto settings = json.Find("settings")) header.info.settings = ReadSettings(*settings);
   header.info.display_gamma = json.FindNumber("display_gamma", NumberRange::AboveUpTo(0.0, 100.0));
+  if (const auto valid = json.Find("valid")) header.valid_file = ReadFileName(*valid);
 }
 
 // Settings are those of the recording but where the frame has its own.
 FrameInfo ReadFrameInfo(const JsonReader& json, const SonarSettings& of_recording) {
   FrameInfo frame;
-  const JsonReader file = json.At("file");
-  frame.name = file.String();
-  // Nothing outside the folder is ever opened, on any system's idea of a path.
-  const bool is_plain = !frame.name.empty() && frame.name != "." && frame.name != ".." &&
-                        frame.name.find_first_of(std::string_view("/\\:\0", 4)) == std::string::npos;
-  if (!is_plain) {
-    file.Fail(
-        fmt::format("is \"{}\", expected the plain name of a file in the folder", Printable(frame.name)));
-  }
+  frame.name = ReadFileName(json.At("file"));
   frame.time_s = json.FindNumber("time_s");
   if (const auto pose = json.Find("world_from_sonar")) frame.world_from_sonar = ReadPose(*pose);
   const auto settings = json.Find("settings");
@@ -274,6 +277,7 @@ Json ImageJson(const RecordingHeader& header) {
   if (scale.db_span) json["db_span"] = *scale.db_span;
   if (header.info.settings != SonarSettings{}) json["settings"] = SettingsJson(header.info.settings);
   if (header.info.display_gamma) json["display_gamma"] = *header.info.display_gamma;
+  if (!header.valid_file.empty()) json["valid"] = header.valid_file;
   return json;
 }
 

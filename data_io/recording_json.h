@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,6 +17,7 @@ struct RecordingHeader {
   RecordingInfo info;
   int bits = 8;                   // of the images: 8, 16, or 32 for float
   std::vector<FrameInfo> frames;  // `name` is the name of the image file
+  std::string valid_file = {};    // of info.valid, which stands in a picture of its own; empty: none
 };
 
 // `folder` is where recording.json lies.

@@ -112,26 +112,41 @@ PictureSampler SamplerFor(const PictureGeometry& geometry, const RosPicture& pic
   return {geometry, picture.value.rows(), picture.value.cols(), where};
 }
 
-PolarImage ImageOfPicture(const std::string& type, std::span<const std::byte> bytes, MessageEncoding encoding,
-                          const std::string& where, const SonarMessageOptions& options) {
+struct PolarPicture {
+  PolarImage image;
+  std::optional<Mask> inside;  // of the picture, where not all of the image is
+};
+
+template <typename T>
+void Mirror(Grid<T>& grid) {
+  for (int row = 0; row < grid.rows(); ++row) std::ranges::reverse(grid.row(row));
+}
+
+PolarPicture ImageOfPicture(const std::string& type, std::span<const std::byte> bytes,
+                            MessageEncoding encoding, const std::string& where,
+                            const SonarMessageOptions& options) {
   SONARCAL_CHECK(IsPictureType(type) && options.geometry, "{}", type);
   MessageStream stream(bytes, encoding, where);
   const RosPicture picture = type == kPictureType ? PictureOf(ReadRosImage(stream), where)
                                                   : PictureOf(ReadRosCompressedImage(stream), where);
   const PictureSampler sampler = SamplerFor(*options.geometry, picture, where);
-  PolarImage image{sampler.axes(), ScaleOf(picture, *options.geometry), sampler.Apply(picture.value)};
+  PolarPicture polar{{sampler.axes(), ScaleOf(picture, *options.geometry), sampler.Apply(picture.value)},
+                     sampler.inside()};
   if (options.mirrored) {
-    for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
-    std::ranges::reverse(image.axes.beam_azimuth_rad);
-    for (double& azimuth_rad : image.axes.beam_azimuth_rad) azimuth_rad = -azimuth_rad;
+    Mirror(polar.image.value);
+    if (polar.inside) Mirror(*polar.inside);
+    std::vector<double>& azimuths_rad = polar.image.axes.beam_azimuth_rad;
+    std::ranges::reverse(azimuths_rad);
+    for (double& azimuth_rad : azimuths_rad) azimuth_rad = -azimuth_rad;
   }
-  return image;
+  return polar;
 }
 
-void DescribePicture(const PolarImage& image, const SonarMessageOptions& options, RecordingInfo& info) {
+void DescribePicture(const PolarPicture& picture, const SonarMessageOptions& options, RecordingInfo& info) {
   options.geometry->Describe(info);
-  info.scale = image.scale;
-  info.sonar.axes = image.axes;
+  info.scale = picture.image.scale;
+  info.sonar.axes = picture.image.axes;
+  info.valid = picture.inside;
   info.notes.emplace_back(
       "The message is a bare picture: window and beams are as the geometry says that was given.");
   info.notes.emplace_back("Neither gain nor water is recorded.");
@@ -158,7 +173,7 @@ PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte
     MessageStream stream(bytes, encoding, where);
     return ImageOf(ReadProjectedSonarImage(stream), where, options);
   }
-  if (!IsOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options);
+  if (!IsOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options).image;
   return ImageOf(PingOf(ReadRosOculusPing(bytes, encoding, where), where), where, options);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "data_io/types/image.h"
+#include "data_io/types/mask.h"
 #include "data_io/types/pose.h"
 #include "data_io/types/sonar_model.h"
 #include "data_io/types/sonar_settings.h"
@@ -24,7 +25,9 @@ struct RecordingInfo {
   std::optional<Water> water;
   std::optional<double> source_level_db;
   std::optional<std::string> scene_path;  // absolute, or relative to the working directory
-  bool synthetic = false;                 // made by a simulation: said wherever the recording is named
+  // Samples that hold a measurement, in every frame, range_bins x beam_count; absent: all do.
+  std::optional<Mask> valid;
+  bool synthetic = false;  // made by a simulation: said wherever the recording is named
   // What the recorder says of its own beams and display, where it says it (data_io/README.md has the meaning
   // for each format).
   std::vector<double> azimuth_psf;      // beam response by offset in beams; offset 0 at index size() / 2

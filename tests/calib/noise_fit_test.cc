@@ -432,6 +432,29 @@ TEST(NoiseFitTest, LeavesOutCellsThatHoldATarget) {
   EXPECT_LT(fit.judged.ks, 0.015);
 }
 
+// A corner that a viewer's picture does not show, filled with what would be far too bright, and a beam of it.
+TEST(NoiseFitTest, SamplesThatAreNotValidDoNotCount) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  source.info.valid = Mask(source.info.sonar.axes.range_bins, kBeams, 1);
+  const MemoryRecording clean = source.Draw(9, 3);
+  std::vector<Frame> frames;
+  for (int i = 0; i < clean.frame_count(); ++i) frames.push_back(clean.ReadFrame(i));
+  for (int bin = 0; bin < source.info.sonar.axes.range_bins; ++bin) {
+    for (int beam = 0; beam < kBeams; ++beam) {
+      if (beam > 0 && !(bin < 21 && beam < 3)) continue;
+      (*source.info.valid)(bin, beam) = 0;
+      for (Frame& frame : frames) frame.image.value(bin, beam) = 255.0F;
+    }
+  }
+  const NoiseFit fit = FitNoise(MemoryRecording(source.info, frames), {});
+  ASSERT_TRUE(fit.usable);
+  const FittedParameter* level = fit.report.Find("receiver.noise_db");
+  ASSERT_TRUE(level);
+  EXPECT_NEAR(level->value, 22.0, 0.5);
+  EXPECT_LT(fit.judged.ks, 0.015);
+}
+
 // A quick form of the coverage study: how often the 68 % interval holds the truth, over synthetic sets.
 TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
   Source source(Logarithm(1.0));

@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::RefusalOf;
 using testing::TempDir;
@@ -119,6 +120,16 @@ TEST(Pictures, GeometryAndGridAsGiven) {
   }
 }
 
+TEST(Pictures, FramesAreInTheOrderOfTheirNumbers) {
+  const TempDir dir;
+  for (const int k : {10, 2, 1}) WritePng(dir / fmt::format("frame_{}.png", k), Picture(k));
+  testing::WriteFile(dir / "geometry.json", R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4]})");
+  const auto recording = OpenRecording(dir.path());
+  std::vector<std::string> names;
+  for (int k = 0; k < recording->frame_count(); ++k) names.push_back(recording->ReadFrame(k).info.name);
+  EXPECT_THAT(names, ElementsAre("frame_1.png", "frame_2.png", "frame_10.png"));
+}
+
 TEST(Pictures, APictureOfOtherSizeIsRefused) {
   const TempDir dir;
   fs::create_directory(dir / "pictures");
@@ -151,8 +162,8 @@ TEST(Pictures, PolarOnesAreTurnedAsIsSaid) {
   EXPECT_NEAR(DegFromRad(frame.image.axes.beam_azimuth_rad[0]), -10.0, 1e-9);
 }
 
-// What is cut off stays 0, and the share of it is said.
-TEST(Pictures, WhatLiesOutsideThePictureIsNoted) {
+// What is cut off stays 0 and does not count, and the share of it is said.
+TEST(Pictures, WhatLiesOutsideThePictureIsNotValid) {
   const TempDir dir;
   WritePng(dir / "fan.png", Grid<std::uint8_t>(200, 100, 50));
   testing::WriteFile(dir / "fan.png.geometry.json",
@@ -163,6 +174,10 @@ TEST(Pictures, WhatLiesOutsideThePictureIsNoted) {
   const Frame frame = recording->ReadFrame(0);
   EXPECT_EQ(frame.image.value(frame.image.axes.range_bins - 1, 0), 0.0F);
   EXPECT_EQ(frame.image.value(frame.image.axes.range_bins - 1, 10), 50.0F);
+  const std::optional<Mask>& valid = recording->info().valid;
+  ASSERT_TRUE(valid);
+  for (std::size_t i = 0; i < valid->size(); ++i)
+    EXPECT_EQ(valid->values()[i] != 0, frame.image.value.values()[i] > 0.0F);
 }
 
 TEST(Pictures, JpegsAndVideosAreReadWithTheirLosses) {

@@ -211,6 +211,24 @@ TEST_F(RecordingFolderTest, ImagesMustFitTheHeader) {
   EXPECT_THAT(RefusalOf("", ""), HasSubstr("a.png: no such file"));
 }
 
+TEST_F(RecordingFolderTest, WhichSamplesAreValidStandsInAPicture) {
+  EXPECT_EQ(Open()->info().valid, std::nullopt);
+  const auto name = [](const char* file) { return fmt::format(R"("bits": 8, "valid": "{}",)", file); };
+  Grid<std::uint8_t> picture(4, 3, 255);
+  picture(3, 0) = 0;
+  WritePng(dir_ / "which.png", picture);
+  const std::optional<Mask> valid = Open("\"bits\": 8,", name("which.png"))->info().valid;
+  ASSERT_TRUE(valid);
+  EXPECT_EQ(CountSet(*valid), 11);
+  EXPECT_EQ((*valid)(3, 0), 0);
+
+  WritePng(dir_ / "narrow.png", Grid<std::uint8_t>(4, 2, 255));
+  EXPECT_THAT(RefusalOf("\"bits\": 8,", name("narrow.png")), HasSubstr("expected"));
+  WritePng(dir_ / "none.png", Grid<std::uint8_t>(4, 3, 0));
+  EXPECT_THAT(RefusalOf("\"bits\": 8,", name("none.png")), HasSubstr("no sample is valid"));
+  EXPECT_THAT(RefusalOf("\"bits\": 8,", name("../which.png")), HasSubstr("the plain name of a file"));
+}
+
 TEST_F(RecordingFolderTest, ValuesMustFitTheScale) {
   WritePng(dir_ / "a.png", Grid<std::uint16_t>(4, 3, 4096));
   EXPECT_THAT(RefusalOf("\"bits\": 8", "\"bits\": 16, \"full_scale\": 4095"),
@@ -261,6 +279,8 @@ TEST(WriteRecordingTest, ComesBackWhole) {
   info.azimuth_psf = {0.1, 1.0, 0.1};
   info.beam_taper = {0.9, 1.0, 0.9};
   info.display_gamma = 0.5;
+  info.valid = Mask(info.sonar.axes.range_bins, info.sonar.axes.beam_count(), 1);
+  (*info.valid)(0, 2) = 0;
   info.settings = {.gain_db = 18.0,
                    .pulse_length_us = 15.0,
                    .time_varied_gain = false,
@@ -284,6 +304,7 @@ TEST(WriteRecordingTest, ComesBackWhole) {
   EXPECT_EQ(back.azimuth_psf, info.azimuth_psf);
   EXPECT_EQ(back.beam_taper, info.beam_taper);
   EXPECT_EQ(back.display_gamma, info.display_gamma);
+  EXPECT_EQ(back.valid, info.valid);
   EXPECT_EQ(back.settings, info.settings);
   EXPECT_EQ(back.details, info.details);
   EXPECT_THAT(back.notes, Contains("a note"));
