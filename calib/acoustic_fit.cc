@@ -30,6 +30,10 @@ constexpr double kShrink = 0.1;  // of the reach, after a move that was taken ba
 constexpr int kPoseRepeats = 6;
 constexpr double kPoseFall = 0.05;
 
+// Times that frames go to better poses beside those reached, at most, and by how much better they are.
+constexpr int kMovesToBetter = 3;
+constexpr double kBetterNats = 1.0;
+
 // Rounds of weighing down what the scene does not explain.
 constexpr int kWeightRounds = 2;
 
@@ -82,6 +86,7 @@ class AcousticFitter {
     FitRadiometryFirst();
     RefinePosesWithRadiometry();
     FitInRounds();
+    GoToBetterPoses();
     if (!geometric_.empty()) Refit(false);
     WeighDown();
     LookForOtherPoses();
@@ -202,10 +207,25 @@ class AcousticFitter {
     }
   }
 
+  // Rounds follow a valley down; a better one beside it is gone to, and all follows it.
+  void GoToBetterPoses() {
+    for (int move = 0; move < kMovesToBetter && !poses_.empty() && fit_.usable; ++move) {
+      Say("looking for poses that explain the frames better");
+      const int moved =
+          TakeBetterPoses(OtherPoses(model_, catalog_, poses_, fit_.values), kBetterNats, fit_.values);
+      if (moved == 0) return;
+      Say(fmt::format("{} frame{} to a better pose", moved, moved == 1 ? " goes" : "s go"));
+      model_.Linearise(fit_.values, {});
+      RefineStage(PoseStages(model_.grain()).back());
+      FitInRounds();
+    }
+  }
+
   void LookForOtherPoses() {
     if (poses_.empty() || !fit_.usable) return;
     Say("looking for other poses that explain the frames as well");
-    fit_.report.other_poses = OtherPoses(model_, catalog_, poses_, fit_.values);
+    for (OtherPose& other : OtherPoses(model_, catalog_, poses_, fit_.values))
+      fit_.report.other_poses.push_back(std::move(other.sentence));
   }
 
   AcousticFit Result() {

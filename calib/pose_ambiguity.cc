@@ -19,15 +19,25 @@ constexpr double kApart = 4.0;     // sigmas between two poses that are not one
 constexpr int kStepsDown = 3;      // from where another valley is looked for
 constexpr double kWorthIt = 60.0;  // nats: a start above that is followed no further
 
-struct OtherPose {
-  PoseStep step;  // from the fitted one
-  double cost = 0.0;
-};
+std::string Words(const PoseStep& step) {
+  return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
+                     1e3 * step(0), 1e3 * step(1), 1e3 * step(2), step(3), step(4), step(5));
+}
 
-// Follows a start down; what it ends at where that is another pose, and as good.
+std::string Sentence(int index, const char* kind, const PoseStep& step, double worse_by) {
+  return worse_by < 0.0
+             ? fmt::format("pose.{}: {} ({}) explains the frame better, by {:.1f} nats, than the one given",
+                           index, kind, Words(step), -worse_by)
+             : fmt::format("pose.{}: {} ({}) explains the frame as well but for {:.1f} nats", index, kind,
+                           Words(step), worse_by);
+}
+
+// Follows a start down; what it ends at where that is another pose, and as good. `kind` says in words what
+// the start is.
 std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameModel& model, int frame,
                                 const PoseProblem::State& fitted, const Eigen::MatrixXd& information,
-                                const std::vector<int>& entries, const ParameterValues& start) {
+                                const std::vector<int>& entries, const ParameterValues& start,
+                                const char* kind) {
   PoseProblem::State state = problem.At(start);
   if (state.cost > fitted.cost + kWorthIt) return std::nullopt;
   const PoseProblem::Slopes slopes = problem.SlopesAt(state.values);
@@ -38,8 +48,14 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
   for (std::size_t k = 0; k < entries.size(); ++k)
     moved(static_cast<Eigen::Index>(k)) = state.values[entries[k]] - fitted.values[entries[k]];
   if (moved.dot(information * moved) < kApart * kApart) return std::nullopt;
-  return OtherPose{StepBetween(model.PoseOf(frame, fitted.values), model.PoseOf(frame, state.values)),
-                   state.cost - fitted.cost};
+  const double worse_by = state.cost - fitted.cost;
+  const PoseStep step = StepBetween(model.PoseOf(frame, fitted.values), model.PoseOf(frame, state.values));
+  OtherPose other{.frame = frame,
+                  .entries = {},
+                  .worse_by = worse_by,
+                  .sentence = Sentence(model.frame_index(frame), kind, step, worse_by)};
+  for (const int entry : entries) other.entries.emplace_back(entry, state.values[entry]);
+  return other;
 }
 
 // Lowest and highest of what a pose's rays meet, m; nothing where they meet nothing.
@@ -61,19 +77,6 @@ std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& m
   return std::pair{lowest, highest};
 }
 
-std::string Words(const PoseStep& step) {
-  return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
-                     1e3 * step(0), 1e3 * step(1), 1e3 * step(2), step(3), step(4), step(5));
-}
-
-std::string Sentence(int index, const char* kind, const OtherPose& other) {
-  return other.cost < 0.0
-             ? fmt::format("pose.{}: {} ({}) explains the frame better, by {:.1f} nats, than the one given",
-                           index, kind, Words(other.step), -other.cost)
-             : fmt::format("pose.{}: {} ({}) explains the frame as well but for {:.1f} nats", index, kind,
-                           Words(other.step), other.cost);
-}
-
 // Values with a frame's pose replaced; nothing where its prior rules that out.
 std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<CatalogEntry>& catalog,
                                         const std::vector<int>& entries, const ParameterValues& values) {
@@ -93,33 +96,28 @@ std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<Cata
   return with;
 }
 
-std::vector<std::string> OtherPosesOf(const AcousticFrameModel& model,
-                                      const std::vector<CatalogEntry>& catalog, int frame,
-                                      const std::vector<int>& entries, const ParameterValues& values) {
+std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                                    int frame, const std::vector<int>& entries,
+                                    const ParameterValues& values) {
   const PoseProblem problem(model, catalog, {}, 1, {frame}, entries, values);
   const PoseProblem::State fitted = problem.At(values);
   const PoseProblem::Slopes slopes = problem.SlopesAt(values);
   const Eigen::MatrixXd information = problem.NormalAt(fitted, slopes).information;
-  const auto follow = [&](const ParameterValues& start) {
-    return Follow(problem, model, frame, fitted, information, entries, start);
+  std::vector<OtherPose> others;
+  const auto follow = [&](const ParameterValues& start, const char* kind) {
+    if (auto other = Follow(problem, model, frame, fitted, information, entries, start, kind))
+      others.push_back(std::move(*other));
   };
-  std::vector<std::string> sentences;
   const Eigen::VectorXd ridge = problem.Ridge(fitted, slopes);
-  for (const double sigmas : {-1.5, -0.5, 0.5, 1.5}) {
-    if (const auto other = follow(problem.MovedEntries(values, sigmas * ridge)))
-      sentences.push_back(
-          Sentence(model.frame_index(frame), "another pose along what it tells least", *other));
-  }
+  for (const double sigmas : {-1.5, -0.5, 0.5, 1.5})
+    follow(problem.MovedEntries(values, sigmas * ridge), "another pose along what it tells least");
   const Pose pose = model.PoseOf(frame, values);
   if (const auto heights = HeightsSeen(model, pose)) {
-    const auto start =
+    const auto mirrored =
         WithPose(ReflectedPose(pose, heights->first, heights->second), catalog, entries, values);
-    if (start) {
-      if (const auto other = follow(*start))
-        sentences.push_back(Sentence(model.frame_index(frame), "its mirror image", *other));
-    }
+    if (mirrored) follow(*mirrored, "its mirror image");
   }
-  return sentences;
+  return others;
 }
 
 }  // namespace
@@ -132,18 +130,31 @@ Pose ReflectedPose(const Pose& world_from_sonar, double lowest_m, double highest
   return PoseFromNamedValues(named);
 }
 
-std::vector<std::string> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                                    const std::vector<int>& entries, const ParameterValues& values) {
+std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                                  const std::vector<int>& entries, const ParameterValues& values) {
   std::map<int, std::vector<int>> by_frame;
   for (const int entry : entries) by_frame[catalog[entry].frame].push_back(entry);
-  std::vector<std::string> sentences;
-  if (by_frame.count(kMountFrame) != 0) return sentences;
+  std::vector<OtherPose> others;
+  if (by_frame.count(kMountFrame) != 0) return others;
   for (const auto& [frame, of] : by_frame) {
     if (of.size() != kPoseSteps) continue;
-    for (std::string& sentence : OtherPosesOf(model, catalog, frame, of, values))
-      sentences.push_back(std::move(sentence));
+    for (OtherPose& other : OtherPosesOf(model, catalog, frame, of, values))
+      others.push_back(std::move(other));
   }
-  return sentences;
+  return others;
+}
+
+int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values) {
+  std::map<int, const OtherPose*> best;
+  for (const OtherPose& other : others) {
+    if (!(other.worse_by < -by_nats)) continue;
+    const OtherPose*& of_frame = best[other.frame];
+    if (of_frame == nullptr || other.worse_by < of_frame->worse_by) of_frame = &other;
+  }
+  for (const auto& [frame, other] : best) {
+    for (const auto& [entry, value] : other->entries) values[entry] = value;
+  }
+  return static_cast<int>(best.size());
 }
 
 }  // namespace sonarcal
