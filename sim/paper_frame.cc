@@ -80,7 +80,8 @@ class RowShader {
           b(cols),
           steps(cols),
           bin(cols),
-          beam(cols) {}
+          beam(cols),
+          pixel(cols) {}
     std::vector<float> weight;
     std::vector<float> true_azimuth_rad;
     std::vector<float> range_m;
@@ -91,9 +92,11 @@ class RowShader {
     std::vector<std::int32_t> steps;
     std::vector<std::int32_t> bin;
     std::vector<std::int32_t> beam;
+    std::vector<std::int32_t> pixel;
   };
 
-  void Add(const RowHits& hits, Buffers& of, Grid<std::int64_t>& sums) const {
+  // `sums` of every pixel, beams fastest, and behind them of what lies outside the image.
+  void Add(const RowHits& hits, Buffers& of, std::vector<std::int64_t>& sums) const {
     Shade(hits, of);
     const float* range_m = hits.range_m;
     if (seed_) {
@@ -115,14 +118,10 @@ class RowShader {
     row_math::Bins(range_m, static_cast<float>(axes_.range_min_m),
                    static_cast<float>(1.0 / axes_.range_bin_m()), axes_.range_bins, hits.count,
                    of.bin.data());
-    const auto nearest_m = static_cast<float>(axes_.range_min_m);
-    const auto farthest_m = static_cast<float>(axes_.range_max_m);
-    for (int i = 0; i < hits.count; ++i) {
-      const float true_m = hits.range_m[i];
-      if (of.bin[i] < 0 || of.beam[i] < 0 || !(true_m > 0.0F && true_m >= nearest_m && true_m < farthest_m))
-        continue;
-      sums(of.bin[i], of.beam[i]) += of.steps[i];
-    }
+    row_math::Pixels(hits.range_m, static_cast<float>(axes_.range_min_m),
+                     static_cast<float>(axes_.range_max_m), of.bin.data(), of.beam.data(), axes_.beam_count(),
+                     static_cast<std::int32_t>(sums.size() - 1), hits.count, of.pixel.data());
+    for (int i = 0; i < hits.count; ++i) sums[of.pixel[i]] += of.steps[i];
   }
 
  private:
@@ -195,11 +194,12 @@ PolarImage RenderPaperFrame(const RayCaster& caster, const RayFan& fan, const Po
   const PolarAxes& axes = sonar.axes;
   const RowShader shader(fan, sonar, parameters, absorption_db_per_m, options);
   struct Local {
-    Grid<std::int64_t> sums;
+    std::vector<std::int64_t> sums;
     RowShader::Buffers buffers;
   };
   tbb::enumerable_thread_specific<Local> locals([&] {
-    return Local{Grid<std::int64_t>(axes.range_bins, axes.beam_count()), RowShader::Buffers(fan.cols())};
+    const std::size_t pixels = static_cast<std::size_t>(axes.range_bins) * axes.beam_count();
+    return Local{std::vector<std::int64_t>(pixels + 1), RowShader::Buffers(fan.cols())};
   });
   caster.CastRows(fan, world_from_sonar, axes.range_max_m, [&](const RowHits& hits) {
     Local& local = locals.local();
@@ -208,7 +208,7 @@ PolarImage RenderPaperFrame(const RayCaster& caster, const RayFan& fan, const Po
 
   Grid<std::int64_t> total(axes.range_bins, axes.beam_count());
   for (const Local& local : locals) {
-    for (std::size_t i = 0; i < total.size(); ++i) total.values()[i] += local.sums.values()[i];
+    for (std::size_t i = 0; i < total.size(); ++i) total.values()[i] += local.sums[i];
   }
   return PaperImageOfSums(total, shader.steps_of_one(), axes, parameters.display, options.full_scale);
 }

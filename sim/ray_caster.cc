@@ -7,7 +7,6 @@
 #include <array>
 #include <atomic>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -18,50 +17,58 @@
 namespace sonarcal {
 namespace {
 
-constexpr int kPacket = 16;
+// Rays are cast in tiles of neighbouring rows and columns, a packet each: rays that lie near each other on
+// both sides meet fewer boxes of the tree than as many in a line (a third of the time is saved in the tank).
+constexpr int kTileRows = 4;
+constexpr int kTileCols = 4;
+constexpr int kPacket = kTileRows * kTileCols;
+
+// Lane of a tile's ray.
+constexpr int LaneOf(int row, int col) {
+  return row * kTileCols + col;
+}
 
 }  // namespace
 
-// Directions of a row, padded to whole packets.
+// Directions of the rows of a tile, padded to whole tiles.
 struct RayCaster::RowBuffers {
-  std::array<std::vector<float>, 3> direction;
+  explicit RowBuffers(int cols) {
+    for (auto& of_row : direction) {
+      for (std::vector<float>& component : of_row)
+        component.resize(static_cast<std::size_t>(cols + kTileCols), 0.0F);
+    }
+  }
+  std::array<std::array<std::vector<float>, 3>, kTileRows> direction;
 };
 
 namespace {
 
-// The hits of a row, one packet after the other.
+bool AnyHit(const RTCRayHit16& packet) {
+  return std::any_of(packet.hit.geomID, packet.hit.geomID + kPacket,
+                     [](unsigned id) { return id != RTC_INVALID_GEOMETRY_ID; });
+}
+
+// The hits of a row, one tile after the other.
 class HitsOfRow {
  public:
   explicit HitsOfRow(int cols)
-      : col_(static_cast<std::size_t>(cols + kPacket)),
+      : col_(static_cast<std::size_t>(cols + kTileCols)),
         range_m_(col_.size()),
         half_tangent_(col_.size()),
         material_(col_.size()) {}
 
   void Clear() { count_ = 0; }
 
-  void Add(int first, int count, const RTCRayHit16& packet, const std::vector<std::uint16_t>& materials) {
-    int hits = 0;
-    for (int i = 0; i < count; ++i) hits += packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
-    if (hits == 0) return;
-    float half_tangent[kPacket];
-    row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
-                           packet.hit.Ng_y, packet.hit.Ng_z, kPacket, half_tangent);
-    if (hits == kPacket) {
-      std::iota(&col_[count_], &col_[count_] + kPacket, first);
-      std::copy_n(packet.ray.tfar, kPacket, &range_m_[count_]);
-      std::copy_n(half_tangent, kPacket, &half_tangent_[count_]);
-      for (int i = 0; i < kPacket; ++i) material_[count_ + i] = materials[packet.hit.primID[i]];
-      count_ += kPacket;
-      return;
-    }
-    // Written whether hit or not, and written over by the next where not: no branch to be guessed.
-    for (int i = 0; i < count; ++i) {
-      const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+  // `count` rays of a tile's row from column `first` on, the first of them in this lane. Written whether hit
+  // or not, and written over by the next where not: no branch to be guessed.
+  void Add(int first, int count, int lane, const RTCRayHit16& packet, const float* half_tangent,
+           const std::vector<std::uint16_t>& materials) {
+    for (int i = 0; i < count; ++i, ++lane) {
+      const bool hit = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
       col_[count_] = first + i;
-      range_m_[count_] = packet.ray.tfar[i];
-      half_tangent_[count_] = half_tangent[i];
-      material_[count_] = materials[hit ? packet.hit.primID[i] : 0];
+      range_m_[count_] = packet.ray.tfar[lane];
+      half_tangent_[count_] = half_tangent[lane];
+      material_[count_] = materials[hit ? packet.hit.primID[lane] : 0];
       count_ += hit ? 1 : 0;
     }
   }
@@ -132,15 +139,17 @@ std::int64_t RayCaster::rays_cast() const {
   return embree_->rays_cast.load();
 }
 
-// Rays of one row, in packets. `met(first, count, packet)` follows each packet.
+// Rays of the rows from `row` on that a tile covers. `met(first, count, packet)` follows each tile, whose
+// rows hold `count` rays from column `first` on; rays beyond the fan's last row count as misses.
 template <typename Met>
-void RayCaster::CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotation,
-                        const Eigen::Vector3f& origin, float max_range_m, RowBuffers& buffers,
-                        Met&& met) const {
-  const auto padded = static_cast<std::size_t>(fan.cols() + kPacket);
-  for (std::vector<float>& component : buffers.direction) component.resize(padded, 0.0F);
-  fan.RowDirections(row, rotation, buffers.direction[0].data(), buffers.direction[1].data(),
-                    buffers.direction[2].data());
+void RayCaster::CastTiles(const RayFan& fan, int row, const Eigen::Matrix3f& rotation,
+                          const Eigen::Vector3f& origin, float max_range_m, RowBuffers& buffers,
+                          Met&& met) const {
+  const int rows = std::min(kTileRows, fan.rows() - row);
+  for (int r = 0; r < rows; ++r) {
+    auto& direction = buffers.direction[r];
+    fan.RowDirections(row + r, rotation, direction[0].data(), direction[1].data(), direction[2].data());
+  }
   embree::Query query(true);
   alignas(64) RTCRayHit16 packet = {};
   alignas(64) int valid[kPacket];
@@ -148,12 +157,16 @@ void RayCaster::CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotat
   std::fill_n(packet.ray.org_y, kPacket, origin.y());
   std::fill_n(packet.ray.org_z, kPacket, origin.z());
   std::fill_n(packet.ray.mask, kPacket, ~0U);
-  for (int first = 0; first < fan.cols(); first += kPacket) {
-    const int count = std::min(kPacket, fan.cols() - first);
-    for (int i = 0; i < kPacket; ++i) valid[i] = i < count ? -1 : 0;
-    std::copy_n(&buffers.direction[0][first], kPacket, packet.ray.dir_x);
-    std::copy_n(&buffers.direction[1][first], kPacket, packet.ray.dir_y);
-    std::copy_n(&buffers.direction[2][first], kPacket, packet.ray.dir_z);
+  for (int first = 0; first < fan.cols(); first += kTileCols) {
+    const int count = std::min(kTileCols, fan.cols() - first);
+    for (int r = 0; r < kTileRows; ++r) {
+      const auto& direction = buffers.direction[r];
+      const int lane = LaneOf(r, 0);
+      for (int col = 0; col < kTileCols; ++col) valid[lane + col] = r < rows && col < count ? -1 : 0;
+      std::copy_n(&direction[0][first], kTileCols, packet.ray.dir_x + lane);
+      std::copy_n(&direction[1][first], kTileCols, packet.ray.dir_y + lane);
+      std::copy_n(&direction[2][first], kTileCols, packet.ray.dir_z + lane);
+    }
     std::fill_n(packet.ray.tfar, kPacket, max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
@@ -162,25 +175,37 @@ void RayCaster::CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotat
   }
 }
 
+// Calls `of_rows(first, last)` on all cores, for parts of the fan that begin with a tile's first row.
+template <typename OfRows>
+void ForRows(const RayFan& fan, OfRows&& of_rows) {
+  const int tiles = (fan.rows() + kTileRows - 1) / kTileRows;
+  tbb::parallel_for(tbb::blocked_range<int>(0, tiles), [&](const tbb::blocked_range<int>& range) {
+    const embree::FlushDenormals flush;
+    of_rows(kTileRows * range.begin(), std::min(kTileRows * range.end(), fan.rows()));
+  });
+}
+
 FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double max_range_m) const {
   FanHits hits;
   hits.range_m.assign(fan.size(), std::numeric_limits<float>::infinity());
   hits.triangle.assign(fan.size(), -1);
   const Eigen::Matrix3f rotation = world_from_sonar.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f origin = world_from_sonar.position_m.cast<float>();
-  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
-    const embree::FlushDenormals flush;
-    RowBuffers buffers;
-    for (int row = rows.begin(); row != rows.end(); ++row) {
-      CastRow(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
-              [&](int first, int count, const RTCRayHit16& packet) {
-                const std::size_t offset = static_cast<std::size_t>(row) * fan.cols() + first;
-                for (int i = 0; i < count; ++i) {
-                  if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-                  hits.range_m[offset + i] = packet.ray.tfar[i];
-                  hits.triangle[offset + i] = static_cast<std::int32_t>(packet.hit.primID[i]);
-                }
-              });
+  ForRows(fan, [&](int begin, int end) {
+    RowBuffers buffers(fan.cols());
+    for (int row = begin; row < end; row += kTileRows) {
+      CastTiles(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
+                [&](int first, int count, const RTCRayHit16& packet) {
+                  for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
+                    const std::size_t offset = static_cast<std::size_t>(row + r) * fan.cols() + first;
+                    for (int i = 0; i < count; ++i) {
+                      const int lane = LaneOf(r, i);
+                      if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+                      hits.range_m[offset + i] = packet.ray.tfar[lane];
+                      hits.triangle[offset + i] = static_cast<std::int32_t>(packet.hit.primID[lane]);
+                    }
+                  }
+                });
     }
   });
   embree_->rays_cast += fan.size();
@@ -191,17 +216,22 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
                          const std::function<void(const RowHits&)>& take) const {
   const Eigen::Matrix3f rotation = world_from_sonar.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f origin = world_from_sonar.position_m.cast<float>();
-  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
-    const embree::FlushDenormals flush;
-    RowBuffers buffers;
-    HitsOfRow hits(fan.cols());
-    for (int row = rows.begin(); row != rows.end(); ++row) {
-      hits.Clear();
-      CastRow(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
-              [&](int first, int count, const RTCRayHit16& packet) {
-                hits.Add(first, count, packet, scene_.triangle_material);
-              });
-      take(hits.Of(row));
+  ForRows(fan, [&](int begin, int end) {
+    RowBuffers buffers(fan.cols());
+    std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(fan.cols()));
+    for (int row = begin; row < end; row += kTileRows) {
+      for (HitsOfRow& of_row : hits) of_row.Clear();
+      CastTiles(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
+                [&](int first, int count, const RTCRayHit16& packet) {
+                  if (!AnyHit(packet)) return;
+                  float half_tangent[kPacket];
+                  row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z,
+                                         packet.hit.Ng_x, packet.hit.Ng_y, packet.hit.Ng_z, kPacket,
+                                         half_tangent);
+                  for (int r = 0; r < kTileRows; ++r)
+                    hits[r].Add(first, count, LaneOf(r, 0), packet, half_tangent, scene_.triangle_material);
+                });
+      for (int r = 0; r < std::min(kTileRows, end - row); ++r) take(hits[r].Of(row + r));
     }
   });
   embree_->rays_cast += fan.size();

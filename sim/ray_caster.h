@@ -59,8 +59,8 @@ class RayCaster {
   struct Embree;
   struct RowBuffers;
   template <typename Met>
-  void CastRow(const RayFan& fan, int row, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& origin,
-               float max_range_m, RowBuffers& buffers, Met&& met) const;
+  void CastTiles(const RayFan& fan, int row, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& origin,
+                 float max_range_m, RowBuffers& buffers, Met&& met) const;
 
   Scene scene_;
   std::unique_ptr<Embree> embree_;  // goes before the scene it reads

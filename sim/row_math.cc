@@ -256,4 +256,15 @@ void Bins(const float* __restrict value, float first, float per_step, int bins, 
   }
 }
 
+SONARCAL_VECTOR_VERSIONS
+void Pixels(const float* __restrict range_m, float nearest_m, float farthest_m,
+            const std::int32_t* __restrict bin, const std::int32_t* __restrict beam, int beams,
+            std::int32_t other, int count, std::int32_t* __restrict pixel) {
+  for (int i = 0; i < count; ++i) {
+    const bool in_window = range_m[i] > 0.0F && range_m[i] >= nearest_m && range_m[i] < farthest_m;
+    const bool inside = in_window && bin[i] >= 0 && beam[i] >= 0;
+    pixel[i] = inside ? bin[i] * beams + beam[i] : other;
+  }
+}
+
 }  // namespace sonarcal::row_math

@@ -69,4 +69,9 @@ double Dot(const double* a, const double* b, int count);
 // floor((value - first) x per_step), -1 where that is not 0 .. bins - 1.
 void Bins(const float* value, float first, float per_step, int bins, int count, std::int32_t* bin);
 
+// bin[i] x beams + beam[i], `other` where either is negative or range_m[i] is not within nearest_m ..
+// farthest_m or not positive.
+void Pixels(const float* range_m, float nearest_m, float farthest_m, const std::int32_t* bin,
+            const std::int32_t* beam, int beams, std::int32_t other, int count, std::int32_t* pixel);
+
 }  // namespace sonarcal::row_math

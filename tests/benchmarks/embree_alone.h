@@ -18,6 +18,9 @@
 
 namespace sonarcal {
 
+// In which order the rays of a fan are handed to Embree, sixteen after sixteen.
+enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by four columns
+
 // A tree of the scene, and the rays of a fan laid out beforehand as each query takes
 // them. Only hits are waited for, nothing is made of them.
 class EmbreeAlone {
@@ -39,10 +42,8 @@ class EmbreeAlone {
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene_);
     const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix().cast<float>();
-    for (int row = 0; row < fan.rows(); ++row) {
-      for (int col = 0; col < fan.cols(); ++col) directions_.push_back(rotation * fan.Direction(row, col));
-    }
-    while (directions_.size() % 16 != 0) directions_.push_back(directions_.back());
+    in_rows_ = InOrder(fan, rotation, 1, fan.cols());
+    in_tiles_ = InOrder(fan, rotation, 4, 4);
   }
   ~EmbreeAlone() {
     rtcReleaseScene(scene_);
@@ -52,14 +53,15 @@ class EmbreeAlone {
   EmbreeAlone& operator=(const EmbreeAlone&) = delete;
 
   // Seconds for all rays, by a query of this many rays at a time: 1, 4, 8 or 16.
-  double Seconds(int width, bool coherent) const {
+  double Seconds(RayOrder order, int width, bool coherent) const {
+    const std::vector<Eigen::Vector3f>& directions = order == RayOrder::kRows ? in_rows_ : in_tiles_;
     const double began = Now();
-    const std::size_t groups = directions_.size() / 16;
+    const std::size_t groups = directions.size() / 16;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups, 64), [&](const auto& range) {
       const embree::FlushDenormals flush;
       embree::Query query(coherent);
       for (std::size_t group = range.begin(); group != range.end(); ++group) {
-        const Eigen::Vector3f* of = &directions_[16 * group];
+        const Eigen::Vector3f* of = &directions[16 * group];
         if (width == 1) {
           for (int i = 0; i < 16; ++i) {
             RTCRayHit ray = {};
@@ -95,6 +97,21 @@ class EmbreeAlone {
   }
 
  private:
+  static std::vector<Eigen::Vector3f> InOrder(const RayFan& fan, const Eigen::Matrix3f& rotation, int rows,
+                                              int cols) {
+    std::vector<Eigen::Vector3f> directions;
+    for (int row = 0; row < fan.rows(); row += rows) {
+      for (int col = 0; col < fan.cols(); col += cols) {
+        for (int r = row; r < std::min(row + rows, fan.rows()); ++r) {
+          for (int c = col; c < std::min(col + cols, fan.cols()); ++c)
+            directions.push_back(rotation * fan.Direction(r, c));
+        }
+      }
+    }
+    while (directions.size() % 16 != 0) directions.push_back(directions.back());
+    return directions;
+  }
+
   template <typename Packet, int kWidth, typename Intersect>
   void Packets(const Eigen::Vector3f* of, Intersect&& intersect) const {
     alignas(64) int valid[kWidth];
@@ -126,16 +143,20 @@ class EmbreeAlone {
   RTCScene scene_ = nullptr;
   Eigen::Vector3f origin_;
   float max_range_m_;
-  std::vector<Eigen::Vector3f> directions_;
+  std::vector<Eigen::Vector3f> in_rows_;
+  std::vector<Eigen::Vector3f> in_tiles_;
 };
 
 // Times of each of Embree's queries, taken in turn with something else's.
 class FastestQuery {
  public:
+  explicit FastestQuery(RayOrder order) : order_(order) {}
+
   void Measure(const EmbreeAlone& embree) {
     for (const int width : {1, 4, 8, 16}) {
       for (const bool coherent : {false, true}) {
-        seconds_[std::to_string(width) + (coherent ? "c" : "")].push_back(embree.Seconds(width, coherent));
+        seconds_[std::to_string(width) + (coherent ? "c" : "")].push_back(
+            embree.Seconds(order_, width, coherent));
       }
     }
   }
@@ -150,6 +171,7 @@ class FastestQuery {
   }
 
  private:
+  RayOrder order_;
   std::map<std::string, std::vector<double>> seconds_;
 };
 

@@ -1,6 +1,7 @@
 // Rows in single precision against the formulas one at a time, in double.
 #include "sim/row_math.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -125,6 +126,15 @@ TEST(RowMath, ErrorsGrowByEitherLaw) {
       EXPECT_NEAR(t[i], azimuth_rad[i] + 0.004 * g * b[i], 1e-6);
     }
   }
+}
+
+TEST(RowMath, PixelsWithinTheImageAndTheOneForTheRest) {
+  const std::vector<float> range_m = {0.0F, 1.0F, 2.0F, 3.0F, 2.0F, 2.0F, std::nextafter(3.0F, 0.0F)};
+  const std::vector<std::int32_t> bin = {0, 0, 3, 4, -1, 3, 4};
+  const std::vector<std::int32_t> beam = {0, 6, 2, 2, 2, -1, 0};
+  std::vector<std::int32_t> pixel(range_m.size());
+  row_math::Pixels(range_m.data(), 1.0F, 3.0F, bin.data(), beam.data(), 7, 999, 7, pixel.data());
+  EXPECT_THAT(pixel, ::testing::ElementsAre(999, 6, 23, 999, 999, 999, 28));
 }
 
 TEST(RowMath, BinsWithinAndWithout) {
