@@ -13,10 +13,12 @@
 #include "apps/commands.h"
 #include "apps/compare_recordings.h"
 #include "apps/comparison_pictures.h"
+#include "apps/comparison_viewer.h"
 #include "apps/frame_range.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/comparison_section.h"
+#include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/run_output.h"
 #include "apps/threshold_check.h"
@@ -71,8 +73,14 @@ std::string SummaryText(const MetricsReport& metrics, const std::filesystem::pat
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
 
-HtmlReport MakeReport(const MetricsReport& metrics, const std::vector<FramePictures>& pictures,
-                      bool real_is_synthetic, const Json& provenance) {
+// What the report shows of some of the frames.
+struct ShownFrames {
+  std::vector<FramePictures> telling;  // best, middle, worst
+  FrameViewer viewer;
+};
+
+HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, bool real_is_synthetic,
+                      const Json& provenance) {
   HtmlReport report("Simulated against recorded",
                     fmt::format("{} against {}", metrics.simulated, metrics.real));
   AddSyntheticCallout(report, real_is_synthetic, metrics.real);
@@ -81,10 +89,11 @@ HtmlReport MakeReport(const MetricsReport& metrics, const std::vector<FramePictu
   AddMetricTables(report, metrics);
   report.Section("Pictures");
   report.Paragraph(
-      "Shown are the frames with the lowest, the middle and the highest intensity error; the "
+      "The frames with the lowest, the middle and the highest intensity error are shown below; the "
       "pictures of all frames lie beside this page.");
   AddPictureLegend(report);
-  for (const FramePictures& frame : pictures) {
+  if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
+  for (const FramePictures& frame : shown.telling) {
     AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
   }
   AddMetricDefinitions(report, metrics);
@@ -122,15 +131,23 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   }
 
   // Kept pictures of every frame would grow with the recording: those of the report are made again.
+  const std::vector<int> telling = TellingFrames(metrics);
+  const PolarAxes& axes = real->info().sonar.axes;
   CompareRecordingsOptions again = compare;
-  again.frames = TellingFrames(metrics);
+  again.frames = SpreadFrames(
+      metrics, telling,
+      ViewerFrameCount(static_cast<std::size_t>(axes.range_bins) * axes.beam_count(), metrics.frames.size()));
   again.noise_floor = false;
   again.progress = {};
-  std::vector<FramePictures> telling;
+  ShownFrames shown;
   CompareRecordings(*real, *simulated, again,
                     [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-                      telling.push_back(maker.Make(recorded, rendered, frame));
+                      shown.viewer.frames.push_back(
+                          MakeViewerFrame(recorded, rendered, frame, compare.compare.intensity_domain));
+                      if (std::ranges::find(telling, frame.index) == telling.end()) return;
+                      shown.telling.push_back(maker.Make(recorded, rendered, frame));
                     });
+  shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), metrics.frames.size());
 
   std::vector<int> frames;
   for (const FrameMetrics& frame : metrics.frames) frames.push_back(frame.index);
@@ -140,8 +157,9 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   const std::string metrics_text = MetricsJson(metrics);
   WriteFileWhole(output / "metrics.json", metrics_text);
   WriteFileWhole(output / "per_frame.csv", PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
-  MakeReport(metrics, telling, real->info().synthetic, ProvenanceToJson(provenance))
-      .Write(output / "report.html");
+  const HtmlReport report = MakeReport(metrics, shown, real->info().synthetic, ProvenanceToJson(provenance));
+  report.Write(output / "report.html");
+  WritePaperFiles(report, output.staging());
   WriteProvenance(output.staging(), provenance);
   const Json metrics_json = Json::parse(metrics_text);
   const std::vector<std::string> passed = PassedThresholds(thresholds, metrics_json);
