@@ -36,7 +36,8 @@ std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames) {
   return std::min(frames, std::max(kFewestFrames, fitting));
 }
 
-std::vector<int> SpreadFrames(const MetricsReport& report, const std::vector<int>& always, std::size_t count) {
+std::vector<int> SpreadFrames(const MetricsReport& report, const std::vector<int>& always,
+                              std::size_t count) {
   std::set<int> chosen(always.begin(), always.end());
   const std::size_t frames = report.frames.size();
   // Halves, quarters, eighths ... of the recording, until there are enough.
@@ -60,9 +61,10 @@ ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,
                          });
   return {.name = metrics.name.empty() ? fmt::format("frame {}", metrics.index)
                                        : fmt::format("frame {}: {}", metrics.index, metrics.name),
-          .figures = fmt::format("IoU {}, intensity error {}, Ns/Nr {}", FigureText(metrics.polar.occupancy.iou()),
-                                 FigureText(metrics.polar.intensity.Over(domain).mean_absolute()),
-                                 FigureText(metrics.polar.occupancy.ns_over_nr())),
+          .figures =
+              fmt::format("IoU {}, intensity error {}, Ns/Nr {}", FigureText(metrics.polar.occupancy.iou()),
+                          FigureText(metrics.polar.intensity.Over(domain).mean_absolute()),
+                          FigureText(metrics.polar.occupancy.ns_over_nr())),
           .axes = real.axes,
           .full_scale = real.scale.full_scale,
           .real = GreyPng(real),
@@ -73,9 +75,10 @@ ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,
 std::string ViewerCaption(std::size_t shown, std::size_t compared) {
   return shown == compared
              ? fmt::format("All {} compared frames.", compared)
-             : fmt::format("{} of the {} compared frames, spread evenly and with the best, the middle and the "
-                           "worst among them: the page would be too large with all. Figures are of all frames.",
-                           shown, compared);
+             : fmt::format(
+                   "{} of the {} compared frames, spread evenly and with the best, the middle and the "
+                   "worst among them: the page would be too large with all. Figures are of all frames.",
+                   shown, compared);
 }
 
 }  // namespace sonarcal

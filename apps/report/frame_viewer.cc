@@ -4,8 +4,9 @@
 
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <span>
+
+#include <nlohmann/json.hpp>
 
 #include "apps/report/html_text.h"
 #include "data_io/picture.h"
@@ -55,7 +56,8 @@ Json ViewerJson(const FrameViewer& viewer) {
       for (const double azimuth : last->beam_azimuth_rad) {
         azimuth_deg.push_back(std::round(1e4 * DegFromRad(azimuth)) / 1e4);
       }
-      geometries.push_back({{"range_m", {last->range_min_m, last->range_max_m}}, {"azimuth_deg", azimuth_deg}});
+      geometries.push_back(
+          {{"range_m", {last->range_min_m, last->range_max_m}}, {"azimuth_deg", azimuth_deg}});
     }
     frames.push_back({{"name", frame.name},
                       {"figures", frame.figures},
@@ -76,8 +78,8 @@ std::string ChoiceHtml(const std::string& name, const char* what, const char* le
   std::string html = fmt::format("<fieldset><legend>{}</legend>", legend);
   for (const Choice& choice : choices) {
     html += fmt::format(
-        "<label><input type=\"radio\" name=\"{}-{}\" data-choice=\"{}\" value=\"{}\"{}/>{}</label>", name, what,
-        what, choice.value, &choice == choices.data() ? " checked=\"checked\"" : "", choice.label);
+        "<label><input type=\"radio\" name=\"{}-{}\" data-choice=\"{}\" value=\"{}\"{}/>{}</label>", name,
+        what, what, choice.value, &choice == choices.data() ? " checked=\"checked\"" : "", choice.label);
   }
   return html + "</fieldset>";
 }
@@ -88,9 +90,9 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
   SONARCAL_CHECK(!viewer.frames.empty(), "a viewer without frames");
   const std::string name = fmt::format("viewer-{}", number);
   const Json data = ViewerJson(viewer);
-  std::string html = fmt::format(
-      "<div class=\"viewer\" hidden=\"hidden\" data-viewer=\"{}\">\n<div class=\"controls\">",
-      EscapeHtml(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  std::string html =
+      fmt::format("<div class=\"viewer\" hidden=\"hidden\" data-viewer=\"{}\">\n<div class=\"controls\">",
+                  EscapeHtml(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
   html += ChoiceHtml(name, "show", "Show", kShow) + ChoiceHtml(name, "view", "As", kViews);
   html +=
       "<label>Colours <select data-part=\"colours\"><option value=\"inferno\">Inferno</option>"
@@ -109,7 +111,8 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
   for (std::size_t i = 0; i < viewer.frames.size(); ++i) {
     const auto image = [&](const char* of, const std::vector<std::uint8_t>& png) {
       html += fmt::format(
-          "<img hidden=\"hidden\" alt=\"\" data-frame=\"{}\" data-of=\"{}\" src=\"data:image/png;base64,{}\"/>\n",
+          "<img hidden=\"hidden\" alt=\"\" data-frame=\"{}\" data-of=\"{}\" "
+          "src=\"data:image/png;base64,{}\"/>\n",
           i, of, Base64(png));
     };
     image("real", viewer.frames[i].real);

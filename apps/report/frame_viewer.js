@@ -8,6 +8,8 @@ const kLargestWidthPx = 960;
 const kBlinkMs = 600;  // slower than the three flashes a second that some people must not see
 const kDifferenceShown = 0.5;  // of full scale: as blue or orange as it gets
 
+const kAlikeGrey = 226;
+
 const kKeys = {
   real: 'Dark is 0, bright is full scale.',
   simulated: 'Dark is 0, bright is full scale.',
@@ -96,7 +98,7 @@ function startViewer(root) {
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const canvas = part('canvas');
   const slider = part('slider');
-  const context = canvas.getContext('2d');
+  const context = canvas.getContext('2d', {willReadFrequently: true});  // pixels are put, not painted
   const still = window.matchMedia('(prefers-reduced-motion: reduce)');
   const colours = {inferno: [], grey: []};
   for (let i = 0; i < 256; ++i) {
@@ -147,7 +149,7 @@ function startViewer(root) {
       const d = (simulated.values[i] - real.values[i]) / 255 / kDifferenceShown;
       const t = Math.min(1, Math.abs(d));
       const end = d < 0 ? data.regions[1] : data.regions[2];
-      return end.map((c) => 247 + t * (c - 247));
+      return end.map((c) => kAlikeGrey + t * (c - kAlikeGrey));
     };
   }
 

@@ -33,20 +33,37 @@ std::string Replaced(std::string_view text, const Replacements& replacements) {
 }
 
 std::string Latex(std::string_view text) {
-  static const Replacements kSpecial = {
-      {"\\", "\\textbackslash{}"}, {"&", "\\&"},        {"%", "\\%"},         {"$", "\\$"},
-      {"#", "\\#"},                {"_", "\\_"},        {"{", "\\{"},         {"}", "\\}"},
-      {"~", "\\textasciitilde{}"}, {"^", "\\^{}"},      {"<", "$<$"},         {">", "$>$"},
-      {"|", "$|$"},                {kMinus, "$-$"},     {kAbsent, "--"},      {"±", "$\\pm$"},
-      {"°", "$^\\circ$"},          {"σ", "$\\sigma$"},  {"θ", "$\\theta$"},   {"→", "$\\to$"},
-      {"×", "$\\times$"},          {"²", "$^2$"},       {"≤", "$\\le$"},      {"≥", "$\\ge$"},
-      {"\n", " "}};
+  static const Replacements kSpecial = {{"\\", "\\textbackslash{}"},
+                                        {"&", "\\&"},
+                                        {"%", "\\%"},
+                                        {"$", "\\$"},
+                                        {"#", "\\#"},
+                                        {"_", "\\_"},
+                                        {"{", "\\{"},
+                                        {"}", "\\}"},
+                                        {"~", "\\textasciitilde{}"},
+                                        {"^", "\\^{}"},
+                                        {"<", "$<$"},
+                                        {">", "$>$"},
+                                        {"|", "$|$"},
+                                        {kMinus, "$-$"},
+                                        {kAbsent, "--"},
+                                        {"±", "$\\pm$"},
+                                        {"°", "$^\\circ$"},
+                                        {"σ", "$\\sigma$"},
+                                        {"θ", "$\\theta$"},
+                                        {"→", "$\\to$"},
+                                        {"×", "$\\times$"},
+                                        {"²", "$^2$"},
+                                        {"≤", "$\\le$"},
+                                        {"≥", "$\\ge$"},
+                                        {"\n", " "}};
   return Replaced(text, kSpecial);
 }
 
 std::string Markdown(std::string_view text) {
-  static const Replacements kSpecial = {{"\\", "\\\\"}, {"|", "\\|"}, {"*", "\\*"}, {"_", "\\_"}, {"`", "\\`"},
-                                        {"<", "&lt;"},  {"[", "\\["}, {"\n", " "}};
+  static const Replacements kSpecial = {{"\\", "\\\\"}, {"|", "\\|"},  {"*", "\\*"}, {"_", "\\_"},
+                                        {"`", "\\`"},   {"<", "&lt;"}, {"[", "\\["}, {"\n", " "}};
   return Replaced(text, kSpecial);
 }
 
@@ -77,12 +94,13 @@ std::string LatexTable(const Table& table) {
   std::string alignment = "l";
   for (std::size_t i = 1; i < table.columns.size(); ++i) alignment += table.columns[i].numeric ? 'r' : 'l';
   std::string text = fmt::format(
-      "\\begin{{table}}\n\\centering\n\\caption{{{}}}\n\\begin{{tabular}}{{{}}}\n\\toprule\n{} \\\\\n\\midrule\n",
+      "\\begin{{table}}\n\\centering\n\\caption{{{}}}\n\\begin{{tabular}}{{{}}}\n\\toprule\n{} "
+      "\\\\\n\\midrule\n",
       Latex(table.caption), alignment, fmt::join(Headings(table, Latex), " & "));
   for (const TableRow& row : table.rows) {
     if (row.style == RowStyle::kGroup) {
-      text += fmt::format("\\addlinespace\n\\multicolumn{{{}}}{{l}}{{\\emph{{{}}}}} \\\\\n", table.columns.size(),
-                          Latex(row.cells.front()));
+      text += fmt::format("\\addlinespace\n\\multicolumn{{{}}}{{l}}{{\\emph{{{}}}}} \\\\\n",
+                          table.columns.size(), Latex(row.cells.front()));
       continue;
     }
     std::vector<std::string> cells;

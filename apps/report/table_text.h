@@ -1,5 +1,5 @@
-// A report's table as text for other pages: a paper (LaTeX, package booktabs), a pull request (Markdown) and a
-// program (CSV). The same cells everywhere.
+// A report's table as text for other pages: a paper (LaTeX, package booktabs), a pull request (Markdown) and
+// a program (CSV). The same cells everywhere.
 #pragma once
 
 #include <string>

@@ -23,8 +23,8 @@ TEST(ReportInBrowser, ShowsReadsAndAsksNothing) {
   const TinyWorld world;
   const auto real_path = world.WriteSimulated("real", true);
   const auto simulated_path = world.WriteSimulated("sim");
-  const auto outcome = RunSonarcal("compare --real " + Quoted(real_path) + " --sim " + Quoted(simulated_path) +
-                                   " --out " + Quoted(world / "out") + " -q");
+  const auto outcome = RunSonarcal("compare --real " + Quoted(real_path) + " --sim " +
+                                   Quoted(simulated_path) + " --out " + Quoted(world / "out") + " -q");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 
   const auto real = OpenRecording(real_path);
@@ -60,7 +60,7 @@ TEST(ReportInBrowser, ShowsReadsAndAsksNothing) {
 
 MetricsReport OfFrames(int count) {
   MetricsReport report;
-  for (int i = 0; i < count; ++i) report.frames.push_back({.index = i, .name = {}});
+  for (int i = 0; i < count; ++i) report.frames.emplace_back().index = i;
   return report;
 }
 

@@ -117,6 +117,7 @@ class Reader:
                                f"{where}: {show} is drawn {self.pixel(x, y)}, expected {grey}")
         for show in ("overlay", "difference", "regions", "real"):
             self.choose("show", show)
+            self.page.execute_script("document.querySelector('.viewer').scrollIntoView()")
             self.shoot(f"viewer_{show}")
 
     # Every control is reached by the Tab key alone and answers to the keyboard.
