@@ -46,6 +46,7 @@ const NumberRange kSpreadDeg = NumberRange::Between(0.0, 360.0);
 const NumberRange kLooks = NumberRange::AboveUpTo(0.0, 1e6);
 const NumberRange kSlopeDbPerM = NumberRange::Between(-1000.0, 1000.0);
 const NumberRange kDisplayExponent = NumberRange::AboveUpTo(0.0, 10.0);
+const NumberRange kMirrorLossDb = NumberRange::Between(0.0, 200.0);  // a mirror returns no more than it gets
 const NumberRange kPositive = NumberRange::AboveUpTo(0.0, 1e12);
 
 DisplayParameters<double> ReadDisplay(const JsonReader& json) {
@@ -139,6 +140,11 @@ ParameterSet Read(const JsonReader& json) {
   for (const auto& [name, material] : materials.Members()) {
     parameters.materials.emplace(name, ReadMaterial(material));
   }
+  if (const auto mirrors = json.Find("mirror")) {
+    for (const auto& [name, mirror] : mirrors->Members()) {
+      parameters.mirrors[name].loss_db = mirror.At("loss_db").Number(kMirrorLossDb);
+    }
+  }
   if (const auto jitter = json.Find("jitter")) parameters.jitter = ReadJitter(*jitter);
   if (const auto receiver = json.Find("receiver")) parameters.receiver = ReadReceiver(*receiver);
   if (const auto beam = json.Find("beam")) parameters.beam = ReadBeam(*beam);
@@ -218,6 +224,8 @@ Json ParametersJson(const ParameterSet& parameters) {
                {"display", DisplayJson(parameters.display)},
                {"materials", Json::object()}};
   for (const auto& [name, material] : parameters.materials) json["materials"][name] = MaterialJson(material);
+  json["mirror"] = Json::object();
+  for (const auto& [name, mirror] : parameters.mirrors) json["mirror"][name] = {{"loss_db", mirror.loss_db}};
   json["jitter"] = JitterJson(parameters.jitter);
   json["receiver"] = ReceiverJson(parameters.receiver);
   json["beam"] = BeamJson(parameters.beam);

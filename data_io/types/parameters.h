@@ -136,6 +136,14 @@ struct PulseParameters {
   bool operator==(const PulseParameters&) const = default;
 };
 
+// A material that reflects like a mirror, besides scattering; its paths are found by sim/ghost_trace.h.
+// Acoustic and coherent models.
+struct MirrorParameters {
+  double loss_db = 0.0;  // of one reflection, in power and so in pressure: -20 log10 |R|, at any angle
+
+  bool operator==(const MirrorParameters&) const = default;
+};
+
 enum class EchoModel {
   kPaper,     // Park 2024: levels summed over rays
   kAcoustic,  // power summed over patches, expected or with speckle
@@ -149,6 +157,7 @@ struct ParameterSet {
   double array_gain_db = 0.0;   // AG of Park 2024 Eq. (10), paper model only
   DisplayParameters<double> display;
   std::map<std::string, MaterialParameters> materials;  // "default" serves names that are absent
+  std::map<std::string, MirrorParameters> mirrors;      // by material; those absent reflect nothing
   JitterParameters<double> jitter;
   ReceiverParameters receiver;
   BeamParameters beam;

@@ -1,0 +1,99 @@
+#include "sim/ghost_power.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "data_io/types/units.h"
+#include "sim/beam_and_pulse.h"
+#include "sim/physics/gsab.h"
+#include "sim/physics/patch.h"
+#include "sim/physics/propagation.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kLeastInCommon = 1e-6;
+
+// Where a value lies among increasing positions: index and fraction of the way to the next. Half a step
+// beyond either end still counts as the end.
+struct Between {
+  int index = 0;
+  double fraction = 0.0;
+};
+
+std::optional<Between> Place(const std::vector<double>& positions, double value) {
+  const int last = static_cast<int>(positions.size()) - 1;
+  if (last < 1) return std::nullopt;
+  const auto above = std::upper_bound(positions.begin() + 1, positions.end() - 1, value);
+  const int index = static_cast<int>(above - positions.begin()) - 1;
+  const double fraction = (value - positions[index]) / (*above - positions[index]);
+  // Rounding of single precision apart.
+  if (fraction < -0.5001 || fraction > 1.5001) return std::nullopt;
+  return Between{index, std::clamp(fraction, 0.0, 1.0)};
+}
+
+}  // namespace
+
+GhostPower::GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
+                       const ParameterSet& parameters)
+    : level_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)),
+      absorption_db_per_m_(geometry.absorption_db_per_m),
+      elevation_(ElevationResponseOf(geometry.sonar, parameters)),
+      azimuth_(AzimuthShapeOf(geometry.sonar, parameters)) {
+  for (const std::string& name : material_names) {
+    materials_.push_back(parameters.Material(name).gsab);
+    const auto mirror = parameters.mirrors.find(name);
+    loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
+                                                          : mirror->second.loss_db);
+  }
+}
+
+// What a leg does to power on its one way, the patch's part with it: half of what it does there and back.
+double GhostPower::OfLeg(const GhostLeg& leg, int material) const {
+  const double spreading_m = leg.spreading_m;
+  double loss_db = TransmissionLossDb(spreading_m, absorption_db_per_m_) +
+                   absorption_db_per_m_ * (leg.length_m - spreading_m);
+  for (const std::uint16_t mirror : leg.mirror) {
+    if (mirror != kNoMirror) loss_db += loss_db_[mirror];
+  }
+  return PowerFromDb(-2.0 * loss_db) * GsabPower(materials_[material], DegFromRad(double{leg.incidence_rad})) *
+         elevation_.Power(leg.elevation_rad);
+}
+
+double GhostPower::OneWay(const GhostEcho& echo) const {
+  const double of_leg = OfLeg(echo.leg, echo.material);
+  const double there_and_back =
+      echo.both_ways ? std::sqrt(of_leg * OfLeg(echo.other, echo.material)) : of_leg;
+  return level_ * there_and_back *
+         PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad));
+}
+
+double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
+  const double power = azimuth_.Power(azimuth_rad, middle_rad);
+  return power < kLeastInCommon ? 0.0 : power;
+}
+
+void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
+               ScatterMap& scatter) {
+  const GhostPower power(ghosts.material_names, geometry, parameters);
+  const PolarAxes& axes = geometry.sonar.axes;
+  const double step_m = axes.range_bin_m() / scatter.range_steps;
+  for (const GhostEcho& echo : ghosts.echoes) {
+    power.ForEachArrival(echo, [&](const GhostArrival& arrival) {
+      const auto column = Place(scatter.column_azimuth_rad, arrival.azimuth_rad);
+      if (!column) return;
+      const double position = (arrival.range_m - axes.range_min_m) / step_m - 0.5;
+      const int row = static_cast<int>(std::floor(position));
+      const double along = position - row;
+      for (const int down : {0, 1}) {
+        if (row + down < 0 || row + down >= scatter.power.rows()) continue;
+        const double of_row = arrival.power * (down == 0 ? 1.0 - along : along);
+        scatter.power(row + down, column->index) += (1.0 - column->fraction) * of_row;
+        scatter.power(row + down, column->index + 1) += column->fraction * of_row;
+      }
+    });
+  }
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,259 @@
+#include "sim/ghost_trace.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "data_io/types/error.h"
+#include "sim/random.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr std::uint32_t kSpotsStream = 0x4000;
+// Rays start this far off the surface they leave, of the largest coordinate: some ten roundings.
+constexpr double kClearance = 1e-5;
+
+struct Tracing {
+  const RayCaster& caster;
+  const MirrorSurface& mirrors;
+  const RayFan& fan;
+  const GhostOptions& options;
+  Eigen::Vector3d sonar_m;
+  Eigen::Matrix3d world_from_sonar;
+  double clearance_m = 0.0;
+  double leftmost_rad = 0.0;  // that the fan covers
+  double rightmost_rad = 0.0;
+};
+
+// A bundle that was reflected, and the ray that it began as.
+struct Seen {
+  RayBundle bundle;
+  int triangle = 0;  // that it was reflected by
+  int col = 0;
+  GhostLeg leg;  // azimuth, elevation and mirrors so far
+};
+
+// The patch that a leg ends at.
+struct Patch {
+  Eigen::Vector3d point_m;
+  Eigen::Vector3d normal;  // towards where the leg comes from
+  int col = 0;
+  int triangle = 0;
+  GhostLeg leg;
+};
+
+float AngleRad(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
+  return static_cast<float>(std::atan2(direction.cross(normal).norm(), std::abs(direction.dot(normal))));
+}
+
+// Bundles of a row of the fan that met a mirror, reflected there.
+std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, int row) {
+  const RayFan& fan = tracing.fan;
+  std::vector<Seen> seen;
+  for (int col = 0; col < fan.cols(); ++col) {
+    const std::size_t ray = static_cast<std::size_t>(row) * fan.cols() + col;
+    const int triangle = hits.triangle[ray];
+    if (triangle < 0 || !(hits.range_m[ray] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
+    Eigen::Vector3d direction = fan.Direction(row, col).cast<double>();
+    double range_m = hits.range_m[ray];
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col, {}};
+    begun.leg.azimuth_rad = static_cast<float>(fan.AzimuthRad(row, col));
+    begun.leg.elevation_rad = static_cast<float>(fan.ElevationRad(row, col));
+    begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
+    begun.bundle = tracing.mirrors.Reflected(begun.bundle, triangle, range_m);
+    seen.push_back(begun);
+  }
+  return seen;
+}
+
+// The same of rays at random spots of the row's cells.
+std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
+  const RayFan& fan = tracing.fan;
+  const CounterRandom spots(*tracing.options.spots_seed, kSpotsStream);
+  std::vector<Eigen::Vector3d> directions;
+  FreeRays rays;
+  for (int col = 0; col < fan.cols(); ++col) {
+    const auto [u, v] = spots.Uniform2(static_cast<std::uint64_t>(row) * fan.cols() + col);
+    directions.push_back(fan.DirectionWithin(row, col, u - 0.5, v - 0.5));
+    rays.Add(tracing.sonar_m, tracing.world_from_sonar * directions.back(), 2.0 * tracing.options.range_max_m);
+  }
+  const FanHits hits = tracing.caster.Meet(rays);
+  std::vector<Seen> seen;
+  for (int col = 0; col < fan.cols(); ++col) {
+    const int triangle = hits.triangle[col];
+    if (triangle < 0 || !(hits.range_m[col] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
+    const Eigen::Vector3d& direction = directions[col];
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col, {}};
+    begun.leg.azimuth_rad = static_cast<float>(std::atan2(direction.x(), direction.y()));
+    begun.leg.elevation_rad = static_cast<float>(std::asin(std::clamp(direction.z(), -1.0, 1.0)));
+    begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
+    begun.bundle = tracing.mirrors.Reflected(begun.bundle, triangle, hits.range_m[col]);
+    seen.push_back(begun);
+  }
+  return seen;
+}
+
+// Sends the bundles on to what they meet. Those that met another mirror, reflected there, replace `seen`.
+std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Seen>& seen) {
+  FreeRays rays;
+  for (const Seen& one : seen) {
+    const RayBundle& bundle = one.bundle;
+    // The other leg takes some of the way, too, but how little is not known before.
+    const double left_m = 2.0 * tracing.options.range_max_m - bundle.length_m;
+    const Eigen::Vector3d normal = tracing.caster.TriangleNormal(one.triangle).cast<double>();
+    const double aside_m = std::copysign(tracing.clearance_m, normal.dot(bundle.direction));
+    rays.Add(bundle.point_m + aside_m * normal, bundle.direction, std::max(left_m, 0.0));
+  }
+  const FanHits hits = tracing.caster.Meet(rays);
+  std::vector<Patch> patches;
+  std::vector<Seen> further;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const int triangle = hits.triangle[i];
+    const double range_m = hits.range_m[i];
+    if (triangle < 0 || !(range_m > 0.0)) continue;
+    const Seen& one = seen[i];
+    Patch patch{.point_m = one.bundle.At(range_m),
+                .normal = tracing.caster.TriangleNormal(triangle).cast<double>(),
+                .col = one.col,
+                .triangle = triangle,
+                .leg = one.leg};
+    if (patch.normal.dot(one.bundle.direction) > 0.0) patch.normal = -patch.normal;
+    patch.leg.length_m = static_cast<float>(one.bundle.length_m + range_m);
+    patch.leg.spreading_m = static_cast<float>(one.bundle.SpreadingM(range_m));
+    patch.leg.incidence_rad = AngleRad(one.bundle.direction, patch.normal);
+    patches.push_back(patch);
+    if (level < tracing.options.order && tracing.mirrors.Reflects(triangle)) {
+      Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col, one.leg};
+      next.leg.mirror[level] = tracing.caster.TriangleMaterial(triangle);
+      further.push_back(next);
+    }
+  }
+  seen = std::move(further);
+  return patches;
+}
+
+bool IsKept(const GhostOptions& options, float range_m) {
+  return range_m > 0.0F && range_m >= options.range_min_m && range_m < options.range_max_m;
+}
+
+// The straight legs of patches, in their order; nothing where the scene is in the way or the echo would lie
+// outside the range window.
+std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const std::vector<Patch>& patches) {
+  std::vector<std::optional<GhostLeg>> legs(patches.size());
+  std::vector<std::size_t> of_ray;
+  FreeRays rays;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const Patch& patch = patches[i];
+    const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
+    const Eigen::Vector3d to_sonar_m = tracing.sonar_m - start_m;
+    const double length_m = to_sonar_m.norm();
+    if (!(to_sonar_m.dot(patch.normal) > 0.0)) continue;
+    const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * -to_sonar_m / length_m;
+    GhostLeg leg;
+    leg.length_m = static_cast<float>(length_m);
+    leg.spreading_m = leg.length_m;
+    leg.azimuth_rad = static_cast<float>(std::atan2(in_sonar.x(), in_sonar.y()));
+    leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
+    leg.incidence_rad = AngleRad(to_sonar_m / length_m, patch.normal);
+    if (leg.azimuth_rad < tracing.leftmost_rad || leg.azimuth_rad > tracing.rightmost_rad) continue;
+    if (!IsKept(tracing.options, 0.5F * (leg.length_m + patch.leg.length_m))) continue;
+    legs[i] = leg;
+    of_ray.push_back(i);
+    rays.Add(start_m, to_sonar_m / length_m, length_m - tracing.clearance_m);
+  }
+  const std::vector<char> obstructed = tracing.caster.Obstructed(rays);
+  for (std::size_t ray = 0; ray < of_ray.size(); ++ray) {
+    if (obstructed[ray] != 0) legs[of_ray[ray]].reset();
+  }
+  return legs;
+}
+
+void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patches,
+               std::vector<GhostEcho>& echoes) {
+  const std::vector<std::optional<GhostLeg>> straight = StraightLegs(tracing, patches);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const Patch& patch = patches[i];
+    GhostEcho echo{.material = tracing.caster.TriangleMaterial(patch.triangle),
+                   .both_ways = false,
+                   .solid_angle_sr = static_cast<float>(tracing.fan.SolidAngleSr(row, patch.col)),
+                   .leg = patch.leg,
+                   .other = patch.leg};
+    // There and back by two mirrors each is an echo of third order and more.
+    if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m())) echoes.push_back(echo);
+    if (!straight[i]) continue;
+    echo.both_ways = true;
+    echo.other = *straight[i];
+    echoes.push_back(echo);
+  }
+}
+
+std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, int row) {
+  std::vector<GhostEcho> echoes;
+  std::vector<Seen> seen = tracing.options.spots_seed ? FirstReflectionsAtSpots(tracing, row)
+                                                      : FirstReflections(tracing, hits, row);
+  for (int level = 1; level <= tracing.options.order && !seen.empty(); ++level) {
+    const std::vector<Patch> patches = PatchesSeen(tracing, level, seen);
+    AddEchoes(tracing, row, patches, echoes);
+  }
+  return echoes;
+}
+
+}  // namespace
+
+void GhostOptions::Check() const {
+  if (order != 1 && order != 2) throw DataError("ghosts: order {}, expected 1 or 2", order);
+}
+
+std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_names,
+                                      const ParameterSet& parameters) {
+  std::vector<char> reflects;
+  for (const std::string& name : material_names) {
+    reflects.push_back(parameters.mirrors.count(name) != 0 ? 1 : 0);
+  }
+  return reflects;
+}
+
+RayFanOptions GhostFanOptions(const RayFanOptions& fan) {
+  RayFanOptions options = fan;
+  if (fan.sampling == Sampling::kBeams) options.cols = std::max(fan.cols / 2, 1);
+  return options;
+}
+
+GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, const RayFan& fan,
+                      const Pose& world_from_sonar, const GhostOptions& options) {
+  options.Check();
+  Tracing tracing{.caster = caster,
+                  .mirrors = mirrors,
+                  .fan = fan,
+                  .options = options,
+                  .sonar_m = world_from_sonar.position_m,
+                  .world_from_sonar = world_from_sonar.rotation.toRotationMatrix()};
+  tracing.clearance_m = kClearance * std::max(mirrors.largest_coordinate_m(), tracing.sonar_m.cwiseAbs().maxCoeff());
+  // To the outer edges of the outer columns, as far as their cells reach.
+  const int last = fan.cols() - 1;
+  const auto half_width = [&](int col, int beside) {
+    return fan.cols() > 1 ? 0.5 * std::abs(fan.AzimuthRad(col) - fan.AzimuthRad(beside)) : 0.0;
+  };
+  tracing.leftmost_rad = fan.AzimuthRad(0) - half_width(0, std::min(1, last));
+  tracing.rightmost_rad = fan.AzimuthRad(last) + half_width(last, std::max(last - 1, 0));
+
+  FanHits hits;
+  if (!options.spots_seed) hits = caster.Cast(fan, world_from_sonar, 2.0 * options.range_max_m);
+  std::vector<std::vector<GhostEcho>> by_row(fan.rows());
+  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
+    for (int row = rows.begin(); row != rows.end(); ++row) by_row[row] = EchoesOfRow(tracing, hits, row);
+  });
+  GhostList list;
+  list.material_names = caster.material_names();
+  std::size_t count = 0;
+  for (const auto& row : by_row) count += row.size();
+  list.echoes.reserve(count);
+  for (const auto& row : by_row) list.echoes.insert(list.echoes.end(), row.begin(), row.end());
+  return list;
+}
+
+}  // namespace sonarcal
