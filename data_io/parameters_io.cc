@@ -42,6 +42,7 @@ const NumberRange kPowerRatio = NumberRange::Between(0.0, 1e30);
 const NumberRange kExponent = NumberRange::Between(0.0, 100.0);
 const NumberRange kPeakWidthDeg = NumberRange::AboveUpTo(0.0, 1000.0);
 const NumberRange kSpreadM = NumberRange::Between(0.0, 100.0);
+const NumberRange kTransmitDeg = NumberRange::Between(0.0, 90.0);
 const NumberRange kSpreadDeg = NumberRange::Between(0.0, 360.0);
 const NumberRange kLooks = NumberRange::AboveUpTo(0.0, 1e6);
 const NumberRange kSlopeDbPerM = NumberRange::Between(-1000.0, 1000.0);
@@ -118,6 +119,12 @@ BeamParameters ReadBeam(const JsonReader& json) {
     }
   } else if (beam.azimuth_pattern == AzimuthPattern::kTable) {
     json.Fail("has the azimuth pattern \"table\" but no azimuth_table_db");
+  }
+  json.Update("transmit_even_deg", beam.transmit_even_deg, kTransmitDeg);
+  json.Update("transmit_end_deg", beam.transmit_end_deg, kTransmitDeg);
+  if (beam.transmit_end_deg < beam.transmit_even_deg) {
+    json.Fail(fmt::format("ends sending at {} degrees, expected no less than transmit_even_deg, {}",
+                          beam.transmit_end_deg, beam.transmit_even_deg));
   }
   return beam;
 }
@@ -200,7 +207,9 @@ Json BeamJson(const BeamParameters& beam) {
                {"azimuth_pattern", JsonWord(kAzimuthPatterns, beam.azimuth_pattern)},
                {"azimuth_taper", beam.azimuth_taper},
                {"elevation_pattern", JsonWord(kElevationPatterns, beam.elevation_pattern)},
-               {"elevation_taper", beam.elevation_taper}};
+               {"elevation_taper", beam.elevation_taper},
+               {"transmit_even_deg", beam.transmit_even_deg},
+               {"transmit_end_deg", beam.transmit_end_deg}};
   if (!beam.azimuth_table_db.empty()) json["azimuth_table_db"] = beam.azimuth_table_db;
   return json;
 }

@@ -15,7 +15,8 @@
 //    "beam": {"azimuth_width_deg", "elevation_width_deg", "azimuth_pattern": "gaussian" | "aperture" |
 //    "table",
 //             "elevation_pattern": "gaussian" | "aperture" | "cosine", "elevation_taper": 0..1,
-//             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle]},
+//             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle],
+//             "transmit_even_deg", "transmit_end_deg"},
 //    "pulse": {"length_m"},
 //    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
 //

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "data_io/types/units.h"
 #include "sim/beam_and_pulse.h"
@@ -40,7 +41,8 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
     : level_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)),
       absorption_db_per_m_(geometry.absorption_db_per_m),
       elevation_(ElevationResponseOf(geometry.sonar, parameters)),
-      azimuth_(AzimuthShapeOf(geometry.sonar, parameters)) {
+      azimuth_(AzimuthShapeOf(geometry.sonar, parameters)),
+      transmit_(parameters.beam) {
   for (const std::string& name : material_names) {
     materials_.push_back(parameters.Material(name).gsab);
     const auto mirror = parameters.mirrors.find(name);
@@ -57,7 +59,8 @@ double GhostPower::OfLeg(const GhostLeg& leg, int material) const {
   for (const std::uint16_t mirror : leg.mirror) {
     if (mirror != kNoMirror) loss_db += loss_db_[mirror];
   }
-  return PowerFromDb(-2.0 * loss_db) * GsabPower(materials_[material], DegFromRad(double{leg.incidence_rad})) *
+  return PowerFromDb(-2.0 * loss_db) *
+         GsabPower(materials_[material], DegFromRad(double{leg.incidence_rad})) *
          elevation_.Power(leg.elevation_rad);
 }
 

@@ -18,7 +18,7 @@
 // powers add.
 #pragma once
 
-#include <optional>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -51,13 +51,17 @@ class GhostPower {
     const double power = OneWay(echo);
     const double range_m = echo.range_m();
     const double azimuth_rad = echo.leg.azimuth_rad;
-    take(GhostArrival{range_m, azimuth_rad, power});
-    if (!echo.both_ways) return;
     const double other_rad = echo.other.azimuth_rad;
-    take(GhostArrival{range_m, other_rad, power});
+    const double sent = transmit_.Power(azimuth_rad);
+    const double sent_by_other = transmit_.Power(other_rad);
+    take(GhostArrival{range_m, azimuth_rad, power * sent_by_other});
+    if (!echo.both_ways) return;
+    take(GhostArrival{range_m, other_rad, power * sent});
     const double middle_rad = 0.5 * (azimuth_rad + other_rad);
     const double in_common = InCommon(azimuth_rad, middle_rad);
-    if (in_common > 0.0) take(GhostArrival{range_m, middle_rad, 2.0 * power * in_common});
+    if (in_common > 0.0) {
+      take(GhostArrival{range_m, middle_rad, 2.0 * power * std::sqrt(sent * sent_by_other) * in_common});
+    }
   }
 
  private:
@@ -69,6 +73,7 @@ class GhostPower {
   double absorption_db_per_m_;
   ElevationResponse elevation_;
   AzimuthResponse<double> azimuth_;
+  TransmitPattern transmit_;
   std::vector<GsabParameters<double>> materials_;
   std::vector<double> loss_db_;  // of a reflection by each material; infinity where it is no mirror
 };

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "data_io/types/error.h"
 #include "sim/random.h"
@@ -41,6 +42,7 @@ struct Seen {
 struct Patch {
   Eigen::Vector3d point_m;
   Eigen::Vector3d normal;  // towards where the leg comes from
+  Eigen::Vector3d back;    // along the leg, unit length
   int col = 0;
   int triangle = 0;
   GhostLeg leg;
@@ -79,7 +81,8 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
   for (int col = 0; col < fan.cols(); ++col) {
     const auto [u, v] = spots.Uniform2(static_cast<std::uint64_t>(row) * fan.cols() + col);
     directions.push_back(fan.DirectionWithin(row, col, u - 0.5, v - 0.5));
-    rays.Add(tracing.sonar_m, tracing.world_from_sonar * directions.back(), 2.0 * tracing.options.range_max_m);
+    rays.Add(tracing.sonar_m, tracing.world_from_sonar * directions.back(),
+             2.0 * tracing.options.range_max_m);
   }
   const FanHits hits = tracing.caster.Meet(rays);
   std::vector<Seen> seen;
@@ -118,6 +121,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
     const Seen& one = seen[i];
     Patch patch{.point_m = one.bundle.At(range_m),
                 .normal = tracing.caster.TriangleNormal(triangle).cast<double>(),
+                .back = -one.bundle.direction,
                 .col = one.col,
                 .triangle = triangle,
                 .leg = one.leg};
@@ -140,6 +144,10 @@ bool IsKept(const GhostOptions& options, float range_m) {
   return range_m > 0.0F && range_m >= options.range_min_m && range_m < options.range_max_m;
 }
 
+bool IsHeard(const GhostOptions& options, const GhostLeg& leg) {
+  return leg.azimuth_rad >= options.heard_left_rad && leg.azimuth_rad <= options.heard_right_rad;
+}
+
 // The straight legs of patches, in their order; nothing where the scene is in the way or the echo would lie
 // outside the range window.
 std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const std::vector<Patch>& patches) {
@@ -160,6 +168,7 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
     leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
     leg.incidence_rad = AngleRad(to_sonar_m / length_m, patch.normal);
     if (leg.azimuth_rad < tracing.leftmost_rad || leg.azimuth_rad > tracing.rightmost_rad) continue;
+    if (!IsHeard(tracing.options, leg) && !IsHeard(tracing.options, patch.leg)) continue;
     if (!IsKept(tracing.options, 0.5F * (leg.length_m + patch.leg.length_m))) continue;
     legs[i] = leg;
     of_ray.push_back(i);
@@ -180,13 +189,19 @@ void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patche
     GhostEcho echo{.material = tracing.caster.TriangleMaterial(patch.triangle),
                    .both_ways = false,
                    .solid_angle_sr = static_cast<float>(tracing.fan.SolidAngleSr(row, patch.col)),
+                   .tilt_rad = patch.leg.incidence_rad,
                    .leg = patch.leg,
                    .other = patch.leg};
     // There and back by two mirrors each is an echo of third order and more.
-    if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m())) echoes.push_back(echo);
+    if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m()) &&
+        IsHeard(tracing.options, echo.leg)) {
+      echoes.push_back(echo);
+    }
     if (!straight[i]) continue;
     echo.both_ways = true;
     echo.other = *straight[i];
+    const Eigen::Vector3d straight_back = (tracing.sonar_m - patch.point_m).normalized();
+    echo.tilt_rad = AngleRad((patch.back + straight_back).normalized(), patch.normal);
     echoes.push_back(echo);
   }
 }
@@ -217,10 +232,24 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
   return reflects;
 }
 
-RayFanOptions GhostFanOptions(const RayFanOptions& fan) {
+RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam) {
+  constexpr double kWidestMarginDeg = 60.0;  // that RayFanOptions allows
   RayFanOptions options = fan;
   if (fan.sampling == Sampling::kBeams) options.cols = std::max(fan.cols / 2, 1);
+  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
+  const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));
+  options.azimuth_margin_deg =
+      std::clamp(beam.transmit_end_deg - edge_deg, fan.azimuth_margin_deg, kWidestMarginDeg);
   return options;
+}
+
+std::pair<double, double> AzimuthsRad(const RayFan& fan) {
+  const int last = fan.cols() - 1;
+  const auto half_width = [&](int col, int beside) {
+    return 0.5 * std::abs(fan.AzimuthRad(col) - fan.AzimuthRad(beside));
+  };
+  return {fan.AzimuthRad(0) - half_width(0, std::min(1, last)),
+          fan.AzimuthRad(last) + half_width(last, std::max(last - 1, 0))};
 }
 
 GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, const RayFan& fan,
@@ -232,14 +261,9 @@ GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, con
                   .options = options,
                   .sonar_m = world_from_sonar.position_m,
                   .world_from_sonar = world_from_sonar.rotation.toRotationMatrix()};
-  tracing.clearance_m = kClearance * std::max(mirrors.largest_coordinate_m(), tracing.sonar_m.cwiseAbs().maxCoeff());
-  // To the outer edges of the outer columns, as far as their cells reach.
-  const int last = fan.cols() - 1;
-  const auto half_width = [&](int col, int beside) {
-    return fan.cols() > 1 ? 0.5 * std::abs(fan.AzimuthRad(col) - fan.AzimuthRad(beside)) : 0.0;
-  };
-  tracing.leftmost_rad = fan.AzimuthRad(0) - half_width(0, std::min(1, last));
-  tracing.rightmost_rad = fan.AzimuthRad(last) + half_width(last, std::max(last - 1, 0));
+  tracing.clearance_m =
+      kClearance * std::max(mirrors.largest_coordinate_m(), tracing.sonar_m.cwiseAbs().maxCoeff());
+  std::tie(tracing.leftmost_rad, tracing.rightmost_rad) = AzimuthsRad(fan);
 
   FanHits hits;
   if (!options.spots_seed) hits = caster.Cast(fan, world_from_sonar, 2.0 * options.range_max_m);

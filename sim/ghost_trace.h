@@ -15,16 +15,19 @@
 // Second order adds legs by two mirrors (there or back, straight the other way), and the two ways from one
 // mirror to another flat one (sonar - mirror - P - other mirror - sonar, and back).
 //
-// What is sent reaches as far in azimuth as the fan: legs that leave it there are not followed.
+// What is sent reaches as far in azimuth as the fan: legs beyond are not followed. That fan may be wider than
+// the one that listens (GhostFanOptions), as what is sent past the field of view may come back into it.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "data_io/types/parameters.h"
+#include "data_io/types/units.h"
 #include "sim/mirror_surface.h"
 #include "sim/ray_caster.h"
 
@@ -44,9 +47,12 @@ struct GhostLeg {
 };
 
 struct GhostEcho {
-  std::uint16_t material = 0;  // of the patch
-  bool both_ways = false;      // goes out by either leg and back by the other: two echoes of one range
+  std::uint16_t material = 0;   // of the patch
+  bool both_ways = false;       // goes out by either leg and back by the other: two echoes of one range
   float solid_angle_sr = 0.0F;  // of the ray that found `leg`
+  // Between the normal and the direction midway between the two legs, 0 .. pi/2: what a facet that reflects
+  // one leg into the other is tilted by.
+  float tilt_rad = 0.0F;
   GhostLeg leg;
   GhostLeg other;  // the same as `leg` unless both_ways
 
@@ -62,6 +68,8 @@ struct GhostOptions {
   int order = 1;             // 1 or 2
   double range_min_m = 0.0;  // of the echoes that are kept: half the way there and back
   double range_max_m = 0.0;
+  double heard_left_rad = -kPi;  // azimuths that an echo may come back from
+  double heard_right_rad = kPi;
   // Each ray at a random spot of its cell in place of the middle.
   std::optional<std::uint64_t> spots_seed = {};
 
@@ -73,8 +81,11 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
                                       const ParameterSet& parameters);
 
 // Rays that look for ghosts beside a fan of these: as many rows, and half of the columns for equal angles,
-// which are at least two a beam. What they find is shared between the columns of the fan itself.
-RayFanOptions GhostFanOptions(const RayFanOptions& fan);
+// but as far aside as the transmitter sends. What they find is shared between the columns of the fan itself.
+RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam);
+
+// Azimuths from the outer edge of a fan's first column to that of its last.
+std::pair<double, double> AzimuthsRad(const RayFan& fan);
 
 GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, const RayFan& fan,
                       const Pose& world_from_sonar, const GhostOptions& options);

@@ -53,7 +53,7 @@ class MirrorSurface {
 
   const Scene& scene_;
   std::vector<char> reflects_;
-  std::vector<std::int32_t> corners_of_;    // of a triangle: first of three in corner_normal_, or kFlat
+  std::vector<std::int32_t> corners_of_;        // of a triangle: first of three in corner_normal_, or kFlat
   std::vector<Eigen::Vector3f> corner_normal_;  // unit length
   double largest_coordinate_m_ = 0.0;
 };

@@ -39,6 +39,7 @@ Simulator::~Simulator() = default;
 // Surfaces that reflect, and the rays that look for ghosts in them.
 struct Simulator::Mirrors {
   std::vector<char> reflects;
+  double transmit_end_deg;
   MirrorSurface surface;
   RayFan fan;
 };
@@ -49,9 +50,11 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
   const std::vector<char> reflects = ReflectingMaterials(caster_.material_names(), parameters);
   if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
   const std::scoped_lock lock(mirrors_mutex_);
-  if (!mirrors_ || mirrors_->reflects != reflects) {
-    mirrors_ = std::make_shared<const Mirrors>(Mirrors{reflects, MirrorSurface(caster_.scene(), reflects),
-                                                       RayFan(sonar_, GhostFanOptions(options_.fan))});
+  const double end_deg = parameters.beam.transmit_end_deg;
+  if (!mirrors_ || mirrors_->reflects != reflects || mirrors_->transmit_end_deg != end_deg) {
+    mirrors_ = std::make_shared<const Mirrors>(
+        Mirrors{reflects, end_deg, MirrorSurface(caster_.scene(), reflects),
+                RayFan(sonar_, GhostFanOptions(options_.fan, sonar_, parameters.beam))});
   }
   return mirrors_;
 }
@@ -59,10 +62,13 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
 GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters) const {
   const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters);
   if (!mirrors) return {};
+  const auto [left_rad, right_rad] = AzimuthsRad(fan_);
   return sonarcal::TraceGhosts(caster_, mirrors->surface, mirrors->fan, world_from_sonar,
                                {.order = options_.ghost_order,
                                 .range_min_m = sonar_.axes.range_min_m,
-                                .range_max_m = sonar_.axes.range_max_m});
+                                .range_max_m = sonar_.axes.range_max_m,
+                                .heard_left_rad = left_rad,
+                                .heard_right_rad = right_rad});
 }
 
 ScatterMap Simulator::Scatter(const EchoList& echoes, const ParameterSet& parameters,

@@ -125,6 +125,11 @@ struct BeamParameters {
   double elevation_taper = 1.0;  // kAperture: 0 uniform .. 1 Hann
   std::vector<double> azimuth_table_db =
       {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
+  // What is sent beyond the field of view comes back by mirrors only: even to `transmit_even_deg` off the
+  // axis, from there on falling as a cosine (of pressure) to nothing at `transmit_end_deg`. 0 and 0: as far
+  // as rays are cast for the beams, and no further.
+  double transmit_even_deg = 0.0;
+  double transmit_end_deg = 0.0;
 
   bool operator==(const BeamParameters&) const = default;
 };

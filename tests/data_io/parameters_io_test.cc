@@ -63,7 +63,9 @@ ParameterSet UnlikeTheDefaults() {
               1.0 / 3.0,
               ElevationPattern::kAperture,
               0.4,
-              {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0}};
+              {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0},
+              24.5,
+              1000.0 / 23.0};
   set.pulse = {0.0254};
   set.water = Water{14.2, 0.31, 7.4, 3.3};
   return set;
@@ -176,6 +178,20 @@ TEST(ParametersIoTest, BeamPatternsAreNamedAndTheirTablesOdd) {
               HasSubstr("azimuth_table_db[1]' is 1"));
   EXPECT_EQ(RefusalOf(with_beam(R"("azimuth_pattern": "table")")),
             "p.json:2: 'beam' has the azimuth pattern \"table\" but no azimuth_table_db");
+}
+
+TEST(ParametersIoTest, SendingEndsBehindWhereItIsEven) {
+  const auto with_beam = [](std::string_view beam) {
+    return Changed("\"display\"", "\"beam\": " + std::string(beam) + ",\n\"display\"");
+  };
+  const auto beam =
+      ParseParameters(with_beam(R"({"transmit_even_deg": 24, "transmit_end_deg": 45})"), "p.json").beam;
+  EXPECT_EQ(beam.transmit_even_deg, 24.0);
+  EXPECT_EQ(beam.transmit_end_deg, 45.0);
+  EXPECT_THAT(RefusalOf(with_beam(R"({"transmit_even_deg": 24})")),
+              HasSubstr("ends sending at 0 degrees, expected no less than transmit_even_deg, 24"));
+  EXPECT_THAT(RefusalOf(with_beam(R"({"transmit_end_deg": 91})")),
+              HasSubstr("'beam.transmit_end_deg' is 91"));
 }
 
 TEST(ParametersIoTest, MirrorsAreNamedByMaterialAndLoseWhatTheyReflect) {
