@@ -51,25 +51,27 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
   }
 }
 
-// What a leg does to power on its one way, the patch's part with it: half of what it does there and back.
-double GhostPower::OfLeg(const GhostLeg& leg, int material) const {
+// What a leg does to the power of an echo that goes out or comes back by it.
+double GhostPower::OfLeg(const GhostLeg& leg) const {
   const double spreading_m = leg.spreading_m;
   double loss_db = TransmissionLossDb(spreading_m, absorption_db_per_m_) +
                    absorption_db_per_m_ * (leg.length_m - spreading_m);
   for (const std::uint16_t mirror : leg.mirror) {
     if (mirror != kNoMirror) loss_db += loss_db_[mirror];
   }
-  return PowerFromDb(-2.0 * loss_db) *
-         GsabPower(materials_[material], DegFromRad(double{leg.incidence_rad})) *
-         elevation_.Power(leg.elevation_rad);
+  return PowerFromDb(-loss_db) * std::sqrt(elevation_.Power(leg.elevation_rad));
 }
 
 double GhostPower::OneWay(const GhostEcho& echo) const {
-  const double of_leg = OfLeg(echo.leg, echo.material);
-  const double there_and_back =
-      echo.both_ways ? std::sqrt(of_leg * OfLeg(echo.other, echo.material)) : of_leg;
-  return level_ * there_and_back *
-         PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad));
+  const GsabParameters<double>& gsab = materials_[echo.material];
+  const double incidence_deg = DegFromRad(double{echo.leg.incidence_rad});
+  const double of_leg = OfLeg(echo.leg);
+  const double area_m2 =
+      PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad));
+  if (!echo.both_ways) return level_ * of_leg * of_leg * GsabPower(gsab, incidence_deg) * area_m2;
+  return level_ * of_leg * OfLeg(echo.other) * area_m2 *
+         GsabBetweenPower(gsab, incidence_deg, DegFromRad(double{echo.other.incidence_rad}),
+                          DegFromRad(double{echo.tilt_rad}));
 }
 
 double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {

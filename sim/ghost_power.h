@@ -2,12 +2,11 @@
 // comes back by leg b, of lengths L, spreading S, has the mean power
 //
 //   10^((SL + G - alpha (La + Lb)) / 10) / (Sa Sb)^2  10^(-(losses of all reflections) / 10)
-//     sqrt(sigma(delta_a) sigma(delta_b))  A  sqrt(el(phi_a) el(phi_b))
+//     sigma(delta_a, delta_b)  A  sqrt(el(phi_a) el(phi_b))
 //
-// at range (La + Lb) / 2, from the azimuth of b. A = S^2 dOmega / cos(delta) is the patch of the ray that
+// at range (La + Lb) / 2, from the azimuth of b. A = Sa^2 dOmega / cos(delta_a) is the patch of the ray that
 // found it. Each end has half of the two-way elevation pattern. Between two directions a surface scatters by
-// the geometric mean of what it scatters back in either: a choice, which is reciprocal and right where the
-// two are one; curves of backscatter say no more.
+// GsabBetweenPower (sim/physics/gsab.h).
 //
 // The two ways of one pair of legs have the same length, so that for each scatterer the two echoes arrive in
 // phase. A beam that hears both, from azimuths h to either side of their middle, hears the field f(h) + f(-h)
@@ -65,7 +64,7 @@ class GhostPower {
   }
 
  private:
-  double OfLeg(const GhostLeg& leg, int material) const;
+  double OfLeg(const GhostLeg& leg) const;
   // 0 where next to nothing.
   double InCommon(double azimuth_rad, double middle_rad) const;
 
