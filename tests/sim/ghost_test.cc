@@ -102,7 +102,8 @@ struct Point {
 // What the sonar at the origin, looking along +y, gets from points by a flat mirror through `on_mirror`.
 class ImageSource {
  public:
-  ImageSource(const Acoustics& acoustics, const Eigen::Vector3d& on_mirror, const Eigen::Vector3d& mirror_normal)
+  ImageSource(const Acoustics& acoustics, const Eigen::Vector3d& on_mirror,
+              const Eigen::Vector3d& mirror_normal)
       : acoustics_(acoustics),
         image_m_(2.0 * on_mirror.dot(mirror_normal) * mirror_normal),
         normal_(mirror_normal),
@@ -171,13 +172,14 @@ class ImageSource {
 };
 
 // Points of a plate from `corner` along u and v, n by n.
-std::vector<Point> PlatePoints(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
-                               int n) {
+std::vector<Point> PlatePoints(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                               const Eigen::Vector3d& v, int n) {
   std::vector<Point> points;
   const Eigen::Vector3d across = u.cross(v);
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
-      points.push_back({corner + (i + 0.5) / n * u + (j + 0.5) / n * v, across.normalized(), across.norm() / n / n});
+      points.push_back(
+          {corner + (i + 0.5) / n * u + (j + 0.5) / n * v, across.normalized(), across.norm() / n / n});
     }
   }
   return points;
@@ -191,7 +193,8 @@ void ExpectLike(const Grid<float>& power, const Grid<double>& expected, double t
   double expected_sum = 0.0;
   for (int bin = 0; bin < kBins; ++bin) {
     for (int beam = 0; beam < kBeams; ++beam) {
-      ASSERT_NEAR(power(bin, beam), expected(bin, beam), tolerance * peak) << "bin " << bin << ", beam " << beam;
+      ASSERT_NEAR(power(bin, beam), expected(bin, beam), tolerance * peak)
+          << "bin " << bin << ", beam " << beam;
       sum += power(bin, beam);
       expected_sum += expected(bin, beam);
     }
@@ -201,8 +204,8 @@ void ExpectLike(const Grid<float>& power, const Grid<double>& expected, double t
 
 // A wall at the right, along the way the sonar looks; a plate beside it that faces the sonar. Straight and in
 // the mirror the plate stands some 13 degrees apart: three arrivals. A pulse of two bins is sampled eight
-// times, so that sharing moves a pixel by 8 ln 2 / 8 / 64 = 1.1 % of its peak at most, columns of a fifth of a
-// beam 0.4 %; the plate's edges are sharp to a ray, 0.04 x 0.05 degrees of its 4 x 6.
+// times, so that sharing moves a pixel by 8 ln 2 / 8 / 64 = 1.1 % of its peak at most, columns of a fifth of
+// a beam 0.4 %; the plate's edges are sharp to a ray, 0.04 x 0.05 degrees of its 4 x 6.
 TEST(Ghosts, PlateBeforeAWallByImageSource) {
   const Acoustics acoustics;
   Scene scene;
@@ -307,7 +310,8 @@ TEST(MirrorSurface, FlatStaysFlat) {
 // What a mirrored echo of a small plate needs, one thing taken away after the other.
 class OnePlate : public ::testing::Test {
  protected:
-  // A mirror at the right from y = `from` on; a plate 3.5 m ahead. The way by the mirror meets it at y = 1.75.
+  // A mirror at the right from y = `from` on; a plate 3.5 m ahead. The way by the mirror meets it at y
+  // = 1.75.
   static Scene Make(double mirror_from_m, double mirror_to_m) {
     Scene scene;
     AddQuad(scene, {0.5, mirror_from_m, -1}, {0, mirror_to_m - mirror_from_m, 0}, {0, 0, 2}, "mirror");
@@ -413,9 +417,8 @@ TEST(Ghosts, SameOnAnyNumberOfThreads) {
   AddQuad(scene, {0.5, 0.5, -3}, {0, 6, 0}, {0, 0, 6}, "mirror");
   AddQuad(scene, {-0.1, 3.5, -0.15}, {0.25, 0, 0}, {0, 0, 0.4}, "plate");
   const auto power = [&](int threads) {
-    return WithThreads(threads, [&] {
-      return acoustics.Power(acoustics.Trace(scene, Pose{}, acoustics.Fan(kBeams, 200)));
-    });
+    return WithThreads(
+        threads, [&] { return acoustics.Power(acoustics.Trace(scene, Pose{}, acoustics.Fan(kBeams, 200))); });
   };
   EXPECT_EQ(power(1), power(2));
   EXPECT_EQ(power(1), power(4));

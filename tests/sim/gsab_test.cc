@@ -64,9 +64,8 @@ TEST(Gsab, BetweenTwoDirections) {
   // Out at 40 degrees to one side, back at 40 to the other: the facet lies flat, and D = 2 is Lambert's law.
   EXPECT_NEAR(GsabBetweenPower(p, 40.0, 40.0, 0.0),
               p.a + p.e + p.c * std::pow(std::cos(RadFromDeg(40.0)), 2.0), 1e-12);
-  EXPECT_NEAR(
-      GsabBetweenPower({.a = 0.0, .b_deg = 1.0, .c = 0.5, .d = 2.0, .e = 0.0, .f_deg = 1.0}, 60.0, 0.0, 30.0),
-      0.25, 1e-12);
+  const GsabParameters<double> lambert{.a = 0.0, .b_deg = 1.0, .c = 0.5, .d = 2.0, .e = 0.0, .f_deg = 1.0};
+  EXPECT_NEAR(GsabBetweenPower(lambert, 60.0, 0.0, 30.0), 0.25, 1e-12);
   EXPECT_TRUE(std::isfinite(GsabBetweenPower(p, 90.0 + 1e-5, 40.0, 70.0)));
 }
 
