@@ -100,8 +100,17 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx,
                         TraceGhosts(world_from_sonar, parameters));
   }
-  const PolarImage power = CoherentPower({caster_, fan_, sonar_, absorption_db_per_m_}, world_from_sonar,
-                                         parameters, SeedsOf(frame_idx));
+  CoherentGeometry geometry{.caster = caster_,
+                            .fan = fan_,
+                            .sonar = sonar_,
+                            .absorption_db_per_m = absorption_db_per_m_,
+                            .ghost_order = options_.ghost_order};
+  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters);
+  if (mirrors) {
+    geometry.mirrors = &mirrors->surface;
+    geometry.ghost_fan = &mirrors->fan;
+  }
+  const PolarImage power = CoherentPower(geometry, world_from_sonar, parameters, SeedsOf(frame_idx));
   PolarImage image = DisplayPower(power, parameters, options_.full_scale());
   QuantiseImage(image);
   return image;

@@ -15,8 +15,8 @@ namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
 
-// Cells of many pixels, so that speckle averages out: 5.6 dB is 21.5 grey levels, and a cell of 22 x 32 pixels
-// holds 41 independent ones.
+// Cells of many pixels, so that speckle averages out: 5.6 dB is 21.5 grey levels, and a cell of 22 x 32
+// pixels holds 41 independent ones.
 constexpr int kCellBins = 22;
 constexpr int kCellBeams = 32;
 
@@ -31,9 +31,13 @@ class SyntheticTankWithGhosts : public SyntheticTruth {
     Open(folder);
   }
 
-  PolarImage PowerOf(const ScatterMap& scatter) const { return ExpectedPower(scatter, geometry(), parameters_); }
+  PolarImage PowerOf(const ScatterMap& scatter) const {
+    return ExpectedPower(scatter, geometry(), parameters_);
+  }
 
-  Grid<float> Shown(const PolarImage& power) const { return ExpectedDisplay(power, parameters_, 255.0).value; }
+  Grid<float> Shown(const PolarImage& power) const {
+    return ExpectedDisplay(power, parameters_, 255.0).value;
+  }
 
   static double CellMean(const Grid<float>& values, int row, int col) {
     double sum = 0.0;
@@ -59,9 +63,9 @@ class SyntheticTankWithGhosts : public SyntheticTruth {
   }
 };
 
-// Each mirror's ghosts where they are most of what a pixel has: recorded over expected power. Of the floor this
-// tells whether the two ways of a pair add as fields (four times one) or as powers (3 dB less); of the wall,
-// whose pairs arrive apart, how a surface scatters from one direction to another.
+// Each mirror's ghosts where they are most of what a pixel has: recorded over expected power. Of the floor
+// this tells whether the two ways of a pair add as fields (four times one) or as powers (3 dB less); of the
+// wall, whose pairs arrive apart, how a surface scatters from one direction to another.
 //
 // Cells, where ghosts or not are smooth: mean displayed values with and without ghosts beside the recorded.
 TEST_F(SyntheticTankWithGhosts, GhostsExplainWhatTheDirectImageDoesNot) {
@@ -118,10 +122,11 @@ TEST_F(SyntheticTankWithGhosts, GhostsExplainWhatTheDirectImageDoesNot) {
       }
     }
   }
-  std::cout << "synthetic recording with ghosts, mean absolute residual of " << cells << " smooth cells: "
-            << without / cells << " grey levels without ghosts, " << with / cells << " with; of the "
-            << ghost_cells << " that ghosts raise by four levels and more: " << without_where_ghosts / ghost_cells
-            << " and " << with_where_ghosts / ghost_cells << "\n";
+  std::cout << "synthetic recording with ghosts, mean absolute residual of " << cells
+            << " smooth cells: " << without / cells << " grey levels without ghosts, " << with / cells
+            << " with; of the " << ghost_cells
+            << " that ghosts raise by four levels and more: " << without_where_ghosts / ghost_cells << " and "
+            << with_where_ghosts / ghost_cells << "\n";
   for (std::size_t mirror = 0; mirror < names.size(); ++mirror) {
     std::cout << "ghosts by the " << names[mirror] << ": recorded " << of_mirror[mirror].Db()
               << " dB above expected, over " << of_mirror[mirror].count << " pixels\n";
