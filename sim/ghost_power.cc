@@ -1,5 +1,8 @@
 #include "sim/ghost_power.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -84,8 +87,13 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
   const GhostPower power(ghosts.material_names, geometry, parameters);
   const PolarAxes& axes = geometry.sonar.axes;
   const double step_m = axes.range_bin_m() / scatter.range_steps;
-  for (const GhostEcho& echo : ghosts.echoes) {
-    power.ForEachArrival(echo, [&](const GhostArrival& arrival) {
+  // What costs time on all cores; sums in the order of the list, the same on any number of threads.
+  std::vector<double> one_way(ghosts.echoes.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, one_way.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) one_way[i] = power.OneWay(ghosts.echoes[i]);
+  });
+  for (std::size_t i = 0; i < one_way.size(); ++i) {
+    power.ForEachArrival(ghosts.echoes[i], one_way[i], [&](const GhostArrival& arrival) {
       const auto column = Place(scatter.column_azimuth_rad, arrival.azimuth_rad);
       if (!column) return;
       const double position = (arrival.range_m - axes.range_min_m) / step_m - 0.5;

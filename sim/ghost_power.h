@@ -47,7 +47,12 @@ class GhostPower {
   // Calls take(GhostArrival) for each: one, or three where the echo goes both ways.
   template <typename Take>
   void ForEachArrival(const GhostEcho& echo, Take&& take) const {
-    const double power = OneWay(echo);
+    ForEachArrival(echo, OneWay(echo), take);
+  }
+
+  // The same where OneWay is known.
+  template <typename Take>
+  void ForEachArrival(const GhostEcho& echo, double power, Take&& take) const {
     const double range_m = echo.range_m();
     const double azimuth_rad = echo.leg.azimuth_rad;
     const double other_rad = echo.other.azimuth_rad;

@@ -235,7 +235,10 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam) {
   constexpr double kWidestMarginDeg = 60.0;  // that RayFanOptions allows
   RayFanOptions options = fan;
-  if (fan.sampling == Sampling::kBeams) options.cols = std::max(fan.cols / 2, 1);
+  if (fan.sampling == Sampling::kBeams) {
+    options.cols = std::max(fan.cols / 2, 1);
+    options.rows = std::max(2 * fan.rows / 3, 1);
+  }
   const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
   const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));
   options.azimuth_margin_deg =

@@ -12,8 +12,8 @@
 // arrives from the ray's own azimuth and elevation. A second ray from P to the sonar finds the straight leg,
 // which must lie on the same side of P's surface. Any surface may be the mirror (sim/mirror_surface.h).
 //
-// Second order adds legs by two mirrors (there or back, straight the other way), and the two ways from one
-// mirror to another flat one (sonar - mirror - P - other mirror - sonar, and back).
+// Second order adds legs by two mirrors, one after the other, straight the other way. Not followed: out by
+// one mirror and back by another, and whatever has more reflections.
 //
 // What is sent reaches as far in azimuth as the fan: legs beyond are not followed. That fan may be wider than
 // the one that listens (GhostFanOptions), as what is sent past the field of view may come back into it.
@@ -80,8 +80,9 @@ struct GhostOptions {
 std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_names,
                                       const ParameterSet& parameters);
 
-// Rays that look for ghosts beside a fan of these: as many rows, and half of the columns for equal angles,
-// but as far aside as the transmitter sends. What they find is shared between the columns of the fan itself.
+// Rays that look for ghosts beside a fan of these: two thirds of the rows and half of the columns for equal
+// angles, but as far aside as the transmitter sends. What they find is shared between the columns of the fan
+// itself. A ghost costs three rays where an echo costs one, and is seldom as strong.
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam);
 
 // Azimuths from the outer edge of a fan's first column to that of its last.
