@@ -45,6 +45,7 @@ struct Patch {
   Eigen::Vector3d back;    // along the leg, unit length
   int col = 0;
   int triangle = 0;
+  int mirror_triangle = 0;  // the last that the leg was reflected by
   GhostLeg leg;
 };
 
@@ -124,6 +125,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
                 .back = -one.bundle.direction,
                 .col = one.col,
                 .triangle = triangle,
+                .mirror_triangle = one.triangle,
                 .leg = one.leg};
     if (patch.normal.dot(one.bundle.direction) > 0.0) patch.normal = -patch.normal;
     patch.leg.length_m = static_cast<float>(one.bundle.length_m + range_m);
@@ -148,6 +150,26 @@ bool IsHeard(const GhostOptions& options, const GhostLeg& leg) {
   return leg.azimuth_rad >= options.heard_left_rad && leg.azimuth_rad <= options.heard_right_rad;
 }
 
+// Whether an echo out by `leg`, which may be sent, and back by `other`, or the reverse, is of the list.
+bool IsWanted(const Tracing& tracing, const GhostLeg& leg, const GhostLeg& other) {
+  return leg.azimuth_rad >= tracing.leftmost_rad && leg.azimuth_rad <= tracing.rightmost_rad &&
+         (IsHeard(tracing.options, leg) || IsHeard(tracing.options, other)) &&
+         IsKept(tracing.options, 0.5F * (leg.length_m + other.length_m));
+}
+
+// A leg that leaves the sonar in a direction of the world, by flat mirrors if any.
+GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d& from_sonar,
+                 float incidence_rad) {
+  const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * from_sonar;
+  GhostLeg leg;
+  leg.length_m = static_cast<float>(length_m);
+  leg.spreading_m = leg.length_m;
+  leg.azimuth_rad = static_cast<float>(std::atan2(in_sonar.x(), in_sonar.y()));
+  leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
+  leg.incidence_rad = incidence_rad;
+  return leg;
+}
+
 // The straight legs of patches, in their order; nothing where the scene is in the way or the echo would lie
 // outside the range window.
 std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const std::vector<Patch>& patches) {
@@ -160,16 +182,9 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
     const Eigen::Vector3d to_sonar_m = tracing.sonar_m - start_m;
     const double length_m = to_sonar_m.norm();
     if (!(to_sonar_m.dot(patch.normal) > 0.0)) continue;
-    const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * -to_sonar_m / length_m;
-    GhostLeg leg;
-    leg.length_m = static_cast<float>(length_m);
-    leg.spreading_m = leg.length_m;
-    leg.azimuth_rad = static_cast<float>(std::atan2(in_sonar.x(), in_sonar.y()));
-    leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
-    leg.incidence_rad = AngleRad(to_sonar_m / length_m, patch.normal);
-    if (leg.azimuth_rad < tracing.leftmost_rad || leg.azimuth_rad > tracing.rightmost_rad) continue;
-    if (!IsHeard(tracing.options, leg) && !IsHeard(tracing.options, patch.leg)) continue;
-    if (!IsKept(tracing.options, 0.5F * (leg.length_m + patch.leg.length_m))) continue;
+    const GhostLeg leg =
+        LegBack(tracing, length_m, -to_sonar_m / length_m, AngleRad(to_sonar_m / length_m, patch.normal));
+    if (!IsWanted(tracing, leg, patch.leg)) continue;
     legs[i] = leg;
     of_ray.push_back(i);
     rays.Add(start_m, to_sonar_m / length_m, length_m - tracing.clearance_m);
@@ -181,17 +196,21 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
   return legs;
 }
 
+GhostEcho EchoOf(const Tracing& tracing, int row, const Patch& patch) {
+  return {.material = tracing.caster.TriangleMaterial(patch.triangle),
+          .both_ways = false,
+          .solid_angle_sr = static_cast<float>(tracing.fan.SolidAngleSr(row, patch.col)),
+          .tilt_rad = patch.leg.incidence_rad,
+          .leg = patch.leg,
+          .other = patch.leg};
+}
+
 void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patches,
                std::vector<GhostEcho>& echoes) {
   const std::vector<std::optional<GhostLeg>> straight = StraightLegs(tracing, patches);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
-    GhostEcho echo{.material = tracing.caster.TriangleMaterial(patch.triangle),
-                   .both_ways = false,
-                   .solid_angle_sr = static_cast<float>(tracing.fan.SolidAngleSr(row, patch.col)),
-                   .tilt_rad = patch.leg.incidence_rad,
-                   .leg = patch.leg,
-                   .other = patch.leg};
+    GhostEcho echo = EchoOf(tracing, row, patch);
     // There and back by two mirrors each is an echo of third order and more.
     if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m()) &&
         IsHeard(tracing.options, echo.leg)) {
@@ -206,6 +225,63 @@ void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patche
   }
 }
 
+// Echoes out by the mirror that showed a patch and back by one flat mirror, and the reverse: the second leg
+// by the sonar's image behind that mirror. Of two flat mirrors the one of the earlier plane shows the patch,
+// so that no pair comes twice.
+void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>& patches,
+                      std::int32_t plane_idx, std::vector<GhostEcho>& echoes) {
+  struct Candidate {
+    const Patch* patch;
+    GhostLeg leg;
+    Eigen::Vector3d back;      // from the patch towards the image
+    Eigen::Vector3d mirror_m;  // where the way meets the mirror's plane
+    double to_mirror_m;
+  };
+  const MirrorSurface::Plane& plane = tracing.mirrors.planes()[plane_idx];
+  const Eigen::Vector3d image_m = plane.ImageOf(tracing.sonar_m);
+  std::vector<Candidate> candidates;
+  FreeRays to_mirror;
+  for (const Patch& patch : patches) {
+    if (tracing.mirrors.PlaneOf(patch.mirror_triangle) >= plane_idx) continue;
+    const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
+    const Eigen::Vector3d to_image_m = image_m - start_m;
+    const double length_m = to_image_m.norm();
+    const Eigen::Vector3d back = to_image_m / length_m;
+    const double share = (plane.offset_m - plane.normal.dot(start_m)) / plane.normal.dot(to_image_m);
+    if (!(back.dot(patch.normal) > 0.0) || !(share > 0.0 && share < 1.0)) continue;
+    const Eigen::Vector3d mirror_m = start_m + share * to_image_m;
+    const Eigen::Vector3d from_sonar = (mirror_m - tracing.sonar_m).normalized();
+    const GhostLeg leg = LegBack(tracing, length_m, from_sonar, AngleRad(back, patch.normal));
+    if (!IsWanted(tracing, leg, patch.leg)) continue;
+    candidates.push_back({&patch, leg, back, mirror_m, share * length_m});
+    to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);
+  }
+  // What each meets first must be the mirror, and the rest of the way be free.
+  const FanHits hits = tracing.caster.Meet(to_mirror);
+  std::vector<std::size_t> met;
+  FreeRays to_sonar;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (hits.triangle[i] < 0 || tracing.mirrors.PlaneOf(hits.triangle[i]) != plane_idx) continue;
+    const Candidate& candidate = candidates[i];
+    const Eigen::Vector3d rest_m = tracing.sonar_m - candidate.mirror_m;
+    const double aside_m = std::copysign(tracing.clearance_m, plane.normal.dot(rest_m));
+    candidates[i].leg.mirror[0] = tracing.caster.TriangleMaterial(hits.triangle[i]);
+    met.push_back(i);
+    to_sonar.Add(candidate.mirror_m + aside_m * plane.normal, rest_m.normalized(),
+                 rest_m.norm() - 2.0 * tracing.clearance_m);
+  }
+  const std::vector<char> obstructed = tracing.caster.Obstructed(to_sonar);
+  for (std::size_t ray = 0; ray < met.size(); ++ray) {
+    if (obstructed[ray] != 0) continue;
+    const Candidate& candidate = candidates[met[ray]];
+    GhostEcho echo = EchoOf(tracing, row, *candidate.patch);
+    echo.both_ways = true;
+    echo.other = candidate.leg;
+    echo.tilt_rad = AngleRad((candidate.patch->back + candidate.back).normalized(), candidate.patch->normal);
+    echoes.push_back(echo);
+  }
+}
+
 std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, int row) {
   std::vector<GhostEcho> echoes;
   std::vector<Seen> seen = tracing.options.spots_seed ? FirstReflectionsAtSpots(tracing, row)
@@ -213,6 +289,10 @@ std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, 
   for (int level = 1; level <= tracing.options.order && !seen.empty(); ++level) {
     const std::vector<Patch> patches = PatchesSeen(tracing, level, seen);
     AddEchoes(tracing, row, patches, echoes);
+    if (level > 1 || tracing.options.order < 2) continue;
+    for (std::size_t plane = 0; plane < tracing.mirrors.planes().size(); ++plane) {
+      AddEchoesByPlane(tracing, row, patches, static_cast<std::int32_t>(plane), echoes);
+    }
   }
   return echoes;
 }

@@ -12,8 +12,9 @@
 // arrives from the ray's own azimuth and elevation. A second ray from P to the sonar finds the straight leg,
 // which must lie on the same side of P's surface. Any surface may be the mirror (sim/mirror_surface.h).
 //
-// Second order adds legs by two mirrors, one after the other, straight the other way. Not followed: out by
-// one mirror and back by another, and whatever has more reflections.
+// Second order adds legs by two mirrors, one after the other, straight the other way; and ways out by one
+// mirror and back by another, of which one is flat (found by the sonar's image behind it). Not followed:
+// between two curved mirrors, and whatever has more reflections.
 //
 // What is sent reaches as far in azimuth as the fan: legs beyond are not followed. That fan may be wider than
 // the one that listens (GhostFanOptions), as what is sent past the field of view may come back into it.

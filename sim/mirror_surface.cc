@@ -47,7 +47,10 @@ double RayBundle::SpreadingM(double range_m) const {
 }
 
 MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflects)
-    : scene_(scene), reflects_(reflects), corners_of_(scene.triangles.size(), kFlat) {
+    : scene_(scene),
+      reflects_(reflects),
+      corners_of_(scene.triangles.size(), kFlat),
+      plane_of_(scene.triangles.size(), kNoPlane) {
   for (const Eigen::Vector3f& vertex : scene.vertices_m) {
     largest_coordinate_m_ = std::max(largest_coordinate_m_, double{vertex.cwiseAbs().maxCoeff()});
   }
@@ -73,6 +76,19 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
           {NormalOf(at), std::atan2(one.cross(other).norm(), one.dot(other))});
     }
   }
+  // Planes whose figures fall to either side of a rounding are two: no path is found twice for that, as a
+  // triangle is of one of them.
+  const auto PlaneThrough = [](const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) -> Plane {
+    int largest = 0;
+    normal.cwiseAbs().maxCoeff(&largest);
+    const double sign = normal[largest] < 0.0 ? -1.0 : 1.0;
+    return {sign * normal, sign * normal.dot(point_m)};
+  };
+  const auto KeyOf = [](const Plane& plane) {
+    return std::array<long, 4>{std::lround(1e4 * plane.normal.x()), std::lround(1e4 * plane.normal.y()),
+                               std::lround(1e4 * plane.normal.z()), std::lround(1e3 * plane.offset_m)};
+  };
+  std::map<std::array<long, 4>, std::int32_t> plane_by_key;
   const double crease = std::cos(RadFromDeg(kCreaseDeg));
   for (int triangle = 0; triangle < triangles; ++triangle) {
     if (!Reflects(triangle)) continue;
@@ -88,7 +104,13 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
       flat = flat && (sum - own).norm() < kFlatWithin;
       normals[corner] = sum.cast<float>();
     }
-    if (flat) continue;
+    if (flat) {
+      const Plane plane = PlaneThrough(own, CornersM(scene, triangle)[0]);
+      const auto [at, is_new] = plane_by_key.emplace(KeyOf(plane), static_cast<std::int32_t>(planes_.size()));
+      if (is_new) planes_.push_back(plane);
+      plane_of_[triangle] = at->second;
+      continue;
+    }
     corners_of_[triangle] = static_cast<std::int32_t>(corner_normal_.size());
     corner_normal_.insert(corner_normal_.end(), normals.begin(), normals.end());
   }

@@ -45,6 +45,20 @@ class MirrorSurface {
   // it through the surface, as may happen at grazing, the triangle's own is taken.
   RayBundle Reflected(const RayBundle& bundle, int triangle, double range_m) const;
 
+  // Flat mirrors by their planes, normal . point = offset; which of them a triangle lies in, none where it is
+  // no mirror or curved.
+  struct Plane {
+    Eigen::Vector3d normal;
+    double offset_m;
+
+    Eigen::Vector3d ImageOf(const Eigen::Vector3d& point_m) const {
+      return point_m - 2.0 * (normal.dot(point_m) - offset_m) * normal;
+    }
+  };
+  static constexpr std::int32_t kNoPlane = -1;
+  const std::vector<Plane>& planes() const { return planes_; }
+  std::int32_t PlaneOf(int triangle) const { return plane_of_[triangle]; }
+
   // Of any of the scene's vertices.
   double largest_coordinate_m() const { return largest_coordinate_m_; }
 
@@ -55,6 +69,8 @@ class MirrorSurface {
   std::vector<char> reflects_;
   std::vector<std::int32_t> corners_of_;        // of a triangle: first of three in corner_normal_, or kFlat
   std::vector<Eigen::Vector3f> corner_normal_;  // unit length
+  std::vector<Plane> planes_;
+  std::vector<std::int32_t> plane_of_;  // one a triangle
   double largest_coordinate_m_ = 0.0;
 };
 

@@ -397,7 +397,10 @@ TEST(Ghosts, SecondOrderReachesTheImageOfTheImage) {
   };
   const auto by_two = [](const GhostEcho& echo) { return echo.leg.mirror[1] != kNoMirror; };
   EXPECT_EQ(count(first, by_two), 0);
-  EXPECT_EQ(count(second, [&](const GhostEcho& echo) { return !by_two(echo); }), std::ssize(first.echoes));
+  const auto of_first = [&](const GhostEcho& echo) {
+    return !by_two(echo) && (!echo.both_ways || echo.other.straight());
+  };
+  EXPECT_EQ(count(second, of_first), std::ssize(first.echoes));
   int plates = 0;
   for (const GhostEcho& echo : second.echoes) {
     if (!by_two(echo) || second.material_names[echo.material] != "plate") continue;
@@ -408,6 +411,20 @@ TEST(Ghosts, SecondOrderReachesTheImageOfTheImage) {
     ++plates;
   }
   EXPECT_GT(plates, 5);
+  // Out by the floor and back by the surface: by images 1 m below and 1.2 m above, each pair once.
+  int floor_and_surface = 0;
+  for (const GhostEcho& echo : second.echoes) {
+    if (by_two(echo) || of_first(echo) || second.material_names[echo.material] != "plate") continue;
+    EXPECT_LT(echo.leg.elevation_rad * echo.other.elevation_rad, 0.0F);
+    EXPECT_NEAR(echo.leg.length_m, std::hypot(4.0, echo.leg.elevation_rad < 0.0F ? 1.0 : 1.2), 0.04);
+    EXPECT_NEAR(echo.other.length_m, std::hypot(4.0, echo.other.elevation_rad < 0.0F ? 1.0 : 1.2), 0.04);
+    ++floor_and_surface;
+  }
+  const auto by_floor_alone = [&](const GhostEcho& echo) {
+    return of_first(echo) && !echo.both_ways && echo.leg.elevation_rad < 0.0F &&
+           second.material_names[echo.material] == "plate";
+  };
+  EXPECT_EQ(floor_and_surface, count(second, by_floor_alone));
   EXPECT_THROW(acoustics.Trace(scene, Pose{}, fan, 3), DataError);
 }
 
