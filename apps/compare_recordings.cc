@@ -63,6 +63,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
   MetricsReport report{.real = RecordingName(real.info()),
                        .simulated = RecordingName(simulated.info()),
                        .options = options.compare,
+                       .scale = real.info().scale,
                        .frames = {},
                        .aggregate = {},
                        .noise_floor = {},
@@ -74,6 +75,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
   report.options.keep_masks = static_cast<bool>(on_frame);
   FrameComparer comparer(report.options);
   std::set<std::string> notes;
+  FrameLevels levels;
   for (const int index : frames) {
     const Frame real_frame = real.ReadFrame(index);
     Frame simulated_frame = simulated.ReadFrame(index);
@@ -100,13 +102,16 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     }
     metrics.index = index;
     metrics.name = real_frame.info.name;
+    metrics.time_s = real_frame.info.time_s;
     if (on_frame) on_frame(real_frame.image, simulated_frame.image, metrics);
     metrics.masks.reset();
+    levels += metrics.levels.value();
+    metrics.levels.reset();
     notes.insert(metrics.notes.begin(), metrics.notes.end());
     report.frames.push_back(std::move(metrics));
     if (options.progress) options.progress(static_cast<int>(report.frames.size()));
   }
-  report.aggregate = AggregateFrames(report.frames);
+  report.aggregate = AggregateFrames(report.frames, std::move(levels));
   if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, options.compare);
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
