@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "data_io/json_writer.h"
+#include "metrics/csv_text.h"
 #include "metrics/figures.h"
+#include "metrics/report_json.h"
 
 namespace sonarcal {
 namespace {
@@ -263,6 +265,8 @@ Json SummaryJson(const MetricsReport& report) {
       domain == IntensityDomain::kWhole ? "whole image"
                                         : fmt::format("{} of the two object regions", ToString(domain)));
   json["noise_floor"] = NoiseFloorJson(report.noise_floor, domain);
+  json["residuals"] = ResidualsJson(report.residuals, report.residuals_by_scene);
+  if (report.against) json["against"] = AgainstJson(*report.against);
   json["notes"] = report.notes;
   return json;
 }
@@ -272,16 +276,6 @@ std::string Indented(std::string text, const std::string& margin) {
     text.insert(end + 1, margin);
   }
   return text;
-}
-
-std::string CsvText(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
 }
 
 }  // namespace
