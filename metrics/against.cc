@@ -86,11 +86,11 @@ PairedSeries SeriesOf(const std::vector<Pair>& pairs, const Figure& figure, bool
 }
 
 // `size` of the figure, beside which a rounding is none.
-Verdict Judge(const Interval& ci, double size) {
+ChangeVerdict Judge(const Interval& ci, double size) {
   constexpr double kRounding = 1e-12;
-  if (std::max(std::abs(ci.lo), std::abs(ci.hi)) <= kRounding * size) return Verdict::kSame;
-  if (ci.lo > 0.0) return Verdict::kWorse;
-  return ci.hi < 0.0 ? Verdict::kBetter : Verdict::kNotTold;
+  if (std::max(std::abs(ci.lo), std::abs(ci.hi)) <= kRounding * size) return ChangeVerdict::kSame;
+  if (ci.lo > 0.0) return ChangeVerdict::kWorse;
+  return ci.hi < 0.0 ? ChangeVerdict::kBetter : ChangeVerdict::kNotTold;
 }
 
 // How much worse the mean over frames is now, frames drawn as `indices` say.
@@ -133,9 +133,9 @@ void JudgePaired(const Figure& figure, const PairedSeries& series, bool in_time,
 void JudgeByIntervals(const std::optional<Interval>& now, const std::optional<Interval>& earlier,
                       FigureChange& change) {
   if (change.now == change.earlier) {
-    change.verdict = Verdict::kSame;
+    change.verdict = ChangeVerdict::kSame;
   } else if (now && earlier && (now->lo > earlier->hi || now->hi < earlier->lo)) {
-    change.verdict = change.worsening > 0.0 ? Verdict::kWorse : Verdict::kBetter;
+    change.verdict = change.worsening > 0.0 ? ChangeVerdict::kWorse : ChangeVerdict::kBetter;
   }
 }
 
@@ -166,21 +166,21 @@ std::vector<std::string> Notes(const MetricsReport& now, const Json& now_json, c
 
 }  // namespace
 
-std::string_view ToString(Verdict verdict) {
+std::string_view ToString(ChangeVerdict verdict) {
   switch (verdict) {
-    case Verdict::kBetter:
+    case ChangeVerdict::kBetter:
       return "better";
-    case Verdict::kWorse:
+    case ChangeVerdict::kWorse:
       return "worse";
-    case Verdict::kSame:
+    case ChangeVerdict::kSame:
       return "same";
-    case Verdict::kNotTold:
+    case ChangeVerdict::kNotTold:
       return "not_told";
   }
   return "unknown verdict";
 }
 
-int Against::Count(Verdict verdict, bool headline_only) const {
+int Against::Count(ChangeVerdict verdict, bool headline_only) const {
   return static_cast<int>(std::count_if(figures.begin(), figures.end(), [&](const FigureChange& change) {
     return change.verdict == verdict && (change.headline || !headline_only);
   }));

@@ -23,10 +23,10 @@ namespace sonarcal {
 
 struct MetricsReport;  // metrics/metrics_json.h
 
-enum class Verdict { kBetter, kWorse, kSame, kNotTold };
+enum class ChangeVerdict { kBetter, kWorse, kSame, kNotTold };
 
 // "better", "worse", "same" (but for rounding), "not_told" (the change is within the noise).
-std::string_view ToString(Verdict verdict);
+std::string_view ToString(ChangeVerdict verdict);
 
 // Means over frames of one figure, then and now.
 struct FigureChange {
@@ -38,7 +38,7 @@ struct FigureChange {
   // What changed towards the worse (Figure::Badness): over the common frames where paired, else of the means.
   double worsening = 0.0;
   std::optional<Interval> worsening_ci = {};  // where paired
-  Verdict verdict = Verdict::kNotTold;
+  ChangeVerdict verdict = ChangeVerdict::kNotTold;
   // (earlier - now) / (earlier - floor) of the badness: 1 where the change reached what no simulator beats.
   // None where no floor is known or the earlier figure was no worse than it.
   std::optional<double> explained = {};
@@ -50,7 +50,7 @@ struct Against {
   std::vector<FigureChange> figures;
   std::vector<std::string> notes;  // what makes the two hard to compare, one sentence each
 
-  int Count(Verdict verdict, bool headline_only) const;
+  int Count(ChangeVerdict verdict, bool headline_only) const;
 };
 
 // `earlier_text` is a metrics.json, `earlier_name` names it for people. Throws DataError where it is none.

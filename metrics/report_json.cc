@@ -11,7 +11,8 @@ using Json = nlohmann::ordered_json;
 
 Json Counts(const Against& against, bool headline_only) {
   Json json;
-  for (const Verdict verdict : {Verdict::kBetter, Verdict::kWorse, Verdict::kSame, Verdict::kNotTold}) {
+  for (const ChangeVerdict verdict :
+       {ChangeVerdict::kBetter, ChangeVerdict::kWorse, ChangeVerdict::kSame, ChangeVerdict::kNotTold}) {
     json[std::string(ToString(verdict))] = against.Count(verdict, headline_only);
   }
   return json;

@@ -49,9 +49,9 @@ TEST(AgainstTest, AnEqualRunIsTheSameByEveryFigure) {
   const MetricsReport run = RunOf(12, 0.0, 1);
   const Against against = CompareAgainst(run, MetricsJson(run), "earlier.json");
   EXPECT_EQ(against.common_frames, 12);
-  EXPECT_GT(against.Count(Verdict::kSame, false), 10);
-  EXPECT_EQ(against.Count(Verdict::kSame, false), static_cast<int>(against.figures.size()));
-  EXPECT_EQ(against.Count(Verdict::kSame, true), 4) << "IoU and intensity error, polar and fan";
+  EXPECT_GT(against.Count(ChangeVerdict::kSame, false), 10);
+  EXPECT_EQ(against.Count(ChangeVerdict::kSame, false), static_cast<int>(against.figures.size()));
+  EXPECT_EQ(against.Count(ChangeVerdict::kSame, true), 4) << "IoU and intensity error, polar and fan";
   EXPECT_THAT(against.notes, IsEmpty());
 }
 
@@ -60,18 +60,18 @@ TEST(AgainstTest, PairedFramesTellASmallStepInEitherDirection) {
   const MetricsReport before = RunOf(16, 0.0, 1);
   const MetricsReport after = RunOf(16, 0.02, 2);
   const Against worse = CompareAgainst(after, MetricsJson(before), "earlier.json");
-  EXPECT_EQ(ChangeOf(worse, kError).verdict, Verdict::kWorse);
+  EXPECT_EQ(ChangeOf(worse, kError).verdict, ChangeVerdict::kWorse);
   EXPECT_NEAR(ChangeOf(worse, kError).worsening, 0.02, 0.004);
   EXPECT_LT(ChangeOf(worse, kError).worsening_ci->lo, 0.02);
   EXPECT_GT(ChangeOf(worse, kError).worsening_ci->hi, 0.016);
-  EXPECT_EQ(ChangeOf(worse, "iou", true).verdict, Verdict::kWorse);
-  EXPECT_EQ(ChangeOf(worse, "intensity.union.rmse").verdict, Verdict::kWorse);
-  EXPECT_EQ(ChangeOf(worse, "intensity.union.psnr_db").verdict, Verdict::kWorse);
-  EXPECT_EQ(worse.Count(Verdict::kWorse, true), 4);
+  EXPECT_EQ(ChangeOf(worse, "iou", true).verdict, ChangeVerdict::kWorse);
+  EXPECT_EQ(ChangeOf(worse, "intensity.union.rmse").verdict, ChangeVerdict::kWorse);
+  EXPECT_EQ(ChangeOf(worse, "intensity.union.psnr_db").verdict, ChangeVerdict::kWorse);
+  EXPECT_EQ(worse.Count(ChangeVerdict::kWorse, true), 4);
 
   const Against better = CompareAgainst(before, MetricsJson(after), "earlier.json");
-  EXPECT_EQ(ChangeOf(better, kError).verdict, Verdict::kBetter);
-  EXPECT_EQ(better.Count(Verdict::kBetter, true), 4);
+  EXPECT_EQ(ChangeOf(better, kError).verdict, ChangeVerdict::kBetter);
+  EXPECT_EQ(better.Count(ChangeVerdict::kBetter, true), 4);
 
   const Interval then = before.aggregate.macro.polar.At(kError).ci.value();
   const Interval now = after.aggregate.macro.polar.At(kError).ci.value();
@@ -84,7 +84,7 @@ TEST(AgainstTest, ChangesWithinTheNoiseAreNotTold) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const Against against =
         CompareAgainst(RunOf(16, 0.0, 2 * seed), MetricsJson(RunOf(16, 0.0, 2 * seed + 1)), "earlier.json");
-    told += ChangeOf(against, kError).verdict != Verdict::kNotTold;
+    told += ChangeOf(against, kError).verdict != ChangeVerdict::kNotTold;
   }
   EXPECT_LE(told, 7);  // 2 expected, percentile intervals of 16 frames are a little narrow
 }
@@ -93,15 +93,15 @@ TEST(AgainstTest, WithoutCommonFramesTheIntervalsDecide) {
   const MetricsReport before = RunOf(16, 0.0, 1);
   const Against close = CompareAgainst(RunOf(16, 0.02, 2, 16), MetricsJson(before), "earlier.json");
   EXPECT_EQ(close.common_frames, 0);
-  EXPECT_EQ(ChangeOf(close, kError).verdict, Verdict::kNotTold);
+  EXPECT_EQ(ChangeOf(close, kError).verdict, ChangeVerdict::kNotTold);
   EXPECT_FALSE(ChangeOf(close, kError).worsening_ci);
   const Against far = CompareAgainst(RunOf(16, 0.4, 2, 16), MetricsJson(before), "earlier.json");
-  EXPECT_EQ(ChangeOf(far, kError).verdict, Verdict::kWorse);
+  EXPECT_EQ(ChangeOf(far, kError).verdict, ChangeVerdict::kWorse);
 }
 
 TEST(AgainstTest, OneFrameOnlyTellsNothing) {
   const Against against = CompareAgainst(RunOf(1, 0.3, 1), MetricsJson(RunOf(1, 0.0, 1)), "earlier.json");
-  EXPECT_EQ(ChangeOf(against, kError).verdict, Verdict::kNotTold);
+  EXPECT_EQ(ChangeOf(against, kError).verdict, ChangeVerdict::kNotTold);
 }
 
 TEST(AgainstTest, WhatMakesTheTwoHardToCompareIsNoted) {
