@@ -15,11 +15,13 @@
 #include "apps/commands.h"
 #include "apps/compare_recordings.h"
 #include "apps/comparison_pictures.h"
+#include "apps/comparison_viewer.h"
 #include "apps/drawn_floor.h"
 #include "apps/frame_range.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/comparison_section.h"
+#include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/run_output.h"
 #include "apps/scene_geometry.h"
@@ -89,8 +91,12 @@ std::string SummaryText(const MetricsReport& metrics) {
 class FrameGatherer {
  public:
   FrameGatherer(const CompareCommandOptions& options, const RecordingSource& real,
-                const std::vector<int>& frames, std::filesystem::path folder)
+                const RecordingSource& simulated, const std::vector<int>& frames,
+                std::filesystem::path folder)
       : real_(real), folder_(std::move(folder)) {
+    if (real.info().sonar.axes.Matches(simulated.info().sonar.axes)) {  // else the first frame is refused
+      valid_ = Both(real.info().valid, simulated.info().valid);
+    }
     for (const int frame : EvenlySpread(frames, options.pictures)) pictured_.insert(frame);
     if (options.scene.empty()) return;
     geometry_.emplace(ReadSceneFile(options.scene, options.scene_format, options.common), real.info().sonar);
@@ -100,7 +106,7 @@ class FrameGatherer {
   void Add(const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
     const Mask& real_object = frame.masks->polar_real;
     const Mask& simulated_object = frame.masks->polar_simulated;
-    residuals_.Add(recorded, rendered, real_object, simulated_object);
+    residuals_.Add(recorded, rendered, real_object, simulated_object, valid_ ? &*valid_ : nullptr);
     if (geometry_) AddGeometry(recorded, rendered, frame);
     if (pictured_.contains(frame.index)) WritePictures(folder_, maker_.Make(recorded, rendered, frame));
   }
@@ -127,11 +133,12 @@ class FrameGatherer {
       return;
     }
     by_scene_->Add(geometry_->At(*pose), recorded, rendered, frame.masks->polar_real,
-                   frame.masks->polar_simulated);
+                   frame.masks->polar_simulated, valid_ ? &*valid_ : nullptr);
   }
 
   const RecordingSource& real_;
   std::filesystem::path folder_;
+  std::optional<Mask> valid_;
   std::set<int> pictured_;
   PictureMaker maker_;
   ResidualCollector residuals_;
@@ -146,7 +153,13 @@ std::vector<ResidualTable> AllResiduals(const MetricsReport& metrics) {
   return tables;
 }
 
-HtmlReport MakeReport(const MetricsReport& metrics, const std::vector<FramePictures>& pictures, int pictured,
+// What the report shows of some of the frames.
+struct ShownFrames {
+  std::vector<FramePictures> telling;  // best, middle, worst
+  FrameViewer viewer;
+};
+
+HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, int pictured,
                       bool real_is_synthetic, const Json& provenance) {
   HtmlReport report("Simulated against recorded",
                     fmt::format("{} against {}", metrics.simulated, metrics.real));
@@ -156,13 +169,14 @@ HtmlReport MakeReport(const MetricsReport& metrics, const std::vector<FramePictu
   AddMetricTables(report, metrics);
   report.Section("Pictures");
   report.Paragraph(fmt::format(
-      "Shown are the frames with the lowest, the middle and the highest intensity error; pictures of {} lie "
-      "beside this page.",
+      "The frames with the lowest, the middle and the highest intensity error are shown below; pictures of "
+      "{} lie beside this page.",
       pictured == metrics.aggregate.frame_count
           ? "all frames"
           : fmt::format("{} of the {} frames, evenly spread,", pictured, metrics.aggregate.frame_count)));
   AddPictureLegend(report);
-  for (const FramePictures& frame : pictures) {
+  if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
+  for (const FramePictures& frame : shown.telling) {
     AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
   }
   AddMetricDefinitions(report, metrics);
@@ -192,7 +206,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   if (!options.params.empty()) parameters = ReadParameters(options.params);
 
   RunOutput output(options.out);
-  FrameGatherer gatherer(options, *real, frames, output.staging());
+  FrameGatherer gatherer(options, *real, *simulated, frames, output.staging());
   MetricsReport metrics;
   {
     Progress progress("Comparing", static_cast<int>(frames.size()), options.common, "frames");
@@ -203,21 +217,29 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   }
   gatherer.MoveInto(metrics);
   if (parameters) {
-    metrics.noise_floor.drawn = DrawFloor(*simulated, frames, *parameters, compare.compare);
+    metrics.noise_floor.drawn = DrawFloor(*simulated, frames, *parameters, metrics.options);
   }
   std::optional<Against> against;
   if (!options.against.empty()) against = CompareAgainst(metrics, earlier, options.against.string());
 
   // Kept pictures of every frame would grow with the recording: those of the report are made again.
+  const std::vector<int> telling = TellingFrames(metrics);
+  const PolarAxes& axes = real->info().sonar.axes;
   CompareRecordingsOptions again = compare;
-  again.frames = TellingFrames(metrics);
+  again.frames = SpreadFrames(
+      metrics, telling,
+      ViewerFrameCount(static_cast<std::size_t>(axes.range_bins) * axes.beam_count(), metrics.frames.size()));
   again.noise_floor = false;
   again.progress = {};
-  std::vector<FramePictures> telling;
+  ShownFrames shown;
   CompareRecordings(*real, *simulated, again,
                     [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-                      telling.push_back(gatherer.maker().Make(recorded, rendered, frame));
+                      shown.viewer.frames.push_back(
+                          MakeViewerFrame(recorded, rendered, frame, compare.compare.intensity_domain));
+                      if (std::ranges::find(telling, frame.index) == telling.end()) return;
+                      shown.telling.push_back(gatherer.maker().Make(recorded, rendered, frame));
                     });
+  shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), metrics.frames.size());
 
   std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
   for (const std::filesystem::path& file : {options.against, options.scene, options.params}) {
@@ -230,8 +252,10 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   WriteFileWhole(output / "residuals.csv", ResidualsCsv(AllResiduals(metrics)));
   WriteFileWhole(output / "per_frame.csv", PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
   const int pictured = std::min(options.pictures, metrics.aggregate.frame_count);
-  MakeReport(metrics, telling, pictured, real->info().synthetic, ProvenanceToJson(provenance))
-      .Write(output / "report.html");
+  const HtmlReport report =
+      MakeReport(metrics, shown, pictured, real->info().synthetic, ProvenanceToJson(provenance));
+  report.Write(output / "report.html");
+  WritePaperFiles(report, output.staging());
   WriteProvenance(output.staging(), provenance);
   const std::vector<std::string> passed =
       thresholds.empty() ? std::vector<std::string>()

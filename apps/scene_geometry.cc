@@ -71,7 +71,7 @@ GeometryResiduals::GeometryResiduals(const std::vector<std::string>& material_na
 }
 
 void GeometryResiduals::Add(const CellGeometry& geometry, const PolarImage& real, const PolarImage& simulated,
-                            const Mask& real_object, const Mask& simulated_object) {
+                            const Mask& real_object, const Mask& simulated_object, const Mask* valid) {
   SONARCAL_CHECK(
       geometry.material.rows() == real.value.rows() && geometry.material.cols() == real.value.cols(),
       "geometry of {} x {} cells, image {} x {}", geometry.material.rows(), geometry.material.cols(),
@@ -85,8 +85,9 @@ void GeometryResiduals::Add(const CellGeometry& geometry, const PolarImage& real
     const int material = geometry.material(bin, beam);
     return material == CellGeometry::kNothing ? static_cast<int>(tables_[1].classes.size()) - 1 : material;
   };
-  ResidualCollector::AddTo(tables_[0], incidence_class, real, simulated, real_object, simulated_object);
-  ResidualCollector::AddTo(tables_[1], material_class, real, simulated, real_object, simulated_object);
+  ResidualCollector::AddTo(tables_[0], incidence_class, real, simulated, real_object, simulated_object,
+                           valid);
+  ResidualCollector::AddTo(tables_[1], material_class, real, simulated, real_object, simulated_object, valid);
 }
 
 }  // namespace sonarcal

@@ -43,7 +43,7 @@ class GeometryResiduals {
   explicit GeometryResiduals(const std::vector<std::string>& material_names);
 
   void Add(const CellGeometry& geometry, const PolarImage& real, const PolarImage& simulated,
-           const Mask& real_object, const Mask& simulated_object);
+           const Mask& real_object, const Mask& simulated_object, const Mask* valid = nullptr);
 
   // "incidence" and "material", the latter with a last class for cells where nothing is met.
   const std::vector<ResidualTable>& tables() const { return tables_; }

@@ -86,7 +86,7 @@ void PutFigures(Json& json, const ViewSummary& view, const ViewSummary* floor, b
     const bool nested = dot != std::string::npos;
     Json& parent = nested ? Place(json, figure.path.substr(0, dot)) : json;
     PutStatistic(parent, nested ? figure.path.substr(dot + 1) : figure.path, view.statistics[f],
-                 floor != nullptr ? &floor->statistics[f] : nullptr);
+                 floor != nullptr && figure.better != Better::kNeither ? &floor->statistics[f] : nullptr);
   }
 }
 

@@ -10,13 +10,14 @@ int CellSize(int pixels) {
   return (pixels + ResidualCollector::kMapCells - 1) / ResidualCollector::kMapCells;
 }
 
-// Calls take(bin, beam, r, s, in_union) for every pixel.
+// Calls take(bin, beam, r, s, in_union) for every valid pixel.
 template <typename Take>
 void ForEachPixel(const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
-                  const Mask& simulated_object, Take&& take) {
+                  const Mask& simulated_object, const Mask* valid, Take&& take) {
   const double full_scale = real.scale.full_scale;
   for (int bin = 0; bin < real.value.rows(); ++bin) {
     for (int beam = 0; beam < real.value.cols(); ++beam) {
+      if (valid != nullptr && (*valid)(bin, beam) == 0) continue;
       take(bin, beam, static_cast<double>(real.value(bin, beam)) / full_scale,
            static_cast<double>(simulated.value(bin, beam)) / full_scale,
            real_object(bin, beam) != 0 || simulated_object(bin, beam) != 0);
@@ -32,7 +33,7 @@ void AddPixel(ResidualSums& sums, double r, double s, bool in_union) {
 }  // namespace
 
 void ResidualCollector::Add(const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
-                            const Mask& simulated_object) {
+                            const Mask& simulated_object, const Mask* valid) {
   if (frames_ == 0) {
     axes_ = real.axes;
     by_bin_.resize(axes_.range_bins);
@@ -46,7 +47,7 @@ void ResidualCollector::Add(const PolarImage& real, const PolarImage& simulated,
     return;
   }
   ++frames_;
-  ForEachPixel(real, simulated, real_object, simulated_object,
+  ForEachPixel(real, simulated, real_object, simulated_object, valid,
                [&](int bin, int beam, double r, double s, bool in_union) {
                  AddPixel(by_bin_[bin], r, s, in_union);
                  AddPixel(by_beam_[beam], r, s, in_union);
@@ -56,8 +57,8 @@ void ResidualCollector::Add(const PolarImage& real, const PolarImage& simulated,
 
 void ResidualCollector::AddTo(ResidualTable& table, const std::function<int(int bin, int beam)>& class_of,
                               const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
-                              const Mask& simulated_object) {
-  ForEachPixel(real, simulated, real_object, simulated_object,
+                              const Mask& simulated_object, const Mask* valid) {
+  ForEachPixel(real, simulated, real_object, simulated_object, valid,
                [&](int bin, int beam, double r, double s, bool in_union) {
                  const int index = class_of(bin, beam);
                  if (index >= 0) AddPixel(table.classes.at(index).sums, r, s, in_union);

@@ -47,15 +47,15 @@ class ResidualCollector {
   static constexpr int kMapCells = 64;
 
   // Adds a frame. Frames whose axes differ from the first one's are left out, and counted. Everything
-  // range_bins x beam_count.
+  // range_bins x beam_count; `valid` null: every pixel counts.
   void Add(const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
-           const Mask& simulated_object);
+           const Mask& simulated_object, const Mask* valid = nullptr);
 
   // Adds a frame to a table of the caller's: `class_of(bin, beam)` is an index into table.classes, or less
   // than 0 for a pixel that belongs to none.
   static void AddTo(ResidualTable& table, const std::function<int(int bin, int beam)>& class_of,
                     const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
-                    const Mask& simulated_object);
+                    const Mask& simulated_object, const Mask* valid = nullptr);
 
   int frames() const { return frames_; }
   int frames_left_out() const { return frames_left_out_; }

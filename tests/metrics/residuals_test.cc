@@ -72,6 +72,15 @@ TEST(ResidualsTest, FramesOfOtherAxesAreLeftOut) {
   EXPECT_EQ(residuals.frames_left_out(), 1);
 }
 
+TEST(ResidualsTest, PixelsWithoutMeasurementCountNowhere) {
+  const PolarImage real = ImageOf(2, 2, 50.0F), simulated = ImageOf(2, 2, 60.0F);
+  const Mask all(2, 2, 1), valid = MaskOf({"#.", "##"});
+  ResidualCollector residuals;
+  residuals.Add(real, simulated, all, all, &valid);
+  EXPECT_EQ(residuals.ByRange().classes[0].sums.whole.pixels, 1);
+  EXPECT_EQ(residuals.ByBeam().classes[1].sums.union_region.pixels, 1);
+}
+
 TEST(ResidualsTest, PixelsGoIntoTheClassesOfTheCaller) {
   ResidualTable table{.by = "material", .unit = {}, .classes = {}};
   table.classes.push_back({.name = "sand, wet", .from = std::nullopt});
