@@ -11,27 +11,6 @@
 namespace sonarcal {
 namespace {
 
-std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
-                                 const std::vector<int>& asked) {
-  const int real_count = real.frame_count();
-  const int simulated_count = simulated.frame_count();
-  if (!asked.empty()) {
-    const int last = *std::max_element(asked.begin(), asked.end());
-    if (last >= std::min(real_count, simulated_count)) {
-      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
-                      real.info().source, real_count, simulated.info().source, simulated_count);
-    }
-    return asked;
-  }
-  if (real_count != simulated_count) {
-    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
-                    real.info().source, real_count, simulated.info().source, simulated_count);
-  }
-  std::vector<int> all(static_cast<std::size_t>(real_count));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
 // Says which way out there is, where the scales differ.
 void CheckScales(const ImageScale& real, const ImageScale& simulated, double tolerance_db) {
   const auto check = [&](const char* field, const std::optional<double>& a, const std::optional<double>& b) {
@@ -58,11 +37,33 @@ void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
 
 }  // namespace
 
+std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
+                                 const std::vector<int>& asked) {
+  const int real_count = real.frame_count();
+  const int simulated_count = simulated.frame_count();
+  if (!asked.empty()) {
+    const int last = *std::max_element(asked.begin(), asked.end());
+    if (last >= std::min(real_count, simulated_count)) {
+      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
+                      real.info().source, real_count, simulated.info().source, simulated_count);
+    }
+    return asked;
+  }
+  if (real_count != simulated_count) {
+    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
+                    real.info().source, real_count, simulated.info().source, simulated_count);
+  }
+  std::vector<int> all(static_cast<std::size_t>(real_count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
 MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
                                 const CompareRecordingsOptions& options, const OnComparedFrame& on_frame) {
   MetricsReport report{.real = RecordingName(real.info()),
                        .simulated = RecordingName(simulated.info()),
                        .options = options.compare,
+                       .scale = real.info().scale,
                        .frames = {},
                        .aggregate = {},
                        .noise_floor = {},
@@ -77,6 +78,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
   }
   FrameComparer comparer(report.options);
   std::set<std::string> notes;
+  FrameLevels levels;
   for (const int index : frames) {
     const Frame real_frame = real.ReadFrame(index);
     Frame simulated_frame = simulated.ReadFrame(index);
@@ -103,13 +105,16 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     }
     metrics.index = index;
     metrics.name = real_frame.info.name;
+    metrics.time_s = real_frame.info.time_s;
     if (on_frame) on_frame(real_frame.image, simulated_frame.image, metrics);
     metrics.masks.reset();
+    levels += metrics.levels.value();
+    metrics.levels.reset();
     notes.insert(metrics.notes.begin(), metrics.notes.end());
     report.frames.push_back(std::move(metrics));
     if (options.progress) options.progress(static_cast<int>(report.frames.size()));
   }
-  report.aggregate = AggregateFrames(report.frames);
+  report.aggregate = AggregateFrames(report.frames, std::move(levels));
   if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, report.options);
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
@@ -134,6 +139,17 @@ std::vector<int> TellingFrames(const MetricsReport& report) {
   const std::set<int> chosen = {by_error.front()->index, by_error[by_error.size() / 2]->index,
                                 by_error.back()->index};
   return {chosen.begin(), chosen.end()};
+}
+
+std::vector<int> EvenlySpread(const std::vector<int>& frames, int count) {
+  const int all = static_cast<int>(frames.size());
+  if (count >= all) return frames;
+  std::vector<int> chosen;
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t steps = std::max(1, count - 1);
+    chosen.push_back(frames[static_cast<std::size_t>(std::int64_t{i} * (all - 1) / steps)]);
+  }
+  return chosen;
 }
 
 }  // namespace sonarcal

@@ -56,10 +56,21 @@ Mask MadeOf(const Mask& valid, const FanMap& map) {
   return made;
 }
 
+// `levels` receives the counts that the distances come from.
 ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
-                    const Mask& real_object, const Mask& simulated_object, const Mask* inside) {
-  return {CountOccupancy(real_object, simulated_object),
-          MeasureIntensityError(real, simulated, full_scale, real_object, simulated_object, inside)};
+                    const Mask& real_object, const Mask& simulated_object, const Mask* inside,
+                    LevelHistograms& levels) {
+  levels = CountLevels(real, simulated, full_scale, real_object, simulated_object, inside);
+  ViewMetrics metrics{
+      .occupancy = CountOccupancy(real_object, simulated_object),
+      .intensity = MeasureIntensityError(real, simulated, full_scale, real_object, simulated_object, inside),
+      .ssim = MeasureSsim(real, simulated, full_scale, real_object, simulated_object, inside),
+      .speckle = {},
+      .distribution = {}};
+  for (std::size_t i = 0; i < levels.over.size(); ++i) {
+    metrics.distribution[i] = levels.over[i].Distances();
+  }
+  return metrics;
 }
 
 }  // namespace
@@ -73,6 +84,15 @@ void CompareOptions::Check() const {
 ViewMetrics& ViewMetrics::operator+=(const ViewMetrics& other) {
   occupancy += other.occupancy;
   intensity += other.intensity;
+  ssim += other.ssim;
+  speckle += other.speckle;
+  distribution = {};
+  return *this;
+}
+
+FrameLevels& FrameLevels::operator+=(const FrameLevels& other) {
+  polar += other.polar;
+  fan += other.fan;
   return *this;
 }
 
@@ -127,8 +147,12 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   metrics.threshold_real = in_real.threshold;
   metrics.threshold_simulated = in_simulated.threshold;
   const double full_scale = real.scale.full_scale;
-  metrics.polar =
-      Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, valid);
+  FrameLevels& levels = metrics.levels.emplace();
+  metrics.polar = Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, valid,
+                          levels.polar);
+  const ImageScale& scale = StatesScale(real.scale) ? real.scale : simulated.scale;
+  metrics.polar.speckle =
+      MeasureSpeckle(real.value, simulated.value, scale, in_real.object, in_simulated.object, valid);
 
   for (const auto& [which, count] :
        {std::pair{"real", metrics.polar.occupancy.nr}, std::pair{"simulated", metrics.polar.occupancy.ns}}) {
@@ -141,7 +165,7 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   std::optional<Mask> fan_inside;  // where not all samples are valid
   if (valid != nullptr) fan_inside = MadeOf(*valid, map);
   metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
-                        fan_simulated, fan_inside ? &*fan_inside : &map.inside());
+                        fan_simulated, fan_inside ? &*fan_inside : &map.inside(), levels.fan);
   if (options_.keep_masks) {
     metrics.masks = FrameMasks{std::move(in_real.object), std::move(in_simulated.object), std::move(fan_real),
                                std::move(fan_simulated)};

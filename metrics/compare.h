@@ -11,6 +11,7 @@
 // compared: a level in dB is displayed first, so that "full scale" means something.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +20,11 @@
 #include "data_io/types/image.h"
 #include "data_io/types/mask.h"
 #include "metrics/intensity.h"
+#include "metrics/level_histograms.h"
 #include "metrics/occupancy.h"
 #include "metrics/segmentation.h"
+#include "metrics/speckle.h"
+#include "metrics/ssim.h"
 
 namespace sonarcal {
 
@@ -39,10 +43,15 @@ struct CompareOptions {
   void Check() const;
 };
 
-// What is measured in one view (polar or fan), of one frame or of several pooled.
+// What is measured in one view (polar or fan), of one frame or of several pooled. metrics/figures.h names the
+// figures that follow from it.
 struct ViewMetrics {
   Occupancy occupancy;
   IntensityError intensity;
+  StructuralSimilarity ssim;
+  SpeckleMeasures speckle;  // of the polar view; without blocks in the fan
+  // By LevelDomain. Distances do not add up: pooled frames have none but those of their pooled levels.
+  std::array<LevelDistances, kLevelDomains.size()> distribution;
 
   ViewMetrics& operator+=(const ViewMetrics& other);
 };
@@ -54,15 +63,26 @@ struct FrameMasks {
   Mask fan_simulated;
 };
 
+// Levels of both views, of one frame or of several pooled.
+struct FrameLevels {
+  LevelHistograms polar;
+  LevelHistograms fan;
+
+  FrameLevels& operator+=(const FrameLevels& other);
+};
+
 struct FrameMetrics {
-  int index = 0;     // the caller's number for the frame
-  std::string name;  // and name, for people
+  int index = 0;                 // the caller's number for the frame
+  std::string name;              // and name, for people
+  std::optional<double> time_s;  // of the recorded frame, where the caller knows it
   ViewMetrics polar;
   ViewMetrics fan;
   double threshold_real = 0.0;  // grey level above which a (smoothed) pixel was object
   double threshold_simulated = 0.0;
   std::vector<std::string> notes;   // one sentence each
   std::optional<FrameMasks> masks;  // where CompareOptions::keep_masks
+  // Of pixels; whoever compares many frames pools them (metrics/aggregate.h) and lets go of each frame's.
+  std::optional<FrameLevels> levels;
 };
 
 // The dB between 0 and full scale, where the scale states them.
