@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data_io/json_writer.h"
+#include "metrics/segmentation_json.h"
 
 namespace sonarcal {
 namespace {
@@ -142,39 +143,6 @@ Json MicroJson(const Aggregate& aggregate, IntensityDomain domain) {
   return json;
 }
 
-Json SegmentationJson(const CompareOptions& options) {
-  const SegmentationOptions& segmentation = options.segmentation;
-  Json parameters;
-  switch (segmentation.method) {
-    case SegmentationMethod::kBackgroundSigma:
-      parameters["background"] = std::string(ToString(segmentation.background));
-      parameters["sigma_count"] = segmentation.sigma_count;
-      parameters["min_contrast"] = segmentation.min_contrast;
-      break;
-    case SegmentationMethod::kFixedThreshold:
-      parameters["threshold_fraction"] = segmentation.threshold_fraction;
-      break;
-    case SegmentationMethod::kOtsu:
-      break;
-  }
-  parameters["median_px"] = segmentation.median_px;
-  parameters["blur_rows"] = segmentation.blur_rows;
-  parameters["blur_cols"] = segmentation.blur_cols;
-  parameters["open_rows"] = segmentation.open_rows;
-  parameters["open_cols"] = segmentation.open_cols;
-  parameters["close_rows"] = segmentation.close_rows;
-  parameters["close_cols"] = segmentation.close_cols;
-  parameters["min_area_px"] = segmentation.min_area_px;
-  parameters["largest_component_only"] = segmentation.largest_component_only;
-
-  Json json;
-  json["method"] = std::string(ToString(segmentation.method));
-  json["parameters"] = std::move(parameters);
-  json["applied_to"] = "the polar images; fan regions are scan-converted, nearest";
-  json["region_of_interest_px"] = options.region ? Json(CountSet(*options.region)) : Json(nullptr);
-  return json;
-}
-
 Json IntervalJson(const Aggregate& aggregate) {
   Json json;
   json["level"] = 0.95;
@@ -233,7 +201,10 @@ std::string MetricsJson(const MetricsReport& report) {
   json["macro"] = MacroJson(report.aggregate, domain);
   json["micro"] = MicroJson(report.aggregate, domain);
   json["ci"] = IntervalJson(report.aggregate);
-  json["segmentation"] = SegmentationJson(report.options);
+  json["segmentation"] = SegmentationJson(report.options.segmentation);
+  json["segmentation"]["applied_to"] = "the polar images; fan regions are scan-converted, nearest";
+  json["segmentation"]["region_of_interest_px"] =
+      report.options.region ? Json(CountSet(*report.options.region)) : Json(nullptr);
   json["intensity_error_definition"] = fmt::format(
       "mean of |simulated - real| / full scale over the {}",
       domain == IntensityDomain::kWhole ? "whole image"

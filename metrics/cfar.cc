@@ -1,0 +1,122 @@
+#include "metrics/cfar.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "metrics/false_alarm.h"
+#include "metrics/local_sums.h"
+
+namespace sonarcal {
+namespace {
+
+// Of grey levels, in parts of full scale.
+constexpr double kLeastSpread = 1e-3;
+// Of the ordered statistic in grey: with os_quantile it tells the background's spread.
+constexpr double kLowerPart = 1.0 / 3.0;
+
+int CellPixels(const SegmentationOptions& options) {
+  return options.cell_rows * options.cell_cols;
+}
+
+// Calls `decades(window, row, col)` for each pixel, row by row.
+template <typename Decades>
+Grid<float> EveryPixel(int rows, int cols, const SegmentationOptions& options, Decades decades) {
+  const TrainingShape shape = {options.guard_rows, options.guard_cols, options.training_rows,
+                               options.training_cols};
+  Grid<float> result(rows, cols);
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < cols; ++col) {
+      const TrainingWindow window = WindowAt(shape, row, col, rows, cols);
+      if (window.count() <= 0) {
+        throw DataError(
+            "segmentation by {}: no training cell about pixel (row {}, column {}) of {} x {}, expected an "
+            "image larger than the guard of {} rows and {} columns to each side",
+            ToString(options.method), row, col, rows, cols, options.guard_rows, options.guard_cols);
+      }
+      result(row, col) = static_cast<float>(decades(window, row, col));
+    }
+  }
+  return result;
+}
+
+int RankOf(double quantile, int count) {
+  return std::clamp(static_cast<int>(std::lround(quantile * count)), 1, count);
+}
+
+Grid<float> CaInPower(const Grid<float>& power, const SegmentationOptions& options) {
+  const Grid<float> cell = BoxMean(power, options.cell_rows, options.cell_cols);
+  const LocalSums sums(power);
+  const double cell_looks = options.looks * CellPixels(options);
+  return EveryPixel(power.rows(), power.cols(), options,
+                    [&](const TrainingWindow& window, int row, int col) -> double {
+                      const double mean = sums.Over(window).mean;
+                      if (!(mean > 0.0)) return cell(row, col) > 0.0F ? kMostDecades : 0.0;
+                      return CellAveragingDecades(cell_looks, options.looks * window.count(),
+                                                  cell(row, col) / mean);
+                    });
+}
+
+// Ordered by level: a few echoes must not use up the classes that LocalOrder has.
+Grid<float> LevelsOf(const Grid<float>& power) {
+  static constexpr float kSilence = 1e-30F;
+  Grid<float> level(power.rows(), power.cols());
+  std::transform(power.values().begin(), power.values().end(), level.values().begin(),
+                 [](float p) { return std::log(std::max(p, kSilence)); });
+  return level;
+}
+
+Grid<float> OsInPower(const Grid<float>& power, const SegmentationOptions& options) {
+  const Grid<float> cell = LevelsOf(BoxMean(power, options.cell_rows, options.cell_cols));
+  LocalOrder order(LevelsOf(power));
+  std::map<int, OrderedStatisticLaw> laws;  // by the number of training cells, of which there are few
+  return EveryPixel(
+      power.rows(), power.cols(), options, [&](const TrainingWindow& window, int row, int col) -> double {
+        order.MoveTo(window);
+        const int rank = RankOf(options.os_quantile, window.count());
+        auto law = laws.find(window.count());
+        if (law == laws.end()) {
+          law = laws.emplace(window.count(), OrderedStatisticLaw(options.looks * CellPixels(options),
+                                                                 options.looks, window.count(), rank))
+                    .first;
+        }
+        return law->second.Decades(std::exp(cell(row, col) - order.RankthSmallest(rank)));
+      });
+}
+
+}  // namespace
+
+Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptions& options) {
+  return options.method == SegmentationMethod::kCaCfar ? CaInPower(power, options)
+                                                       : OsInPower(power, options);
+}
+
+Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale,
+                              const SegmentationOptions& options) {
+  // Means of grey levels of a logarithmic display lie about as the logarithm of a mean of as many looks.
+  const Grid<float> cell = BoxMean(grey, options.cell_rows, options.cell_cols);
+  const double looks = options.looks * CellPixels(options);
+  const double least_spread = kLeastSpread * full_scale;
+  if (options.method == SegmentationMethod::kCaCfar) {
+    const LocalSums sums(cell);
+    return EveryPixel(cell.rows(), cell.cols(), options,
+                      [&](const TrainingWindow& window, int row, int col) -> double {
+                        const Moments moments = sums.Over(window);
+                        return LogMeanDecades(looks, looks,
+                                              (cell(row, col) - moments.mean) /
+                                                  std::max(moments.spread, least_spread));
+                      });
+  }
+  LocalOrder order(cell);
+  const double lower = kLowerPart * options.os_quantile;
+  const LogQuantileLaw law(looks, looks, lower, options.os_quantile);
+  return EveryPixel(cell.rows(), cell.cols(), options,
+                    [&](const TrainingWindow& window, int row, int col) -> double {
+                      order.MoveTo(window);
+                      const double high = order.RankthSmallest(RankOf(options.os_quantile, window.count()));
+                      const double low = order.RankthSmallest(RankOf(lower, window.count()));
+                      return law.Decades((cell(row, col) - high) / std::max(high - low, least_spread));
+                    });
+}
+
+}  // namespace sonarcal
