@@ -27,8 +27,10 @@ Grid<float> PowerOfGrey(const Grid<float>& grey, double full_scale,
   Grid<float> power(grey.rows(), grey.cols());
   for (std::size_t i = 0; i < grey.size(); ++i) {
     const float level = grey.values()[i];
-    const bool whole = level >= 0.0F && level < static_cast<float>(of_level.size()) && level == std::floor(level);
-    power.values()[i] = whole ? of_level[static_cast<std::size_t>(level)] : static_cast<float>(power_of(level));
+    const bool whole =
+        level >= 0.0F && level < static_cast<float>(of_level.size()) && level == std::floor(level);
+    power.values()[i] =
+        whole ? of_level[static_cast<std::size_t>(level)] : static_cast<float>(power_of(level));
   }
   return power;
 }

@@ -6,13 +6,13 @@
 //
 // Made in polar coordinates, where a cell is a range bin of a beam and speckle has one grain everywhere.
 //
-// What is returned is the chance, in decades (metrics/false_alarm.h), that background alone is as high: a cell
-// is object where it has more decades than -log10 of the false-alarm rate. In power that rate holds where the
-// background is even over the window, its pixels are independent and have `looks` looks (tests: within
-// sampling error on exponential and Gamma noise). In grey it holds for logarithmic displays of any slope
-// that clip little, with many training cells; elsewhere it is nominal. Where neighbouring pixels are alike, as
-// an oversampled sonar's are, means of several pixels have fewer looks than is taken here, and more cells
-// pass than is stated.
+// What is returned is the chance, in decades (metrics/false_alarm.h), that background alone is as high: a
+// cell is object where it has more decades than -log10 of the false-alarm rate. In power that rate holds
+// where the background is even over the window, its pixels are independent and have `looks` looks (tests:
+// within sampling error on exponential and Gamma noise). In grey it holds for logarithmic displays of any
+// slope that clip little, with many training cells; elsewhere it is nominal. Where neighbouring pixels are
+// alike, as an oversampled sonar's are, means of several pixels have fewer looks than is taken here, and more
+// cells pass than is stated.
 #pragma once
 
 #include "data_io/types/image.h"

@@ -65,7 +65,7 @@ OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int co
   SONARCAL_CHECK(rank >= 1 && rank <= count, "rank {} of {}", rank, count);
   if (closed_form_) return;
   // The share of the law below the rank-th smallest is Beta(rank, count - rank + 1) distributed.
-  constexpr int kNodes = 400;
+  constexpr int kNodes = 200;
   const double a = rank;
   const double b = count - rank + 1;
   const double mean = a / (a + b);
@@ -75,9 +75,8 @@ OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int co
   double total = 0.0;
   for (int i = 0; i < kNodes; ++i) {
     const double share = low + (high - low) * (i + 0.5) / kNodes;
-    const double density =
-        std::exp((a - 1.0) * std::log(share) + (b - 1.0) * std::log1p(-share) + std::lgamma(a + b) -
-                 std::lgamma(a) - std::lgamma(b));
+    const double density = std::exp((a - 1.0) * std::log(share) + (b - 1.0) * std::log1p(-share) +
+                                    std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b));
     if (!(density > 0.0)) continue;
     value_.push_back(GammaQuantile(looks, share));
     weight_.push_back(density);
@@ -85,8 +84,7 @@ OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int co
   }
   for (double& weight : weight_) weight /= total;
   for (int step = 0; step <= kTableSteps; ++step) {
-    decades_.push_back(
-        ByQuadrature(std::exp(kLowestLog + (kHighestLog - kLowestLog) * step / kTableSteps)));
+    decades_.push_back(ByQuadrature(std::exp(kLowestLog + (kHighestLog - kLowestLog) * step / kTableSteps)));
   }
 }
 

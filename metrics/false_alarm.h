@@ -20,10 +20,10 @@ double GammaTailDecades(double looks, double ratio);
 // freedom each. One look each, N training cells: (1 + ratio / N)^-N (Finn & Johnson 1968).
 double CellAveragingDecades(double cell_looks, double training_looks, double ratio);
 
-// Ordered-statistic CFAR (Rohling 1983): P(cell > ratio x the rank-th smallest of `count` training cells), the
-// cell with `cell_looks`, training cells with `looks` looks each. One look each:
-// product over i < rank of (count - i) / (count - i + ratio). Otherwise by quadrature over the law of the
-// rank-th smallest, tabulated: within 1e-3 decades.
+// Ordered-statistic CFAR (Rohling 1983): P(cell > ratio x the rank-th smallest of `count` training cells),
+// the cell with `cell_looks`, training cells with `looks` looks each. One look each: product over i < rank of
+// (count - i) / (count - i + ratio). Otherwise by quadrature over the law of the rank-th smallest, tabulated:
+// within 1e-3 decades.
 class OrderedStatisticLaw {
  public:
   // 1 <= rank <= count.
@@ -65,7 +65,8 @@ class LogQuantileLaw {
   double distance_log_;
 };
 
-// The ratio below which a share `chance`, 0..1 exclusive, of a Gamma variable of mean 1 and shape `looks` lies.
+// The ratio below which a share `chance`, 0..1 exclusive, of a Gamma variable of mean 1 and shape `looks`
+// lies.
 double GammaQuantile(double looks, double chance);
 
 }  // namespace sonarcal

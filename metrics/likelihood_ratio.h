@@ -1,5 +1,6 @@
 // A cell against the fitted law of the background (metrics/background_law.h): is the mean power m of its n
-// pixels, each over the law's mean power there, that of the background (1) or a larger one, whatever its size?
+// pixels, each over the law's mean power there, that of the background (1) or a larger one, whatever its
+// size?
 //
 // The generalised likelihood ratio of the two, Gamma distributed with L looks, is
 //   ln ratio = n L (m - 1 - ln m)   for m > 1, else 0,

@@ -22,8 +22,8 @@ struct PolygonCorner {
   double azimuth_deg = 0.0;
 };
 
-// The pixels whose centres lie inside the polygon (even-odd rule; sides straight in range and azimuth). Throws
-// DataError where there are fewer than three corners, or one is not finite.
+// The pixels whose centres lie inside the polygon (even-odd rule; sides straight in range and azimuth).
+// Throws DataError where there are fewer than three corners, or one is not finite.
 Mask InsidePolygon(const std::vector<PolygonCorner>& corners, const PolarAxes& axes);
 
 }  // namespace sonarcal

@@ -153,10 +153,10 @@ Grid<float> Decades(const Grid<float>& value, const ImageScale& scale, const Seg
     throw DataError("segmentation by {} in power, but the image does not state its dB scale; expected grey",
                     ToString(options.method));
   }
-  return CfarDecadesInPower(
-      PowerOfGrey(value, scale.full_scale,
-                  options.background_law ? options.background_law->power_of_value : LogDisplayPower(*span_db)),
-      options);
+  return CfarDecadesInPower(PowerOfGrey(value, scale.full_scale,
+                                        options.background_law ? options.background_law->power_of_value
+                                                               : LogDisplayPower(*span_db)),
+                            options);
 }
 
 }  // namespace
@@ -202,9 +202,10 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
 
   if (SettingUnit(options.method) == SettingUnit(SegmentationMethod::kCaCfar)) {
     if (valid != nullptr) {
-      throw DataError("segmentation by {} works on polar images, whose pixels all are valid; this one has a "
-                      "mask of valid pixels",
-                      ToString(options.method));
+      throw DataError(
+          "segmentation by {} works on polar images, whose pixels all are valid; this one has a "
+          "mask of valid pixels",
+          ToString(options.method));
     }
     score_ = Decades(value, scale, options);
     setting_ = -std::log10(options.false_alarm_rate);
@@ -231,10 +232,9 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
       break;
     }
     case SegmentationMethod::kLocalContrast:
-      score_ = LocalContrast(score_,
-                             {options.guard_rows, options.guard_cols, options.training_rows,
-                              options.training_cols},
-                             valid);
+      score_ = LocalContrast(
+          score_, {options.guard_rows, options.guard_cols, options.training_rows, options.training_cols},
+          valid);
       setting_ = ContrastFraction(scale, options);
       // Rounding alone is no contrast.
       least_ = kEqual * full_scale;

@@ -19,7 +19,8 @@ void Morph(Mask& mask, cv::MorphTypes operation, int rows, int cols) {
   const cv::Size size(std::max(1, cols), std::max(1, rows));
   cv::Mat1b pixels = PixelsOf(mask);
   cv::Mat1b padded;
-  cv::copyMakeBorder(pixels, padded, size.height, size.height, size.width, size.width, cv::BORDER_CONSTANT, 0);
+  cv::copyMakeBorder(pixels, padded, size.height, size.height, size.width, size.width, cv::BORDER_CONSTANT,
+                     0);
   cv::morphologyEx(padded, padded, operation, cv::getStructuringElement(cv::MORPH_RECT, size));
   padded(cv::Rect(size.width, size.height, mask.cols(), mask.rows())).copyTo(pixels);
 }

@@ -1,4 +1,5 @@
-// What is done to the pixels above a threshold before they are called object (metrics/segmentation.h, step 3).
+// What is done to the pixels above a threshold before they are called object (metrics/segmentation.h, step
+// 3).
 #pragma once
 
 #include "data_io/types/mask.h"

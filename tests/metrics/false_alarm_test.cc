@@ -26,7 +26,8 @@ TEST(FalseAlarmTest, OneLookIsAnExponential) {
 TEST(FalseAlarmTest, TwoLooksHaveAClosedForm) {
   // Gamma of shape 2, mean 1: P(x > r) = (1 + 2 r) exp(-2 r).
   for (const double ratio : {0.1, 1.0, 4.0, 12.0}) {
-    EXPECT_NEAR(GammaTailDecades(2.0, ratio), -std::log10((1.0 + 2.0 * ratio) * std::exp(-2.0 * ratio)), 1e-10)
+    EXPECT_NEAR(GammaTailDecades(2.0, ratio), -std::log10((1.0 + 2.0 * ratio) * std::exp(-2.0 * ratio)),
+                1e-10)
         << ratio;
   }
 }

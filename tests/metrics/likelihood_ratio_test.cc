@@ -35,8 +35,7 @@ Grid<float> Draw(const BackgroundLaw& law, std::uint64_t seed, double full_scale
   Grid<float> grey(law.mean_power.rows(), law.mean_power.cols());
   for (std::size_t i = 0; i < grey.size(); ++i) {
     const double level_db = 10.0 * std::log10(law.mean_power.values()[i] * speckle(random));
-    grey.values()[i] =
-        static_cast<float>(std::round(std::clamp(level_db / kSpanDb, 0.0, 1.0) * full_scale));
+    grey.values()[i] = static_cast<float>(std::round(std::clamp(level_db / kSpanDb, 0.0, 1.0) * full_scale));
   }
   return grey;
 }

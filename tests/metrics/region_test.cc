@@ -48,7 +48,13 @@ TEST(InsidePolygonTest, PixelsWhoseCentresLieInside) {
 
 TEST(InsidePolygonTest, AHollowPolygonLeavesItsHollowOut) {
   // A U, open to far range.
-  EXPECT_EQ(InsidePolygon({{1.0, -2.5}, {1.0, 2.5}, {5.0, 2.5}, {5.0, 1.5}, {2.0, 1.5}, {2.0, -1.5}, {5.0, -1.5},
+  EXPECT_EQ(InsidePolygon({{1.0, -2.5},
+                           {1.0, 2.5},
+                           {5.0, 2.5},
+                           {5.0, 1.5},
+                           {2.0, 1.5},
+                           {2.0, -1.5},
+                           {5.0, -1.5},
                            {5.0, -2.5}},
                           FiveBeams()),
             MaskOf({"#####", "#...#", "#...#", "#...#"}));
