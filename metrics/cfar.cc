@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <utility>
 
 #include "metrics/false_alarm.h"
 #include "metrics/local_sums.h"
@@ -44,16 +46,49 @@ int RankOf(double quantile, int count) {
   return std::clamp(static_cast<int>(std::lround(quantile * count)), 1, count);
 }
 
+// A law for each number of training cells, made when first asked for. With a closed form it costs nothing;
+// without, laws are tabulated for numbers 3 % apart, which moves a chance by less than 0.01 decades.
+template <typename Law>
+class LawsByCount {
+ public:
+  LawsByCount(bool closed_form, std::function<Law(int count)> make)
+      : closed_form_(closed_form), make_(std::move(make)) {}
+
+  const Law& Of(int count) {
+    const int like = closed_form_ ? count : Alike(count);
+    auto law = laws_.find(like);
+    if (law == laws_.end()) law = laws_.emplace(like, make_(like)).first;
+    return law->second;
+  }
+
+ private:
+  static int Alike(int count) {
+    const double step = std::log(1.03);
+    return std::max(1, static_cast<int>(std::lround(std::exp(step * std::round(std::log(count) / step)))));
+  }
+
+  bool closed_form_;
+  std::function<Law(int count)> make_;
+  std::map<int, Law> laws_;
+};
+
 Grid<float> CaInPower(const Grid<float>& power, const SegmentationOptions& options) {
   const Grid<float> cell = BoxMean(power, options.cell_rows, options.cell_cols);
   const LocalSums sums(power);
   const double cell_looks = options.looks * CellPixels(options);
-  return EveryPixel(
-      power.rows(), power.cols(), options, [&](const TrainingWindow& window, int row, int col) -> double {
-        const double mean = sums.Over(window).mean;
-        if (!(mean > 0.0)) return cell(row, col) > 0.0F ? kMostDecades : 0.0;
-        return CellAveragingDecades(cell_looks, options.looks * window.count(), cell(row, col) / mean);
-      });
+  const bool closed_form = cell_looks == 1.0;
+  LawsByCount<DecadesTable> laws(closed_form, [&](int count) {
+    return DecadesTable(
+        [&, count](double ratio) { return CellAveragingDecades(cell_looks, options.looks * count, ratio); });
+  });
+  return EveryPixel(power.rows(), power.cols(), options,
+                    [&](const TrainingWindow& window, int row, int col) -> double {
+                      const double mean = sums.Over(window).mean;
+                      if (!(mean > 0.0)) return cell(row, col) > 0.0F ? kMostDecades : 0.0;
+                      const double ratio = cell(row, col) / mean;
+                      return closed_form ? CellAveragingDecades(1.0, window.count(), ratio)
+                                         : laws.Of(window.count())(ratio);
+                    });
 }
 
 // Ordered by level: a few echoes must not use up the classes that LocalOrder has.
@@ -65,41 +100,13 @@ Grid<float> LevelsOf(const Grid<float>& power) {
   return level;
 }
 
-// Laws of the ordered statistic by number of training cells. Without a closed form they are made for numbers
-// 3 % apart, which moves a chance by less than 0.01 decades.
-class OrderedStatisticLaws {
- public:
-  explicit OrderedStatisticLaws(const SegmentationOptions& options)
-      : cell_looks_(options.looks * CellPixels(options)),
-        looks_(options.looks),
-        quantile_(options.os_quantile) {}
-
-  const OrderedStatisticLaw& Of(int count) {
-    const int like = cell_looks_ == 1.0 && looks_ == 1.0 ? count : Alike(count);
-    auto law = laws_.find(like);
-    if (law == laws_.end()) {
-      law =
-          laws_.emplace(like, OrderedStatisticLaw(cell_looks_, looks_, like, RankOf(quantile_, like))).first;
-    }
-    return law->second;
-  }
-
- private:
-  static int Alike(int count) {
-    const double step = std::log(1.03);
-    return std::max(1, static_cast<int>(std::lround(std::exp(step * std::round(std::log(count) / step)))));
-  }
-
-  double cell_looks_;
-  double looks_;
-  double quantile_;
-  std::map<int, OrderedStatisticLaw> laws_;
-};
-
 Grid<float> OsInPower(const Grid<float>& power, const SegmentationOptions& options) {
   const Grid<float> cell = LevelsOf(BoxMean(power, options.cell_rows, options.cell_cols));
   LocalOrder order(LevelsOf(power));
-  OrderedStatisticLaws laws(options);
+  const double cell_looks = options.looks * CellPixels(options);
+  LawsByCount<OrderedStatisticLaw> laws(cell_looks == 1.0 && options.looks == 1.0, [&](int count) {
+    return OrderedStatisticLaw(cell_looks, options.looks, count, RankOf(options.os_quantile, count));
+  });
   return EveryPixel(
       power.rows(), power.cols(), options, [&](const TrainingWindow& window, int row, int col) -> double {
         order.MoveTo(window);
@@ -123,16 +130,16 @@ Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale,
   const double least_spread = kLeastSpread * full_scale;
   if (options.method == SegmentationMethod::kCaCfar) {
     const LocalSums sums(cell);
+    const LogMeanLaw law(looks);
     return EveryPixel(
         cell.rows(), cell.cols(), options, [&](const TrainingWindow& window, int row, int col) -> double {
           const Moments moments = sums.Over(window);
-          return LogMeanDecades(looks, looks,
-                                (cell(row, col) - moments.mean) / std::max(moments.spread, least_spread));
+          return law.Decades((cell(row, col) - moments.mean) / std::max(moments.spread, least_spread));
         });
   }
   LocalOrder order(cell);
   const double lower = kLowerPart * options.os_quantile;
-  const LogQuantileLaw law(looks, looks, lower, options.os_quantile);
+  const LogQuantileLaw law(looks, lower, options.os_quantile);
   return EveryPixel(cell.rows(), cell.cols(), options,
                     [&](const TrainingWindow& window, int row, int col) -> double {
                       order.MoveTo(window);

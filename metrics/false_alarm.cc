@@ -10,10 +10,10 @@
 namespace sonarcal {
 namespace {
 
-// The table of OrderedStatisticLaw.
-constexpr double kLowestLog = -7.0;
-constexpr double kHighestLog = 7.0;
-constexpr int kTableSteps = 280;
+// Of DecadesTable.
+constexpr double kLowestLog = -8.0;
+constexpr double kHighestLog = 8.0;
+constexpr int kTableSteps = 800;
 
 double DecadesOf(double chance) {
   // Small chances underflow; beyond kMostDecades they are all the same.
@@ -22,14 +22,6 @@ double DecadesOf(double chance) {
 
 double NepersToDecades(double nepers) {
   return std::clamp(nepers / std::numbers::ln10, 0.0, kMostDecades);
-}
-
-// Mean and standard deviation of the logarithm of a Gamma variable of mean 1.
-double MeanLog(double looks) {
-  return Eigen::numext::digamma(looks) - std::log(looks);
-}
-double SpreadLog(double looks) {
-  return std::sqrt(Eigen::numext::zeta(2.0, looks));  // the trigamma function
 }
 
 }  // namespace
@@ -45,6 +37,22 @@ double CellAveragingDecades(double cell_looks, double training_looks, double rat
   if (cell_looks == 1.0) return NepersToDecades(training_looks * std::log1p(ratio / training_looks));
   const double share = training_looks / (training_looks + cell_looks * ratio);
   return DecadesOf(Eigen::numext::betainc(training_looks, cell_looks, share));
+}
+
+DecadesTable::DecadesTable(const std::function<double(double ratio)>& decades) {
+  for (int step = 0; step <= kTableSteps; ++step) {
+    decades_.push_back(decades(std::exp(kLowestLog + (kHighestLog - kLowestLog) * step / kTableSteps)));
+  }
+}
+
+double DecadesTable::operator()(double ratio) const {
+  if (!(ratio > 0.0)) return 0.0;
+  const double position = (std::log(ratio) - kLowestLog) / (kHighestLog - kLowestLog) * kTableSteps;
+  if (position <= 0.0) return decades_.front();
+  if (position >= kTableSteps) return decades_.back();
+  const auto step = static_cast<std::size_t>(position);
+  const double fraction = position - static_cast<double>(step);
+  return (1.0 - fraction) * decades_[step] + fraction * decades_[step + 1];
 }
 
 double GammaQuantile(double looks, double chance) {
@@ -83,9 +91,7 @@ OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int co
     total += density;
   }
   for (double& weight : weight_) weight /= total;
-  for (int step = 0; step <= kTableSteps; ++step) {
-    decades_.push_back(ByQuadrature(std::exp(kLowestLog + (kHighestLog - kLowestLog) * step / kTableSteps)));
-  }
+  table_.emplace([this](double ratio) { return ByQuadrature(ratio); });
 }
 
 double OrderedStatisticLaw::ByQuadrature(double ratio) const {
@@ -105,27 +111,27 @@ double OrderedStatisticLaw::Decades(double ratio) const {
     return NepersToDecades(std::lgamma(n + ratio + 1.0) - std::lgamma(n - k + ratio + 1.0) -
                            std::lgamma(n + 1.0) + std::lgamma(n - k + 1.0));
   }
-  const double position = (std::log(ratio) - kLowestLog) / (kHighestLog - kLowestLog) * kTableSteps;
-  if (position <= 0.0) return decades_.front();
-  const auto step = static_cast<std::size_t>(std::min(position, 1e6));
-  if (step + 1 >= decades_.size()) return decades_.back();
-  const double fraction = position - static_cast<double>(step);
-  return (1.0 - fraction) * decades_[step] + fraction * decades_[step + 1];
+  return (*table_)(ratio);
 }
 
-double LogMeanDecades(double cell_looks, double looks, double excess) {
-  return GammaTailDecades(cell_looks, std::exp(std::min(MeanLog(looks) + excess * SpreadLog(looks), 27.0)));
+LogMeanLaw::LogMeanLaw(double looks)
+    : mean_log_(Eigen::numext::digamma(looks) - std::log(looks)),
+      spread_log_(std::sqrt(Eigen::numext::zeta(2.0, looks))),  // the trigamma function
+      tail_([looks](double ratio) { return GammaTailDecades(looks, ratio); }) {}
+
+double LogMeanLaw::Decades(double excess) const {
+  return tail_(std::exp(mean_log_ + excess * spread_log_));
 }
 
-LogQuantileLaw::LogQuantileLaw(double cell_looks, double looks, double lower, double upper)
-    : cell_looks_(cell_looks),
-      upper_log_(std::log(GammaQuantile(looks, upper))),
-      distance_log_(upper_log_ - std::log(GammaQuantile(looks, lower))) {
+LogQuantileLaw::LogQuantileLaw(double looks, double lower, double upper)
+    : upper_log_(std::log(GammaQuantile(looks, upper))),
+      distance_log_(upper_log_ - std::log(GammaQuantile(looks, lower))),
+      tail_([looks](double ratio) { return GammaTailDecades(looks, ratio); }) {
   SONARCAL_CHECK(lower < upper, "quantiles {} and {}", lower, upper);
 }
 
 double LogQuantileLaw::Decades(double excess) const {
-  return GammaTailDecades(cell_looks_, std::exp(std::min(upper_log_ + excess * distance_log_, 27.0)));
+  return tail_(std::exp(upper_log_ + excess * distance_log_));
 }
 
 }  // namespace sonarcal

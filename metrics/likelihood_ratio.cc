@@ -27,7 +27,8 @@ Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const 
   }
   const double looks = law.looks * cell_rows * cell_cols;
   Grid<float> decades = BoxMean(ratio, cell_rows, cell_cols);
-  for (float& value : decades.values()) value = static_cast<float>(GammaTailDecades(looks, value));
+  const DecadesTable tail([looks](double mean) { return GammaTailDecades(looks, mean); });
+  for (float& value : decades.values()) value = static_cast<float>(tail(value));
   return decades;
 }
 

@@ -46,6 +46,33 @@ Mask Dilated(const Mask& object, int margin_rows, int margin_cols) {
   return dilated;
 }
 
+Mask DilatedByMetres(const Mask& object, const PolarAxes& axes, double margin_m) {
+  SONARCAL_CHECK(object.rows() == axes.range_bins && object.cols() == axes.beam_count(),
+                 "mask {} x {}, image {} x {}", object.rows(), object.cols(), axes.range_bins,
+                 axes.beam_count());
+  SONARCAL_CHECK(margin_m >= 0.0, "margin of {} m", margin_m);
+  // Along the arc first, where a pixel's range is its own.
+  Mask wide(object.rows(), object.cols());
+  for (int bin = 0; bin < object.rows(); ++bin) {
+    const double reach_rad = margin_m / axes.range_centre_m(bin);
+    for (int beam = 0; beam < object.cols(); ++beam) {
+      if (object(bin, beam) == 0) continue;
+      const auto mark = [&](int other) {
+        const double apart_rad = std::abs(axes.beam_azimuth_rad[other] - axes.beam_azimuth_rad[beam]);
+        if (apart_rad > reach_rad * (1.0 + 1e-9)) return false;
+        wide(bin, other) = 1;
+        return true;
+      };
+      for (int other = beam; other >= 0 && mark(other); --other) {
+      }
+      for (int other = beam + 1; other < object.cols() && mark(other); ++other) {
+      }
+    }
+  }
+  const double margin_rows = std::floor(margin_m / axes.range_bin_m() * (1.0 + 1e-9));
+  return Dilated(wide, static_cast<int>(std::min<double>(margin_rows, object.rows())), 0);
+}
+
 Mask InsidePolygon(const std::vector<PolygonCorner>& corners, const PolarAxes& axes) {
   if (corners.size() < 3) throw DataError("a polygon of {} corners, expected 3 or more", corners.size());
   for (const PolygonCorner& corner : corners) {

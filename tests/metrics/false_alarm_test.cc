@@ -75,6 +75,17 @@ TEST(FalseAlarmTest, TheQuadratureOfTheOrderedStatisticAgreesWithTheClosedForm) 
   }
 }
 
+TEST(FalseAlarmTest, ATableIsItsFunction) {
+  for (const double looks : {0.7, 3.0, 49.0}) {
+    const DecadesTable table([&](double ratio) { return GammaTailDecades(looks, ratio); });
+    for (const double ratio : {0.01, 0.3, 0.97, 1.31, 2.07, 5.03, 11.1}) {
+      const double exact = GammaTailDecades(looks, ratio);
+      EXPECT_NEAR(table(ratio), exact, 1e-3 * (1.0 + exact)) << looks << ", " << ratio;
+    }
+    EXPECT_EQ(table(0.0), 0.0);
+  }
+}
+
 // Means of grey on a logarithmic display: against draws of the whole test.
 TEST(FalseAlarmTest, LogLawsHoldForLogarithmsOfAnySlope) {
   constexpr int kDraws = 4000000;
@@ -91,10 +102,11 @@ TEST(FalseAlarmTest, LogLawsHoldForLogarithmsOfAnySlope) {
     std::sort(grey.begin(), grey.end());
     const double median = grey[kDraws / 2];
     const double quartile = grey[kDraws / 4];
-    const LogQuantileLaw law(looks, looks, 0.25, 0.5);
+    const LogMeanLaw mean_law(looks);
+    const LogQuantileLaw law(looks, 0.25, 0.5);
     for (const double decades : {1.0, 2.0, 3.0}) {
       const double at = grey[static_cast<std::size_t>(kDraws * (1.0 - std::pow(10.0, -decades)))];
-      EXPECT_NEAR(LogMeanDecades(looks, looks, (at - mean) / spread), decades, 0.02) << looks;
+      EXPECT_NEAR(mean_law.Decades((at - mean) / spread), decades, 0.02) << looks;
       EXPECT_NEAR(law.Decades((at - median) / (median - quartile)), decades, 0.02) << looks;
     }
   }

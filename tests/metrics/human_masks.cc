@@ -105,8 +105,7 @@ HumanMask ReadOne(const std::filesystem::path& image_file, const std::filesystem
       if (in_box(row, col)) box_picture(row, col) = 1.0F;
       const double across = (col - fan.apex_x_px) / fan.x_scale;
       const double ahead = fan.apex_y_px - row;
-      const double bin =
-          (std::hypot(across, ahead) - fan.radius_min_px) / (100.0 * axes.range_bin_m());
+      const double bin = (std::hypot(across, ahead) - fan.radius_min_px) / (100.0 * axes.range_bin_m());
       const double beam = (std::atan2(across, ahead) / half_rad + 1.0) / 2.0 * axes.beam_count();
       if (!(bin >= 0.0 && bin < axes.range_bins && beam >= 0.0 && beam < axes.beam_count())) continue;
       read.polar_index.push_back(static_cast<int>(bin) * axes.beam_count() + static_cast<int>(beam));

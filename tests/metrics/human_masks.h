@@ -1,6 +1,6 @@
-// Fan pictures of objects in a water tank that people outlined (recordings/aris3000_watertank): folders Images,
-// Masks (pixels of classes: 0 background, 1 to 10 objects, 11 wall) and BoxAnnotations, a file of each with one
-// name.
+// Fan pictures of objects in a water tank that people outlined (recordings/aris3000_watertank): folders
+// Images, Masks (pixels of classes: 0 background, 1 to 10 objects, 11 wall) and BoxAnnotations, a file of
+// each with one name.
 #pragma once
 
 #include <filesystem>

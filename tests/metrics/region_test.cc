@@ -36,6 +36,16 @@ PolarAxes FiveBeams() {
   return axes;
 }
 
+// Beams one degree apart lie 0.0262 m apart at 1.5 m, 0.0785 m at 4.5 m; bins are 1 m.
+TEST(DilatedByMetresTest, AMarginInMetresIsMoreBeamsWhereTheObjectIsNear) {
+  const Mask object = MaskOf({"..#..", ".....", ".....", "..#.."});
+  EXPECT_EQ(DilatedByMetres(object, FiveBeams(), 0.0), object);
+  EXPECT_EQ(DilatedByMetres(object, FiveBeams(), 0.03), MaskOf({".###.", ".....", ".....", "..#.."}));
+  EXPECT_EQ(DilatedByMetres(object, FiveBeams(), 0.08), MaskOf({"#####", ".....", ".....", ".###."}));
+  EXPECT_EQ(DilatedByMetres(object, FiveBeams(), 1.0), MaskOf({"#####", "#####", "#####", "#####"}));
+  EXPECT_EQ(CountSet(DilatedByMetres(Mask(4, 5), FiveBeams(), 1.0)), 0);
+}
+
 TEST(InsidePolygonTest, PixelsWhoseCentresLieInside) {
   EXPECT_EQ(InsidePolygon({{2.0, -1.5}, {2.0, 1.5}, {4.0, 1.5}, {4.0, -1.5}}, FiveBeams()),
             MaskOf({".....", ".###.", ".###.", "....."}));

@@ -1,13 +1,14 @@
-// How well each method of segmentation finds what people outlined, as Markdown: docs/segmentation.md shows what
-// it printed.
+// How well each method of segmentation finds what people outlined, as Markdown: docs/segmentation.md shows
+// what it printed.
 //
 //   segmentation_study FOLDER [candidates=200] [methods=a,b] [chosen]
 //
 // FOLDER: aris3000_watertank of the recordings. The pictures are split in two halves, every second one by
-// number. The parameters of a method are those with the highest mean IoU on one half, among `candidates` drawn
-// at random (the same at every run); what is printed is how they do on the other half, both ways together: no
-// picture is judged by parameters that saw it. In the box: the method looks, and is judged, within the boxes
-// that people drew, wider by 10 pixels; whole: everywhere in the fan. `chosen` prints the parameters too.
+// number. The parameters of a method are those with the highest mean IoU on one half, among `candidates`
+// drawn at random (the same at every run); what is printed is how they do on the other half, both ways
+// together: no picture is judged by parameters that saw it. In the box: the method looks, and is judged,
+// within the boxes that people drew, wider by 10 pixels; whole: everywhere in the fan. `chosen` prints the
+// parameters too.
 #include <fmt/format.h>
 
 #include <array>
