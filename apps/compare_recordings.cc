@@ -72,6 +72,9 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     CheckScales(real.info().scale, simulated.info().scale, options.compare.db_tolerance);
   }
   report.options.keep_masks = static_cast<bool>(on_frame);
+  if (real.info().sonar.axes.Matches(simulated.info().sonar.axes)) {  // else the first frame is refused
+    report.options.valid = Both(real.info().valid, simulated.info().valid);
+  }
   FrameComparer comparer(report.options);
   std::set<std::string> notes;
   for (const int index : frames) {
@@ -107,7 +110,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     if (options.progress) options.progress(static_cast<int>(report.frames.size()));
   }
   report.aggregate = AggregateFrames(report.frames);
-  if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, options.compare);
+  if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, report.options);
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
   }

@@ -197,14 +197,9 @@ std::map<int, Mask> RegionsAround(const std::string& material, const std::vector
 
 // 1 for the pixels that hold a measurement and are to be looked at; empty: all.
 std::vector<std::uint8_t> UsedPixels(const RecordingInfo& info, const FitRecordingOptions& options) {
-  std::vector<std::uint8_t> use;
-  for (const std::optional<Mask>& mask : {info.valid, options.pixels}) {
-    if (!mask) continue;
-    if (use.empty()) use.assign(mask->size(), 1);
-    std::ranges::transform(use, mask->values(), use.begin(),
-                           [](std::uint8_t a, std::uint8_t b) { return std::uint8_t{a != 0 && b != 0}; });
-  }
-  return use;
+  const std::optional<Mask> use = Both(info.valid, options.pixels);
+  if (!use) return {};
+  return {use->values().begin(), use->values().end()};
 }
 
 FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,

@@ -1,5 +1,6 @@
 #include "metrics/compare.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -31,6 +32,28 @@ void CheckLevel(std::string_view field, const std::optional<double>& real,
 
 bool StatesScale(const ImageScale& scale) {
   return scale.db_min || scale.db_max || scale.db_span;
+}
+
+// Null where there is none.
+const Mask* MaskFor(const std::optional<Mask>& mask, const PolarImage& image, std::string_view which) {
+  if (!mask) return nullptr;
+  if (mask->rows() != image.value.rows() || mask->cols() != image.value.cols()) {
+    throw DataError("{} has {} x {} pixels, expected {} range bins x {} beams", which, mask->rows(),
+                    mask->cols(), image.value.rows(), image.value.cols());
+  }
+  return &*mask;
+}
+
+// Pixels of the fan that are interpolated between valid samples alone.
+Mask MadeOf(const Mask& valid, const FanMap& map) {
+  Grid<float> share(valid.rows(), valid.cols());
+  std::ranges::copy(valid.values(), share.values().begin());
+  const Grid<float> in_fan = map.Apply(share);
+  Mask made(in_fan.rows(), in_fan.cols());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    made.values()[i] = map.inside().values()[i] != 0 && in_fan.values()[i] > 0.9999F;
+  }
+  return made;
 }
 
 ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
@@ -96,19 +119,16 @@ const FanMap& FrameComparer::MapFor(const PolarAxes& axes) {
 FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& simulated) {
   FrameMetrics metrics;
   CheckComparable(real, simulated, options_.db_tolerance, &metrics.notes);
-  const Mask* region = options_.region ? &*options_.region : nullptr;
-  if (region != nullptr && (region->rows() != real.value.rows() || region->cols() != real.value.cols())) {
-    throw DataError("the region of interest has {} x {} pixels, expected {} range bins x {} beams",
-                    region->rows(), region->cols(), real.value.rows(), real.value.cols());
-  }
-
-  Segmentation in_real = Segment(real, options_.segmentation, region);
-  Segmentation in_simulated = Segment(simulated, options_.segmentation, region);
+  const Mask* region = MaskFor(options_.region, real, "the region of interest");
+  const Mask* valid = MaskFor(options_.valid, real, "the mask of valid samples");
+  const SegmentationOptions& rule = options_.segmentation;
+  Segmentation in_real = Segment(real.value, real.scale.full_scale, rule, region, valid);
+  Segmentation in_simulated = Segment(simulated.value, simulated.scale.full_scale, rule, region, valid);
   metrics.threshold_real = in_real.threshold;
   metrics.threshold_simulated = in_simulated.threshold;
   const double full_scale = real.scale.full_scale;
   metrics.polar =
-      Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, nullptr);
+      Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, valid);
 
   for (const auto& [which, count] :
        {std::pair{"real", metrics.polar.occupancy.nr}, std::pair{"simulated", metrics.polar.occupancy.ns}}) {
@@ -118,8 +138,10 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   const FanMap& map = MapFor(real.axes);
   Mask fan_real = map.ApplyNearest(in_real.object);
   Mask fan_simulated = map.ApplyNearest(in_simulated.object);
+  std::optional<Mask> fan_inside;  // where not all samples are valid
+  if (valid != nullptr) fan_inside = MadeOf(*valid, map);
   metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
-                        fan_simulated, &map.inside());
+                        fan_simulated, fan_inside ? &*fan_inside : &map.inside());
   if (options_.keep_masks) {
     metrics.masks = FrameMasks{std::move(in_real.object), std::move(in_simulated.object), std::move(fan_real),
                                std::move(fan_simulated)};

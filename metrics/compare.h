@@ -27,6 +27,8 @@ namespace sonarcal {
 struct CompareOptions {
   SegmentationOptions segmentation;
   std::optional<Mask> region;  // where the object may be, range_bins x beam_count; absent: anywhere
+  // Samples that hold a measurement in both images, of the same shape; absent: all. Others count nowhere.
+  std::optional<Mask> valid;
   FanOptions fan;
   // The mean |difference| that is named "intensity_error"; the others are reported beside it.
   IntensityDomain intensity_domain = IntensityDomain::kUnion;

@@ -43,7 +43,9 @@ std::optional<SpeckleFloor> SpeckleFloorFor(const ImageScale& scale) {
 RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOptions& options,
                                     int max_pairs) {
   RealAgainstReal result;
-  FrameComparer comparer(options);
+  CompareOptions of_real = options;
+  of_real.valid = Both(options.valid, real.info().valid);
+  FrameComparer comparer(std::move(of_real));
   bool assumed_still = false;
   std::optional<Frame> earlier;  // frame i, where the pair before has read it already
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {

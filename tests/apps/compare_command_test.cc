@@ -10,6 +10,7 @@
 #include "data_io/types/error.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
+#include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {
 namespace {
@@ -153,6 +154,31 @@ TEST_F(CompareCommand, ARegionOfInterestHoldsTheObject) {
   EXPECT_LE(within, 30 * 9);
   EXPECT_EQ(RunSonarcal(Arguments("--region-range 3:1")).status, 2);
   EXPECT_EQ(RunSonarcal(Arguments("--region-range 100:200")).status, 1);
+}
+
+TEST(CompareRecordings, LeaveOutWhatEitherDoesNotShow) {
+  const PolarImage image = testing::SpeckledBlock(1);
+  RecordingInfo info;
+  info.sonar.axes = image.axes;
+  info.scale = image.scale;
+  RecordingInfo shown = info;
+  const auto pixels = [&](const RecordingInfo& real, const RecordingInfo& simulated) {
+    const MetricsReport report =
+        CompareRecordings(MemoryRecording(real, {{{}, image}, {{}, image}}),
+                          MemoryRecording(simulated, {{{}, image}, {{}, image}}), {});
+    EXPECT_EQ(report.noise_floor.real_against_real.pairs.at(0).polar.intensity.whole.pixels,
+              report.frames.at(0).polar.intensity.whole.pixels);
+    return report.frames.at(0).polar.intensity.whole.pixels;
+  };
+  EXPECT_EQ(pixels(info, info), 120 * 40);
+  shown.valid = Mask(120, 40, 1);
+  (*shown.valid)(7, 8) = 0;
+  EXPECT_EQ(pixels(shown, info), 120 * 40 - 1);
+  EXPECT_EQ(pixels(info, shown), 120 * 40 - 1);
+  RecordingInfo other = info;
+  other.valid = Mask(120, 40, 1);
+  (*other.valid)(9, 9) = 0;
+  EXPECT_EQ(pixels(shown, other), 120 * 40 - 2);
 }
 
 TEST(TellingFrames, AreTheBestTheMiddleAndTheWorst) {

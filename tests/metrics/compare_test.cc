@@ -140,6 +140,39 @@ TEST(CompareTest, TheRegionOfInterestMustFitTheImage) {
   EXPECT_EQ(nothing.polar.intensity.union_region.mean_absolute(), std::nullopt);
 }
 
+// Corners that a viewer's picture does not show hold zeros in the one image and anything in the other.
+TEST(CompareTest, SamplesThatAreNotValidCountNowhere) {
+  CompareOptions options;
+  options.valid = Mask(120, 40, 1);
+  PolarImage real = SpeckledBlock(1);
+  PolarImage simulated = SpeckledBlock(2);
+  for (int bin = 0; bin < 20; ++bin) {
+    for (int beam = 0; beam < 15 - bin / 2; ++beam) (*options.valid)(bin, beam) = 0;
+  }
+  const std::int64_t left = CountSet(*options.valid);
+  const auto fill = [&](PolarImage& image, float value) {
+    for (std::size_t i = 0; i < image.value.size(); ++i) {
+      if (options.valid->values()[i] == 0) image.value.values()[i] = value;
+    }
+  };
+  fill(real, 0.0F);
+  fill(simulated, 0.0F);
+  const FrameMetrics with_zeros = CompareFrames(real, simulated, options);
+  fill(simulated, 255.0F);
+  const FrameMetrics with_anything = CompareFrames(real, simulated, options);
+  EXPECT_EQ(with_anything.polar.intensity.whole.pixels, left);
+  for (const auto view : {&FrameMetrics::polar, &FrameMetrics::fan}) {
+    EXPECT_EQ((with_anything.*view).occupancy, (with_zeros.*view).occupancy);
+    EXPECT_EQ((with_anything.*view).intensity.whole.mean_absolute(),
+              (with_zeros.*view).intensity.whole.mean_absolute());
+    EXPECT_GT((with_anything.*view).occupancy.iou(), 0.5);
+  }
+  EXPECT_LT(with_anything.fan.intensity.whole.pixels,
+            CompareFrames(real, simulated).fan.intensity.whole.pixels);
+  options.valid = Mask(3, 4, 1);
+  EXPECT_THROW(CompareFrames(real, simulated, options), DataError);
+}
+
 // Two frames of one still scene: what the detector and the receiver's noise leave of agreement.
 TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
   SONARCAL_NEEDS_RECORDING(first_path, "aris3000_uxo/frame_0000_128x780.png");
