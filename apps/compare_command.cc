@@ -56,10 +56,10 @@ std::string SummaryText(const MetricsReport& metrics, const std::filesystem::pat
   };
   const ViewSummary& macro = all.macro.polar;
   const ViewSummary& micro = all.micro.polar;
-  add("Ns/Nr", macro.ns_over_nr, micro.ns_over_nr);
-  add("Na/Ns", macro.na_over_ns, micro.na_over_ns);
-  add("Na/Nr", macro.na_over_nr, micro.na_over_nr);
-  add("IoU", macro.iou, micro.iou);
+  add("Ns/Nr", macro.At("ns_over_nr"), micro.At("ns_over_nr"));
+  add("Na/Ns", macro.At("na_over_ns"), micro.At("na_over_ns"));
+  add("Na/Nr", macro.At("na_over_nr"), micro.At("na_over_nr"));
+  add("IoU", macro.At("iou"), micro.At("iou"));
   add("intensity error, polar", macro.Over(domain).mean_absolute, micro.Over(domain).mean_absolute);
   add("intensity error, fan", all.macro.fan.Over(domain).mean_absolute,
       all.micro.fan.Over(domain).mean_absolute);

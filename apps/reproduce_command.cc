@@ -75,9 +75,10 @@ std::string SummaryText(const Reproduction& reproduction, const std::filesystem:
     for (const SummaryRow& row : rows) {
       const ViewSummary& view = row.metrics->aggregate.macro.polar;
       text += fmt::format("  {:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", row.name, kWidth - 2,
-                          figure(view.ns_over_nr, 2), figure(view.na_over_ns, 2), figure(view.na_over_nr, 2),
-                          figure(view.iou, 2), figure(view.union_region.mean_absolute, 3),
-                          figure(view.overlap.mean_absolute, 3));
+                          figure(view.At("ns_over_nr"), 2), figure(view.At("na_over_ns"), 2),
+                          figure(view.At("na_over_nr"), 2), figure(view.At("iou"), 2),
+                          figure(view.Over(IntensityDomain::kUnion).mean_absolute, 3),
+                          figure(view.Over(IntensityDomain::kOverlap).mean_absolute, 3));
     }
   };
   add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank));

@@ -21,9 +21,10 @@ int CellPixels(const SegmentationOptions& options) {
   return options.cell_rows * options.cell_cols;
 }
 
-// Calls `decades(window, row, col)` for each pixel, row by row.
+// Calls `decades(window, count, row, col)` for each pixel that has training cells, row by row.
 template <typename Decades>
-Grid<float> EveryPixel(int rows, int cols, const SegmentationOptions& options, Decades decades) {
+Grid<float> EveryPixel(const LocalSums& sums, int rows, int cols, const SegmentationOptions& options,
+                       Decades decades) {
   const TrainingShape shape = {options.guard_rows, options.guard_cols, options.training_rows,
                                options.training_cols};
   Grid<float> result(rows, cols);
@@ -36,7 +37,8 @@ Grid<float> EveryPixel(int rows, int cols, const SegmentationOptions& options, D
             "image larger than the guard of {} rows and {} columns to each side",
             ToString(options.method), row, col, rows, cols, options.guard_rows, options.guard_cols);
       }
-      result(row, col) = static_cast<float>(decades(window, row, col));
+      const int count = sums.Count(window);
+      if (count > 0) result(row, col) = static_cast<float>(decades(window, count, row, col));
     }
   }
   return result;
@@ -72,22 +74,22 @@ class LawsByCount {
   std::map<int, Law> laws_;
 };
 
-Grid<float> CaInPower(const Grid<float>& power, const SegmentationOptions& options) {
-  const Grid<float> cell = BoxMean(power, options.cell_rows, options.cell_cols);
-  const LocalSums sums(power);
+Grid<float> CaInPower(const Grid<float>& power, const SegmentationOptions& options, const Mask* valid) {
+  const Grid<float> cell = BoxMean(power, options.cell_rows, options.cell_cols, valid);
+  const LocalSums sums(power, valid);
   const double cell_looks = options.looks * CellPixels(options);
   const bool closed_form = cell_looks == 1.0;
   LawsByCount<DecadesTable> laws(closed_form, [&](int count) {
     return DecadesTable(
         [&, count](double ratio) { return CellAveragingDecades(cell_looks, options.looks * count, ratio); });
   });
-  return EveryPixel(power.rows(), power.cols(), options,
-                    [&](const TrainingWindow& window, int row, int col) -> double {
+  return EveryPixel(sums, power.rows(), power.cols(), options,
+                    [&](const TrainingWindow& window, int count, int row, int col) -> double {
                       const double mean = sums.Over(window).mean;
                       if (!(mean > 0.0)) return cell(row, col) > 0.0F ? kMostDecades : 0.0;
                       const double ratio = cell(row, col) / mean;
-                      return closed_form ? CellAveragingDecades(1.0, window.count(), ratio)
-                                         : laws.Of(window.count())(ratio);
+                      return closed_form ? CellAveragingDecades(1.0, options.looks * count, ratio)
+                                         : laws.Of(count)(ratio);
                     });
 }
 
@@ -100,51 +102,54 @@ Grid<float> LevelsOf(const Grid<float>& power) {
   return level;
 }
 
-Grid<float> OsInPower(const Grid<float>& power, const SegmentationOptions& options) {
-  const Grid<float> cell = LevelsOf(BoxMean(power, options.cell_rows, options.cell_cols));
-  LocalOrder order(LevelsOf(power));
+Grid<float> OsInPower(const Grid<float>& power, const SegmentationOptions& options, const Mask* valid) {
+  const Grid<float> cell = LevelsOf(BoxMean(power, options.cell_rows, options.cell_cols, valid));
+  const LocalSums sums(power, valid);  // for the numbers of training cells
+  LocalOrder order(LevelsOf(power), valid);
   const double cell_looks = options.looks * CellPixels(options);
   LawsByCount<OrderedStatisticLaw> laws(cell_looks == 1.0 && options.looks == 1.0, [&](int count) {
     return OrderedStatisticLaw(cell_looks, options.looks, count, RankOf(options.os_quantile, count));
   });
-  return EveryPixel(
-      power.rows(), power.cols(), options, [&](const TrainingWindow& window, int row, int col) -> double {
-        order.MoveTo(window);
-        const int rank = RankOf(options.os_quantile, window.count());
-        return laws.Of(window.count()).Decades(std::exp(cell(row, col) - order.RankthSmallest(rank)));
-      });
+  return EveryPixel(sums, power.rows(), power.cols(), options,
+                    [&](const TrainingWindow& window, int count, int row, int col) -> double {
+                      order.MoveTo(window);
+                      const int rank = RankOf(options.os_quantile, count);
+                      return laws.Of(count).Decades(std::exp(cell(row, col) - order.RankthSmallest(rank)));
+                    });
 }
 
 }  // namespace
 
-Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptions& options) {
-  return options.method == SegmentationMethod::kCaCfar ? CaInPower(power, options)
-                                                       : OsInPower(power, options);
+Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptions& options,
+                               const Mask* valid) {
+  return options.method == SegmentationMethod::kCaCfar ? CaInPower(power, options, valid)
+                                                       : OsInPower(power, options, valid);
 }
 
-Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale,
-                              const SegmentationOptions& options) {
+Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const SegmentationOptions& options,
+                              const Mask* valid) {
   // Means of grey levels of a logarithmic display lie about as the logarithm of a mean of as many looks.
-  const Grid<float> cell = BoxMean(grey, options.cell_rows, options.cell_cols);
+  const Grid<float> cell = BoxMean(grey, options.cell_rows, options.cell_cols, valid);
   const double looks = options.looks * CellPixels(options);
   const double least_spread = kLeastSpread * full_scale;
+  const LocalSums sums(cell, valid);
   if (options.method == SegmentationMethod::kCaCfar) {
-    const LocalSums sums(cell);
     const LogMeanLaw law(looks);
     return EveryPixel(
-        cell.rows(), cell.cols(), options, [&](const TrainingWindow& window, int row, int col) -> double {
+        sums, cell.rows(), cell.cols(), options,
+        [&](const TrainingWindow& window, int, int row, int col) -> double {
           const Moments moments = sums.Over(window);
           return law.Decades((cell(row, col) - moments.mean) / std::max(moments.spread, least_spread));
         });
   }
-  LocalOrder order(cell);
+  LocalOrder order(cell, valid);
   const double lower = kLowerPart * options.os_quantile;
   const LogQuantileLaw law(looks, lower, options.os_quantile);
-  return EveryPixel(cell.rows(), cell.cols(), options,
-                    [&](const TrainingWindow& window, int row, int col) -> double {
+  return EveryPixel(sums, cell.rows(), cell.cols(), options,
+                    [&](const TrainingWindow& window, int count, int row, int col) -> double {
                       order.MoveTo(window);
-                      const double high = order.RankthSmallest(RankOf(options.os_quantile, window.count()));
-                      const double low = order.RankthSmallest(RankOf(lower, window.count()));
+                      const double high = order.RankthSmallest(RankOf(options.os_quantile, count));
+                      const double low = order.RankthSmallest(RankOf(lower, count));
                       return law.Decades((cell(row, col) - high) / std::max(high - low, least_spread));
                     });
 }

@@ -16,15 +16,19 @@
 #pragma once
 
 #include "data_io/types/image.h"
+#include "data_io/types/mask.h"
 #include "metrics/segmentation_options.h"
 
 namespace sonarcal {
 
 // Of every pixel, in decades. `power`: received power, in any unit, 0 or more. options.method is kCaCfar or
-// kOsCfar; the image has more cells than the guard covers, else a DataError.
-Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptions& options);
+// kOsCfar; the image has more cells than the guard covers, else a DataError. Pixels outside `valid` (the
+// image's shape; null: all count) are no training cells; a pixel without a training cell has 0 decades.
+Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptions& options,
+                               const Mask* valid = nullptr);
 
 // The same from grey levels. A spread below 1e-3 of full scale counts as that: a constant is no background.
-Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const SegmentationOptions& options);
+Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const SegmentationOptions& options,
+                              const Mask* valid = nullptr);
 
 }  // namespace sonarcal

@@ -8,7 +8,7 @@
 namespace sonarcal {
 
 Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const BackgroundLaw& law,
-                              int cell_rows, int cell_cols) {
+                              int cell_rows, int cell_cols, const Mask* valid) {
   if (law.mean_power.rows() != grey.rows() || law.mean_power.cols() != grey.cols()) {
     throw DataError("the background's law is one of {} x {} pixels, expected {} range bins x {} beams",
                     law.mean_power.rows(), law.mean_power.cols(), grey.rows(), grey.cols());
@@ -26,7 +26,7 @@ Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const 
     ratio.values()[i] /= background;
   }
   const double looks = law.looks * cell_rows * cell_cols;
-  Grid<float> decades = BoxMean(ratio, cell_rows, cell_cols);
+  Grid<float> decades = BoxMean(ratio, cell_rows, cell_cols, valid);
   const DecadesTable tail([looks](double mean) { return GammaTailDecades(looks, mean); });
   for (float& value : decades.values()) value = static_cast<float>(tail(value));
   return decades;

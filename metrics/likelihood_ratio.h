@@ -13,13 +13,15 @@
 #pragma once
 
 #include "data_io/types/image.h"
+#include "data_io/types/mask.h"
 #include "metrics/background_law.h"
 
 namespace sonarcal {
 
-// Of every pixel, in decades; cells of cell_rows x cell_cols pixels, both odd. Throws DataError where the law
-// was made for an image of another shape, or where it is not as its type says.
+// Of every pixel, in decades; cells of cell_rows x cell_cols pixels, both odd. Pixels outside `valid` (null:
+// all count) have no part in any cell. Throws DataError where the law was made for an image of another shape,
+// or where it is not as its type says.
 Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const BackgroundLaw& law,
-                              int cell_rows, int cell_cols);
+                              int cell_rows, int cell_cols, const Mask* valid = nullptr);
 
 }  // namespace sonarcal

@@ -18,6 +18,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data_io/types/image.h"
@@ -53,9 +54,28 @@ struct RealAgainstReal {
 RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOptions& options,
                                     int max_pairs = 100);
 
+// Figures of frames drawn from a fitted law against what that law expects of them, for recordings that hold
+// no frames of one still scene.
+struct DrawnFloor {
+  Aggregate aggregate;
+  std::string law;  // what was drawn, in words
+};
+
+// Where the floor beside the figures comes from.
+enum class FloorSource { kNone, kRealAgainstReal, kDrawn };
+
+// "none", "real_against_real", "drawn": the names used in metrics.json.
+std::string_view ToString(FloorSource source);
+
 struct NoiseFloor {
   std::optional<SpeckleFloor> speckle;
   RealAgainstReal real_against_real;
+  std::optional<DrawnFloor> drawn;
+
+  // Real against real where there are pairs, else what was drawn.
+  FloorSource source() const;
+  // Its figures; null where there are none.
+  const Aggregate* Beside() const;
 };
 
 NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options, int max_pairs = 100);

@@ -23,7 +23,8 @@ std::vector<Point> OutlineOf(const Mask& region, const PolarAxes& axes) {
   for (int row = 0; row < region.rows(); ++row) {
     for (int col = 0; col < region.cols(); ++col) {
       if (!is_set(row, col)) continue;
-      if (is_set(row - 1, col) && is_set(row + 1, col) && is_set(row, col - 1) && is_set(row, col + 1)) continue;
+      if (is_set(row - 1, col) && is_set(row + 1, col) && is_set(row, col - 1) && is_set(row, col + 1))
+        continue;
       const double range_m = axes.range_centre_m(row);
       const double azimuth_rad = axes.beam_azimuth_rad[col];
       points.push_back({range_m, range_m * std::sin(azimuth_rad), range_m * std::cos(azimuth_rad)});
@@ -32,8 +33,8 @@ std::vector<Point> OutlineOf(const Mask& region, const PolarAxes& axes) {
   return points;
 }
 
-// To the nearest of `others`, which are not empty and in the order of their ranges. No point is nearer than its
-// range differs, so that the search goes outwards from the same range until that is the farther.
+// To the nearest of `others`, which are not empty and in the order of their ranges. No point is nearer than
+// its range differs, so that the search goes outwards from the same range until that is the farther.
 double DistanceToNearest(const Point& point, const std::vector<Point>& others) {
   const auto by_range = [](const Point& other, double range_m) { return other.range_m < range_m; };
   const auto middle = std::lower_bound(others.begin(), others.end(), point.range_m, by_range);

@@ -16,8 +16,8 @@ Mask BoxAround(const Mask& object, int margin_rows, int margin_cols);
 // where the object has no pixel.
 Mask Dilated(const Mask& object, int margin_rows, int margin_cols);
 
-// All that lies within margin_m of the object along range and within margin_m of it along the arc (range times
-// azimuth): a rectangle about each pixel, of as many beams as the pixel's range makes it.
+// All that lies within margin_m of the object along range and within margin_m of it along the arc (range
+// times azimuth): a rectangle about each pixel, of as many beams as the pixel's range makes it.
 Mask DilatedByMetres(const Mask& object, const PolarAxes& axes, double margin_m);
 
 // A corner of a polygon, where range and azimuth put it.

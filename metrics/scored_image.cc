@@ -139,15 +139,16 @@ double ContrastFraction(const ImageScale& scale, const SegmentationOptions& opti
   return *options.contrast_db / *span_db;
 }
 
-Grid<float> Decades(const Grid<float>& value, const ImageScale& scale, const SegmentationOptions& options) {
+Grid<float> Decades(const Grid<float>& value, const ImageScale& scale, const SegmentationOptions& options,
+                    const Mask* valid) {
   if (options.method == SegmentationMethod::kLikelihoodRatio) {
     return LikelihoodDecades(value, scale.full_scale, *options.background_law, options.cell_rows,
-                             options.cell_cols);
+                             options.cell_cols, valid);
   }
   const std::optional<double> span_db = SpanDb(scale);
   if (options.cfar_domain == CfarDomain::kGrey ||
       (options.cfar_domain == CfarDomain::kAuto && !span_db && !options.background_law)) {
-    return CfarDecadesInGrey(value, scale.full_scale, options);
+    return CfarDecadesInGrey(value, scale.full_scale, options, valid);
   }
   if (!span_db && !options.background_law) {
     throw DataError("segmentation by {} in power, but the image does not state its dB scale; expected grey",
@@ -200,14 +201,8 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
     return;
   }
 
-  if (SettingUnit(options.method) == SettingUnit(SegmentationMethod::kCaCfar)) {
-    if (valid != nullptr) {
-      throw DataError(
-          "segmentation by {} works on polar images, whose pixels all are valid; this one has a "
-          "mask of valid pixels",
-          ToString(options.method));
-    }
-    score_ = Decades(value, scale, options);
+  if (StatesFalseAlarmRate(options.method)) {
+    score_ = Decades(value, scale, options, valid);
     setting_ = -std::log10(options.false_alarm_rate);
     return;
   }
@@ -257,12 +252,15 @@ double ScoredImage::ThresholdAt(double setting) const {
   return offset_ + std::max(setting * unit_, least_);
 }
 
-Mask ScoredImage::ObjectAbove(double threshold) const {
+Mask ScoredImage::ObjectAbove(double threshold, const Mask* within) const {
+  std::optional<Mask> narrower;
+  if (within != nullptr) narrower = Both(may_be_object_, *within);
+  const Mask& may_be_object = narrower ? *narrower : may_be_object_;
   Mask object(score_.rows(), score_.cols());
   for (std::size_t i = 0; i < score_.size(); ++i) {
-    object.values()[i] = may_be_object_.values()[i] != 0 && score_.values()[i] > threshold ? 1 : 0;
+    object.values()[i] = may_be_object.values()[i] != 0 && score_.values()[i] > threshold ? 1 : 0;
   }
-  Tidy(object, may_be_object_, options_);
+  Tidy(object, may_be_object, options_);
   return object;
 }
 

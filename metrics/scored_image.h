@@ -34,8 +34,9 @@ class ScoredImage {
   // Whether a pixel may be object at all: else no threshold finds one.
   bool any_pixel() const { return any_pixel_; }
 
-  // The object: what scores more than `threshold` and may be object, tidied (metrics/tidy.h).
-  Mask ObjectAbove(double threshold) const;
+  // The object: what scores more than `threshold` and may be object, tidied (metrics/tidy.h). `within` (the
+  // image's shape; null: everywhere) limits it further; what the image tells of a threshold it leaves alone.
+  Mask ObjectAbove(double threshold, const Mask* within = nullptr) const;
 
  private:
   SegmentationOptions options_;

@@ -21,11 +21,16 @@ Segmentation Segment(const Grid<float>& value, double full_scale, const Segmenta
   return SegmentScored(value, scale, options, region, valid);
 }
 
-Segmentation Segment(const PolarImage& image, const SegmentationOptions& options, const Mask* region) {
-  return SegmentScored(image.value, image.scale, options, region, nullptr);
+Segmentation Segment(const PolarImage& image, const SegmentationOptions& options, const Mask* region,
+                     const Mask* valid) {
+  return SegmentScored(image.value, image.scale, options, region, valid);
 }
 
 Segmentation Segment(const FanImage& image, const SegmentationOptions& options, const Mask* region) {
+  if (StatesFalseAlarmRate(options.method)) {
+    throw DataError("segmentation by {} of a fan image, whose pixels are interpolated; expected a polar one",
+                    ToString(options.method));
+  }
   return SegmentScored(image.value, image.scale, options, region, &image.inside);
 }
 

@@ -42,7 +42,7 @@ Segmentation Segment(const Grid<float>& value, double full_scale, const Segmenta
                      const Mask* region = nullptr, const Mask* valid = nullptr);
 
 Segmentation Segment(const PolarImage& image, const SegmentationOptions& options,
-                     const Mask* region = nullptr);
+                     const Mask* region = nullptr, const Mask* valid = nullptr);
 Segmentation Segment(const FanImage& image, const SegmentationOptions& options, const Mask* region = nullptr);
 
 }  // namespace sonarcal

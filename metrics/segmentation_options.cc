@@ -45,6 +45,11 @@ SegmentationMethod SegmentationMethodFromString(std::string_view name) {
   throw UsageError("segmentation method '{}', expected {}", name, expected);
 }
 
+bool StatesFalseAlarmRate(SegmentationMethod method) {
+  return method == SegmentationMethod::kCaCfar || method == SegmentationMethod::kOsCfar ||
+         method == SegmentationMethod::kLikelihoodRatio;
+}
+
 std::string_view ToString(BackgroundSample sample) {
   return sample == BackgroundSample::kRobust ? "robust" : "outside_region";
 }

@@ -41,6 +41,9 @@ std::string_view ToString(SegmentationMethod method);
 // Throws UsageError naming the known methods.
 SegmentationMethod SegmentationMethodFromString(std::string_view name);
 
+// Whether the method's setting is a rate of false alarms: kCaCfar, kOsCfar, kLikelihoodRatio.
+bool StatesFalseAlarmRate(SegmentationMethod method);
+
 // Where kBackgroundSigma learns what background is.
 enum class BackgroundSample {
   kRobust,         // median and 1.4826 x median absolute deviation over the valid pixels of the region, of

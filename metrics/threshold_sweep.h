@@ -1,5 +1,6 @@
-// Occupancy as a curve over the setting that a segmentation's threshold follows from (metrics/scored_image.h),
-// so that no one threshold has to be trusted. Both images take the same setting; all else stays as it is.
+// Occupancy as a curve over the setting that a segmentation's threshold follows from
+// (metrics/scored_image.h), so that no one threshold has to be trusted. Both images take the same setting;
+// all else stays as it is.
 //
 //   micro  the ratio of the frames' pooled counts
 //   macro  the mean of the frames' ratios; frames in which it is undefined are left out
@@ -34,8 +35,8 @@ struct SweepRange {
   double high = 1.0;
 };
 
-// background_sigma 0.5..10 standard deviations; local_contrast 0..0.5 and other grey levels 0..1 of full scale;
-// rates of false alarms from 10^-0.5 to 10^-8.
+// background_sigma 0.5..10 standard deviations; local_contrast 0..0.5 and other grey levels 0..1 of full
+// scale; rates of false alarms from 10^-0.5 to 10^-8.
 SweepRange DefaultSweepRange(SegmentationMethod method);
 
 // `steps` settings, evenly from lowest to highest; none where steps is 0.

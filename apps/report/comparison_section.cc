@@ -30,17 +30,24 @@ struct Figure {
 };
 
 constexpr std::array kFigures = {
-    Figure{"Ns/Nr", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.ns_over_nr; }},
-    Figure{"Na/Ns", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.na_over_ns; }},
-    Figure{"Na/Nr", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.na_over_nr; }},
-    Figure{"IoU", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.iou; }},
+    Figure{"Ns/Nr",
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("ns_over_nr"); }},
+    Figure{"Na/Ns",
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("na_over_ns"); }},
+    Figure{"Na/Nr",
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("na_over_nr"); }},
+    Figure{"IoU", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("iou"); }},
     Figure{
         "Intensity error",
         [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).mean_absolute; }},
     Figure{"Intensity error, whole image",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.whole.mean_absolute; }},
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& {
+             return v.Over(IntensityDomain::kWhole).mean_absolute;
+           }},
     Figure{"Intensity error, overlap",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.overlap.mean_absolute; }},
+           [](const ViewSummary& v, IntensityDomain) -> const Statistic& {
+             return v.Over(IntensityDomain::kOverlap).mean_absolute;
+           }},
     Figure{"Intensity bias",
            [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).bias; }},
 };
@@ -120,7 +127,7 @@ std::string FloorText(const MetricsReport& metrics) {
   return text +
          fmt::format(
              "Real frames of a still scene against each other ({} pair{}): IoU {}, intensity error {}.",
-             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", Text(view.iou.value),
+             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", Text(view.At("iou").value),
              Text(view.Over(metrics.options.intensity_domain).mean_absolute.value));
 }
 
@@ -133,7 +140,7 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
     notes.push_back(fmt::format(
         "In brackets: 95 % interval, frames resampled {} times and taken as independent.", kBootstrapDraws));
   }
-  const int left_out = metrics.aggregate.macro.polar.iou.frames_left_out;
+  const int left_out = metrics.aggregate.macro.polar.At("iou").frames_left_out;
   if (left_out > 0) {
     notes.push_back(fmt::format("{} of {} frames show no object in either image and have no ratios.",
                                 left_out, metrics.aggregate.frame_count));
@@ -183,11 +190,11 @@ Table FrameTable(const MetricsReport& metrics) {
                            Text(frame.fan.intensity.Over(domain).mean_absolute())}});
   }
   const ViewSummary& mean = metrics.aggregate.macro.polar;
-  table.rows.push_back(
-      {{"Mean", "", "", "", Text(mean.ns_over_nr.value), Text(mean.na_over_ns.value),
-        Text(mean.na_over_nr.value), Text(mean.iou.value), Text(mean.Over(domain).mean_absolute.value),
-        Text(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
-       RowStyle::kStrong});
+  table.rows.push_back({{"Mean", "", "", "", Text(mean.At("ns_over_nr").value),
+                         Text(mean.At("na_over_ns").value), Text(mean.At("na_over_nr").value),
+                         Text(mean.At("iou").value), Text(mean.Over(domain).mean_absolute.value),
+                         Text(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
+                        RowStyle::kStrong});
   return table;
 }
 
@@ -218,7 +225,7 @@ void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics) {
     return KeyFigure{.label = label, .value = Text(s.value), .unit = {}, .note = interval(s)};
   };
   report.KeyFigures({{.label = "Frames", .value = fmt::format("{}", metrics.aggregate.frame_count)},
-                     figure("IoU of the object regions", macro.polar.iou),
+                     figure("IoU of the object regions", macro.polar.At("iou")),
                      figure("Intensity error, polar", macro.polar.Over(domain).mean_absolute),
                      figure("Intensity error, fan", macro.fan.Over(domain).mean_absolute)});
 }

@@ -209,10 +209,11 @@ void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit) {
   const Aggregate::Views& before = fit.before.aggregate.macro;
   const Aggregate::Views& after = fit.after.aggregate.macro;
   // No detector finds an object of speckle in an image without any: occupancy is that of a sample.
-  KeyFigure iou = figure("IoU of the object regions", before.polar.iou, after.polar.iou);
+  KeyFigure iou = figure("IoU of the object regions", before.polar.At("iou"), after.polar.At("iou"));
   if (fit.sample_before && fit.sample_after) {
-    iou = figure("IoU of the object regions, speckled sample", fit.sample_before->aggregate.macro.polar.iou,
-                 fit.sample_after->aggregate.macro.polar.iou);
+    iou = figure("IoU of the object regions, speckled sample",
+                 fit.sample_before->aggregate.macro.polar.At("iou"),
+                 fit.sample_after->aggregate.macro.polar.At("iou"));
   }
   const auto& parameters = fit.fit.report.parameters;
   const auto fitted = std::count_if(parameters.begin(), parameters.end(), [](const FittedParameter& p) {

@@ -186,7 +186,7 @@ TEST(TellingFrames, AreTheBestTheMiddleAndTheWorst) {
   for (int i = 0; i < 7; ++i) {
     FrameMetrics frame;
     frame.index = i;
-    frame.polar.intensity.union_region.Add(0.1 * ((i * 3) % 7));  // 0, 3, 6, 2, 5, 1, 4 tenths
+    frame.polar.intensity.union_region.Add(0.0, 0.1 * ((i * 3) % 7));  // 0, 3, 6, 2, 5, 1, 4 tenths
     report.frames.push_back(frame);
   }
   EXPECT_EQ(TellingFrames(report), (std::vector<int>{0, 1, 2}));

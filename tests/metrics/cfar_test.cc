@@ -164,6 +164,34 @@ TEST(CfarTest, FindsABlockInSpeckleWhetherTheDisplayIsKnownOrNot) {
   }
 }
 
+// What a viewer's picture does not show is 0, and would be the quietest background of all.
+TEST(CfarTest, InvalidCellsAreNoTrainingCells) {
+  Grid<float> power = Noise(7, 1.0, 200, 128);
+  Mask valid(200, 128, 1);
+  for (int row = 0; row < 200; ++row) {
+    for (int col = 0; col < 128; ++col) {
+      if (col > 20 + row / 4 && col < 100) continue;
+      valid(row, col) = 0;
+      power(row, col) = 0.0F;
+    }
+  }
+  const double valid_count = static_cast<double>(CountSet(valid));
+  for (const SegmentationMethod method : kMethods) {
+    const auto rate = [&](const Grid<float>& decades) {
+      double above = 0.0;
+      for (std::size_t i = 0; i < decades.size(); ++i) {
+        above += valid.values()[i] != 0 && decades.values()[i] > 2.0F;
+      }
+      return above / valid_count;
+    };
+    EXPECT_NEAR(rate(CfarDecadesInPower(power, Options(method), &valid)), 1e-2, 3e-3) << ToString(method);
+    EXPECT_GT(rate(CfarDecadesInPower(power, Options(method))), 1.4e-2) << ToString(method);
+  }
+  const Mask nowhere(200, 128);
+  const Grid<float> none = CfarDecadesInPower(power, Options(SegmentationMethod::kOsCfar), &nowhere);
+  for (const float decades : none.values()) ASSERT_EQ(decades, 0.0F);
+}
+
 TEST(CfarTest, ANoiseFreeImageHasItsEchoesAndAConstantOneNone) {
   for (const SegmentationMethod method : kMethods) {
     for (const CfarDomain domain : {CfarDomain::kGrey, CfarDomain::kPower}) {
@@ -196,7 +224,7 @@ TEST(CfarTest, RefusesWhatItCannotTest) {
     Segment(FanMap(image.axes).Apply(image), options);
     FAIL();
   } catch (const DataError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("works on polar images"));
+    EXPECT_THAT(error.what(), HasSubstr("of a fan image"));
   }
   options.guard_rows = 200;
   options.guard_cols = 60;
