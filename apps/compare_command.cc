@@ -29,13 +29,23 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<int>& frames) {
-  Json json = {{"real", options.real.string()},
-               {"simulated", options.simulated.string()},
-               {"out", options.out.string()},
-               {"frames", frames},
-               {"as_displayed", options.as_displayed}};
+  Json json = {{"real", options.real.string()},        {"simulated", options.simulated.string()},
+               {"out", options.out.string()},          {"frames", frames},
+               {"as_displayed", options.as_displayed}, {"sweep_steps", options.sweep_steps},
+               {"sweep_range", options.sweep_range}};
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
+}
+
+SweepOptions SweepOf(const CompareCommandOptions& options) {
+  SweepOptions sweep{.steps = options.sweep_steps, .low = {}, .high = {}};
+  if (!options.sweep_range.empty()) {
+    const Interval1d range = ParseInterval("--sweep-range", options.sweep_range);
+    sweep.low = range.low;
+    sweep.high = range.high;
+  }
+  if (options.sweep_csv && sweep.steps == 0) throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
+  return sweep;
 }
 
 // "0.812 [0.780, 0.840]", or "none".
@@ -100,6 +110,8 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   const auto simulated = OpenRecording(options.simulated);
   CompareRecordingsOptions compare{.compare = options.comparison.For(real->info().sonar.axes),
                                    .as_displayed = options.as_displayed};
+  compare.compare.sweep = SweepOf(options);
+  compare.compare.Check();
   if (!options.frames.empty()) {
     const int common = std::min(real->frame_count(), simulated->frame_count());
     const FrameRange range = ParseFrameRange(options.frames, common);
@@ -125,6 +137,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   CompareRecordingsOptions again = compare;
   again.frames = TellingFrames(metrics);
   again.noise_floor = false;
+  again.compare.sweep = {};
   again.progress = {};
   std::vector<FramePictures> telling;
   CompareRecordings(*real, *simulated, again,
@@ -134,11 +147,15 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
 
   std::vector<int> frames;
   for (const FrameMetrics& frame : metrics.frames) frames.push_back(frame.index);
-  const Provenance provenance{.command = "compare",
-                              .configuration = ConfigurationJson(options, frames),
-                              .inputs = {options.real, options.simulated}};
+  Provenance provenance{.command = "compare",
+                        .configuration = ConfigurationJson(options, frames),
+                        .inputs = {options.real, options.simulated}};
+  if (!options.comparison.object.background_params.empty()) {
+    provenance.inputs.push_back(options.comparison.object.background_params);
+  }
   const std::string metrics_text = MetricsJson(metrics);
   WriteFileWhole(output / "metrics.json", metrics_text);
+  if (options.sweep_csv) WriteFileWhole(output / "threshold_sweep.csv", metrics.sweep.value().Csv());
   WriteFileWhole(output / "per_frame.csv", PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
   MakeReport(metrics, telling, real->info().synthetic, ProvenanceToJson(provenance))
       .Write(output / "report.html");
@@ -173,6 +190,16 @@ void SetupCompare(CLI::App& app) {
                    "Frames of both: from A, counted from 0, up to but without B; all if not given")
       ->type_name("A:B");
   AddComparisonOptions(*command, options->comparison);
+  command
+      ->add_option("--sweep-steps", options->sweep_steps,
+                   "Settings of the segmentation's threshold to give each ratio at, as a curve; 0 for none")
+      ->type_name("N");
+  command
+      ->add_option("--sweep-range", options->sweep_range,
+                   "Lowest and highest of these, in the unit of the segmentation's own setting (default: by "
+                   "method)")
+      ->type_name("A:B");
+  command->add_flag("--sweep-csv", options->sweep_csv, "Write the curves to threshold_sweep.csv too");
   command->add_flag("--as-displayed", options->as_displayed,
                     "Compare grey levels although the two state different dB scales");
   command

@@ -19,7 +19,9 @@ class SimulatedRegion {
     }
     echoes_.threshold = options.echo_fraction * image.scale.full_scale;
     echoes_.object = Mask(image.value.rows(), image.value.cols());
-    const auto may_be = [&](const Mask* mask, std::size_t i) { return mask == nullptr || mask->values()[i] != 0; };
+    const auto may_be = [&](const Mask* mask, std::size_t i) {
+      return mask == nullptr || mask->values()[i] != 0;
+    };
     for (std::size_t i = 0; i < image.value.size(); ++i) {
       echoes_.object.values()[i] =
           may_be(region, i) && may_be(valid, i) && image.value.values()[i] > echoes_.threshold ? 1 : 0;

@@ -1,6 +1,6 @@
-// The object regions of a pair of frames, by the rules of CompareOptions: one segmentation for both images, or
-// the simulated region from its echoes; the real one anywhere, or near the simulated one; and the counts of a
-// sweep over the segmentation's setting.
+// The object regions of a pair of frames, by the rules of CompareOptions: one segmentation for both images,
+// or the simulated region from its echoes; the real one anywhere, or near the simulated one; and the counts
+// of a sweep over the segmentation's setting.
 #pragma once
 
 #include <vector>

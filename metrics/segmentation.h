@@ -8,8 +8,9 @@
 //      cell_rows x cell_cols pixels in its place;
 //   2. score, by `method` (metrics/scored_image.h): the smoothed value, its contrast, or how unlikely the
 //      cell is under background; a pixel is object when its score is GREATER than the threshold;
-//   3. tidy: opening, closing (rectangles), components smaller than min_area_px dropped, largest one kept
-//      (8-connected; of equally large ones the first from the top), holes or hulls filled.
+//   3. tidy: opening, closing (rectangles), components dropped that are smaller than min_area_px or reach
+//      further than max_rows or max_cols, largest one kept (8-connected; of equally large ones the first from
+//      the top), holes or hulls filled.
 //
 // The defaults find the object in the frames of an ARIS 3000 with its speckle (tests/metrics holds two of
 // them against each other: IoU 0.91). A blurred image's mask is wider than the object by about the blur.

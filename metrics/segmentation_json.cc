@@ -35,6 +35,8 @@ void PutTidying(Json& parameters, const SegmentationOptions& options) {
   parameters["close_rows"] = options.close_rows;
   parameters["close_cols"] = options.close_cols;
   parameters["min_area_px"] = options.min_area_px;
+  parameters["max_rows"] = options.max_rows;
+  parameters["max_cols"] = options.max_cols;
   parameters["largest_component_only"] = options.largest_component_only;
   parameters["fill"] = std::string(ToString(options.fill));
 }

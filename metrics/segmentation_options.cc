@@ -93,7 +93,10 @@ void SegmentationOptions::Check() const {
                                      {"close_cols", close_cols}}) {
     Require(value >= 0 && value <= 1001, field, value, "0 to 1001");
   }
-  Require(min_area_px >= 0, "min_area_px", min_area_px, "0 or more");
+  for (const auto& [field, value] :
+       {std::pair{"min_area_px", min_area_px}, {"max_rows", max_rows}, {"max_cols", max_cols}}) {
+    Require(value >= 0, field, value, "0 or more");
+  }
 
   Require(contrast >= 0.0 && contrast <= 1.0, "contrast", contrast, "0 to 1");
   if (contrast_db) {

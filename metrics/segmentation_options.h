@@ -89,6 +89,8 @@ struct SegmentationOptions {
   int close_rows = 7;   // height of the closing's rectangle; 0 or 1: none
   int close_cols = 3;   // and width
   int min_area_px = 0;  // components with fewer pixels are dropped
+  int max_rows = 0;  // and those that reach over more rows: walls, where an object's size is known; 0: none
+  int max_cols = 0;  // or columns
   bool largest_component_only = true;
   RegionFill fill = RegionFill::kNone;
 

@@ -31,21 +31,29 @@ void KeepWithin(Mask& mask, const Mask& bounds) {
   }
 }
 
-void KeepComponents(Mask& mask, int min_area_px, bool largest_only) {
-  if (min_area_px <= 1 && !largest_only) return;
+void KeepComponents(Mask& mask, const SegmentationOptions& options) {
+  const bool any_size = options.min_area_px <= 1 && options.max_rows == 0 && options.max_cols == 0;
+  if (any_size && !options.largest_component_only) return;
   cv::Mat1b pixels = PixelsOf(mask);
   cv::Mat1i labels;
   cv::Mat1i statistics;
   cv::Mat1d centroids;
   const int count = cv::connectedComponentsWithStats(pixels, labels, statistics, centroids, 8);
   const auto area = [&](int label) { return statistics(label, cv::CC_STAT_AREA); };
-  int largest = 0;  // label 0 is the background
+  const auto fits = [&](int label) {
+    return area(label) >= options.min_area_px &&
+           (options.max_rows == 0 || statistics(label, cv::CC_STAT_HEIGHT) <= options.max_rows) &&
+           (options.max_cols == 0 || statistics(label, cv::CC_STAT_WIDTH) <= options.max_cols);
+  };
+  std::vector<bool> kept(count, false);  // label 0 is the background
+  int largest = 0;
   for (int label = 1; label < count; ++label) {
-    if (largest == 0 || area(label) > area(largest)) largest = label;
+    kept[label] = fits(label);
+    if (kept[label] && (largest == 0 || area(label) > area(largest))) largest = label;
   }
   auto pixel = pixels.begin();
   for (const int label : labels) {
-    const bool keep = label != 0 && area(label) >= min_area_px && (!largest_only || label == largest);
+    const bool keep = kept[label] && (!options.largest_component_only || label == largest);
     *pixel++ = keep ? 1 : 0;
   }
 }
@@ -76,7 +84,7 @@ void Tidy(Mask& object, const Mask& may_be_object, const SegmentationOptions& op
   Morph(object, cv::MORPH_CLOSE, options.close_rows, options.close_cols);
   // Closing may have bridged pixels that cannot be object.
   KeepWithin(object, may_be_object);
-  KeepComponents(object, options.min_area_px, options.largest_component_only);
+  KeepComponents(object, options);
   Fill(object, options.fill);
   KeepWithin(object, may_be_object);
 }

@@ -18,7 +18,8 @@ using testing::SmallAxes;
 // Bins of 1 cm about 2 m, beams 1 / 200 rad apart: 1 cm there too.
 PolarAxes Centimetres(int bins, int beams) {
   PolarAxes axes{2.0 - 0.005 * bins, 2.0 + 0.005 * bins, bins, {}};
-  for (int beam = 0; beam < beams; ++beam) axes.beam_azimuth_rad.push_back(0.005 * (beam - 0.5 * (beams - 1)));
+  for (int beam = 0; beam < beams; ++beam)
+    axes.beam_azimuth_rad.push_back(0.005 * (beam - 0.5 * (beams - 1)));
   return axes;
 }
 
@@ -41,8 +42,8 @@ TEST(OutlineTest, PixelsShiftedAlongRangeOrAzimuthLieAsFarApartAsTheyAreInMetres
   EXPECT_NEAR(*MeasureOutlines(real, along_azimuth, axes).hausdorff_95_m(), chord_m, 1e-12);
 }
 
-// A row of 20 pixels against the same with one more pixel, 5 cm off its end: 20 points at 0 one way, 20 at 0 and
-// one at 5 cm the other. Of 21 the 95th percentile is the 20th.
+// A row of 20 pixels against the same with one more pixel, 5 cm off its end: 20 points at 0 one way, 20 at 0
+// and one at 5 cm the other. Of 21 the 95th percentile is the 20th.
 TEST(OutlineTest, APercentileLeavesOutTheStrayPixelThatTheMeanCounts) {
   Mask real(30, 5), simulated(30, 5);
   for (int bin = 0; bin < 20; ++bin) real(bin, 2) = simulated(bin, 2) = 1;

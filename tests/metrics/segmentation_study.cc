@@ -40,12 +40,13 @@ SegmentationOptions Candidate(SegmentationMethod method, std::mt19937_64& random
   options.open_rows = options.open_cols = OneOf(random, {0, 3, 5});
   options.close_rows = options.close_cols = OneOf(random, {0, 5, 9, 15, 21, 29});
   options.min_area_px = OneOf(random, {0, 50, 100, 200, 400});
+  options.max_rows = options.max_cols = OneOf(random, {0, 60, 80, 100, 130});
   options.largest_component_only = OneOf(random, {false, false, true});
   options.fill = OneOf(random, {RegionFill::kNone, RegionFill::kHoles, RegionFill::kHull, RegionFill::kHull});
 
   options.sigma_count = OneOf(random, {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0});
   options.threshold_fraction = OneOf(random, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7});
-  options.contrast = OneOf(random, {0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3});
+  options.contrast = OneOf(random, {0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.15, 0.2});
   options.guard_rows = options.guard_cols = OneOf(random, {8, 14, 20, 28, 36, 46});
   options.training_rows = options.training_cols = OneOf(random, {8, 16, 28, 40, 60, 80});
   options.false_alarm_rate = OneOf(random, {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-7});

@@ -165,6 +165,17 @@ TEST(SegmentationTest, SmallComponentsAreDropped) {
             MaskOf({"......", "......", "###...", "......", "####.."}));
 }
 
+TEST(SegmentationTest, ComponentsThatReachTooFarAreDroppedBeforeTheLargestIsKept) {
+  SegmentationOptions options = FixedAt(0.5);
+  options.largest_component_only = true;
+  options.max_cols = 4;
+  const Mask all = MaskOf({"######", "......", "##..#.", "##..#.", "....#."});
+  EXPECT_EQ(Segment(BrightWhere(all), 255.0, options).object,
+            MaskOf({"......", "......", "##....", "##....", "......"}));
+  options.max_rows = 1;
+  EXPECT_EQ(CountSet(Segment(BrightWhere(all), 255.0, options).object), 0);
+}
+
 TEST(SegmentationTest, OpeningRemovesAThinLineAndClosingFillsAGap) {
   SegmentationOptions open = FixedAt(0.5);
   open.open_rows = open.open_cols = 3;

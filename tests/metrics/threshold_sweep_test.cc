@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "metrics/compare.h"
@@ -81,7 +82,8 @@ TEST(ThresholdSweepTest, ASettingOfTheSweepIsTheComparisonAtThatSetting) {
     options.sweep = {.steps = 4, .low = 0.1, .high = 0.4};
     const FrameMetrics swept = CompareFrames(real, simulated, options);
     ASSERT_EQ(swept.sweep.size(), 4U);
-    options.segmentation.sigma_count = options.segmentation.threshold_fraction = options.segmentation.contrast = 0.2;
+    options.segmentation.sigma_count = options.segmentation.threshold_fraction =
+        options.segmentation.contrast = 0.2;
     options.segmentation.false_alarm_rate = std::pow(10.0, -0.2);
     options.sweep = {};
     const FrameMetrics alone = CompareFrames(real, simulated, options);
