@@ -42,7 +42,8 @@ constexpr std::size_t kMaxEarlierBytes = std::size_t{1} << 30;
 Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<int>& frames) {
   Json json = {{"real", options.real.string()},        {"simulated", options.simulated.string()},
                {"out", options.out.string()},          {"frames", frames},
-               {"as_displayed", options.as_displayed}, {"pictures", options.pictures}};
+               {"as_displayed", options.as_displayed}, {"pictures", options.pictures},
+               {"sweep_steps", options.sweep_steps},   {"sweep_range", options.sweep_range}};
   for (const auto& [name, file] : {std::pair{"against", options.against}, std::pair{"scene", options.scene},
                                    std::pair{"params", options.params}}) {
     json[name] = file.empty() ? Json(nullptr) : Json(file.string());
@@ -50,6 +51,17 @@ Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<i
   json.update(SceneFormatJson(options.scene_format));
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
+}
+
+SweepOptions SweepOf(const CompareCommandOptions& options) {
+  SweepOptions sweep{.steps = options.sweep_steps, .low = {}, .high = {}};
+  if (!options.sweep_range.empty()) {
+    const Interval1d range = ParseInterval("--sweep-range", options.sweep_range);
+    sweep.low = range.low;
+    sweep.high = range.high;
+  }
+  if (options.sweep_csv && sweep.steps == 0) throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
+  return sweep;
 }
 
 // "0.812 [0.780, 0.840]", or "none".
@@ -192,6 +204,8 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   const auto simulated = OpenRecording(options.simulated);
   CompareRecordingsOptions compare{.compare = options.comparison.For(real->info().sonar.axes),
                                    .as_displayed = options.as_displayed};
+  compare.compare.sweep = SweepOf(options);
+  compare.compare.Check();
   if (!options.frames.empty()) {
     const int common = std::min(real->frame_count(), simulated->frame_count());
     const FrameRange range = ParseFrameRange(options.frames, common);
@@ -230,6 +244,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
       metrics, telling,
       ViewerFrameCount(static_cast<std::size_t>(axes.range_bins) * axes.beam_count(), metrics.frames.size()));
   again.noise_floor = false;
+  again.compare.sweep = {};
   again.progress = {};
   ShownFrames shown;
   CompareRecordings(*real, *simulated, again,
@@ -242,7 +257,8 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), metrics.frames.size());
 
   std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
-  for (const std::filesystem::path& file : {options.against, options.scene, options.params}) {
+  for (const std::filesystem::path& file :
+       {options.against, options.scene, options.params, options.comparison.object.background_params}) {
     if (!file.empty()) inputs.push_back(file);
   }
   const Provenance provenance{
@@ -250,6 +266,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   metrics.against = std::move(against);
   WriteFileWhole(output / "metrics.json", MetricsJson(metrics));
   WriteFileWhole(output / "residuals.csv", ResidualsCsv(AllResiduals(metrics)));
+  if (options.sweep_csv) WriteFileWhole(output / "threshold_sweep.csv", metrics.sweep.value().Csv());
   WriteFileWhole(output / "per_frame.csv", PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
   const int pictured = std::min(options.pictures, metrics.aggregate.frame_count);
   const HtmlReport report =
@@ -290,6 +307,16 @@ void SetupCompare(CLI::App& app) {
                    "Frames of both: from A, counted from 0, up to but without B; all if not given")
       ->type_name("A:B");
   AddComparisonOptions(*command, options->comparison);
+  command
+      ->add_option("--sweep-steps", options->sweep_steps,
+                   "Settings of the segmentation's threshold to give each ratio at, as a curve; 0 for none")
+      ->type_name("N");
+  command
+      ->add_option("--sweep-range", options->sweep_range,
+                   "Lowest and highest of these, in the unit of the segmentation's own setting (default: by "
+                   "method)")
+      ->type_name("A:B");
+  command->add_flag("--sweep-csv", options->sweep_csv, "Write the curves to threshold_sweep.csv too");
   command->add_flag("--as-displayed", options->as_displayed,
                     "Compare grey levels although the two state different dB scales");
   command

@@ -1,8 +1,8 @@
 // `sonarcal compare`: a simulated recording against a real one, every metric, frame by frame and together.
 //
-// Written: metrics.json and per_frame.csv (metrics/metrics_json.h), residuals.csv (metrics/residuals.h),
-// report.html, and for up to `pictures` frames recorded, simulated, overlay and object regions as PNG, polar
-// and fan (apps/comparison_pictures.h).
+// Written: metrics.json and per_frame.csv (metrics/metrics_json.h), residuals.csv (metrics/residuals.h), on
+// request threshold_sweep.csv (metrics/threshold_sweep.h), report.html, and for up to `pictures` frames
+// recorded, simulated, overlay and object regions as PNG, polar and fan (apps/comparison_pictures.h).
 //
 // Frames are read, compared and dropped one by one: of a frame its figures are kept, some kilobytes.
 #pragma once
@@ -24,6 +24,9 @@ struct CompareCommandOptions {
   std::filesystem::path out;
   std::string frames;  // "A:B" of both, see apps/frame_range.h; empty for all
   ComparisonOptions comparison;
+  int sweep_steps = 21;     // settings of the segmentation that are tried, 0: none
+  std::string sweep_range;  // "A:B"; empty for the method's own
+  bool sweep_csv = false;   // write threshold_sweep.csv too
   bool as_displayed = false;
   int pictures = 100;             // frames that get pictures, evenly spread
   std::filesystem::path against;  // metrics.json of an earlier run; empty: none

@@ -67,6 +67,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
                        .frames = {},
                        .aggregate = {},
                        .noise_floor = {},
+                       .sweep = {},
                        .notes = {}};
   const std::vector<int> frames = FramesToCompare(real, simulated, options.frames);
   if (!options.as_displayed) {
@@ -79,6 +80,9 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
   FrameComparer comparer(report.options);
   std::set<std::string> notes;
   FrameLevels levels;
+  if (options.compare.sweep.steps > 0) {
+    report.sweep.emplace(SweepSettings(options.compare.sweep, options.compare.segmentation.method));
+  }
   for (const int index : frames) {
     const Frame real_frame = real.ReadFrame(index);
     Frame simulated_frame = simulated.ReadFrame(index);
@@ -110,12 +114,21 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     metrics.masks.reset();
     levels += metrics.levels.value();
     metrics.levels.reset();
+    if (report.sweep) report.sweep->Add(metrics.sweep);
+    metrics.sweep = {};
     notes.insert(metrics.notes.begin(), metrics.notes.end());
     report.frames.push_back(std::move(metrics));
     if (options.progress) options.progress(static_cast<int>(report.frames.size()));
   }
   report.aggregate = AggregateFrames(report.frames, std::move(levels));
-  if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, report.options);
+  if (options.noise_floor) {
+    // Both frames are real here: one rule for both, and no simulated object to look near to.
+    CompareOptions of_floor = report.options;
+    of_floor.simulated_object = SimulatedObject::kSameRule;
+    of_floor.region_margin_m.reset();
+    of_floor.sweep = {};
+    report.noise_floor = MeasureNoiseFloor(real, of_floor);
+  }
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
   }

@@ -75,8 +75,8 @@ double SigmaAngleRad(const Matrix6d& covariance) {
   return std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
 }
 
-Json MarkerPosesJson(const TimedImages& timed, const std::vector<MarkerImage>& images, const MarkerPosesInputs& inputs,
-                const MarkerPoses& poses) {
+Json MarkerPosesJson(const TimedImages& timed, const std::vector<MarkerImage>& images,
+                     const MarkerPosesInputs& inputs, const MarkerPoses& poses) {
   Json frames = Json::array();
   for (std::size_t i = 0; i < images.size(); ++i)
     frames.push_back(FrameJson(timed.images[i], images[i], poses.frames[i]));

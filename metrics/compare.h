@@ -22,11 +22,25 @@
 #include "metrics/intensity.h"
 #include "metrics/level_histograms.h"
 #include "metrics/occupancy.h"
+#include "metrics/outline.h"
 #include "metrics/segmentation.h"
 #include "metrics/speckle.h"
 #include "metrics/ssim.h"
+#include "metrics/threshold_sweep.h"
 
 namespace sonarcal {
+
+// Where the simulated object is.
+enum class SimulatedObject {
+  kSameRule,  // what the segmentation finds, as in the real image
+  // Every pixel (of the region of interest) that shows more than echo_fraction: for simulations without
+  // noise, in which a rule that asks how far an echo stands out of the background finds no background.
+  // Neither smoothed nor tidied.
+  kEchoes,
+};
+
+// "same_rule", "echoes".
+std::string_view ToString(SimulatedObject object);
 
 struct CompareOptions {
   SegmentationOptions segmentation;
@@ -34,6 +48,13 @@ struct CompareOptions {
   // Samples that hold a measurement in both images, of the same shape; absent: all. Others count nowhere.
   std::optional<Mask> valid;
   FanOptions fan;
+  SimulatedObject simulated_object = SimulatedObject::kSameRule;
+  double echo_fraction = 0.0;  // kEchoes: of full scale, 0..1; 0: whatever the display shows at all
+  // Where set, the real object is looked for within this distance of the simulated one, along range and along
+  // the arc (metrics/region.h): m, 0..100. Where there is no simulated object, there is no real one. What the
+  // image tells of a threshold (its background, Otsu's) it tells from the whole of `region` all the same.
+  std::optional<double> region_margin_m = {};
+  SweepOptions sweep = {};
   // The mean |difference| that is named "intensity_error"; the others are reported beside it.
   IntensityDomain intensity_domain = IntensityDomain::kUnion;
   double db_tolerance = 0.01;  // dB scales closer than this are the same
@@ -47,6 +68,7 @@ struct CompareOptions {
 // figures that follow from it.
 struct ViewMetrics {
   Occupancy occupancy;
+  OutlineDistance outline;  // of the polar view; nothing in the fan, whose regions are the same
   IntensityError intensity;
   StructuralSimilarity ssim;
   SpeckleMeasures speckle;  // of the polar view; without blocks in the fan
@@ -77,9 +99,12 @@ struct FrameMetrics {
   std::optional<double> time_s;  // of the recorded frame, where the caller knows it
   ViewMetrics polar;
   ViewMetrics fan;
-  double threshold_real = 0.0;  // grey level above which a (smoothed) pixel was object
+  double threshold_real = 0.0;  // what a pixel's score (metrics/scored_image.h) had to be above
   double threshold_simulated = 0.0;
-  std::vector<std::string> notes;   // one sentence each
+  std::vector<std::string> notes;  // one sentence each
+  // Polar counts at the settings of CompareOptions::sweep; whoever compares many frames adds them up
+  // (metrics/threshold_sweep.h) and lets go of each frame's.
+  std::vector<Occupancy> sweep;
   std::optional<FrameMasks> masks;  // where CompareOptions::keep_masks
   // Of pixels; whoever compares many frames pools them (metrics/aggregate.h) and lets go of each frame's.
   std::optional<FrameLevels> levels;

@@ -24,6 +24,21 @@ void AddOccupancy(std::vector<Figure>& figures) {
   add("na_over_ns", "Na/Ns", Better::kHigher, &Occupancy::na_over_ns);
   add("na_over_nr", "Na/Nr", Better::kHigher, &Occupancy::na_over_nr);
   add("iou", "IoU", Better::kHigher, &Occupancy::iou);
+  add("dice", "Dice", Better::kHigher, &Occupancy::dice);
+}
+
+void AddOutline(std::vector<Figure>& figures) {
+  const auto add = [&](const char* path, const char* label,
+                       std::optional<double> (OutlineDistance::*of)() const) {
+    figures.push_back({.path = path,
+                       .label = label,
+                       .unit = FigureUnit::kMetres,
+                       .better = Better::kLower,
+                       .polar_only = true,
+                       .averaged = [of](const ViewMetrics& view) { return (view.outline.*of)(); }});
+  };
+  add("outline.mean_m", "distance of outlines, mean", &OutlineDistance::mean_m);
+  add("outline.hausdorff_95_m", "distance of outlines, Hausdorff 95", &OutlineDistance::hausdorff_95_m);
 }
 
 void AddIntensity(std::vector<Figure>& figures, IntensityDomain domain) {
@@ -137,6 +152,7 @@ std::vector<Figure> MakeFigures() {
   AddSpeckle(figures, "background", &SpeckleMeasures::real_background,
              &SpeckleMeasures::simulated_background);
   AddSpeckle(figures, "object", &SpeckleMeasures::real_object, &SpeckleMeasures::simulated_object);
+  AddOutline(figures);
   return figures;
 }
 

@@ -12,6 +12,8 @@
 #include "metrics/csv_text.h"
 #include "metrics/figures.h"
 #include "metrics/report_json.h"
+#include "metrics/segmentation_json.h"
+#include "metrics/sweep_json.h"
 
 namespace sonarcal {
 namespace {
@@ -155,36 +157,13 @@ Json MicroJson(const MetricsReport& report, const Aggregate* floor) {
   return json;
 }
 
-Json SegmentationJson(const CompareOptions& options) {
-  const SegmentationOptions& segmentation = options.segmentation;
-  Json parameters;
-  switch (segmentation.method) {
-    case SegmentationMethod::kBackgroundSigma:
-      parameters["background"] = std::string(ToString(segmentation.background));
-      parameters["sigma_count"] = segmentation.sigma_count;
-      parameters["min_contrast"] = segmentation.min_contrast;
-      break;
-    case SegmentationMethod::kFixedThreshold:
-      parameters["threshold_fraction"] = segmentation.threshold_fraction;
-      break;
-    case SegmentationMethod::kOtsu:
-      break;
-  }
-  parameters["median_px"] = segmentation.median_px;
-  parameters["blur_rows"] = segmentation.blur_rows;
-  parameters["blur_cols"] = segmentation.blur_cols;
-  parameters["open_rows"] = segmentation.open_rows;
-  parameters["open_cols"] = segmentation.open_cols;
-  parameters["close_rows"] = segmentation.close_rows;
-  parameters["close_cols"] = segmentation.close_cols;
-  parameters["min_area_px"] = segmentation.min_area_px;
-  parameters["largest_component_only"] = segmentation.largest_component_only;
-
-  Json json;
-  json["method"] = std::string(ToString(segmentation.method));
-  json["parameters"] = std::move(parameters);
+Json SegmentationOf(const CompareOptions& options) {
+  Json json = SegmentationJson(options.segmentation);
   json["applied_to"] = "the polar images; fan regions are scan-converted, nearest";
   json["region_of_interest_px"] = options.region ? Json(CountSet(*options.region)) : Json(nullptr);
+  json["region_margin_m"] = Nullable(options.region_margin_m);
+  json["simulated_object"] = std::string(ToString(options.simulated_object));
+  if (options.simulated_object == SimulatedObject::kEchoes) json["echo_fraction"] = options.echo_fraction;
   return json;
 }
 
@@ -258,7 +237,9 @@ Json SummaryJson(const MetricsReport& report) {
   json["macro"] = MacroJson(report, floor);
   json["micro"] = MicroJson(report, floor);
   json["ci"] = IntervalJson(report.aggregate);
-  json["segmentation"] = SegmentationJson(report.options);
+  json["segmentation"] = SegmentationOf(report.options);
+  json["threshold_sweep"] =
+      report.sweep ? SweepJson(*report.sweep, report.options.segmentation.method) : Json(nullptr);
   json["display"] = {{"full_scale", report.scale.full_scale}, {"span_db", Nullable(DbSpan(report.scale))}};
   json["intensity_error_definition"] = fmt::format(
       "mean of |simulated - real| / full scale over the {}",

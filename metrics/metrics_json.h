@@ -7,7 +7,10 @@
 //    "macro": {SUMMARY, "frames_left_out": {"na_over_ns": 2}},
 //    "micro": {"ns", "nr", "na", SUMMARY},
 //    "ci": {"level", "method", "draws", "seed", "block_frames", "absent_because"},
-//    "segmentation": {"method", "parameters": {...}, "region_of_interest"},
+//    "segmentation": {"method", "parameters": {...}, "applied_to", "region_of_interest_px",
+//    "region_margin_m",
+//                     "simulated_object", "echo_fraction"},
+//    "threshold_sweep": see metrics/sweep_json.h; null where none was asked for,
 //    "display": {"full_scale", "span_db"},
 //    "intensity_error_definition": what the number is, in words,
 //    "noise_floor": {"beside_figures", "speckle": {...}, "real_against_real": {...}, "drawn": {...}},
@@ -39,6 +42,7 @@
 #include "metrics/compare.h"
 #include "metrics/noise_floor.h"
 #include "metrics/residuals.h"
+#include "metrics/threshold_sweep.h"
 
 namespace sonarcal {
 
@@ -53,6 +57,7 @@ struct MetricsReport {
   ResidualCollector residuals = {};                    // where it was wrong; without frames: not collected
   std::vector<ResidualTable> residuals_by_scene = {};  // by incidence and material, where the scene is known
   std::optional<Against> against = {};                 // an earlier run, where one was given
+  std::optional<ThresholdSweep> sweep = {};            // where CompareOptions::sweep has steps
   std::vector<std::string> notes;                      // one sentence each
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/report/html_text.h"
+#include "apps/report/segmentation_text.h"
 
 namespace sonarcal {
 namespace {
@@ -62,43 +63,6 @@ std::string DomainText(IntensityDomain domain) {
       break;
   }
   return "the union of the two object regions";
-}
-
-std::string MethodText(const SegmentationOptions& options) {
-  switch (options.method) {
-    case SegmentationMethod::kOtsu:
-      return "is above Otsu's threshold of its own image";
-    case SegmentationMethod::kFixedThreshold:
-      return fmt::format("is above {:g} of full scale", options.threshold_fraction);
-    case SegmentationMethod::kBackgroundSigma:
-      break;
-  }
-  return fmt::format(
-      "is more than {:g} standard deviations above the background's median ({})", options.sigma_count,
-      options.background == BackgroundSample::kRobust ? "both estimated robustly from the image itself"
-                                                      : "both taken outside the region of interest");
-}
-
-std::string DetectorText(const CompareOptions& options) {
-  const SegmentationOptions& s = options.segmentation;
-  std::string text = "One detector looks for the object in both images, with the same settings. ";
-  if (s.median_px > 0) text += fmt::format("A median of {0} x {0} pixels is taken. ", s.median_px);
-  if (s.blur_rows > 0.0 || s.blur_cols > 0.0) {
-    text += fmt::format("The image is smoothed by a Gaussian ({:g} range bins, {:g} beams). ", s.blur_rows,
-                        s.blur_cols);
-  }
-  text += "A pixel is object where it " + MethodText(s) + ". ";
-  if (s.open_rows > 1 || s.open_cols > 1) {
-    text += fmt::format("Specks smaller than {} x {} pixels are opened away. ", s.open_rows, s.open_cols);
-  }
-  if (s.close_rows > 1 || s.close_cols > 1) {
-    text += fmt::format("Gaps smaller than {} x {} pixels are closed. ", s.close_rows, s.close_cols);
-  }
-  if (s.min_area_px > 0) text += fmt::format("Components below {} pixels are dropped. ", s.min_area_px);
-  if (s.largest_component_only) text += "The largest connected component is kept. ";
-  text += options.region ? "Only a given region of interest is searched."
-                         : "The whole image is searched: no region of interest was given.";
-  return text + " Occupancy depends on these settings.";
 }
 
 std::string FloorText(const MetricsReport& metrics) {

@@ -261,6 +261,100 @@ TEST(CompareRecordings, LeaveOutWhatEitherDoesNotShow) {
   EXPECT_EQ(pixels(shown, other), 120 * 40 - 2);
 }
 
+TEST_F(CompareCommand, EveryMethodOfSegmentationIsToBeHad) {
+  for (const char* method :
+       {"background_sigma", "otsu", "fixed_threshold", "triangle", "local_contrast", "ca_cfar", "os_cfar"}) {
+    const Outcome outcome =
+        RunSonarcal(Arguments("--json --sweep-steps 0 --guard 6x2 --training 8x3 "
+                              "--cell 3x1 --false-alarm-rate 0.01 --contrast 0.05 "
+                              "--segmentation " +
+                              std::string(method)));
+    ASSERT_EQ(outcome.status, 0) << method << ": " << outcome.err;
+    const nlohmann::json json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["segmentation"]["method"], method);
+    EXPECT_TRUE(json["threshold_sweep"].is_null());
+    if (json["segmentation"]["parameters"].contains("guard_rows")) {
+      EXPECT_EQ(json["segmentation"]["parameters"]["guard_rows"], 6);
+      EXPECT_EQ(json["segmentation"]["parameters"]["training_cols"], 3);
+    }
+  }
+  EXPECT_EQ(RunSonarcal(Arguments("--segmentation magic")).status, 2);
+  EXPECT_EQ(RunSonarcal(Arguments("--segmentation ca_cfar --guard 6")).status, 2);
+  EXPECT_EQ(RunSonarcal(Arguments("--segmentation ca_cfar --false-alarm-rate 2")).status, 1);
+}
+
+TEST_F(CompareCommand, TheLikelihoodRatioNeedsTheBackgroundsLaw) {
+  Outcome outcome = RunSonarcal(Arguments("--segmentation likelihood_ratio"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("--background-params"));
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.model = EchoModel::kAcoustic;
+  const std::string law = (world_ / "law.json").string();
+  WriteParameters(law, parameters);
+  outcome = RunSonarcal(Arguments("--segmentation likelihood_ratio --background-params " + Quoted(law)));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("no noise floor"));
+  parameters.receiver.noise_db = parameters.display.db_min + 10.0;
+  WriteParameters(law, parameters);
+  outcome =
+      RunSonarcal(Arguments("--json --segmentation likelihood_ratio --background-params " + Quoted(law)));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["threshold_sweep"]["setting"],
+            "-log10 of the false-alarm rate");
+}
+
+TEST_F(CompareCommand, TheSweepIsInTheMetricsAndOnRequestInACsv) {
+  Outcome outcome = RunSonarcal(Arguments("--json"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json sweep = nlohmann::json::parse(outcome.out)["threshold_sweep"];
+  EXPECT_EQ(sweep["settings"].size(), 21U);
+  EXPECT_EQ(sweep["frames"], 4);
+  EXPECT_EQ(sweep["macro"]["iou"]["curve"].size(), 21U);
+  EXPECT_TRUE(sweep["micro"]["dice"]["area"].is_number());
+  EXPECT_FALSE(std::filesystem::exists(world_ / "out/threshold_sweep.csv"));
+
+  outcome = RunSonarcal(Arguments("--segmentation otsu --sweep-steps 3 --sweep-range 0.2:0.6 --sweep-csv"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string csv = testing::ReadFile(world_ / "out/threshold_sweep.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  EXPECT_THAT(csv, HasSubstr("\n0.4,"));
+  EXPECT_EQ(RunSonarcal(Arguments("--sweep-steps 0 --sweep-csv")).status, 2);
+  EXPECT_EQ(RunSonarcal(Arguments("--sweep-range 3:1")).status, 2);
+  EXPECT_EQ(RunSonarcal(Arguments("--sweep-steps 1")).status, 1);
+}
+
+TEST_F(CompareCommand, TheSimulatedObjectMayBeItsEchoesAndTheRealOneNearIt) {
+  const auto run = [&](const std::string& extra) {
+    const Outcome outcome = RunSonarcal(Arguments("--json --sweep-steps 0 " + extra));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const auto all = run("--simulated-object echoes --all-components");
+  const auto bright = run("--simulated-object echoes --echo-level 0.5 --all-components");
+  EXPECT_EQ(all["segmentation"]["simulated_object"], "echoes");
+  EXPECT_GT(all["frames"][0]["ns"].get<int>(), bright["frames"][0]["ns"].get<int>());
+  const auto near = run("--simulated-object echoes --echo-level 0.5 --all-components --region-margin 0.05");
+  EXPECT_EQ(near["segmentation"]["region_margin_m"], 0.05);
+  EXPECT_LE(near["frames"][0]["nr"].get<int>(), bright["frames"][0]["nr"].get<int>());
+  EXPECT_EQ(near["frames"][0]["ns"], bright["frames"][0]["ns"]);
+}
+
+TEST_F(CompareCommand, APolygonHoldsTheObject) {
+  const auto count = [&](const std::string& extra) {
+    const Outcome outcome = RunSonarcal(Arguments(
+        "--json --sweep-steps 0 --segmentation fixed_threshold --threshold 0 --closing 0x0 " + extra));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)["segmentation"]["region_of_interest_px"].get<int>();
+  };
+  // No bin or beam has its centre on a side.
+  const int of_box = count("--region-range 1:3 --region-azimuth -5.1:5.1");
+  EXPECT_EQ(count("--region-polygon 1:-5.1,1:5.1,3:5.1,3:-5.1"), of_box);
+  EXPECT_LT(count("--region-polygon 1:-5.1,1:5.1,3:0"), of_box);
+  EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,1:5")).status, 2);
+  EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,x,3:5")).status, 2);
+}
+
 TEST(TellingFrames, AreTheBestTheMiddleAndTheWorst) {
   MetricsReport report;
   for (int i = 0; i < 7; ++i) {

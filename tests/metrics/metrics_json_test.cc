@@ -118,9 +118,10 @@ TEST(PerFrameCsvTest, AHeaderAndALineAFrame) {
   std::getline(csv, header);
   std::getline(csv, first);
   std::getline(csv, second);
-  EXPECT_THAT(header, StartsWith("index,name,ns,nr,na,ns_over_nr,na_over_ns,na_over_nr,iou,"
-                                 "fan_ns,fan_nr,fan_na,fan_ns_over_nr,fan_na_over_ns,fan_na_over_nr,fan_iou,"
-                                 "intensity_error_polar,intensity_error_fan,intensity_union_mean_absolute,"));
+  EXPECT_THAT(header,
+              StartsWith("index,name,ns,nr,na,ns_over_nr,na_over_ns,na_over_nr,iou,dice,"
+                         "fan_ns,fan_nr,fan_na,fan_ns_over_nr,fan_na_over_ns,fan_na_over_nr,fan_iou,fan_dice,"
+                         "intensity_error_polar,intensity_error_fan,intensity_union_mean_absolute,"));
   EXPECT_THAT(header, HasSubstr(",fan_distribution_objects_wasserstein,"));
   EXPECT_EQ(std::count(second.begin(), second.end(), ','), std::count(header.begin(), header.end(), ','));
   EXPECT_THAT(first, StartsWith("0,\"odd, \"\"name\"\".png\","));
