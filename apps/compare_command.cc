@@ -20,6 +20,7 @@
 #include "apps/frame_range.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
+#include "apps/report/against_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
@@ -179,6 +180,7 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
   AddKeyFigures(report, metrics);
   report.Section("Agreement");
   AddMetricTables(report, metrics);
+  if (metrics.against) AddAgainst(report, *metrics.against);
   report.Section("Pictures");
   report.Paragraph(fmt::format(
       "The frames with the lowest, the middle and the highest intensity error are shown below; pictures of "

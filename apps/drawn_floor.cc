@@ -65,6 +65,7 @@ DrawnFloor DrawFloor(const RecordingSource& simulated, const std::vector<int>& f
                      const ParameterSet& parameters, const CompareOptions& options, int max_frames) {
   CompareOptions of_draws = options;
   of_draws.keep_masks = false;
+  of_draws.sweep = {};
   FrameComparer comparer(std::move(of_draws));
   std::optional<SpeckleDraw> draw;
   double full_scale = 0.0;

@@ -143,6 +143,10 @@ TEST_F(CompareCommand, SaysWhatGotWorseSinceAnEarlierRun) {
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/metrics.json");
   EXPECT_GE(json["against"]["worse"], 1);
   EXPECT_GT(json["against"]["figures"].size(), 60U);
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_THAT(html, HasSubstr("worse"));
+  EXPECT_THAT(html, HasSubstr("Way to the floor"));
 
   testing::WriteFile(earlier, "{}");
   outcome = RunSonarcal(Arguments(against));
@@ -187,6 +191,8 @@ TEST_F(CompareCommand, AFloorIsDrawnWhereNoFramesStandStill) {
   EXPECT_EQ(json["noise_floor"]["beside_figures"], "drawn");
   EXPECT_GT(json["macro"]["intensity"]["whole"]["mean_absolute_floor"], 0.0);
   EXPECT_LT(json["macro"]["iou_floor"], 1.0);
+  EXPECT_FALSE(json["macro"]["speckle"]["background"]["real"].contains("looks_floor"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("Floor of the mean"));
 }
 
 TEST_F(CompareCommand, AsManyFramesAsAskedGetPictures) {
