@@ -170,6 +170,7 @@ Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames, FrameLevels l
                       .micro = {std::move(polar.micro), std::move(fan.micro)},
                       .pooled_polar = polar.pooled,
                       .pooled_fan = fan.pooled,
+                      .pooled_levels = std::move(levels),
                       .no_interval_reason = {}};
   if (aggregate.frame_count < kBootstrapMinFrames) {
     aggregate.no_interval_reason =
