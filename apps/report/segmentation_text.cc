@@ -7,7 +7,8 @@ namespace {
 
 std::string RingText(const SegmentationOptions& s) {
   return fmt::format("up to {} range bins and {} beams around it, the nearest {} and {} left out",
-                     s.guard_rows + s.training_rows, s.guard_cols + s.training_cols, s.guard_rows, s.guard_cols);
+                     s.guard_rows + s.training_rows, s.guard_cols + s.training_cols, s.guard_rows,
+                     s.guard_cols);
 }
 
 // What follows "A pixel is object where it".
@@ -66,7 +67,8 @@ std::string TidyingText(const SegmentationOptions& s) {
     text += fmt::format("Gaps smaller than {} x {} pixels are closed. ", s.close_rows, s.close_cols);
   }
   if (s.min_area_px > 0) text += fmt::format("Components below {} pixels are dropped. ", s.min_area_px);
-  if (s.max_rows > 0) text += fmt::format("Components over more than {} range bins are dropped. ", s.max_rows);
+  if (s.max_rows > 0)
+    text += fmt::format("Components over more than {} range bins are dropped. ", s.max_rows);
   if (s.max_cols > 0) text += fmt::format("Components over more than {} beams are dropped. ", s.max_cols);
   if (s.largest_component_only) text += "The largest connected component is kept. ";
   if (s.fill == RegionFill::kHoles) text += "Holes are filled. ";

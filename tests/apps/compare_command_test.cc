@@ -268,9 +268,9 @@ TEST_F(CompareCommand, APolygonHoldsTheObject) {
     return nlohmann::json::parse(outcome.out)["segmentation"]["region_of_interest_px"].get<int>();
   };
   // No bin or beam has its centre on a side.
-  const int of_box = count("--region-range 1:3 --region-azimuth -5.1:5.1");
-  EXPECT_EQ(count("--region-polygon 1:-5.1,1:5.1,3:5.1,3:-5.1"), of_box);
-  EXPECT_LT(count("--region-polygon 1:-5.1,1:5.1,3:0"), of_box);
+  const int of_box = count("--region-range 1.011:3.011 --region-azimuth -5.1:5.1");
+  EXPECT_EQ(count("--region-polygon 1.011:-5.1,1.011:5.1,3.011:5.1,3.011:-5.1"), of_box);
+  EXPECT_LT(count("--region-polygon 1.011:-5.1,1.011:5.1,3.011:0"), of_box);
   EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,1:5")).status, 2);
   EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,x,3:5")).status, 2);
 }
