@@ -1,7 +1,7 @@
 // How well each method of segmentation finds what people outlined, as Markdown: docs/segmentation.md shows
 // what it printed.
 //
-//   segmentation_study FOLDER [candidates=60] [methods=a,b] [chosen]
+//   segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]
 //
 // FOLDER: aris3000_watertank of the recordings. The pictures are split in two halves, every second one by
 // number. The parameters of a method are those with the highest mean IoU on one half, among `candidates`
@@ -11,6 +11,7 @@
 // parameters too.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -30,7 +31,9 @@
 namespace sonarcal::testing {
 namespace {
 
-// What may be chosen: a list of values, in order, and what one of them sets. Sizes are in bins and beams.
+// What may be chosen: a list of values, in order, and what one of them sets. Sizes are in range bins; a beam
+// is about as wide as a bin where most objects lie, so that one knob sets both. Few knobs: half of the
+// pictures choose, and many would be fitted to those alone.
 struct Knob {
   std::vector<double> values;
   void (*set)(SegmentationOptions& options, double value);
@@ -39,47 +42,43 @@ struct Knob {
 std::vector<Knob> KnobsOf(SegmentationMethod method) {
   using Options = SegmentationOptions;
   std::vector<Knob> knobs = {
-      {{0, 2, 3, 5}, [](Options& o, double v) { o.open_rows = static_cast<int>(v); }},
-      {{0, 2, 3}, [](Options& o, double v) { o.open_cols = static_cast<int>(v); }},
-      {{0, 3, 5, 7, 9, 13, 17, 23}, [](Options& o, double v) { o.close_rows = static_cast<int>(v); }},
-      {{0, 3, 5, 7, 9, 13, 17}, [](Options& o, double v) { o.close_cols = static_cast<int>(v); }},
-      {{0, 15, 30, 60, 90, 130}, [](Options& o, double v) { o.min_area_px = static_cast<int>(v); }},
-      {{30, 45, 60, 80, 0}, [](Options& o, double v) { o.max_rows = static_cast<int>(v); }},
-      {{20, 30, 45, 60, 0}, [](Options& o, double v) { o.max_cols = static_cast<int>(v); }},
+      {{0, 2, 3}, [](Options& o, double v) { o.open_rows = o.open_cols = static_cast<int>(v); }},
+      {{0, 3, 5, 7, 9, 11, 15},
+       [](Options& o, double v) { o.close_rows = o.close_cols = static_cast<int>(v); }},
+      {{0, 20, 40, 60, 90}, [](Options& o, double v) { o.min_area_px = static_cast<int>(v); }},
+      {{30, 40, 50, 65, 0}, [](Options& o, double v) { o.max_rows = o.max_cols = static_cast<int>(v); }},
       {{0, 1}, [](Options& o, double v) { o.largest_component_only = v != 0.0; }},
-      {{0, 1, 2}, [](Options& o, double v) { o.fill = static_cast<RegionFill>(static_cast<int>(v)); }}};
+      {{0, 1}, [](Options& o, double v) { o.fill = v == 0.0 ? RegionFill::kNone : RegionFill::kHull; }}};
   const auto add = [&](std::vector<double> values, void (*set)(Options&, double)) {
     knobs.push_back({std::move(values), set});
   };
   if (StatesFalseAlarmRate(method)) {
     add({0.3, 0.5, 0.8, 1.2, 1.6, 2, 2.5, 3, 4, 5, 7, 10, 14},
         [](Options& o, double v) { o.false_alarm_rate = std::pow(10.0, -v); });
-    add({1, 3, 5, 7}, [](Options& o, double v) { o.cell_rows = static_cast<int>(v); });
-    add({1, 3, 5}, [](Options& o, double v) { o.cell_cols = static_cast<int>(v); });
+    add({1, 3, 5, 7}, [](Options& o, double v) { o.cell_rows = o.cell_cols = static_cast<int>(v); });
   } else {
-    add({0, 0.5, 1, 1.5, 2, 3}, [](Options& o, double v) { o.blur_rows = v; });
-    add({0, 0.5, 1, 1.5, 2, 3}, [](Options& o, double v) { o.blur_cols = v; });
+    add({0, 0.5, 1, 1.5, 2, 2.5}, [](Options& o, double v) { o.blur_rows = o.blur_cols = v; });
   }
   if (method == SegmentationMethod::kBackgroundSigma) {
     add({0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8}, [](Options& o, double v) { o.sigma_count = v; });
   }
   if (method == SegmentationMethod::kFixedThreshold) {
-    add({0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7},
+    add({0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7},
         [](Options& o, double v) { o.threshold_fraction = v; });
   }
   if (method == SegmentationMethod::kLocalContrast) {
-    add({0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.15, 0.18, 0.21, 0.25, 0.3},
+    add({0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.15, 0.18, 0.21, 0.25, 0.3, 0.35},
         [](Options& o, double v) { o.contrast = v; });
   }
   if (method == SegmentationMethod::kOsCfar) {
-    add({0.5, 0.65, 0.75, 0.85}, [](Options& o, double v) { o.os_quantile = v; });
+    add({0.5, 0.65, 0.8}, [](Options& o, double v) { o.os_quantile = v; });
   }
   if (method == SegmentationMethod::kLocalContrast || method == SegmentationMethod::kCaCfar ||
       method == SegmentationMethod::kOsCfar) {
-    add({4, 7, 10, 14, 18, 24}, [](Options& o, double v) { o.guard_rows = static_cast<int>(v); });
-    add({3, 6, 9, 12, 16, 22}, [](Options& o, double v) { o.guard_cols = static_cast<int>(v); });
-    add({4, 8, 14, 20, 30, 40}, [](Options& o, double v) { o.training_rows = static_cast<int>(v); });
-    add({4, 8, 14, 20, 30, 40}, [](Options& o, double v) { o.training_cols = static_cast<int>(v); });
+    add({1, 2, 3, 5, 7, 10, 14, 18, 24},
+        [](Options& o, double v) { o.guard_rows = o.guard_cols = static_cast<int>(v); });
+    add({4, 8, 14, 20, 30},
+        [](Options& o, double v) { o.training_rows = o.training_cols = static_cast<int>(v); });
   }
   return knobs;
 }
@@ -135,16 +134,30 @@ class Search {
     return scores_.emplace(setting, std::move(score)).first->second;
   }
 
-  // The best of `candidates` random settings on a half, then of the neighbours of the best, one knob by a
-  // place at a time, until none is better.
+  // The best of `candidates` random settings on a half; then from each of the kStarts best of them the best
+  // neighbour, one knob by a place at a time, until none is better; and of where these end the best.
   const Score& Best(int half, int candidates) {
+    constexpr std::size_t kStarts = 4;
     std::mt19937_64 random(20240601);
-    Setting best;
+    std::vector<Setting> starts;
     for (int i = 0; i < candidates; ++i) {
       Setting setting;
       for (const Knob& knob : knobs_) setting.push_back(static_cast<int>(random() % knob.values.size()));
-      if (best.empty() || At(setting).Mean(half).iou > At(best).Mean(half).iou) best = setting;
+      starts.push_back(setting);
+      At(setting);
     }
+    const auto is_better = [&](const Setting& a, const Setting& b) {
+      return At(a).Mean(half).iou > At(b).Mean(half).iou;
+    };
+    std::stable_sort(starts.begin(), starts.end(), is_better);
+    starts.resize(std::min(kStarts, starts.size()));
+    for (Setting& start : starts) start = Climb(start, is_better);
+    return At(*std::min_element(starts.begin(), starts.end(), is_better));
+  }
+
+ private:
+  template <typename IsBetter>
+  Setting Climb(Setting best, IsBetter is_better) {
     for (bool better = true; better;) {
       better = false;
       for (std::size_t k = 0; k < knobs_.size(); ++k) {
@@ -152,16 +165,15 @@ class Search {
           Setting next = best;
           next[k] += step;
           if (next[k] < 0 || next[k] >= static_cast<int>(knobs_[k].values.size())) continue;
-          if (At(next).Mean(half).iou <= At(best).Mean(half).iou) continue;
+          if (!is_better(next, best)) continue;
           best = next;
           better = true;
         }
       }
     }
-    return At(best);
+    return best;
   }
 
- private:
   const std::vector<HumanMask>& pictures_;
   SegmentationMethod method_;
   bool in_box_;
@@ -222,7 +234,7 @@ void Print(const std::vector<HumanMask>& pictures, int candidates, const std::st
 
 int main(int argc, char** argv) {
   std::string folder, methods;
-  int candidates = 60;
+  int candidates = 120;
   bool with_chosen = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -237,7 +249,7 @@ int main(int argc, char** argv) {
     }
   }
   if (folder.empty() || candidates < 1) {
-    std::cerr << "usage: segmentation_study FOLDER [candidates=60] [methods=a,b] [chosen]\n";
+    std::cerr << "usage: segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]\n";
     return 2;
   }
   try {
