@@ -11,27 +11,6 @@
 namespace sonarcal {
 namespace {
 
-std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
-                                 const std::vector<int>& asked) {
-  const int real_count = real.frame_count();
-  const int simulated_count = simulated.frame_count();
-  if (!asked.empty()) {
-    const int last = *std::max_element(asked.begin(), asked.end());
-    if (last >= std::min(real_count, simulated_count)) {
-      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
-                      real.info().source, real_count, simulated.info().source, simulated_count);
-    }
-    return asked;
-  }
-  if (real_count != simulated_count) {
-    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
-                    real.info().source, real_count, simulated.info().source, simulated_count);
-  }
-  std::vector<int> all(static_cast<std::size_t>(real_count));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
 // Says which way out there is, where the scales differ.
 void CheckScales(const ImageScale& real, const ImageScale& simulated, double tolerance_db) {
   const auto check = [&](const char* field, const std::optional<double>& a, const std::optional<double>& b) {
@@ -57,6 +36,27 @@ void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
 }
 
 }  // namespace
+
+std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
+                                 const std::vector<int>& asked) {
+  const int real_count = real.frame_count();
+  const int simulated_count = simulated.frame_count();
+  if (!asked.empty()) {
+    const int last = *std::max_element(asked.begin(), asked.end());
+    if (last >= std::min(real_count, simulated_count)) {
+      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
+                      real.info().source, real_count, simulated.info().source, simulated_count);
+    }
+    return asked;
+  }
+  if (real_count != simulated_count) {
+    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
+                    real.info().source, real_count, simulated.info().source, simulated_count);
+  }
+  std::vector<int> all(static_cast<std::size_t>(real_count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
                                 const CompareRecordingsOptions& options, const OnComparedFrame& on_frame) {
@@ -152,6 +152,17 @@ std::vector<int> TellingFrames(const MetricsReport& report) {
   const std::set<int> chosen = {by_error.front()->index, by_error[by_error.size() / 2]->index,
                                 by_error.back()->index};
   return {chosen.begin(), chosen.end()};
+}
+
+std::vector<int> EvenlySpread(const std::vector<int>& frames, int count) {
+  const int all = static_cast<int>(frames.size());
+  if (count >= all) return frames;
+  std::vector<int> chosen;
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t steps = std::max(1, count - 1);
+    chosen.push_back(frames[static_cast<std::size_t>(std::int64_t{i} * (all - 1) / steps)]);
+  }
+  return chosen;
 }
 
 }  // namespace sonarcal

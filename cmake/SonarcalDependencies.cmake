@@ -13,6 +13,7 @@ find_dependency(SQLite3)
 find_dependency(TIFF)
 find_dependency(ZLIB)
 find_dependency(TinyGLTF)
+find_dependency(pugixml)
 find_dependency(yaml-cpp)
 find_dependency(assimp 5.2)
 # Debian's package names what a static assimp would link (draco, minizip) and does not depend on it.

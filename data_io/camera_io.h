@@ -1,6 +1,6 @@
 // Files about an optical camera.
 //
-// Camera: a YAML file as OpenCV's calibration writes it (cv::FileStorage), or ROS's camera_info:
+// Camera: a YAML or XML file as OpenCV's calibration writes it (cv::FileStorage), or ROS's camera_info:
 //
 //   image_width: 1280                      # both sizes are needed; pixels
 //   image_height: 960
@@ -13,7 +13,7 @@
 //      ...
 //
 // Other keys are passed over. Refused: skew, fisheye and tilted-sensor models, files over 1 MB, and numbers
-// that are not finite. OpenCV's XML is not read.
+// that are not finite.
 //
 // Port, JSON, lengths in metres, indices relative to air, normal (default: the optical axis) in camera axes:
 //

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+
+#include <pugixml.hpp>
 
 #include "data_io/file_bytes.h"
 #include "data_io/printable.h"
@@ -14,6 +17,41 @@ namespace sonarcal {
 struct YamlReader::Node {
   YAML::Node yaml;
 };
+
+namespace {
+
+constexpr int kDeepestXml = 32;
+
+// Elements are keys, "_" the items of a list; text of several words is a list of them.
+YAML::Node OfXml(const pugi::xml_node& element, const std::string& file, int depth) {
+  if (depth > kDeepestXml) throw DataError("{}: XML within XML more than {} deep", file, kDeepestXml);
+  YAML::Node node;
+  for (const pugi::xml_node& child : element.children()) {
+    if (child.type() != pugi::node_element) continue;
+    const std::string name = child.name();
+    if (name == "_") {
+      node.push_back(OfXml(child, file, depth + 1));
+    } else {
+      node.force_insert(name, OfXml(child, file, depth + 1));
+    }
+  }
+  if (!node.IsNull()) return node;
+  std::istringstream text(element.text().get());
+  std::vector<std::string> words;
+  for (std::string word; text >> word;) words.push_back(word);
+  return words.size() == 1 ? YAML::Node(words.front()) : YAML::Node(words);
+}
+
+YAML::Node XmlNode(const std::string& text, const std::string& file) {
+  pugi::xml_document document;
+  const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
+  if (!result) throw DataError("{}: not XML at byte {}: {}", file, result.offset, result.description());
+  const pugi::xml_node root = document.child("opencv_storage");
+  if (!root) throw DataError("{}: XML without 'opencv_storage', expected a file of OpenCV's", file);
+  return OfXml(root, file, 0);
+}
+
+}  // namespace
 
 YamlReader::YamlReader(std::unique_ptr<Node> node, std::string file, std::string path)
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {}
@@ -39,20 +77,22 @@ YamlReader YamlReader::FromText(std::string_view text, const std::string& file) 
   std::string yaml(text);
   if (yaml.starts_with("%YAML:")) yaml.front() = '#';
   const std::size_t first = yaml.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && yaml[first] == '<') throw DataError("{}: XML, expected YAML", file);
   try {
+    if (first != std::string::npos && yaml[first] == '<')
+      return {std::make_unique<Node>(Node{XmlNode(yaml, file)}), file, ""};
     return {std::make_unique<Node>(Node{YAML::Load(yaml)}), file, ""};
   } catch (const YAML::Exception& error) {
     throw DataError("{}:{}: not YAML: {}", file, error.mark.line + 1, Printable(error.msg));
   }
 }
 
-int YamlReader::line() const {
-  return node_->yaml.Mark().line + 1;
+std::string YamlReader::place() const {
+  const YAML::Mark mark = node_->yaml.Mark();
+  return mark.is_null() ? file_ : fmt::format("{}:{}", file_, mark.line + 1);
 }
 
 void YamlReader::Fail(std::string_view what) const {
-  throw DataError("{}:{}: {} {}", file_, line(), path_, what);
+  throw DataError("{}: {} {}", place(), path_, what);
 }
 
 std::vector<std::pair<std::string, YamlReader>> YamlReader::Members() const {
@@ -63,8 +103,8 @@ std::vector<std::pair<std::string, YamlReader>> YamlReader::Members() const {
     const std::string& key = member.first.Scalar();
     const bool is_new = std::ranges::none_of(members, [&](const auto& other) { return other.first == key; });
     if (!is_new) {
-      throw DataError("{}:{}: key '{}' for the second time", file_, member.first.Mark().line + 1,
-                      Printable(key));
+      const YamlReader again(std::make_unique<Node>(Node{member.first}), file_, path_);
+      throw DataError("{}: key '{}' for the second time", again.place(), Printable(key));
     }
     members.emplace_back(key, YamlReader(std::make_unique<Node>(Node{member.second}), file_,
                                          path_.empty() ? key : path_ + "." + key));
@@ -81,7 +121,7 @@ std::optional<YamlReader> YamlReader::Find(const std::string& key) const {
 
 YamlReader YamlReader::At(const std::string& key) const {
   if (auto member = Find(key)) return *std::move(member);
-  throw DataError("{}:{}: no '{}'", file_, line(), path_.empty() ? key : path_ + "." + key);
+  throw DataError("{}: no '{}'", place(), path_.empty() ? key : path_ + "." + key);
 }
 
 std::vector<YamlReader> YamlReader::Items() const {

@@ -1,7 +1,7 @@
 // A cursor over a YAML file, as JsonReader (data_io/json_reader.h) is one over JSON: every mistake is one
 // sentence with file, line and key. Unlike there, keys that nobody asks for are passed over: the files are
 // other programs'. Read by yaml-cpp; the directive "%YAML:1.0" of OpenCV's files, which is no YAML, is passed
-// over.
+// over. The XML that OpenCV writes of the same keys is read as well, by pugixml.
 //
 // Everything throws DataError.
 #pragma once
@@ -26,7 +26,7 @@ class YamlReader {
   YamlReader& operator=(const YamlReader& other);
 
   const std::string& file() const { return file_; }
-  int line() const;
+  std::string place() const;                         // "file:line"; of XML the file alone
   const std::string& path() const { return path_; }  // "camera_matrix.data"; empty at the root
 
   YamlReader At(const std::string& key) const;  // required

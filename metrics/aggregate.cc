@@ -114,7 +114,7 @@ void SetIntervals(const std::vector<FrameView>& frames, bool in_time, ViewAggreg
     }
     const auto set = [block = block](Statistic& statistic, const std::vector<double>& draws) {
       statistic.block_frames = block;
-      if (statistic.frames_used >= kBootstrapMinFrames && !draws.empty()) {
+      if (statistic.value && statistic.frames_used >= kBootstrapMinFrames && !draws.empty()) {
         statistic.ci = PercentileInterval95(draws);
       }
     };

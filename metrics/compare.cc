@@ -169,7 +169,7 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   metrics.polar.outline = MeasureOutlines(in_real.object, in_simulated.object, real.axes);
   const ImageScale& scale = StatesScale(real.scale) ? real.scale : simulated.scale;
   metrics.polar.speckle =
-      MeasureSpeckle(real.value, simulated.value, scale, in_real.object, in_simulated.object);
+      MeasureSpeckle(real.value, simulated.value, scale, in_real.object, in_simulated.object, valid);
 
   for (const auto& [which, count] :
        {std::pair{"real", metrics.polar.occupancy.nr}, std::pair{"simulated", metrics.polar.occupancy.ns}}) {

@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "data_io/json_writer.h"
+#include "metrics/csv_text.h"
 #include "metrics/figures.h"
+#include "metrics/report_json.h"
 #include "metrics/segmentation_json.h"
 #include "metrics/sweep_json.h"
 
@@ -86,7 +88,7 @@ void PutFigures(Json& json, const ViewSummary& view, const ViewSummary* floor, b
     const bool nested = dot != std::string::npos;
     Json& parent = nested ? Place(json, figure.path.substr(0, dot)) : json;
     PutStatistic(parent, nested ? figure.path.substr(dot + 1) : figure.path, view.statistics[f],
-                 floor != nullptr ? &floor->statistics[f] : nullptr);
+                 floor != nullptr && figure.better != Better::kNeither ? &floor->statistics[f] : nullptr);
   }
 }
 
@@ -244,6 +246,8 @@ Json SummaryJson(const MetricsReport& report) {
       domain == IntensityDomain::kWhole ? "whole image"
                                         : fmt::format("{} of the two object regions", ToString(domain)));
   json["noise_floor"] = NoiseFloorJson(report.noise_floor, domain);
+  json["residuals"] = ResidualsJson(report.residuals, report.residuals_by_scene);
+  if (report.against) json["against"] = AgainstJson(*report.against);
   json["notes"] = report.notes;
   return json;
 }
@@ -253,16 +257,6 @@ std::string Indented(std::string text, const std::string& margin) {
     text.insert(end + 1, margin);
   }
   return text;
-}
-
-std::string CsvText(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
 }
 
 }  // namespace

@@ -14,12 +14,20 @@
 //    "display": {"full_scale", "span_db"},
 //    "intensity_error_definition": what the number is, in words,
 //    "noise_floor": {"beside_figures", "speckle": {...}, "real_against_real": {...}, "drawn": {...}},
+//    "residuals": {"frames", "frames_left_out", "by_range": CLASSES, "by_beam": CLASSES,
+//                  "by_incidence": CLASSES, "by_material": CLASSES,
+//                  "map": {"rows", "cols", "bins", "beams", "whole": SUMS, "union": SUMS}},
+//    "against": {"better", "worse", "same", "not_told", "all_figures": {the same}, "earlier",
+//                "common_frames", "method", "figures": [...], "notes": [...]},
 //    "notes": [...]}
 //
 // FIGURES are those of metrics/figures.h, each at its path: "iou", "intensity": {"union": {"rmse": ...}}.
 // SUMMARY is for each figure its value, "..._ci": [lo, hi] and "..._floor" (what no simulator could beat,
 // from `noise_floor`), those of the fan below "fan", those in fractions of full scale again below
 // "in_grey_levels" and, where the scale is known, "in_db". docs/metrics.md defines every figure.
+//
+// CLASSES are lists of one length: {"name" or "from" and "to", "unit", "whole": SUMS, "union": SUMS}; SUMS is
+// {"pixels", "bias", "mean_absolute"}. The map's lists run row by row, a cell being `bins` x `beams` pixels.
 //
 // ns, nr, na and the figures of a frame are those of the polar image; "fan" holds those of the fan image. A
 // value that is not defined, and an interval that cannot be given, is null (in the CSV: empty).
@@ -29,9 +37,11 @@
 #include <string>
 #include <vector>
 
+#include "metrics/against.h"
 #include "metrics/aggregate.h"
 #include "metrics/compare.h"
 #include "metrics/noise_floor.h"
+#include "metrics/residuals.h"
 #include "metrics/threshold_sweep.h"
 
 namespace sonarcal {
@@ -44,8 +54,11 @@ struct MetricsReport {
   std::vector<FrameMetrics> frames;
   Aggregate aggregate;
   NoiseFloor noise_floor;
-  std::optional<ThresholdSweep> sweep = {};  // where CompareOptions::sweep has steps
-  std::vector<std::string> notes;            // one sentence each
+  ResidualCollector residuals = {};                    // where it was wrong; without frames: not collected
+  std::vector<ResidualTable> residuals_by_scene = {};  // by incidence and material, where the scene is known
+  std::optional<Against> against = {};                 // an earlier run, where one was given
+  std::optional<ThresholdSweep> sweep = {};            // where CompareOptions::sweep has steps
+  std::vector<std::string> notes;                      // one sentence each
 };
 
 // The text of metrics.json, ending with a newline.

@@ -46,7 +46,6 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   CompareOptions of_real = options;
   of_real.valid = Both(options.valid, real.info().valid);
   FrameComparer comparer(std::move(of_real));
-  bool assumed_still = false;
   FrameLevels levels;
   std::optional<Frame> earlier;  // frame i, where the pair before has read it already
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
@@ -55,7 +54,7 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
       earlier.reset();
       continue;
     }
-    assumed_still |= stillness == Stillness::kUnknown;
+    result.assumed_still |= stillness == Stillness::kUnknown;
     if (!earlier) earlier = real.ReadFrame(i);
     Frame later = real.ReadFrame(i + 1);
     FrameMetrics pair = comparer.Compare(earlier->image, later.image);
@@ -73,7 +72,7 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
                                ? fmt::format("{} real frame, two are needed", real.frame_count())
                                : "no two consecutive real frames share a pose";
   }
-  if (assumed_still) {
+  if (result.assumed_still) {
     result.notes.emplace_back(
         "no poses are recorded: consecutive real frames are taken to show a still scene");
   }
@@ -99,8 +98,9 @@ std::string_view ToString(FloorSource source) {
 }
 
 FloorSource NoiseFloor::source() const {
-  if (!real_against_real.pairs.empty()) return FloorSource::kRealAgainstReal;
-  return drawn ? FloorSource::kDrawn : FloorSource::kNone;
+  const bool pairs = !real_against_real.pairs.empty();
+  if (drawn && !(pairs && !real_against_real.assumed_still)) return FloorSource::kDrawn;
+  return pairs ? FloorSource::kRealAgainstReal : FloorSource::kNone;
 }
 
 const Aggregate* NoiseFloor::Beside() const {

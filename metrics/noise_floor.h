@@ -44,6 +44,7 @@ std::optional<SpeckleFloor> SpeckleFloorFor(const ImageScale& scale);
 struct RealAgainstReal {
   std::vector<FrameMetrics> pairs;  // the earlier frame in the part of the real one; index: of the earlier
   Aggregate aggregate;
+  bool assumed_still = false;      // of some pair no poses are recorded
   std::string absent_reason;       // empty where there are pairs
   std::vector<std::string> notes;  // what was assumed, one sentence each
 };
@@ -72,7 +73,8 @@ struct NoiseFloor {
   RealAgainstReal real_against_real;
   std::optional<DrawnFloor> drawn;
 
-  // Real against real where there are pairs, else what was drawn.
+  // Real against real where there are pairs known to be still, else what was drawn, else pairs taken to be
+  // still.
   FloorSource source() const;
   // Its figures; null where there are none.
   const Aggregate* Beside() const;

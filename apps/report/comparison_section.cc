@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "apps/report/html_text.h"
 #include "apps/report/segmentation_text.h"
@@ -101,8 +102,10 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
   if (!metrics.aggregate.no_interval_reason.empty()) {
     notes.push_back("No 95 % intervals: " + metrics.aggregate.no_interval_reason + ".");
   } else {
-    notes.push_back(fmt::format(
-        "In brackets: 95 % interval, frames resampled {} times and taken as independent.", kBootstrapDraws));
+    notes.push_back(fmt::format("95 % intervals: frames resampled {} times, {}.", kBootstrapDraws,
+                                metrics.aggregate.in_time
+                                    ? "in blocks of consecutive ones, as they follow each other in time"
+                                    : "taken as independent"));
   }
   const int left_out = metrics.aggregate.macro.polar.At("iou").frames_left_out;
   if (left_out > 0) {
@@ -112,20 +115,45 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
   return notes;
 }
 
-// Means over frames beside pooled figures, of one view.
-Table SummaryTable(const MetricsReport& metrics, const char* kind, const ViewSummary& macro,
-                   const ViewSummary& micro) {
+// What the column of floors says; empty where there is none.
+std::string FloorNote(const NoiseFloor& floor) {
+  switch (floor.source()) {
+    case FloorSource::kRealAgainstReal:
+      return fmt::format("Floor: {} pair{} of real frames of {} against each other.",
+                         floor.real_against_real.pairs.size(),
+                         floor.real_against_real.pairs.size() == 1 ? "" : "s",
+                         floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
+    case FloorSource::kDrawn:
+      return "Floor: " + floor.drawn->law + ".";
+    case FloorSource::kNone:
+      break;
+  }
+  return {};
+}
+
+// Means over frames beside pooled figures and what no simulator could beat, of one view.
+Table SummaryTable(const MetricsReport& metrics, const char* kind, ViewSummary Aggregate::Views::*view) {
   const int frames = metrics.aggregate.frame_count;
+  const ViewSummary& macro = metrics.aggregate.macro.*view;
+  const ViewSummary& micro = metrics.aggregate.micro.*view;
+  const Aggregate* floor = metrics.noise_floor.Beside();
   Table table{
       .caption = fmt::format("Agreement of the {} images, {} frame{}", kind, frames, frames == 1 ? "" : "s"),
       .columns = {{"Figure"}, {"Mean of frames"}, {"95 %"}, {"Pixels pooled"}, {"95 %"}},
       .rows = {},
       .notes = TableNotes(metrics)};
+  if (floor != nullptr) {
+    table.columns.push_back({"Floor of the mean"});
+    table.notes.push_back(FloorNote(metrics.noise_floor));
+  }
   for (const Figure& figure : kFigures) {
     const Statistic& mean = figure.of(macro, metrics.options.intensity_domain);
     const Statistic& pooled = figure.of(micro, metrics.options.intensity_domain);
-    table.rows.push_back(
-        {{figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}});
+    TableRow row{{figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}};
+    if (floor != nullptr) {
+      row.cells.push_back(Text(figure.of(floor->macro.*view, metrics.options.intensity_domain).value));
+    }
+    table.rows.push_back(std::move(row));
   }
   return table;
 }
@@ -195,9 +223,8 @@ void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics) {
 }
 
 void AddMetricTables(HtmlReport& report, const MetricsReport& metrics) {
-  const Aggregate& all = metrics.aggregate;
-  report.Add(SummaryTable(metrics, "polar", all.macro.polar, all.micro.polar));
-  report.Add(SummaryTable(metrics, "fan", all.macro.fan, all.micro.fan));
+  report.Add(SummaryTable(metrics, "polar", &Aggregate::Views::polar));
+  report.Add(SummaryTable(metrics, "fan", &Aggregate::Views::fan));
   report.Add(FrameTable(metrics));
   for (const std::string& note : metrics.notes) report.Callout(CalloutKind::kNote, "Note", note);
 }

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <fstream>
 #include <iterator>
 
 #include "apps/report/html_text.h"
 #include "apps/report/report_css.h"
+#include "apps/report/report_script.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -99,6 +101,18 @@ std::string PictureHtml(const Picture& picture, std::size_t index, bool lettered
       EscapeHtml(picture.caption));
 }
 
+// The hash as a Content-Security-Policy names it.
+std::string ScriptHashBase64() {
+  std::array<std::uint8_t, 32> hash = {};
+  SONARCAL_CHECK(kReportScriptSha256.size() == 2 * hash.size(), "a hash of {} digits",
+                 kReportScriptSha256.size());
+  for (std::size_t i = 0; i < hash.size(); ++i) {
+    const std::string_view digits = kReportScriptSha256.substr(2 * i, 2);
+    std::from_chars(digits.begin(), digits.end(), hash[i], 16);
+  }
+  return Base64(hash);
+}
+
 std::string LegendHtml(const std::vector<LegendEntry>& legend) {
   if (legend.empty()) return {};
   std::string html = "<ul class=\"legend\">";
@@ -155,12 +169,14 @@ void HtmlReport::Facts(const std::vector<std::pair<std::string, std::string>>& f
 }
 
 void HtmlReport::Callout(CalloutKind kind, std::string_view title, std::string_view text) {
+  if (kind == CalloutKind::kSynthetic) synthetic_callouts_.push_back(fmt::format("{}. {}", title, text));
   Append(body_, "<aside class=\"callout {}\"><strong>{}</strong><p>{}</p></aside>\n", CssClass(kind),
          EscapeHtml(title), EscapeHtml(text));
 }
 
 void HtmlReport::KeyFigures(const std::vector<KeyFigure>& figures) {
   if (figures.empty()) return;
+  key_figures_.insert(key_figures_.end(), figures.begin(), figures.end());
   body_ += "<dl class=\"key-figures\">";
   for (const KeyFigure& figure : figures) {
     Append(body_, "<div><dt>{}</dt><dd><span class=\"value\">{}</span>", EscapeHtml(figure.label),
@@ -174,9 +190,10 @@ void HtmlReport::KeyFigures(const std::vector<KeyFigure>& figures) {
 
 void HtmlReport::Add(const Table& table) {
   SONARCAL_CHECK(!table.columns.empty(), "table '{}' has no columns", table.caption);
+  tables_.push_back(table);
   const std::string caption = EscapeHtml(table.caption);
   // A wide table scrolls within its frame, which the keyboard can reach.
-  Append(body_, "<figure class=\"table\"><figcaption><b>Table {}.</b> {}</figcaption>", ++table_count_,
+  Append(body_, "<figure class=\"table\"><figcaption><b>Table {}.</b> {}</figcaption>", tables_.size(),
          caption);
   Append(body_, "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table>{}<tbody>\n",
          caption, TableHeadHtml(table.columns));
@@ -203,8 +220,14 @@ void HtmlReport::Add(const std::vector<LineChart>& charts, std::string_view capt
   SONARCAL_CHECK(!charts.empty(), "a figure without charts: {}", caption);
   body_ += "<figure class=\"charts\"><div class=\"row\">\n";
   for (const LineChart& chart : charts) body_ += LineChartHtml(chart);
-  Append(body_, "</div><figcaption><b>Figure {}.</b> {}</figcaption></figure>\n", ++figure_count_,
+  chart_figures_.push_back({++figure_count_, std::string(caption), charts});
+  Append(body_, "</div><figcaption><b>Figure {}.</b> {}</figcaption></figure>\n", figure_count_,
          EscapeHtml(caption));
+}
+
+void HtmlReport::Add(const FrameViewer& viewer) {
+  Append(body_, "<figure class=\"viewers\">{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n",
+         FrameViewerHtml(viewer, ++viewer_count_), ++figure_count_, EscapeHtml(viewer.caption));
 }
 
 void HtmlReport::Code(std::string_view text) {
@@ -238,10 +261,12 @@ std::string HtmlReport::Html() const {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
   html += "<meta name=\"color-scheme\" content=\"light dark\"/>\n";
-  // Even a browser that is told otherwise by injected text would fetch nothing.
-  html +=
-      "<meta http-equiv=\"Content-Security-Policy\" "
-      "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"/>\n";
+  // Even a browser that is told otherwise by injected text would fetch nothing, and run nothing but the
+  // viewer's script, which is allowed by its hash.
+  Append(html,
+         "<meta http-equiv=\"Content-Security-Policy\" "
+         "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'{}\"/>\n",
+         viewer_count_ > 0 ? fmt::format("; script-src 'sha256-{}'", ScriptHashBase64()) : std::string());
   Append(html, "<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", title, kReportCss);
   Append(html, "<header><h1>{}</h1>", title);
   if (!subtitle_.empty()) Append(html, "<p class=\"subtitle\">{}</p>", EscapeHtml(subtitle_));
@@ -249,6 +274,7 @@ std::string HtmlReport::Html() const {
   html += ContentsHtml();
   Append(html, "<main>\n{}</main>\n", body_);
   if (!footer_.empty()) Append(html, "<footer>{}</footer>\n", EscapeHtml(footer_));
+  if (viewer_count_ > 0) Append(html, "<script>{}</script>\n", kReportScript);
   html += "</body>\n</html>\n";
   return html;
 }

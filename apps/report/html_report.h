@@ -1,5 +1,6 @@
-// A report as one HTML file that opens offline: no script, no request to anywhere, pictures embedded. It
-// follows the reader's light or dark setting, prints, and fits a phone. It knows nothing of sonars.
+// A report as one HTML file that opens offline: no request to anywhere, pictures embedded, and no script but
+// that of a frame viewer, where there is one. It follows the reader's light or dark setting, prints, and fits
+// a phone.
 //
 //   HtmlReport report("Tank comparison", "12 frames, simulated with the paper model");
 //   report.Section("Occupancy");
@@ -18,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/report/frame_viewer.h"
 #include "apps/report/line_chart.h"
 
 namespace sonarcal {
@@ -96,12 +98,27 @@ class HtmlReport {
   void Add(const Table& table);
   void Add(const PictureRow& row);
   void Add(const std::vector<LineChart>& charts, std::string_view caption);  // one numbered figure
+  void Add(const FrameViewer& viewer);
   void Code(std::string_view text);
   // Folded away until asked for: a configuration, a log.
   void Details(std::string_view summary, std::string_view text);
 
   // The last line of the page: program, version, date.
   void SetFooter(std::string text) { footer_ = std::move(text); }
+
+  // What was added, in its order, for who writes it in another form (paper_files.h). Table i of the page is
+  // tables()[i - 1].
+  struct ChartFigure {
+    int number = 0;
+    std::string caption;
+    std::vector<LineChart> charts;
+  };
+  const std::string& title() const { return title_; }
+  const std::string& subtitle() const { return subtitle_; }
+  const std::vector<std::string>& synthetic_callouts() const { return synthetic_callouts_; }
+  const std::vector<KeyFigure>& key_figures() const { return key_figures_; }
+  const std::vector<Table>& tables() const { return tables_; }
+  const std::vector<ChartFigure>& chart_figures() const { return chart_figures_; }
 
   std::string Html() const;
 
@@ -123,8 +140,12 @@ class HtmlReport {
   std::string footer_;
   std::string body_;
   std::vector<Heading> headings_;
-  int table_count_ = 0;
+  std::vector<std::string> synthetic_callouts_;
+  std::vector<KeyFigure> key_figures_;
+  std::vector<Table> tables_;
+  std::vector<ChartFigure> chart_figures_;
   int figure_count_ = 0;
+  int viewer_count_ = 0;
 };
 
 }  // namespace sonarcal

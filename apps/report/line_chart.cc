@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <string_view>
 
 #include "apps/report/html_text.h"
 #include "data_io/types/error.h"
@@ -195,24 +197,23 @@ int ColourOf(const ChartSeries& series, std::size_t place) {
   return series.colour >= 0 ? series.colour % kColours : static_cast<int>(place % kColours);
 }
 
+// How a series looks, 26 x 12.
+std::string Swatch(const ChartSeries& series, int colour) {
+  std::string swatch;
+  if (!series.low.empty()) swatch += fmt::format("<path class=\"band c{}\" d=\"M0 1H26V11H0Z\"/>", colour);
+  if (series.style == SeriesStyle::kPoints) {
+    return swatch + fmt::format("<circle class=\"point c{}\" cx=\"13\" cy=\"6\" r=\"4\"/>", colour);
+  }
+  return swatch + fmt::format("<path class=\"line{} c{}\" d=\"M0 6H26\"/>",
+                              series.style == SeriesStyle::kDashed ? " dashed" : "", colour);
+}
+
 std::string LegendHtml(const LineChart& chart) {
   std::string html = "<ul class=\"legend\">";
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
-    const ChartSeries& series = chart.series[i];
-    const int colour = ColourOf(series, i);
-    std::string swatch;
-    if (!series.low.empty()) {
-      swatch += fmt::format("<path class=\"band c{}\" d=\"M0 1H26V11H0Z\"/>", colour);
-    }
-    if (series.style == SeriesStyle::kPoints) {
-      swatch += fmt::format("<circle class=\"point c{}\" cx=\"13\" cy=\"6\" r=\"4\"/>", colour);
-    } else {
-      swatch += fmt::format("<path class=\"line{} c{}\" d=\"M0 6H26\"/>",
-                            series.style == SeriesStyle::kDashed ? " dashed" : "", colour);
-    }
     html += fmt::format(
         "<li><svg viewBox=\"0 0 26 12\" width=\"26\" height=\"12\" aria-hidden=\"true\">{}</svg>{}</li>",
-        swatch, EscapeHtml(series.name));
+        Swatch(chart.series[i], ColourOf(chart.series[i], i)), EscapeHtml(chart.series[i].name));
   }
   return html + "</ul>";
 }
@@ -226,9 +227,7 @@ void Check(const ChartSeries& series) {
       series.high.size());
 }
 
-}  // namespace
-
-std::string LineChartHtml(const LineChart& chart) {
+std::string PlotSvg(const LineChart& chart) {
   for (const ChartSeries& series : chart.series) Check(series);
   Drawing drawing(FitScales(chart));
   drawing.Axes(chart);
@@ -246,11 +245,48 @@ std::string LineChartHtml(const LineChart& chart) {
     const ChartSeries& series = chart.series[i];
     if (series.style == SeriesStyle::kPoints) drawing.Points(series, ColourOf(series, i));
   }
+  return drawing.svg();
+}
+
+// The light colours of report.css.
+constexpr std::string_view kFileStyle =
+    "text{font:12px sans-serif;fill:#56646e}.name,.title{fill:#1b2329}.title{font-weight:bold;font-size:14px}"
+    ".grid{stroke:#d9dfe3}.axis,.mark{stroke:#8b98a2}.line{fill:none;stroke-width:2;stroke-linejoin:round}"
+    ".dashed{stroke-dasharray:6 5}.band{fill-opacity:0.17;stroke:none}.point{stroke:#ffffff}";
+constexpr std::array<std::string_view, kColours> kFileColours = {"#0868a8", "#bd4f00", "#20754a",
+                                                                 "#7a49a5", "#a8326c", "#5b6670"};
+
+}  // namespace
+
+std::string LineChartHtml(const LineChart& chart) {
+  const std::string plot = PlotSvg(chart);
   const std::string& alt = chart.alt.empty() ? chart.title : chart.alt;
   return fmt::format(
       "<figure class=\"chart\"><div class=\"chart-title\">{}</div>"
       "<svg class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">{}</svg>{}</figure>\n",
-      EscapeHtml(chart.title), kWidth, kHeight, EscapeHtml(alt), drawing.svg(), LegendHtml(chart));
+      EscapeHtml(chart.title), kWidth, kHeight, EscapeHtml(alt), plot, LegendHtml(chart));
+}
+
+std::string LineChartSvg(const LineChart& chart) {
+  constexpr double kTitleHeight = 28.0;
+  constexpr double kLineHeight = 18.0;
+  const double height = kTitleHeight + kHeight + kLineHeight * static_cast<double>(chart.series.size()) + 6.0;
+  std::string style(kFileStyle);
+  for (std::size_t i = 0; i < kFileColours.size(); ++i) {
+    style += fmt::format(".line.c{0}{{stroke:{1}}}.band.c{0},.point.c{0}{{fill:{1}}}", i, kFileColours[i]);
+  }
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">"
+      "<style>{2}</style><rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>"
+      "<text class=\"title\" x=\"4\" y=\"18\">{3}</text><g transform=\"translate(0 {4})\">{5}</g>",
+      kWidth, height, style, EscapeHtml(chart.title), kTitleHeight, PlotSvg(chart));
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const double y = kTitleHeight + kHeight + kLineHeight * static_cast<double>(i);
+    svg +=
+        fmt::format("<g transform=\"translate({} {})\">{}<text x=\"34\" y=\"10\">{}</text></g>", kLeft, y,
+                    Swatch(chart.series[i], ColourOf(chart.series[i], i)), EscapeHtml(chart.series[i].name));
+  }
+  return svg + "</svg>\n";
 }
 
 }  // namespace sonarcal

@@ -38,4 +38,7 @@ struct LineChart {
 // A <figure class="chart"> with title, drawing and legend. Checks that x, y and band are of equal length.
 std::string LineChartHtml(const LineChart& chart);
 
+// The same drawing as an SVG file of its own, for a paper: light, with title and legend in the picture.
+std::string LineChartSvg(const LineChart& chart);
+
 }  // namespace sonarcal

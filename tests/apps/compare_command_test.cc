@@ -119,6 +119,92 @@ TEST_F(CompareCommand, OtherDisplaysAreRefusedUnlessAsked) {
   EXPECT_EQ(RunSonarcal(Arguments("--as-displayed")).status, 0);
 }
 
+TEST_F(CompareCommand, SaysWhatGotWorseSinceAnEarlierRun) {
+  ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
+  const std::filesystem::path earlier = world_ / "earlier.json";
+  std::filesystem::copy_file(world_ / "out/metrics.json", earlier);
+  const std::string against = "--against " + Quoted(earlier) + " --fail-above against.worse=0";
+  Outcome outcome = RunSonarcal(Arguments(against));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("4 common frames, paired"));
+  EXPECT_THAT(outcome.out, HasSubstr("the same"));
+
+  ParameterSet parameters = testing::TinyParameters();
+  for (auto& [name, material] : parameters.materials) {
+    material.gsab.a *= 0.3;
+    material.gsab.c *= 0.3;
+    material.gsab.e *= 0.3;
+  }
+  WriteParameters(world_.params(), parameters);
+  simulated_ = world_.WriteSimulated("dark");
+  outcome = RunSonarcal(Arguments(against));
+  EXPECT_EQ(outcome.status, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("against.worse is"));
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/metrics.json");
+  EXPECT_GE(json["against"]["worse"], 1);
+  EXPECT_GT(json["against"]["figures"].size(), 60U);
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_THAT(html, HasSubstr("worse"));
+  EXPECT_THAT(html, HasSubstr("Way to the floor"));
+
+  testing::WriteFile(earlier, "{}");
+  outcome = RunSonarcal(Arguments(against));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+}
+
+TEST_F(CompareCommand, SaysWhereTheSimulationIsWrongBySceneAndRange) {
+  const Outcome outcome = RunSonarcal(Arguments("--scene " + Quoted(world_.scene())));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json residuals = testing::ReadJsonFile(world_ / "out/metrics.json")["residuals"];
+  EXPECT_EQ(residuals["frames"], 4);
+  EXPECT_EQ(residuals["by_range"]["from"].size(), 60U);
+  EXPECT_EQ(residuals["by_beam"]["whole"]["bias"].size(), 24U);
+  EXPECT_EQ(residuals["map"]["whole"]["pixels"].size(), 60U * 24U);
+  EXPECT_EQ(residuals["by_material"]["name"], nlohmann::json({"floor", "box", "(nothing met)"}));
+  EXPECT_EQ(residuals["by_incidence"]["from"].size(), 18U);
+  const auto pixels = [](const nlohmann::json& classes) {
+    return classes["whole"]["pixels"].get<std::vector<int>>();
+  };
+  const std::vector<int> by_material = pixels(residuals["by_material"]);
+  EXPECT_EQ(by_material[0] + by_material[1] + by_material[2], 4 * 60 * 24);
+  EXPECT_GT(by_material[0], by_material[1]) << "more floor than box";
+  EXPECT_GT(by_material[1], 0);
+  int with_angle = 0;
+  for (const int count : pixels(residuals["by_incidence"])) with_angle += count;
+  EXPECT_EQ(with_angle, by_material[0] + by_material[1]);
+  const std::string csv = testing::ReadFile(world_ / "out/residuals.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * (60 + 24 + 18 + 3));
+}
+
+TEST_F(CompareCommand, AFloorIsDrawnWhereNoFramesStandStill) {
+  Outcome outcome = RunSonarcal(Arguments());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  nlohmann::json json = testing::ReadJsonFile(world_ / "out/metrics.json");
+  EXPECT_EQ(json["noise_floor"]["beside_figures"], "none");
+  EXPECT_FALSE(json["macro"].contains("iou_floor"));
+  outcome = RunSonarcal(Arguments("--params " + Quoted(world_.params())));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("floor"));
+  json = testing::ReadJsonFile(world_ / "out/metrics.json");
+  EXPECT_EQ(json["noise_floor"]["beside_figures"], "drawn");
+  EXPECT_GT(json["macro"]["intensity"]["whole"]["mean_absolute_floor"], 0.0);
+  EXPECT_LT(json["macro"]["iou_floor"], 1.0);
+  EXPECT_FALSE(json["macro"]["speckle"]["background"]["real"].contains("looks_floor"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("Floor of the mean"));
+}
+
+TEST_F(CompareCommand, AsManyFramesAsAskedGetPictures) {
+  ASSERT_EQ(RunSonarcal(Arguments("--pictures 2")).status, 0);
+  for (const int frame : {0, 1, 2, 3}) {
+    EXPECT_EQ(std::filesystem::exists(world_ / fmt::format("out/frame_{:04}_fan_real.png", frame)),
+              frame == 0 || frame == 3);
+  }
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("pictures of 2 of the 4 frames"));
+  EXPECT_EQ(RunSonarcal(Arguments("--pictures -1")).status, 2);
+}
+
 // Adds settings to every frame of a recording, or to one.
 void SetSettings(const std::filesystem::path& recording, const nlohmann::json& settings, int frame = -1) {
   nlohmann::json json = testing::ReadJsonFile(recording / "recording.json");
@@ -268,9 +354,9 @@ TEST_F(CompareCommand, APolygonHoldsTheObject) {
     return nlohmann::json::parse(outcome.out)["segmentation"]["region_of_interest_px"].get<int>();
   };
   // No bin or beam has its centre on a side.
-  const int of_box = count("--region-range 1.011:3.011 --region-azimuth -5.1:5.1");
-  EXPECT_EQ(count("--region-polygon 1.011:-5.1,1.011:5.1,3.011:5.1,3.011:-5.1"), of_box);
-  EXPECT_LT(count("--region-polygon 1.011:-5.1,1.011:5.1,3.011:0"), of_box);
+  const int of_box = count("--region-range 1.02:3.02 --region-azimuth -5.1:5.1");
+  EXPECT_EQ(count("--region-polygon 1.02:-5.1,1.02:5.1,3.02:5.1,3.02:-5.1"), of_box);
+  EXPECT_LT(count("--region-polygon 1.02:-5.1,1.02:5.1,3.02:0"), of_box);
   EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,1:5")).status, 2);
   EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,x,3:5")).status, 2);
 }
@@ -284,6 +370,15 @@ TEST(TellingFrames, AreTheBestTheMiddleAndTheWorst) {
     report.frames.push_back(frame);
   }
   EXPECT_EQ(TellingFrames(report), (std::vector<int>{0, 1, 2}));
+}
+
+TEST(EvenlySpread, HoldsTheFirstAndTheLast) {
+  const std::vector<int> frames = {3, 5, 7, 9, 11};
+  EXPECT_EQ(EvenlySpread(frames, 3), (std::vector<int>{3, 7, 11}));
+  EXPECT_EQ(EvenlySpread(frames, 2), (std::vector<int>{3, 11}));
+  EXPECT_EQ(EvenlySpread(frames, 1), (std::vector<int>{3}));
+  EXPECT_EQ(EvenlySpread(frames, 9), frames);
+  EXPECT_TRUE(EvenlySpread(frames, 0).empty());
 }
 
 TEST(Thresholds, AFigureWithoutValueDoesNotPass) {

@@ -55,9 +55,9 @@ std::string HtmlFault(std::string_view html) {
   std::vector<std::string> open;
   std::size_t position = kDoctype.size();
   while (position < html.size()) {
-    const std::size_t tag = html.find('<', position);
+    const bool raw = !open.empty() && (open.back() == "style" || open.back() == "script");
+    const std::size_t tag = raw ? html.find("</" + open.back() + ">", position) : html.find('<', position);
     const std::string_view text = html.substr(position, tag - position);
-    const bool raw = !open.empty() && open.back() == "style";
     if (const std::string fault = raw ? "" : TextFault(text); !fault.empty()) return fault;
     if (tag == std::string_view::npos) break;
     const std::size_t end = html.find('>', tag);

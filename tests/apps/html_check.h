@@ -1,5 +1,6 @@
 // Whether a page is well-formed: every element closed in order, attributes quoted and unique, no stray '<' or
-// '&'. The report writes HTML that is XML as well, so this needs no list of void elements.
+// '&'. But for style sheet and script the report writes HTML that is XML as well, so this needs no list of
+// void elements.
 #pragma once
 
 #include <string>

@@ -2,13 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <openssl/evp.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/report/html_text.h"
+#include "apps/report/paper_files.h"
+#include "apps/report/table_text.h"
 #include "data_io/types/error.h"
 #include "tests/apps/html_check.h"
 #include "tests/support/temp_dir.h"
@@ -52,6 +56,14 @@ HtmlReport EveryBlock(const std::string& text) {
                           {text, {0.5}, {1.5}, SeriesStyle::kPoints}},
                .alt = text}},
              text);
+  PolarAxes axes{1.0, 2.0, 7, {-0.1, -0.05, 0.0, 0.05, 0.1}};
+  report.Add(FrameViewer{.caption = text,
+                         .frames = {{.name = text,
+                                     .figures = text,
+                                     .axes = axes,
+                                     .real = SmallPng(),
+                                     .simulated = SmallPng(),
+                                     .objects = SmallPng()}}});
   report.Code(text);
   report.Details(text, text);
   report.SetFooter(text);
@@ -65,16 +77,30 @@ TEST(HtmlReportTest, EveryBlockIsWellFormed) {
 TEST(HtmlReportTest, HostileTextStaysText) {
   const std::string html = EveryBlock(kHostile).Html();
   EXPECT_EQ(testing::HtmlFault(html), "");
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  const std::size_t script = html.find("<script");
+  EXPECT_THAT(html.substr(script + 1), Not(HasSubstr("<script")));  // the viewer's own, at the end
+  EXPECT_THAT(html.substr(0, script), HasSubstr("<figure class=\"viewers\">"));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
 }
 
 TEST(HtmlReportTest, ThePageAsksNothingOfTheNetwork) {
   const std::string html = EveryBlock("plain").Html();
-  for (const char* request : {"http://", "https://", "src=\"//", "@import", "<link", "<script", "<iframe"}) {
+  for (const char* request : {"http://", "https://", "src=\"//", "@import", "<link", "<script src", "<iframe",
+                              "fetch(", "XMLHttpRequest", "import("}) {
     EXPECT_THAT(html, Not(HasSubstr(request)));
   }
   EXPECT_THAT(html, HasSubstr("default-src 'none'"));
+}
+
+// The hash that a browser computes, by which it runs this script and no other.
+TEST(HtmlReportTest, TheViewersScriptIsAllowedByItsHash) {
+  EXPECT_THAT(HtmlReport("Title").Html(), Not(HasSubstr("script-src")));
+  const std::string html = EveryBlock("plain").Html();
+  const std::size_t begin = html.find("<script>") + 8;
+  const std::string script = html.substr(begin, html.find("</script>") - begin);
+  std::array<std::uint8_t, 32> hash = {};
+  ASSERT_EQ(EVP_Digest(script.data(), script.size(), hash.data(), nullptr, EVP_sha256(), nullptr), 1);
+  EXPECT_THAT(html, HasSubstr("script-src 'sha256-" + Base64(hash) + "'"));
 }
 
 TEST(HtmlReportTest, HeadingsOfOneNameGetAnchorsOfTheirOwn) {
@@ -117,6 +143,61 @@ TEST(HtmlReportTest, WritesItsFileOrSaysWhyNot) {
   report.Write(dir / "report.html");
   EXPECT_EQ(testing::ReadFile(dir / "report.html"), report.Html());
   EXPECT_THROW(report.Write(dir / "absent" / "report.html"), DataError);
+}
+
+const Table kTable = {.caption = "Error & bias_1",
+                      .columns = {{"Frame"}, {"Error", "dB"}, {"What", {}, false}},
+                      .rows = {{{"first half"}, RowStyle::kGroup},
+                               {{"0", "−1.5", "a \"b\", c"}},
+                               {{"mean", "–", "x|y"}, RowStyle::kStrong}},
+                      .notes = {"100 % synthetic"}};
+
+TEST(TableText, Latex) {
+  EXPECT_EQ(LatexTable(kTable),
+            "\\begin{table}\n\\centering\n\\caption{Error \\& bias\\_1}\n\\begin{tabular}{lrl}\n\\toprule\n"
+            "Frame & Error (dB) & What \\\\\n\\midrule\n\\addlinespace\n"
+            "\\multicolumn{3}{l}{\\emph{first half}} \\\\\n0 & $-$1.5 & a \"b\", c \\\\\n"
+            "\\textbf{mean} & \\textbf{--} & \\textbf{x$|$y} \\\\\n\\bottomrule\n\\end{tabular}\n"
+            "\\par\\footnotesize 100 \\% synthetic\n\\end{table}\n");
+}
+
+TEST(TableText, Markdown) {
+  EXPECT_EQ(
+      MarkdownTable(kTable),
+      "**Error & bias\\_1**\n\n| Frame | Error (dB) | What |\n|---|---:|---|\n| **first half** |  |  |\n"
+      "| 0 | −1.5 | a \"b\", c |\n| **mean** | **–** | **x\\|y** |\n\n100 % synthetic\n\n");
+}
+
+TEST(TableText, Csv) {
+  EXPECT_EQ(CsvTable(kTable),
+            "Frame,Error (dB),What\r\nfirst half\r\n0,-1.5,\"a \"\"b\"\", c\"\r\nmean,,x|y\r\n");
+}
+
+TEST(PaperFiles, HoldEveryTableAndChart) {
+  const testing::TempDir dir;
+  HtmlReport report("Title", "of a test");
+  report.Callout(CalloutKind::kSynthetic, "Both sides are synthetic", "No sonar recorded it.");
+  report.KeyFigures({{"IoU", "0.5", {}, "95 %: 0.4 to 0.6"}});
+  report.Section("Section");
+  report.Add(kTable);
+  report.Add(PictureRow{.caption = "p", .pictures = {{SmallPng(), "c"}}});
+  const LineChart chart = {.title = "A < B", .series = {{"s", {0.0, 1.0}, {1.0, 2.0}}}};
+  report.Add({chart, chart}, "charts");
+  Table table = kTable;
+  table.rows.resize(21, table.rows.back());
+  report.Add(table);
+  WritePaperFiles(report, dir / "");
+  EXPECT_EQ(testing::ReadFile(dir / "tables" / "table_1.tex"), LatexTable(kTable));
+  EXPECT_EQ(testing::ReadFile(dir / "tables" / "table_2.csv"), CsvTable(table));
+  const std::string svg = testing::ReadFile(dir / "figures" / "figure_2_2.svg");
+  EXPECT_EQ(svg, LineChartSvg(chart));
+  EXPECT_EQ(testing::HtmlFault("<!DOCTYPE html>" + svg), "");
+  EXPECT_THAT(svg, HasSubstr("A &lt; B"));
+  const std::string summary = testing::ReadFile(dir / "summary.md");
+  EXPECT_THAT(summary, HasSubstr("> Both sides are synthetic. No sonar recorded it."));
+  EXPECT_THAT(summary, HasSubstr("| IoU | 0.5 | 95 %: 0.4 to 0.6 |"));
+  EXPECT_THAT(summary, HasSubstr(MarkdownTable(kTable)));
+  EXPECT_THAT(summary, Not(HasSubstr(MarkdownTable(table))));
 }
 
 TEST(HtmlTextTest, Base64OfEveryRemainder) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 #include "data_io/types/units.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
@@ -54,6 +56,39 @@ TEST(CameraIo, ReadsWhatOpenCvAndRosWrite) {
               ElementsAre(0.1, 0.2, 0.3, 0.4, 0.5, 0, 0, 0, 0, 0, 0, 0));
 }
 
+std::string XmlOfOpenCv() {
+  cv::FileStorage storage("camera.xml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  storage << "calibration_time"
+          << "Tue 03 Nov 2026"
+          << "image_width" << 1280 << "image_height" << 960;
+  storage << "camera_matrix" << (cv::Mat_<double>(3, 3) << 1052.5, 0, 639.5, 0, 1050.5, 479.5, 0, 0, 1);
+  storage << "distortion_coefficients" << (cv::Mat_<double>(5, 1) << -0.25, 0.1, 1e-3, -2e-3, 0);
+  storage << "per_view_errors" << std::vector<double>{0.2, 0.3};
+  return storage.releaseAndGetString();
+}
+
+TEST(CameraIo, ReadsTheXmlThatOpenCvWrites) {
+  const Camera camera = CameraFromText(XmlOfOpenCv(), "cam.xml");
+  const Camera same = CameraFromText(kOpenCv, "cam.yaml");
+  EXPECT_EQ(camera.cols, same.cols);
+  EXPECT_EQ(camera.rows, same.rows);
+  EXPECT_EQ(camera.fx_px, same.fx_px);
+  EXPECT_EQ(camera.fy_px, same.fy_px);
+  EXPECT_EQ(camera.cx_px, same.cx_px);
+  EXPECT_EQ(camera.cy_px, same.cy_px);
+  EXPECT_EQ(camera.distortion, same.distortion);
+  EXPECT_THAT(Refusal(Changed(XmlOfOpenCv(), "<image_width>1280", "<image_width>12x")),
+              HasSubstr("image_width is '12x', expected a finite number"));
+  EXPECT_THAT(Refusal(Changed(XmlOfOpenCv(), "<image_height>", "<image_width>3</image_width><image_height>")),
+              HasSubstr("key 'image_width' for the second time"));
+  std::string deep = "<opencv_storage>";
+  for (int i = 0; i < 50'000; ++i) deep += "<a>";
+  for (int i = 0; i < 50'000; ++i) deep += "</a>";
+  EXPECT_THAT(Refusal(deep + "</opencv_storage>"), HasSubstr("more than 32 deep"));
+  testing::ExpectSurvivesDamage(XmlOfOpenCv(), 200, 500,
+                                [](const std::string& text) { CameraFromText(text, "cam.xml"); });
+}
+
 TEST(CameraIo, WhatCannotBeIsOneSentence) {
   EXPECT_THAT(Refusal(""), HasSubstr("no 'image_width'"));
   EXPECT_THAT(Refusal(Changed(kOpenCv, "1280", "1280.5")),
@@ -72,7 +107,8 @@ TEST(CameraIo, WhatCannotBeIsOneSentence) {
               HasSubstr("cam.yaml:5: key 'image_width' for the second"));
   EXPECT_THAT(Refusal(Changed(kRos, "plumb_bob", "equidistant")),
               HasSubstr("distortion_model is 'equidistant'"));
-  EXPECT_THAT(Refusal("<?xml version=\"1.0\"?>\n<opencv_storage>"), HasSubstr("XML, expected YAML"));
+  EXPECT_THAT(Refusal("<?xml version=\"1.0\"?>\n<opencv_storage>"), HasSubstr("cam.yaml: not XML at byte"));
+  EXPECT_THAT(Refusal("<camera/>"), HasSubstr("XML without 'opencv_storage'"));
 }
 
 TEST(CameraIo, SurvivesDamage) {

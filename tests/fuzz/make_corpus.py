@@ -331,6 +331,18 @@ distortion_coefficients: !!opencv-matrix
    dt: d
    data: [ -0.1, 0.01, 0., 0., 0. ]
 """)
+    put("camera", "opencv.xml", """<?xml version="1.0"?>
+<opencv_storage>
+<image_width>640</image_width>
+<image_height>480</image_height>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows>
+  <cols>3</cols>
+  <dt>d</dt>
+  <data>
+    550. 0. 320. 0. 550. 240. 0. 0. 1.</data></camera_matrix>
+</opencv_storage>
+""")
     put("trajectory", "tum.txt", "# time tx ty tz qx qy qz qw\n0 0 0 1 0 0 0 1\n0.5 1 0 1 0 0 0 1\n")
     put("trajectory", "euroc.csv", "#timestamp,x,y,z,qw,qx,qy,qz\n1403636579758555392,4.6,-1.7,0.5,1,0,0,0\n")
     put("trajectory", "named.csv", "time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n0,0,0,1,10,-5,0\n1,0,1,1,11,-5,0\n")

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "tests/metrics/metrics_testing.h"
+#include "tests/support/temp_dir.h"
 
 namespace sonarcal {
 namespace {
@@ -20,6 +22,19 @@ TEST(FiguresTest, EveryPathAndLabelOccursOnce) {
     EXPECT_EQ(Figures()[FigureIndex(figure.path)].path, figure.path);
   }
   EXPECT_THROW(FigureIndex("no_such_figure"), std::logic_error);
+}
+
+// A figure of the table that its page does not define would be one that nobody can look up.
+TEST(FiguresTest, EveryNameStandsInThePageThatDefinesThem) {
+  const std::string page =
+      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "docs/metrics.md") +
+      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "metrics/occupancy.h");
+  for (const Figure& figure : Figures()) {
+    const std::string name = figure.path.substr(figure.path.rfind('.') + 1);
+    const bool defined =
+        page.find(name + '`') != std::string::npos || page.find(" " + name + "()") != std::string::npos;
+    EXPECT_TRUE(defined) << figure.path;
+  }
 }
 
 TEST(FiguresTest, WhatIsAveragedComesBack) {

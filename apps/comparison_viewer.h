@@ -1,0 +1,31 @@
+// The frames of a comparison that its report lets a reader go through: as many as fit into a page that is
+// still handed around, spread evenly over the recording, the telling ones among them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "apps/report/frame_viewer.h"
+#include "data_io/types/image.h"
+#include "metrics/compare.h"
+#include "metrics/metrics_json.h"
+
+namespace sonarcal {
+
+// How many frames of this many pixels go into one page: its pictures take 12 MB at most (16 MB as text),
+// however badly they compress; at least three, at most `frames`.
+std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames);
+
+// Numbers of `count` of the compared frames, in their order: those of `always`, and others spread evenly.
+// More than `count` where `always` has more.
+std::vector<int> SpreadFrames(const MetricsReport& report, const std::vector<int>& always, std::size_t count);
+
+// `metrics.masks` must be set.
+ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated, const FrameMetrics& metrics,
+                            IntensityDomain domain);
+
+// Says how many of the compared frames are shown.
+std::string ViewerCaption(std::size_t shown, std::size_t compared);
+
+}  // namespace sonarcal

@@ -1,0 +1,34 @@
+// Frames of two polar images, one recorded and one simulated, for a reader to go through: a slider, the two
+// in turn, on top of each other, their difference and their object regions, polar or as a fan, with the
+// values under the pointer. Drawn in the browser (frame_viewer.js) from pictures within the page; where
+// scripts do not run, and on paper, it is not there.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "data_io/types/image.h"
+
+namespace sonarcal {
+
+// Pictures are 8-bit grey PNG of range_bins rows x beam_count columns, nearest range first.
+struct ViewerFrame {
+  std::string name;
+  std::string figures;  // one line about the pair, for people
+  PolarAxes axes;
+  double full_scale = 255.0;            // what 255 stands for
+  std::vector<std::uint8_t> real;       // PNG
+  std::vector<std::uint8_t> simulated;  // PNG
+  std::vector<std::uint8_t> objects;  // PNG; 1: object in the real image, 2: in the simulated one, 3: in both
+};
+
+struct FrameViewer {
+  std::string caption;
+  std::vector<ViewerFrame> frames;
+};
+
+// `number` tells the viewers of one page apart.
+std::string FrameViewerHtml(const FrameViewer& viewer, int number);
+
+}  // namespace sonarcal
