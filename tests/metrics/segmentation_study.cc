@@ -1,7 +1,7 @@
 // How well each method of segmentation finds what people outlined, as Markdown: docs/segmentation.md shows
 // what it printed.
 //
-//   segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]
+//   segmentation_study FOLDER [candidates=300] [methods=a,b] [chosen]
 //
 // FOLDER: aris3000_watertank of the recordings. The pictures are split in two halves, every second one by
 // number. The parameters of a method are those with the highest mean IoU on one half, among `candidates`
@@ -234,7 +234,7 @@ void Print(const std::vector<HumanMask>& pictures, int candidates, const std::st
 
 int main(int argc, char** argv) {
   std::string folder, methods;
-  int candidates = 120;
+  int candidates = 300;
   bool with_chosen = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -249,7 +249,7 @@ int main(int argc, char** argv) {
     }
   }
   if (folder.empty() || candidates < 1) {
-    std::cerr << "usage: segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]\n";
+    std::cerr << "usage: segmentation_study FOLDER [candidates=300] [methods=a,b] [chosen]\n";
     return 2;
   }
   try {
