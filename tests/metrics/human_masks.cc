@@ -13,7 +13,9 @@
 namespace sonarcal::testing {
 namespace {
 
-constexpr double kHalfAngleDeg = 15.126;  // of an ARIS 3000
+constexpr double kHalfAngleDeg = 15.126;  // of an ARIS 3000, as are its beams
+constexpr int kBeams = 128;
+constexpr double kPixelsPerBin = 2.0;
 constexpr int kBoxMarginPx = 10;
 constexpr int kLastObject = 10;
 constexpr std::size_t kMostBytes = 1 << 20;  // of a file of boxes
@@ -71,6 +73,9 @@ PictureGeometry GeometryOf(const Grid<float>& picture, const std::string& name) 
   PictureGeometry geometry;
   geometry.half_angle_deg = kHalfAngleDeg;
   geometry.TakeFound(*fan);
+  geometry.beams = kBeams;
+  geometry.range_bins = static_cast<int>(
+      std::lround((geometry.fan->radius_max_px - geometry.fan->radius_min_px) / kPixelsPerBin));
   geometry.range_min_m = geometry.fan->radius_min_px / 100.0;
   geometry.range_max_m = geometry.fan->radius_max_px / 100.0;
   return geometry;

@@ -15,7 +15,8 @@ namespace sonarcal::testing {
 struct HumanMask {
   std::string name;
   int number = 0;    // the last in the name
-  PolarImage image;  // as fine as the picture; ranges in hundreds of pixels, as metres are not recorded
+  PolarImage image;  // 128 beams, two picture pixels a range bin; ranges in hundreds of pixels, as metres are
+                     // not recorded
   Mask box;          // polar: within the annotated boxes, wider by 10 picture pixels on each side
 
   // All of the picture's pixels within the fan.
