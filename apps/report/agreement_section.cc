@@ -28,14 +28,16 @@ std::string OccupancyInWords(const MetricsReport& metrics) {
   const ViewSummary& macro = metrics.aggregate.macro.polar;
   const Statistic& iou = macro.At("iou");
   if (!iou.value) return "No object was found in either image of any frame.";
-  std::string text = fmt::format("The object regions share {:.0f} % of their joint area{}", 100.0 * *iou.value,
-                                 iou.ci ? fmt::format(" (IoU {}, 95 %: {})", FigureText(iou.value), IntervalText(iou))
-                                        : fmt::format(" (IoU {})", FigureText(iou.value)));
+  std::string text =
+      fmt::format("The object regions share {:.0f} % of their joint area{}", 100.0 * *iou.value,
+                  iou.ci ? fmt::format(" (IoU {}, 95 %: {})", FigureText(iou.value), IntervalText(iou))
+                         : fmt::format(" (IoU {})", FigureText(iou.value)));
   const std::optional<double> size = macro.At("ns_over_nr").value;
   const std::optional<double> covered = macro.At("na_over_nr").value;
   if (size && covered) {
-    text += fmt::format("; the simulated one is {:.2f} times as large as the recorded one and covers {:.0f} % of it",
-                        *size, 100.0 * *covered);
+    text += fmt::format(
+        "; the simulated one is {:.2f} times as large as the recorded one and covers {:.0f} % of it", *size,
+        100.0 * *covered);
   }
   if (const std::optional<double> apart_m = macro.At("outline.mean_m").value) {
     text += fmt::format("; their outlines lie {:.3g} m apart on average", *apart_m);
@@ -47,14 +49,15 @@ std::string IntensityInWords(const MetricsReport& metrics) {
   const IntensityDomain domain = metrics.options.intensity_domain;
   const DifferenceSummary of = metrics.aggregate.macro.polar.Over(domain);
   if (!of.mean_absolute.value) return {};
-  std::string text = fmt::format("Over {} the grey values differ by {} of full scale on average{}",
-                                 DomainText(domain), FigureText(of.mean_absolute.value), Interval95(of.mean_absolute));
+  std::string text =
+      fmt::format("Over {} the grey values differ by {} of full scale on average{}", DomainText(domain),
+                  FigureText(of.mean_absolute.value), Interval95(of.mean_absolute));
   if (const std::optional<double> span_db = DbSpan(metrics.scale)) {
     text += fmt::format(", which is {:.1f} dB of the display", *of.mean_absolute.value * *span_db);
   }
   if (of.bias.value) {
-    text += fmt::format("; the simulated image is {} by {} on average", *of.bias.value > 0.0 ? "brighter" : "darker",
-                        FigureText(std::abs(*of.bias.value)));
+    text += fmt::format("; the simulated image is {} by {} on average",
+                        *of.bias.value > 0.0 ? "brighter" : "darker", FigureText(std::abs(*of.bias.value)));
   }
   return text + ".";
 }
@@ -66,8 +69,9 @@ std::string FloorInWords(const MetricsReport& metrics) {
   if (floor == nullptr || !error) return "What no simulator could beat on this recording is not known.";
   const std::optional<double> best = floor->macro.polar.Over(domain).mean_absolute.value;
   if (!best || !(*best > 0.0)) return "What no simulator could beat on this recording is not known.";
-  return fmt::format("What no simulator could beat on this recording is about {}: the error is {:.2f} times that. {}",
-                     FigureText(best), *error / *best, FloorNote(metrics.noise_floor));
+  return fmt::format(
+      "What no simulator could beat on this recording is about {}: the error is {:.2f} times that. {}",
+      FigureText(best), *error / *best, FloorNote(metrics.noise_floor));
 }
 
 std::string WorstInWords(const MetricsReport& metrics) {
@@ -75,14 +79,16 @@ std::string WorstInWords(const MetricsReport& metrics) {
   const auto worst = FindWorstBand(metrics.residuals.ByRange(), kRangeBands);
   if (!worst) return {};
   return fmt::format(
-      "It is furthest off at {:.2f} to {:.2f} m: by {} of full scale on average over the pixels of all frames, the "
+      "It is furthest off at {:.2f} to {:.2f} m: by {} of full scale on average over the pixels of all "
+      "frames, the "
       "simulated image {} by {}.",
       worst->from, worst->to, FigureText(worst->mean_absolute), worst->bias > 0.0 ? "brighter" : "darker",
       FigureText(std::abs(worst->bias)));
 }
 
 // Shares of the levels, grouped so that a chart can show them; x in grey levels of `full_scale`.
-ChartSeries HistogramSeries(const char* name, const std::vector<double>& counts, double full_scale, int colour) {
+ChartSeries HistogramSeries(const char* name, const std::vector<double>& counts, double full_scale,
+                            int colour) {
   ChartSeries series{.name = name, .x = {}, .y = {}, .colour = colour};
   double total = 0.0;
   for (const double count : counts) total += count;
@@ -132,11 +138,12 @@ LineChart QuantileChart(const LevelCounts& counts, const std::string& title, dou
                         .style = SeriesStyle::kPoints,
                         .colour = 1};
   const double end = std::max(quantiles.x.back(), quantiles.y.back());
-  return {.title = title,
-          .x = {.label = "recorded grey level", .min = 0.0},
-          .y = {.label = "simulated grey level", .min = 0.0},
-          .series = {{"equal", {0.0, end}, {0.0, end}, SeriesStyle::kDashed, {}, {}, 5}, std::move(quantiles)},
-          .alt = title + ": quantiles of the simulated over those of the recorded grey values"};
+  return {
+      .title = title,
+      .x = {.label = "recorded grey level", .min = 0.0},
+      .y = {.label = "simulated grey level", .min = 0.0},
+      .series = {{"equal", {0.0, end}, {0.0, end}, SeriesStyle::kDashed, {}, {}, 5}, std::move(quantiles)},
+      .alt = title + ": quantiles of the simulated over those of the recorded grey values"};
 }
 
 }  // namespace
@@ -145,7 +152,8 @@ std::vector<std::string> SummaryInWords(const MetricsReport& metrics) {
   std::vector<std::string> sentences = {OccupancyInWords(metrics), IntensityInWords(metrics),
                                         FloorInWords(metrics), WorstInWords(metrics)};
   if (!metrics.aggregate.no_interval_reason.empty()) {
-    sentences.push_back("No confidence intervals can be given: " + metrics.aggregate.no_interval_reason + ".");
+    sentences.push_back("No confidence intervals can be given: " + metrics.aggregate.no_interval_reason +
+                        ".");
   }
   std::erase_if(sentences, [](const std::string& sentence) { return sentence.empty(); });
   return sentences;
@@ -176,23 +184,28 @@ void AddThresholdSweep(HtmlReport& report, const MetricsReport& metrics) {
     areas.rows.push_back({{kLabels[ratio], area(pooled), area(mean),
                            pooled ? fmt::format("{:.0f}", 100.0 * pooled->axis_share) : "0"}});
   }
-  report.Add({chart}, fmt::format("Occupancy at every threshold that was tried, so that no single one has to be trusted. Ns/Nr "
-                                  "above {:g} is cut off.", kHighestRatio));
+  report.Add(
+      {chart},
+      fmt::format(
+          "Occupancy at every threshold that was tried, so that no single one has to be trusted. Ns/Nr "
+          "above {:g} is cut off.",
+          kHighestRatio));
   report.Add(areas);
 }
 
 void AddGreyLevels(HtmlReport& report, const MetricsReport& metrics) {
   const LevelHistograms& levels = metrics.aggregate.pooled_levels.polar;
-  for (const auto& [domain, name] : {std::pair{LevelDomain::kUnion, "Object regions"},
-                                     std::pair{LevelDomain::kWhole, "Whole image"}}) {
+  for (const auto& [domain, name] :
+       {std::pair{LevelDomain::kUnion, "Object regions"}, std::pair{LevelDomain::kWhole, "Whole image"}}) {
     const LevelCounts& counts = levels.Over(domain);
     if (counts.real.size() < 2) continue;
     const double full_scale = metrics.scale.full_scale;
-    report.Add({HistogramChart(counts, fmt::format("{}: grey values", name), full_scale),
-                QuantileChart(counts, fmt::format("{}: quantiles", name), full_scale)},
-               fmt::format("{}: how often each grey value occurs, and the quantiles of the one image over those of "
-                           "the other; on the dashed line the two are distributed alike.",
-                           name));
+    report.Add(
+        {HistogramChart(counts, fmt::format("{}: grey values", name), full_scale),
+         QuantileChart(counts, fmt::format("{}: quantiles", name), full_scale)},
+        fmt::format("{}: how often each grey value occurs, and the quantiles of the one image over those of "
+                    "the other; on the dashed line the two are distributed alike.",
+                    name));
   }
 }
 

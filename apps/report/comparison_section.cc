@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,8 @@
 
 namespace sonarcal {
 namespace {
+
+constexpr std::size_t kMostFrameRows = 200;
 
 // The figures that come first, by the names readers know them by, and their paths (metrics/figures.h).
 std::vector<std::pair<const char*, std::string>> HeadFigures(IntensityDomain domain) {
@@ -116,7 +119,15 @@ Table FrameTable(const MetricsReport& metrics) {
                           {"Error, fan"}},
               .rows = {},
               .notes = {"Counts and ratios are those of the polar image; the fan's are in metrics.json."}};
-  for (const FrameMetrics& frame : metrics.frames) {
+  // Evenly spread, first and last among them, where all would make the page unreadable.
+  const std::size_t frames = metrics.frames.size();
+  const std::size_t shown = std::min(frames, kMostFrameRows);
+  if (shown < frames) {
+    table.caption += fmt::format(": {} of {} frames, evenly spread", shown, frames);
+    table.notes.emplace_back("All frames: per_frame.csv.");
+  }
+  for (std::size_t i = 0; i < shown; ++i) {
+    const FrameMetrics& frame = metrics.frames[shown < 2 ? 0 : i * (frames - 1) / (shown - 1)];
     const Occupancy& polar = frame.polar.occupancy;
     table.rows.push_back(
         {{fmt::format("{}", frame.index), fmt::format("{}", polar.ns), fmt::format("{}", polar.nr),

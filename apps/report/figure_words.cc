@@ -55,10 +55,10 @@ std::string DomainText(IntensityDomain domain) {
 std::string FloorNote(const NoiseFloor& floor) {
   switch (floor.source()) {
     case FloorSource::kRealAgainstReal:
-      return fmt::format("Floor: {} pair{} of real frames of {} against each other.",
-                         floor.real_against_real.pairs.size(),
-                         floor.real_against_real.pairs.size() == 1 ? "" : "s",
-                         floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
+      return fmt::format(
+          "Floor: {} pair{} of real frames of {} against each other.", floor.real_against_real.pairs.size(),
+          floor.real_against_real.pairs.size() == 1 ? "" : "s",
+          floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
     case FloorSource::kDrawn:
       return "Floor: " + floor.drawn->law + ".";
     case FloorSource::kNone:

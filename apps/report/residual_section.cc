@@ -24,17 +24,14 @@ double Middle(const ResidualClass& of) {
 LineChart ResidualChart(const ResidualTable& table, const char* title, const char* axis) {
   ChartSeries bias{.name = "mean difference, object regions", .x = {}, .y = {}, .colour = 1};
   ChartSeries absolute{.name = "mean |difference|, object regions", .x = {}, .y = {}, .colour = 0};
-  ChartSeries whole{.name = "mean difference, whole image",
-                    .x = {},
-                    .y = {},
-                    .style = SeriesStyle::kDashed,
-                    .colour = 5};
+  ChartSeries whole{
+      .name = "mean difference, whole image", .x = {}, .y = {}, .style = SeriesStyle::kDashed, .colour = 5};
   for (const ResidualClass& of : table.classes) {
     if (!of.from) continue;
     const double x = Middle(of);
-    for (const auto& [series, value] :
-         {std::pair{&bias, of.sums.union_region.bias()},
-          std::pair{&absolute, of.sums.union_region.mean_absolute()}, std::pair{&whole, of.sums.whole.bias()}}) {
+    for (const auto& [series, value] : {std::pair{&bias, of.sums.union_region.bias()},
+                                        std::pair{&absolute, of.sums.union_region.mean_absolute()},
+                                        std::pair{&whole, of.sums.whole.bias()}}) {
       series->x.push_back(x);
       series->y.push_back(value.value_or(kNaN));
     }
@@ -56,9 +53,9 @@ Table ResidualTableOf(const ResidualTable& table) {
               .rows = {}};
   for (const ResidualClass& of : table.classes) {
     if (of.sums.whole.pixels == 0) continue;
-    shown.rows.push_back({{of.name, fmt::format("{}", of.sums.union_region.pixels),
-                           FigureText(of.sums.union_region.bias()),
-                           FigureText(of.sums.union_region.mean_absolute()), FigureText(of.sums.whole.bias())}});
+    shown.rows.push_back(
+        {{of.name, fmt::format("{}", of.sums.union_region.pixels), FigureText(of.sums.union_region.bias()),
+          FigureText(of.sums.union_region.mean_absolute()), FigureText(of.sums.whole.bias())}});
   }
   return shown;
 }
@@ -77,9 +74,10 @@ void AddMap(HtmlReport& report, const ResidualMap& map) {
   std::nth_element(sizes.begin(), high, sizes.end());
   const double limit = std::max(*high, 1e-3);
   report.Add(PictureRow{
-      .caption = fmt::format("Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. "
-                             "Full colour at {:.3f} of full scale.",
-                             map.bins, map.beams, limit),
+      .caption = fmt::format(
+          "Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. "
+          "Full colour at {:.3f} of full scale.",
+          map.bins, map.beams, limit),
       .pictures = {{EncodePng(StretchPolar(Diverging(bias, limit), 400)), "Simulated \u2212 recorded",
                     "Map of the mean difference over range and beam", true}},
       .columns = 1,
@@ -118,7 +116,8 @@ void AddResiduals(HtmlReport& report, const MetricsReport& metrics) {
              "brighter; all frames.");
   AddMap(report, metrics.residuals.map());
   for (const ResidualTable& table : metrics.residuals_by_scene) {
-    const bool numeric = std::ranges::any_of(table.classes, [](const auto& of) { return of.from.has_value(); });
+    const bool numeric =
+        std::ranges::any_of(table.classes, [](const auto& of) { return of.from.has_value(); });
     if (numeric) {
       report.Add({ResidualChart(table, "Over incidence", "incidence")},
                  "The same by the mean angle between the rays and the surface's normal.");

@@ -60,7 +60,8 @@ MetricsReport Compared(int frames) {
   info.scale = real.front().image.scale;
   CompareRecordingsOptions options;
   options.compare.sweep.steps = 5;
-  MetricsReport report = CompareRecordings(MemoryRecording(info, real), MemoryRecording(info, simulated), options);
+  MetricsReport report =
+      CompareRecordings(MemoryRecording(info, real), MemoryRecording(info, simulated), options);
   for (int i = 0; i < frames; ++i) {
     const Mask none(real[i].image.value.rows(), real[i].image.value.cols());
     report.residuals.Add(real[i].image, simulated[i].image, none, none);
@@ -73,15 +74,18 @@ TEST(SummaryInWords, SaysWhatTheTablesSay) {
   const std::vector<std::string> sentences = SummaryInWords(metrics);
   ASSERT_EQ(sentences.size(), 3U);  // no object region holds residuals: nothing to be furthest off
   const ViewSummary& macro = metrics.aggregate.macro.polar;
-  EXPECT_THAT(sentences[0], StartsWith(fmt::format("The object regions share {:.0f} % of their joint area (IoU {:.3f}",
-                                                   100.0 * *macro.At("iou").value, *macro.At("iou").value)));
+  EXPECT_THAT(sentences[0],
+              StartsWith(fmt::format("The object regions share {:.0f} % of their joint area (IoU {:.3f}",
+                                     100.0 * *macro.At("iou").value, *macro.At("iou").value)));
   EXPECT_THAT(sentences[0], HasSubstr(fmt::format("{:.2f} times as large", *macro.At("ns_over_nr").value)));
   EXPECT_THAT(sentences[1], HasSubstr(fmt::format("{:.3f} of full scale on average",
                                                   *macro.At("intensity.union.mean_absolute").value)));
   EXPECT_THAT(sentences[1], HasSubstr("brighter by"));
   EXPECT_THAT(sentences[2], HasSubstr("could beat on this recording is about"));
-  for (const std::string& sentence : SummaryInWords(Compared(1))) EXPECT_THAT(sentence, Not(HasSubstr("nan")));
-  EXPECT_THAT(SummaryInWords(Compared(1)).back(), StartsWith("No confidence intervals can be given: 1 frame"));
+  for (const std::string& sentence : SummaryInWords(Compared(1)))
+    EXPECT_THAT(sentence, Not(HasSubstr("nan")));
+  EXPECT_THAT(SummaryInWords(Compared(1)).back(),
+              StartsWith("No confidence intervals can be given: 1 frame"));
 }
 
 TEST(AgreementSections, AreWellFormedAndHoldEveryFigure) {
@@ -112,7 +116,8 @@ TEST(AgreementSections, AreWellFormedAndHoldEveryFigure) {
   EXPECT_NEAR(share, 100.0, 1e-9);
   double expected = 0.0;
   for (int i = 0; i < 4; ++i) {
-    for (const float value : testing::SpeckledBlock(2 * i + 1).value.values()) expected += value / (4.0 * 120 * 40);
+    for (const float value : testing::SpeckledBlock(2 * i + 1).value.values())
+      expected += value / (4.0 * 120 * 40);
   }
   EXPECT_NEAR(mean, expected, 1.0);  // two levels a class
   // Quantiles lie 6 levels above the diagonal, where neither end clips.
@@ -134,8 +139,9 @@ TEST(AgreementSections, NothingComparedIsNothingShown) {
   AddGreyLevels(report, {});
   AddResiduals(report, {});
   EXPECT_TRUE(report.chart_figures().empty());
-  EXPECT_THAT(SummaryInWords({}), ElementsAre("No object was found in either image of any frame.",
-                                              "What no simulator could beat on this recording is not known."));
+  EXPECT_THAT(SummaryInWords({}),
+              ElementsAre("No object was found in either image of any frame.",
+                          "What no simulator could beat on this recording is not known."));
 }
 
 }  // namespace
