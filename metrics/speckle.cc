@@ -1,6 +1,7 @@
 #include "metrics/speckle.h"
 
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "metrics/compare.h"
@@ -14,10 +15,11 @@ constexpr double kMostClipped = 0.02 * kBlockPixels;
 
 Grid<double> Power(const Grid<float>& value, const ImageScale& scale) {
   const std::optional<double> span_db = DbSpan(scale);
+  const double nepers = span_db.value_or(0.0) * std::numbers::ln10 / 10.0;  // of power, over full scale
   Grid<double> power(value.rows(), value.cols());
   for (std::size_t i = 0; i < value.size(); ++i) {
     const double share = static_cast<double>(value.values()[i]) / scale.full_scale;
-    power.values()[i] = span_db ? std::pow(10.0, 0.1 * *span_db * share) : share;
+    power.values()[i] = span_db ? std::exp(nepers * share) : share;
   }
   return power;
 }
