@@ -36,10 +36,12 @@ void AddAgainst(HtmlReport& report, const Against& against) {
               .notes = {}};
   table.notes.push_back(
       against.common_frames > 0
-          ? fmt::format("Means over frames. A change counts where the 95 % interval of the difference over the "
-                        "{} frames of both does not hold 0.",
-                        against.common_frames)
-          : "Means over frames. Too few frames stand in both: a change counts where the two 95 % intervals lie "
+          ? fmt::format(
+                "Means over frames. A change counts where the 95 % interval of the difference over the "
+                "{} frames of both does not hold 0.",
+                against.common_frames)
+          : "Means over frames. Too few frames stand in both: a change counts where the two 95 % intervals "
+            "lie "
             "apart.");
   table.notes.push_back(fmt::format(
       "Of all {} figures {} got better and {} worse; one in twenty does by chance. In strong print the ones "

@@ -119,10 +119,10 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
 std::string FloorNote(const NoiseFloor& floor) {
   switch (floor.source()) {
     case FloorSource::kRealAgainstReal:
-      return fmt::format("Floor: {} pair{} of real frames of {} against each other.",
-                         floor.real_against_real.pairs.size(),
-                         floor.real_against_real.pairs.size() == 1 ? "" : "s",
-                         floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
+      return fmt::format(
+          "Floor: {} pair{} of real frames of {} against each other.", floor.real_against_real.pairs.size(),
+          floor.real_against_real.pairs.size() == 1 ? "" : "s",
+          floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
     case FloorSource::kDrawn:
       return "Floor: " + floor.drawn->law + ".";
     case FloorSource::kNone:
@@ -149,7 +149,8 @@ Table SummaryTable(const MetricsReport& metrics, const char* kind, ViewSummary A
   for (const Figure& figure : kFigures) {
     const Statistic& mean = figure.of(macro, metrics.options.intensity_domain);
     const Statistic& pooled = figure.of(micro, metrics.options.intensity_domain);
-    TableRow row{{figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}};
+    TableRow row{
+        {figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}};
     if (floor != nullptr) {
       row.cells.push_back(Text(figure.of(floor->macro.*view, metrics.options.intensity_domain).value));
     }
