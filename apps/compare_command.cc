@@ -21,9 +21,11 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/against_section.h"
+#include "apps/report/agreement_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
+#include "apps/report/residual_section.h"
 #include "apps/run_output.h"
 #include "apps/scene_geometry.h"
 #include "apps/threshold_check.h"
@@ -177,6 +179,7 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
   HtmlReport report("Simulated against recorded",
                     fmt::format("{} against {}", metrics.simulated, metrics.real));
   AddSyntheticCallout(report, real_is_synthetic, metrics.real);
+  report.List(SummaryInWords(metrics));
   AddKeyFigures(report, metrics);
   report.Section("Agreement");
   AddMetricTables(report, metrics);
@@ -193,6 +196,14 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
   for (const FramePictures& frame : shown.telling) {
     AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
   }
+  report.Section("Where the simulation is wrong");
+  AddResiduals(report, metrics);
+  report.Section("Grey values");
+  AddGreyLevels(report, metrics);
+  if (metrics.sweep) report.Section("Other thresholds");
+  AddThresholdSweep(report, metrics);
+  report.Section("Every figure");
+  AddEveryFigure(report, metrics);
   AddMetricDefinitions(report, metrics);
   EndReport(report, provenance);
   return report;

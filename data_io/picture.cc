@@ -112,6 +112,21 @@ RgbImage Superimpose(const Grid<float>& real, const Grid<float>& simulated, cons
   });
 }
 
+RgbImage Diverging(const Grid<float>& value, double limit) {
+  CheckWindow({0.0, limit});
+  return Paint(value.rows(), value.cols(), nullptr, [&](std::size_t i) -> Rgb {
+    const double v = value.values()[i];
+    if (std::isnan(v)) return kOutsideColor;
+    const double part = std::min(1.0, std::abs(v) / limit);
+    const Rgb& end = v < 0.0 ? kRealOnlyColor : kSimulatedOnlyColor;
+    Rgb colour;
+    for (std::size_t k = 0; k < colour.size(); ++k) {
+      colour[k] = static_cast<std::uint8_t>(std::lround(kAlikeGrey + part * (end[k] - kAlikeGrey)));
+    }
+    return colour;
+  });
+}
+
 RgbImage OverlayRegions(const Mask& real, const Mask& simulated, const Mask* inside) {
   CheckSameShape(real, simulated);
   return Paint(real.rows(), real.cols(), inside, [&](std::size_t i) {

@@ -11,31 +11,27 @@
 namespace sonarcal {
 namespace {
 
-// What is averaged over frames, for each figure.
-using Values = std::vector<std::optional<double>>;
+// One view of the frames.
+struct FrameViews {
+  std::vector<const ViewMetrics*> metrics;
+  // What is averaged over frames, by figure and frame: the frames of a figure lie together, as draws ask for
+  // one figure of all frames in no order.
+  std::vector<std::vector<std::optional<double>>> values;
 
-struct FrameView {
-  const ViewMetrics* metrics = nullptr;
-  Values values;
+  std::size_t size() const { return metrics.size(); }
 };
-
-Values Evaluate(const ViewMetrics& metrics) {
-  Values values;
-  for (const Figure& figure : Figures()) values.push_back(figure.averaged(metrics));
-  return values;
-}
 
 std::optional<double> Finish(std::size_t figure, const std::optional<double>& average) {
   return average ? Figures()[figure].Finish(*average) : std::nullopt;
 }
 
 // Of the frames named by `indices`, a frame as often as it is named.
-std::optional<double> Macro(const std::vector<FrameView>& frames, std::span<const int> indices,
-                            std::size_t figure) {
+std::optional<double> Macro(const FrameViews& frames, std::span<const int> indices, std::size_t figure) {
+  const std::vector<std::optional<double>>& values = frames.values[figure];
   double sum = 0.0;
   int used = 0;
   for (const int i : indices) {
-    const std::optional<double>& value = frames[i].values[figure];
+    const std::optional<double>& value = values[i];
     if (!value) continue;
     sum += *value;
     ++used;
@@ -43,9 +39,9 @@ std::optional<double> Macro(const std::vector<FrameView>& frames, std::span<cons
   return used > 0 ? Finish(figure, sum / used) : std::nullopt;
 }
 
-ViewMetrics Pool(const std::vector<FrameView>& frames, std::span<const int> indices) {
+ViewMetrics Pool(const FrameViews& frames, std::span<const int> indices) {
   ViewMetrics pooled;
-  for (const int i : indices) pooled += *frames[i].metrics;
+  for (const int i : indices) pooled += *frames.metrics[i];
   return pooled;
 }
 
@@ -69,11 +65,11 @@ struct ViewAggregate {
   ViewMetrics pooled;
 };
 
-void SetValues(const std::vector<FrameView>& frames, std::span<const int> all, ViewAggregate& view) {
+void SetValues(const FrameViews& frames, std::span<const int> all, ViewAggregate& view) {
   for (std::size_t f = 0; f < Figures().size(); ++f) {
     Statistic& macro = view.macro.statistics[f];
     macro.value = Macro(frames, all, f);
-    for (const FrameView& frame : frames) macro.frames_used += frame.values[f].has_value();
+    for (const std::optional<double>& value : frames.values[f]) macro.frames_used += value.has_value();
     macro.frames_left_out = static_cast<int>(frames.size()) - macro.frames_used;
     Statistic& micro = view.micro.statistics[f];
     micro.value = Finish(f, Figures()[f].averaged(view.pooled));
@@ -82,19 +78,19 @@ void SetValues(const std::vector<FrameView>& frames, std::span<const int> all, V
 }
 
 // Figures whose series ask for blocks of one length share their draws.
-std::map<int, std::vector<std::size_t>> FiguresByBlock(const std::vector<FrameView>& frames, bool in_time) {
+std::map<int, std::vector<std::size_t>> FiguresByBlock(const FrameViews& frames, bool in_time) {
   std::map<int, std::vector<std::size_t>> by_block;
   for (std::size_t f = 0; f < Figures().size(); ++f) {
     std::vector<double> series;
-    for (const FrameView& frame : frames) {
-      if (frame.values[f]) series.push_back(*frame.values[f]);
+    for (const std::optional<double>& value : frames.values[f]) {
+      if (value) series.push_back(*value);
     }
     by_block[in_time ? PolitisWhiteBlockLength(series) : 1].push_back(f);
   }
   return by_block;
 }
 
-void SetIntervals(const std::vector<FrameView>& frames, bool in_time, ViewAggregate& view) {
+void SetIntervals(const FrameViews& frames, bool in_time, ViewAggregate& view) {
   const int frame_count = static_cast<int>(frames.size());
   if (frame_count < kBootstrapMinFrames) return;
   for (const auto& [block, figures] : FiguresByBlock(frames, in_time)) {
@@ -127,11 +123,15 @@ void SetIntervals(const std::vector<FrameView>& frames, bool in_time, ViewAggreg
 
 ViewAggregate AggregateView(const std::vector<FrameMetrics>& frames, ViewMetrics FrameMetrics::*view,
                             const LevelHistograms& levels, bool in_time) {
-  std::vector<FrameView> views;
+  FrameViews views;
   std::vector<int> all;
   for (const FrameMetrics& frame : frames) {
     all.push_back(static_cast<int>(views.size()));
-    views.push_back({&(frame.*view), Evaluate(frame.*view)});
+    views.metrics.push_back(&(frame.*view));
+  }
+  for (const Figure& figure : Figures()) {
+    std::vector<std::optional<double>>& values = views.values.emplace_back();
+    for (const ViewMetrics* metrics : views.metrics) values.push_back(figure.averaged(*metrics));
   }
   ViewAggregate aggregate;
   aggregate.pooled = Pool(views, all);
@@ -170,6 +170,7 @@ Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames, FrameLevels l
                       .micro = {std::move(polar.micro), std::move(fan.micro)},
                       .pooled_polar = polar.pooled,
                       .pooled_fan = fan.pooled,
+                      .pooled_levels = std::move(levels),
                       .no_interval_reason = {}};
   if (aggregate.frame_count < kBootstrapMinFrames) {
     aggregate.no_interval_reason =

@@ -62,6 +62,7 @@ struct Aggregate {
   Views micro;
   ViewMetrics pooled_polar;  // what micro is computed from
   ViewMetrics pooled_fan;
+  FrameLevels pooled_levels;       // grey levels of all frames
   std::string no_interval_reason;  // empty where there are frames enough for intervals
 };
 

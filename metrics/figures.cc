@@ -104,7 +104,7 @@ void AddSpeckle(std::vector<Figure>& figures, const char* region, SpeckleSums Sp
            .unit = unit,
            .averaging = averaging,
            .polar_only = true,
-           .averaged = [sums, of](const ViewMetrics& view) { return ((view.speckle.*sums).*of)(); }});
+           .averaged = [sums = sums, of](const ViewMetrics& view) { return ((view.speckle.*sums).*of)(); }});
     }
   };
   const auto add_ratio = [&](const char* name, const char* label, Of of) {

@@ -2,68 +2,29 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <optional>
+#include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "apps/report/html_text.h"
+#include "apps/report/figure_words.h"
 #include "apps/report/segmentation_text.h"
 
 namespace sonarcal {
 namespace {
 
-constexpr int kDecimals = 3;
-constexpr const char* kNoValue = "–";
+constexpr std::size_t kMostFrameRows = 200;
 
-std::string Text(const std::optional<double>& value) {
-  return value ? FormatNumber(*value, kDecimals) : kNoValue;
-}
-
-std::string IntervalText(const Statistic& statistic) {
-  if (!statistic.ci) return kNoValue;
-  return fmt::format("{} to {}", FormatNumber(statistic.ci->lo, kDecimals),
-                     FormatNumber(statistic.ci->hi, kDecimals));
-}
-
-// A figure of a comparison by the name readers know it by.
-struct Figure {
-  const char* label;
-  const Statistic& (*of)(const ViewSummary& view, IntensityDomain domain);
-};
-
-constexpr std::array kFigures = {
-    Figure{"Ns/Nr",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("ns_over_nr"); }},
-    Figure{"Na/Ns",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("na_over_ns"); }},
-    Figure{"Na/Nr",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("na_over_nr"); }},
-    Figure{"IoU", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.At("iou"); }},
-    Figure{
-        "Intensity error",
-        [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).mean_absolute; }},
-    Figure{"Intensity error, whole image",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& {
-             return v.Over(IntensityDomain::kWhole).mean_absolute;
-           }},
-    Figure{"Intensity error, overlap",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& {
-             return v.Over(IntensityDomain::kOverlap).mean_absolute;
-           }},
-    Figure{"Intensity bias",
-           [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).bias; }},
-};
-
-std::string DomainText(IntensityDomain domain) {
-  switch (domain) {
-    case IntensityDomain::kWhole:
-      return "the whole image";
-    case IntensityDomain::kOverlap:
-      return "the pixels that both object regions share";
-    case IntensityDomain::kUnion:
-      break;
-  }
-  return "the union of the two object regions";
+// The figures that come first, by the names readers know them by, and their paths (metrics/figures.h).
+std::vector<std::pair<const char*, std::string>> HeadFigures(IntensityDomain domain) {
+  return {{"Ns/Nr", "ns_over_nr"},
+          {"Na/Ns", "na_over_ns"},
+          {"Na/Nr", "na_over_nr"},
+          {"IoU", "iou"},
+          {"Intensity error", IntensityErrorPath(domain)},
+          {"Intensity error, whole image", IntensityErrorPath(IntensityDomain::kWhole)},
+          {"Intensity error, overlap", IntensityErrorPath(IntensityDomain::kOverlap)},
+          {"Intensity bias", fmt::format("intensity.{}.bias", ToString(domain))}};
 }
 
 std::string FloorText(const MetricsReport& metrics) {
@@ -92,8 +53,8 @@ std::string FloorText(const MetricsReport& metrics) {
   return text +
          fmt::format(
              "Real frames of a still scene against each other ({} pair{}): IoU {}, intensity error {}.",
-             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", Text(view.At("iou").value),
-             Text(view.Over(metrics.options.intensity_domain).mean_absolute.value));
+             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", FigureText(view.At("iou").value),
+             FigureText(view.Over(metrics.options.intensity_domain).mean_absolute.value));
 }
 
 std::vector<std::string> TableNotes(const MetricsReport& metrics) {
@@ -115,22 +76,6 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
   return notes;
 }
 
-// What the column of floors says; empty where there is none.
-std::string FloorNote(const NoiseFloor& floor) {
-  switch (floor.source()) {
-    case FloorSource::kRealAgainstReal:
-      return fmt::format(
-          "Floor: {} pair{} of real frames of {} against each other.", floor.real_against_real.pairs.size(),
-          floor.real_against_real.pairs.size() == 1 ? "" : "s",
-          floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
-    case FloorSource::kDrawn:
-      return "Floor: " + floor.drawn->law + ".";
-    case FloorSource::kNone:
-      break;
-  }
-  return {};
-}
-
 // Means over frames beside pooled figures and what no simulator could beat, of one view.
 Table SummaryTable(const MetricsReport& metrics, const char* kind, ViewSummary Aggregate::Views::*view) {
   const int frames = metrics.aggregate.frame_count;
@@ -146,13 +91,13 @@ Table SummaryTable(const MetricsReport& metrics, const char* kind, ViewSummary A
     table.columns.push_back({"Floor of the mean"});
     table.notes.push_back(FloorNote(metrics.noise_floor));
   }
-  for (const Figure& figure : kFigures) {
-    const Statistic& mean = figure.of(macro, metrics.options.intensity_domain);
-    const Statistic& pooled = figure.of(micro, metrics.options.intensity_domain);
+  for (const auto& [label, path] : HeadFigures(metrics.options.intensity_domain)) {
+    const Statistic& mean = macro.At(path);
+    const Statistic& pooled = micro.At(path);
     TableRow row{
-        {figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}};
+        {label, FigureText(mean.value), IntervalText(mean), FigureText(pooled.value), IntervalText(pooled)}};
     if (floor != nullptr) {
-      row.cells.push_back(Text(figure.of(floor->macro.*view, metrics.options.intensity_domain).value));
+      row.cells.push_back(FigureText((floor->macro.*view).At(path).value));
     }
     table.rows.push_back(std::move(row));
   }
@@ -174,19 +119,28 @@ Table FrameTable(const MetricsReport& metrics) {
                           {"Error, fan"}},
               .rows = {},
               .notes = {"Counts and ratios are those of the polar image; the fan's are in metrics.json."}};
-  for (const FrameMetrics& frame : metrics.frames) {
+  // Evenly spread, first and last among them, where all would make the page unreadable.
+  const std::size_t frames = metrics.frames.size();
+  const std::size_t shown = std::min(frames, kMostFrameRows);
+  if (shown < frames) {
+    table.caption += fmt::format(": {} of {} frames, evenly spread", shown, frames);
+    table.notes.emplace_back("All frames: per_frame.csv.");
+  }
+  for (std::size_t i = 0; i < shown; ++i) {
+    const FrameMetrics& frame = metrics.frames[shown < 2 ? 0 : i * (frames - 1) / (shown - 1)];
     const Occupancy& polar = frame.polar.occupancy;
-    table.rows.push_back({{fmt::format("{}", frame.index), fmt::format("{}", polar.ns),
-                           fmt::format("{}", polar.nr), fmt::format("{}", polar.na), Text(polar.ns_over_nr()),
-                           Text(polar.na_over_ns()), Text(polar.na_over_nr()), Text(polar.iou()),
-                           Text(frame.polar.intensity.Over(domain).mean_absolute()),
-                           Text(frame.fan.intensity.Over(domain).mean_absolute())}});
+    table.rows.push_back(
+        {{fmt::format("{}", frame.index), fmt::format("{}", polar.ns), fmt::format("{}", polar.nr),
+          fmt::format("{}", polar.na), FigureText(polar.ns_over_nr()), FigureText(polar.na_over_ns()),
+          FigureText(polar.na_over_nr()), FigureText(polar.iou()),
+          FigureText(frame.polar.intensity.Over(domain).mean_absolute()),
+          FigureText(frame.fan.intensity.Over(domain).mean_absolute())}});
   }
   const ViewSummary& mean = metrics.aggregate.macro.polar;
-  table.rows.push_back({{"Mean", "", "", "", Text(mean.At("ns_over_nr").value),
-                         Text(mean.At("na_over_ns").value), Text(mean.At("na_over_nr").value),
-                         Text(mean.At("iou").value), Text(mean.Over(domain).mean_absolute.value),
-                         Text(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
+  table.rows.push_back({{"Mean", "", "", "", FigureText(mean.At("ns_over_nr").value),
+                         FigureText(mean.At("na_over_ns").value), FigureText(mean.At("na_over_nr").value),
+                         FigureText(mean.At("iou").value), FigureText(mean.Over(domain).mean_absolute.value),
+                         FigureText(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
                         RowStyle::kStrong});
   return table;
 }
@@ -209,13 +163,9 @@ void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::
 void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics) {
   const Aggregate::Views& macro = metrics.aggregate.macro;
   const IntensityDomain domain = metrics.options.intensity_domain;
-  const auto interval = [](const Statistic& s) {
-    return s.ci ? fmt::format("95 %: {} to {}", FormatNumber(s.ci->lo, kDecimals),
-                              FormatNumber(s.ci->hi, kDecimals))
-                : std::string();
-  };
+  const auto interval = [](const Statistic& s) { return s.ci ? "95 %: " + IntervalText(s) : std::string(); };
   const auto figure = [&](const char* label, const Statistic& s) {
-    return KeyFigure{.label = label, .value = Text(s.value), .unit = {}, .note = interval(s)};
+    return KeyFigure{.label = label, .value = FigureText(s.value), .unit = {}, .note = interval(s)};
   };
   report.KeyFigures({{.label = "Frames", .value = fmt::format("{}", metrics.aggregate.frame_count)},
                      figure("IoU of the object regions", macro.polar.At("iou")),
@@ -232,7 +182,6 @@ void AddMetricTables(HtmlReport& report, const MetricsReport& metrics) {
 
 void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
                          const std::string& caption) {
-  const IntensityDomain domain = after.options.intensity_domain;
   Table table{
       .caption = caption,
       .columns =
@@ -240,12 +189,12 @@ void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const 
       .rows = {},
       .notes = TableNotes(after)};
   table.notes.insert(table.notes.begin(), "Means over frames.");
-  for (const Figure& figure : kFigures) {
-    const Statistic& polar = figure.of(after.aggregate.macro.polar, domain);
+  for (const auto& [label, path] : HeadFigures(after.options.intensity_domain)) {
+    const Statistic& polar = after.aggregate.macro.polar.At(path);
     table.rows.push_back(
-        {{figure.label, Text(figure.of(before.aggregate.macro.polar, domain).value), Text(polar.value),
-          IntervalText(polar), Text(figure.of(before.aggregate.macro.fan, domain).value),
-          Text(figure.of(after.aggregate.macro.fan, domain).value)}});
+        {{label, FigureText(before.aggregate.macro.polar.At(path).value), FigureText(polar.value),
+          IntervalText(polar), FigureText(before.aggregate.macro.fan.At(path).value),
+          FigureText(after.aggregate.macro.fan.At(path).value)}});
   }
   report.Add(table);
 }

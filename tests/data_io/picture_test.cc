@@ -81,6 +81,18 @@ TEST(ColorizeTest, AnEmptyWindowIsRefused) {
   EXPECT_THROW(Colorize(Row({1.0f}), {0.0, std::numeric_limits<double>::infinity()}), DataError);
 }
 
+TEST(DivergingTest, BlueBelowOrangeAboveAndGreyBetween) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const RgbImage picture = Diverging(Row({-2.0f, -1.0f, 0.0f, 0.5f, 1.0f, nan}), 1.0);
+  EXPECT_EQ(picture(0, 0), kRealOnlyColor);
+  EXPECT_EQ(picture(0, 1), kRealOnlyColor);
+  EXPECT_EQ(picture(0, 2), (Rgb{226, 226, 226}));
+  EXPECT_EQ(picture(0, 3), (Rgb{228, 193, 113}));  // halfway to orange
+  EXPECT_EQ(picture(0, 4), kSimulatedOnlyColor);
+  EXPECT_EQ(picture(0, 5), kOutsideColor);
+  EXPECT_THROW(Diverging(Row({0.0f}), 0.0), DataError);
+}
+
 TEST(SuperimposeTest, AgreementHasNoColorAndEachImageItsOwn) {
   const RgbImage picture = Superimpose(Row({80.0f, 200.0f, 0.0f}), Row({80.0f, 0.0f, 200.0f}), {0.0, 255.0});
   EXPECT_EQ(picture(0, 0), (Rgb{80, 80, 80}));
