@@ -284,8 +284,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   const int pictured = std::min(options.pictures, metrics.aggregate.frame_count);
   const HtmlReport report =
       MakeReport(metrics, shown, pictured, real->info().synthetic, ProvenanceToJson(provenance));
-  report.Write(output / "report.html");
-  WritePaperFiles(report, output.staging());
+  WriteReport(report, output.staging());
   WriteProvenance(output.staging(), provenance);
   const std::vector<std::string> passed =
       thresholds.empty() ? std::vector<std::string>()

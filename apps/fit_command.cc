@@ -17,6 +17,7 @@
 #include "apps/report/choice_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/report/still_section.h"
 #include "apps/run_output.h"
@@ -238,7 +239,7 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   }
   WriteParameters(output / "params.json", fit.fit.parameters);
   if (!fit.poses.empty()) WritePoses(output / "poses.json", fit.poses);
-  MakeReport(fit, recording->info(), ProvenanceToJson(provenance)).Write(output / "report.html");
+  WriteReport(MakeReport(fit, recording->info(), ProvenanceToJson(provenance)), output.staging());
   output.Commit();
 
   if (options.common.json) {

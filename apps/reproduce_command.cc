@@ -13,6 +13,7 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
+#include "apps/report/paper_files.h"
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
 #include "apps/run_output.h"
@@ -191,7 +192,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
       .command = "reproduce", .configuration = configuration, .seed = options.seed, .inputs = inputs};
   const std::string metrics = ReproductionMetricsJson(reproduction);
   WriteFileWhole(output / "metrics.json", metrics);
-  MakeReproductionReport(reproduction, ProvenanceToJson(provenance)).Write(output / "report.html");
+  WriteReport(MakeReproductionReport(reproduction, ProvenanceToJson(provenance)), output.staging());
   WriteProvenance(output.staging(), provenance);
   output.Commit();
 

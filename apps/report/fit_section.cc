@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/report/agreement_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/html_text.h"
 #include "data_io/image_io.h"
@@ -243,7 +244,10 @@ void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
     AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
                         "The same with a speckled sample in place of the expected image");
   }
+  report.Paragraph("After the fit:");
+  report.List(SummaryInWords(fit.after));
   AddPictureLegend(report);
+  if (!fit.viewer.frames.empty()) report.Add(fit.viewer);
   for (std::size_t i = 0; i < fit.pictures_after.size(); ++i) {
     const std::string frame = fmt::format("Frame {}", fit.pictures_after[i].index);
     if (i < fit.pictures_before.size()) {
