@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <opencv2/imgproc.hpp>
@@ -150,6 +151,20 @@ RgbImage StretchPolar(const RgbImage& picture, int min_height_px) {
     }
   }
   return stretched;
+}
+
+RgbImage Shrink(const RgbImage& picture, int max_width_px) {
+  SONARCAL_CHECK(max_width_px > 0, "a width of {} pixels", max_width_px);
+  if (picture.cols() <= max_width_px) return picture;
+  const int height_px = std::max(
+      1, static_cast<int>(std::lround(static_cast<double>(picture.rows()) * max_width_px / picture.cols())));
+  cv::Mat large(picture.rows(), picture.cols(), CV_8UC3);
+  std::memcpy(large.data, picture.values().data(), 3 * picture.size());
+  cv::Mat small;
+  cv::resize(large, small, {max_width_px, height_px}, 0.0, 0.0, cv::INTER_AREA);
+  RgbImage shrunk(height_px, max_width_px);
+  std::memcpy(shrunk.values().data(), small.data, 3 * shrunk.size());
+  return shrunk;
 }
 
 }  // namespace sonarcal

@@ -60,4 +60,7 @@ RgbImage Diverging(const Grid<float>& value, double limit);
 // at least `min_height_px`, the width about three quarters of the height. Never leaves pixels out.
 RgbImage StretchPolar(const RgbImage& picture, int min_height_px = 480);
 
+// The picture no wider than `max_width_px`, by the mean over areas; one that is narrower stays as it is.
+RgbImage Shrink(const RgbImage& picture, int max_width_px);
+
 }  // namespace sonarcal

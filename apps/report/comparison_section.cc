@@ -210,7 +210,8 @@ void AddPictureLegend(HtmlReport& report) {
       "top to the farthest, fans from the sonar upwards.");
 }
 
-void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption) {
+void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption) {
+  const FramePictures pictures = ForPage(of_frame);
   const std::vector<LegendEntry> legend = {
       {"#0072b2", "recorded only"}, {"#e69f00", "simulated only"}, {"#ebebeb", "both"}};
   const auto add = [&](const ViewPictures& view, const char* kind) {

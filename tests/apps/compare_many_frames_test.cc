@@ -82,6 +82,7 @@ TEST(CompareManyFrames, MemoryDoesNotGrowWithTheImages) {
   const nlohmann::json metrics = testing::ReadJsonFile(dir / fmt::format("out{}/metrics.json", kMany));
   EXPECT_EQ(metrics["frames"].size(), static_cast<std::size_t>(kMany));
   EXPECT_EQ(metrics["residuals"]["frames"], kMany);
+  EXPECT_LT(std::filesystem::file_size(dir / fmt::format("out{}/report.html", kMany)), 20'000'000U);
 }
 
 }  // namespace
