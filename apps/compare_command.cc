@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -14,9 +13,8 @@
 #include "apps/against_text.h"
 #include "apps/commands.h"
 #include "apps/compare_recordings.h"
-#include "apps/comparison_pictures.h"
-#include "apps/comparison_viewer.h"
 #include "apps/drawn_floor.h"
+#include "apps/frame_gatherer.h"
 #include "apps/frame_range.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
@@ -27,7 +25,7 @@
 #include "apps/report/report_end.h"
 #include "apps/report/residual_section.h"
 #include "apps/run_output.h"
-#include "apps/scene_geometry.h"
+#include "apps/shown_frames.h"
 #include "apps/threshold_check.h"
 #include "data_io/atomic_output.h"
 #include "data_io/file_bytes.h"
@@ -68,7 +66,7 @@ SweepOptions SweepOf(const CompareCommandOptions& options) {
 }
 
 // "0.812 [0.780, 0.840]", or "none".
-std::string FigureText(const Statistic& statistic) {
+std::string WithInterval(const Statistic& statistic) {
   if (!statistic.value) return "none";
   if (!statistic.ci) return fmt::format("{:.3f}", *statistic.value);
   return fmt::format("{:.3f} [{:.3f}, {:.3f}]", *statistic.value, statistic.ci->lo, statistic.ci->hi);
@@ -82,9 +80,9 @@ std::string SummaryText(const MetricsReport& metrics) {
   text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", "", "mean of frames", "pixels pooled",
                       floor != nullptr ? "  floor (mean)" : "");
   const auto add = [&](const char* label, const std::string& path, ViewSummary Aggregate::Views::*view) {
-    text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", label, FigureText((all.macro.*view).At(path)),
-                        FigureText((all.micro.*view).At(path)),
-                        floor != nullptr ? "  " + FigureText((floor->macro.*view).At(path)) : "");
+    text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", label, WithInterval((all.macro.*view).At(path)),
+                        WithInterval((all.micro.*view).At(path)),
+                        floor != nullptr ? "  " + WithInterval((floor->macro.*view).At(path)) : "");
   };
   using Views = Aggregate::Views;
   add("Ns/Nr", "ns_over_nr", &Views::polar);
@@ -101,78 +99,6 @@ std::string SummaryText(const MetricsReport& metrics) {
   }
   return text;
 }
-
-// What is gathered from each pair of frames beside its figures.
-class FrameGatherer {
- public:
-  FrameGatherer(const CompareCommandOptions& options, const RecordingSource& real,
-                const RecordingSource& simulated, const std::vector<int>& frames,
-                std::filesystem::path folder)
-      : real_(real), folder_(std::move(folder)) {
-    if (real.info().sonar.axes.Matches(simulated.info().sonar.axes)) {  // else the first frame is refused
-      valid_ = Both(real.info().valid, simulated.info().valid);
-    }
-    for (const int frame : EvenlySpread(frames, options.pictures)) pictured_.insert(frame);
-    if (options.scene.empty()) return;
-    geometry_.emplace(ReadSceneFile(options.scene, options.scene_format, options.common), real.info().sonar);
-    by_scene_.emplace(geometry_->material_names());
-  }
-
-  void Add(const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-    const Mask& real_object = frame.masks->polar_real;
-    const Mask& simulated_object = frame.masks->polar_simulated;
-    residuals_.Add(recorded, rendered, real_object, simulated_object, valid_ ? &*valid_ : nullptr);
-    if (geometry_) AddGeometry(recorded, rendered, frame);
-    if (pictured_.contains(frame.index)) WritePictures(folder_, maker_.Make(recorded, rendered, frame));
-  }
-
-  void MoveInto(MetricsReport& metrics) {
-    metrics.residuals = std::move(residuals_);
-    if (!by_scene_) return;
-    metrics.residuals_by_scene = by_scene_->tables();
-    if (without_geometry_ > 0) {
-      metrics.notes.push_back(fmt::format(
-          "{} frames state no pose, or have other axes than the first: they are not in the residuals by "
-          "incidence and material",
-          without_geometry_));
-    }
-  }
-
-  PictureMaker& maker() { return maker_; }
-
- private:
-  void AddGeometry(const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-    const std::optional<Pose> pose = real_.frame_info(frame.index).world_from_sonar;
-    if (!pose || !real_.info().sonar.axes.Matches(recorded.axes)) {
-      ++without_geometry_;
-      return;
-    }
-    by_scene_->Add(geometry_->At(*pose), recorded, rendered, frame.masks->polar_real,
-                   frame.masks->polar_simulated, valid_ ? &*valid_ : nullptr);
-  }
-
-  const RecordingSource& real_;
-  std::filesystem::path folder_;
-  std::optional<Mask> valid_;
-  std::set<int> pictured_;
-  PictureMaker maker_;
-  ResidualCollector residuals_;
-  std::optional<SceneGeometry> geometry_;
-  std::optional<GeometryResiduals> by_scene_;
-  int without_geometry_ = 0;
-};
-
-std::vector<ResidualTable> AllResiduals(const MetricsReport& metrics) {
-  std::vector<ResidualTable> tables = {metrics.residuals.ByRange(), metrics.residuals.ByBeam()};
-  tables.insert(tables.end(), metrics.residuals_by_scene.begin(), metrics.residuals_by_scene.end());
-  return tables;
-}
-
-// What the report shows of some of the frames.
-struct ShownFrames {
-  std::vector<FramePictures> telling;  // best, middle, worst
-  FrameViewer viewer;
-};
 
 HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, int pictured,
                       bool real_is_synthetic, const Json& provenance) {
@@ -249,25 +175,8 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   std::optional<Against> against;
   if (!options.against.empty()) against = CompareAgainst(metrics, earlier, options.against.string());
 
-  // Kept pictures of every frame would grow with the recording: those of the report are made again.
-  const std::vector<int> telling = TellingFrames(metrics);
-  const PolarAxes& axes = real->info().sonar.axes;
-  CompareRecordingsOptions again = compare;
-  again.frames = SpreadFrames(
-      metrics, telling,
-      ViewerFrameCount(static_cast<std::size_t>(axes.range_bins) * axes.beam_count(), metrics.frames.size()));
-  again.noise_floor = false;
-  again.compare.sweep = {};
-  again.progress = {};
-  ShownFrames shown;
-  CompareRecordings(*real, *simulated, again,
-                    [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-                      shown.viewer.frames.push_back(
-                          MakeViewerFrame(recorded, rendered, frame, compare.compare.intensity_domain));
-                      if (std::ranges::find(telling, frame.index) == telling.end()) return;
-                      shown.telling.push_back(gatherer.maker().Make(recorded, rendered, frame));
-                    });
-  shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), metrics.frames.size());
+  const ShownFrames shown =
+      ShowFrames(*real, *simulated, compare, metrics, TellingFrames(metrics), metrics.frames.size());
 
   std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
   for (const std::filesystem::path& file :

@@ -132,6 +132,11 @@ std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSou
   return all;
 }
 
+std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& simulated) {
+  if (!real.sonar.axes.Matches(simulated.sonar.axes)) return std::nullopt;
+  return Both(real.valid, simulated.valid);
+}
+
 MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
                                 const CompareRecordingsOptions& options, const OnComparedFrame& on_frame) {
   MetricsReport report{.real = RecordingName(real.info()),
@@ -148,9 +153,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     CheckScales(real.info().scale, simulated.info().scale, options.compare.db_tolerance);
   }
   report.options.keep_masks = static_cast<bool>(on_frame);
-  if (real.info().sonar.axes.Matches(simulated.info().sonar.axes)) {  // else the first frame is refused
-    report.options.valid = Both(real.info().valid, simulated.info().valid);
-  }
+  report.options.valid = ValidInBoth(real.info(), simulated.info());
   std::set<std::string> notes;
   FrameLevels levels;
   if (options.compare.sweep.steps > 0) {

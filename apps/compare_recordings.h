@@ -24,6 +24,9 @@ struct CompareRecordingsOptions {
   std::function<void(int frames_done)> progress = {};
 };
 
+// Samples that hold a measurement in both; absent: all, or the two have other axes, and nothing to compare.
+std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& simulated);
+
 // Told of each pair as it is compared. `metrics.masks` is set.
 using OnComparedFrame =
     std::function<void(const PolarImage& real, const PolarImage& simulated, const FrameMetrics& metrics)>;

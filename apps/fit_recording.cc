@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
 #include "data_io/parameters_io.h"
@@ -156,29 +157,6 @@ std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistog
     seen[material_names[material]] = {low * kIncidenceStepDeg, high * kIncidenceStepDeg};
   }
   return seen;
-}
-
-// Pictures of the frames in `telling`, and in the viewer those in `frames`.
-struct Shown {
-  std::vector<FramePictures> telling;
-  std::vector<ViewerFrame> viewer;
-};
-Shown Show(const RecordingSource& recording, const ExpectedRecording& expected,
-           const CompareRecordingsOptions& options, const std::vector<int>& frames,
-           const std::vector<int>& telling) {
-  CompareRecordingsOptions of_shown = options;
-  of_shown.frames = frames;
-  of_shown.noise_floor = false;
-  PictureMaker maker;
-  Shown shown;
-  CompareRecordings(
-      recording, expected, of_shown,
-      [&](const PolarImage& real, const PolarImage& simulated, const FrameMetrics& metrics) {
-        shown.viewer.push_back(MakeViewerFrame(real, simulated, metrics, options.compare.intensity_domain));
-        if (std::ranges::find(telling, metrics.index) == telling.end()) return;
-        shown.telling.push_back(maker.Make(real, simulated, metrics));
-      });
-  return shown;
 }
 
 // By frame, a box around the pixels that show a material.
@@ -430,13 +408,11 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   }
   if (options.pictures) {
     const std::vector<int> telling = TellingFrames(result.after);
-    result.pictures_before = Show(recording, before, judge, telling, telling).telling;
-    const std::size_t pixels = static_cast<std::size_t>(sonar.axes.range_bins) * sonar.axes.beam_count();
-    const std::size_t count = std::min(kMostViewed, ViewerFrameCount(pixels, result.after.frames.size()));
-    Shown shown = Show(recording, after, judge, SpreadFrames(result.after, telling, count), telling);
+    result.pictures_before =
+        ShowFrames(recording, before, judge, result.before, telling, telling.size()).telling;
+    ShownFrames shown = ShowFrames(recording, after, judge, result.after, telling, kMostViewed);
     result.pictures_after = std::move(shown.telling);
-    result.viewer = {.caption = ViewerCaption(shown.viewer.size(), result.after.frames.size()),
-                     .frames = std::move(shown.viewer)};
+    result.viewer = std::move(shown.viewer);
   }
   return result;
 }

@@ -11,8 +11,8 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/comparison_pictures.h"
-#include "apps/comparison_viewer.h"
 #include "apps/ray_options.h"
+#include "apps/report/frame_viewer.h"
 #include "apps/still_poses.h"
 #include "calib/fit.h"
 #include "calib/model_choice.h"
