@@ -10,92 +10,126 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/against_text.h"
 #include "apps/commands.h"
 #include "apps/compare_recordings.h"
-#include "apps/comparison_pictures.h"
-#include "apps/comparison_viewer.h"
+#include "apps/drawn_floor.h"
+#include "apps/frame_gatherer.h"
 #include "apps/frame_range.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
+#include "apps/report/against_section.h"
+#include "apps/report/agreement_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
+#include "apps/report/residual_section.h"
 #include "apps/run_output.h"
+#include "apps/shown_frames.h"
 #include "apps/threshold_check.h"
 #include "data_io/atomic_output.h"
+#include "data_io/file_bytes.h"
 #include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "metrics/figures.h"
 
 namespace sonarcal {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kMaxEarlierBytes = std::size_t{1} << 30;
+
 Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<int>& frames) {
-  Json json = {{"real", options.real.string()},
-               {"simulated", options.simulated.string()},
-               {"out", options.out.string()},
-               {"frames", frames},
-               {"as_displayed", options.as_displayed}};
+  Json json = {{"real", options.real.string()},        {"simulated", options.simulated.string()},
+               {"out", options.out.string()},          {"frames", frames},
+               {"as_displayed", options.as_displayed}, {"pictures", options.pictures},
+               {"sweep_steps", options.sweep_steps},   {"sweep_range", options.sweep_range}};
+  for (const auto& [name, file] : {std::pair{"against", options.against}, std::pair{"scene", options.scene},
+                                   std::pair{"params", options.params}}) {
+    json[name] = file.empty() ? Json(nullptr) : Json(file.string());
+  }
+  json.update(SceneFormatJson(options.scene_format));
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
 }
 
+SweepOptions SweepOf(const CompareCommandOptions& options) {
+  SweepOptions sweep{.steps = options.sweep_steps, .low = {}, .high = {}};
+  if (!options.sweep_range.empty()) {
+    const Interval1d range = ParseInterval("--sweep-range", options.sweep_range);
+    sweep.low = range.low;
+    sweep.high = range.high;
+  }
+  if (options.sweep_csv && sweep.steps == 0) throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
+  return sweep;
+}
+
 // "0.812 [0.780, 0.840]", or "none".
-std::string FigureText(const Statistic& statistic) {
+std::string WithInterval(const Statistic& statistic) {
   if (!statistic.value) return "none";
   if (!statistic.ci) return fmt::format("{:.3f}", *statistic.value);
   return fmt::format("{:.3f} [{:.3f}, {:.3f}]", *statistic.value, statistic.ci->lo, statistic.ci->hi);
 }
 
-std::string SummaryText(const MetricsReport& metrics, const std::filesystem::path& out) {
+std::string SummaryText(const MetricsReport& metrics) {
   const Aggregate& all = metrics.aggregate;
-  const IntensityDomain domain = metrics.options.intensity_domain;
+  const Aggregate* floor = metrics.noise_floor.Beside();
   std::string text = fmt::format("{} against {}, {} frame{}\n", metrics.simulated, metrics.real,
                                  all.frame_count, all.frame_count == 1 ? "" : "s");
-  text += fmt::format("  {:<24}  {:<22}  {}\n", "", "mean of frames", "pixels pooled");
-  const auto add = [&](const char* label, const Statistic& macro, const Statistic& micro) {
-    text += fmt::format("  {:<24}  {:<22}  {}\n", label, FigureText(macro), FigureText(micro));
+  text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", "", "mean of frames", "pixels pooled",
+                      floor != nullptr ? "  floor (mean)" : "");
+  const auto add = [&](const char* label, const std::string& path, ViewSummary Aggregate::Views::*view) {
+    text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", label, WithInterval((all.macro.*view).At(path)),
+                        WithInterval((all.micro.*view).At(path)),
+                        floor != nullptr ? "  " + WithInterval((floor->macro.*view).At(path)) : "");
   };
-  const ViewSummary& macro = all.macro.polar;
-  const ViewSummary& micro = all.micro.polar;
-  add("Ns/Nr", macro.ns_over_nr, micro.ns_over_nr);
-  add("Na/Ns", macro.na_over_ns, micro.na_over_ns);
-  add("Na/Nr", macro.na_over_nr, micro.na_over_nr);
-  add("IoU", macro.iou, micro.iou);
-  add("intensity error, polar", macro.Over(domain).mean_absolute, micro.Over(domain).mean_absolute);
-  add("intensity error, fan", all.macro.fan.Over(domain).mean_absolute,
-      all.micro.fan.Over(domain).mean_absolute);
+  using Views = Aggregate::Views;
+  add("Ns/Nr", "ns_over_nr", &Views::polar);
+  add("Na/Ns", "na_over_ns", &Views::polar);
+  add("Na/Nr", "na_over_nr", &Views::polar);
+  add("IoU", "iou", &Views::polar);
+  const std::string error_path = IntensityErrorPath(metrics.options.intensity_domain);
+  add("intensity error, polar", error_path, &Views::polar);
+  add("intensity error, fan", error_path, &Views::fan);
   if (all.no_interval_reason.empty()) {
     text += "  in brackets: 95 % interval over frames\n";
   } else {
     text += "  no intervals: " + all.no_interval_reason + "\n";
   }
-  return text + fmt::format("report: {}\n", (out / "report.html").string());
+  return text;
 }
 
-// What the report shows of some of the frames.
-struct ShownFrames {
-  std::vector<FramePictures> telling;  // best, middle, worst
-  FrameViewer viewer;
-};
-
-HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, bool real_is_synthetic,
-                      const Json& provenance) {
+HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, int pictured,
+                      bool real_is_synthetic, const Json& provenance) {
   HtmlReport report("Simulated against recorded",
                     fmt::format("{} against {}", metrics.simulated, metrics.real));
   AddSyntheticCallout(report, real_is_synthetic, metrics.real);
+  report.List(SummaryInWords(metrics));
   AddKeyFigures(report, metrics);
   report.Section("Agreement");
   AddMetricTables(report, metrics);
+  if (metrics.against) AddAgainst(report, *metrics.against);
   report.Section("Pictures");
-  report.Paragraph(
-      "The frames with the lowest, the middle and the highest intensity error are shown below; the "
-      "pictures of all frames lie beside this page.");
+  report.Paragraph(fmt::format(
+      "The frames with the lowest, the middle and the highest intensity error are shown below; pictures of "
+      "{} lie beside this page.",
+      pictured == metrics.aggregate.frame_count
+          ? "all frames"
+          : fmt::format("{} of the {} frames, evenly spread,", pictured, metrics.aggregate.frame_count)));
   AddPictureLegend(report);
   if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
   for (const FramePictures& frame : shown.telling) {
     AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
   }
+  report.Section("Where the simulation is wrong");
+  AddResiduals(report, metrics);
+  report.Section("Grey values");
+  AddGreyLevels(report, metrics);
+  if (metrics.sweep) report.Section("Other thresholds");
+  AddThresholdSweep(report, metrics);
+  report.Section("Every figure");
+  AddEveryFigure(report, metrics);
   AddMetricDefinitions(report, metrics);
   EndReport(report, provenance);
   return report;
@@ -109,67 +143,70 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   const auto simulated = OpenRecording(options.simulated);
   CompareRecordingsOptions compare{.compare = options.comparison.For(real->info().sonar.axes),
                                    .as_displayed = options.as_displayed};
+  compare.compare.sweep = SweepOf(options);
+  compare.compare.Check();
   if (!options.frames.empty()) {
     const int common = std::min(real->frame_count(), simulated->frame_count());
     const FrameRange range = ParseFrameRange(options.frames, common);
     for (int frame = range.begin; frame < range.end; ++frame) compare.frames.push_back(frame);
   }
 
+  const std::vector<int> frames = FramesToCompare(*real, *simulated, compare.frames);
+  // Read before the work begins, so that a wrong one costs no time.
+  std::string earlier;
+  if (!options.against.empty()) earlier = ReadFileBytes(options.against, kMaxEarlierBytes);
+  std::optional<ParameterSet> parameters;
+  if (!options.params.empty()) parameters = ReadParameters(options.params);
+
   RunOutput output(options.out);
-  PictureMaker maker;
+  FrameGatherer gatherer(options, *real, *simulated, frames, output.staging());
   MetricsReport metrics;
   {
-    Progress progress("Comparing",
-                      compare.frames.empty() ? real->frame_count() : static_cast<int>(compare.frames.size()),
-                      options.common);
+    Progress progress("Comparing", static_cast<int>(frames.size()), options.common, "frames");
     compare.progress = [&](int frames_done) { progress.Update(frames_done); };
-    metrics = CompareRecordings(
-        *real, *simulated, compare,
-        [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-          WritePictures(output.staging(), maker.Make(recorded, rendered, frame));
-        });
+    metrics = CompareRecordings(*real, *simulated, compare,
+                                [&](const PolarImage& recorded, const PolarImage& rendered,
+                                    const FrameMetrics& frame) { gatherer.Add(recorded, rendered, frame); });
   }
+  gatherer.MoveInto(metrics);
+  if (parameters) {
+    metrics.noise_floor.drawn = DrawFloor(*simulated, frames, *parameters, metrics.options);
+  }
+  std::optional<Against> against;
+  if (!options.against.empty()) against = CompareAgainst(metrics, earlier, options.against.string());
 
-  // Kept pictures of every frame would grow with the recording: those of the report are made again.
-  const std::vector<int> telling = TellingFrames(metrics);
-  const PolarAxes& axes = real->info().sonar.axes;
-  CompareRecordingsOptions again = compare;
-  again.frames = SpreadFrames(
-      metrics, telling,
-      ViewerFrameCount(static_cast<std::size_t>(axes.range_bins) * axes.beam_count(), metrics.frames.size()));
-  again.noise_floor = false;
-  again.progress = {};
-  ShownFrames shown;
-  CompareRecordings(*real, *simulated, again,
-                    [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
-                      shown.viewer.frames.push_back(
-                          MakeViewerFrame(recorded, rendered, frame, compare.compare.intensity_domain));
-                      if (std::ranges::find(telling, frame.index) == telling.end()) return;
-                      shown.telling.push_back(maker.Make(recorded, rendered, frame));
-                    });
-  shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), metrics.frames.size());
+  const ShownFrames shown =
+      ShowFrames(*real, *simulated, compare, metrics, TellingFrames(metrics), metrics.frames.size());
 
-  std::vector<int> frames;
-  for (const FrameMetrics& frame : metrics.frames) frames.push_back(frame.index);
-  const Provenance provenance{.command = "compare",
-                              .configuration = ConfigurationJson(options, frames),
-                              .inputs = {options.real, options.simulated}};
-  const std::string metrics_text = MetricsJson(metrics);
-  WriteFileWhole(output / "metrics.json", metrics_text);
+  std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
+  for (const std::filesystem::path& file :
+       {options.against, options.scene, options.params, options.comparison.object.background_params}) {
+    if (!file.empty()) inputs.push_back(file);
+  }
+  const Provenance provenance{
+      .command = "compare", .configuration = ConfigurationJson(options, frames), .inputs = std::move(inputs)};
+  metrics.against = std::move(against);
+  WriteFileWhole(output / "metrics.json", MetricsJson(metrics));
+  WriteFileWhole(output / "residuals.csv", ResidualsCsv(AllResiduals(metrics)));
+  if (options.sweep_csv) WriteFileWhole(output / "threshold_sweep.csv", metrics.sweep.value().Csv());
   WriteFileWhole(output / "per_frame.csv", PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
-  const HtmlReport report = MakeReport(metrics, shown, real->info().synthetic, ProvenanceToJson(provenance));
-  report.Write(output / "report.html");
-  WritePaperFiles(report, output.staging());
+  const int pictured = std::min(options.pictures, metrics.aggregate.frame_count);
+  const HtmlReport report =
+      MakeReport(metrics, shown, pictured, real->info().synthetic, ProvenanceToJson(provenance));
+  WriteReport(report, output.staging());
   WriteProvenance(output.staging(), provenance);
-  const Json metrics_json = Json::parse(metrics_text);
-  const std::vector<std::string> passed = PassedThresholds(thresholds, metrics_json);
+  const std::vector<std::string> passed =
+      thresholds.empty() ? std::vector<std::string>()
+                         : PassedThresholds(thresholds, Json::parse(MetricsSummaryJson(metrics)));
   output.Commit();
 
   for (const std::string& note : metrics.notes) PrintNote(options.common, "note: " + note);
   if (options.common.json) {
-    PrintJson(metrics_json);
+    PrintResult(MetricsJson(metrics));
   } else {
-    PrintResult(SummaryText(metrics, options.out));
+    PrintResult(SummaryText(metrics));
+    if (metrics.against) PrintResult(AgainstText(*metrics.against));
+    PrintResult(fmt::format("report: {}\n", (options.out / "report.html").string()));
   }
   for (const std::string& sentence : passed) PrintError("threshold passed: " + sentence);
   return passed.empty() ? ExitStatus::kDone : ExitStatus::kThreshold;
@@ -191,12 +228,41 @@ void SetupCompare(CLI::App& app) {
                    "Frames of both: from A, counted from 0, up to but without B; all if not given")
       ->type_name("A:B");
   AddComparisonOptions(*command, options->comparison);
+  command
+      ->add_option("--sweep-steps", options->sweep_steps,
+                   "Settings of the segmentation's threshold to give each ratio at, as a curve; 0 for none")
+      ->type_name("N");
+  command
+      ->add_option("--sweep-range", options->sweep_range,
+                   "Lowest and highest of these, in the unit of the segmentation's own setting (default: by "
+                   "method)")
+      ->type_name("A:B");
+  command->add_flag("--sweep-csv", options->sweep_csv, "Write the curves to threshold_sweep.csv too");
   command->add_flag("--as-displayed", options->as_displayed,
                     "Compare grey levels although the two state different dB scales");
   command
+      ->add_option("--pictures", options->pictures,
+                   "Frames that get pictures, evenly spread over those compared; 0 for none")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--against", options->against,
+          "metrics.json of an earlier comparison: says what got better or worse, and whether by more "
+          "than the noise")
+      ->type_name("JSON");
+  AddSceneOptions(*command, options->scene, options->scene_format,
+                  "Scene of the recording, to tell the difference by incidence angle and material", false);
+  command
+      ->add_option(
+          "--params", options->params,
+          "Fitted parameters, whose speckle, drawn about the simulated frames (which show the mean), "
+          "gives a floor where no frames of a still scene do")
+      ->type_name("JSON");
+  command
       ->add_option("--fail-above", options->fail_above,
                    "End with status 4 where a figure of metrics.json is above a value, such as "
-                   "intensity_error.polar=0.1")
+                   "intensity_error.polar=0.1 or against.worse=0")
       ->type_name("NAME=VALUE");
   OnRun(command, options->common, [options] { return RunCompare(*options); });
 }

@@ -1,7 +1,10 @@
 // `sonarcal compare`: a simulated recording against a real one, every metric, frame by frame and together.
 //
-// Written: metrics.json and per_frame.csv (metrics/metrics_json.h), report.html, and for each frame recorded,
-// simulated, overlay and object regions as PNG, polar and fan (apps/comparison_pictures.h).
+// Written: metrics.json and per_frame.csv (metrics/metrics_json.h), residuals.csv (metrics/residuals.h), on
+// request threshold_sweep.csv (metrics/threshold_sweep.h), report.html, and for up to `pictures` frames
+// recorded, simulated, overlay and object regions as PNG, polar and fan (apps/comparison_pictures.h).
+//
+// Frames are read, compared and dropped one by one: of a frame its figures are kept, some kilobytes.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +13,7 @@
 
 #include "apps/command.h"
 #include "apps/comparison_options.h"
+#include "apps/scene_option.h"
 
 namespace sonarcal {
 
@@ -20,7 +24,15 @@ struct CompareCommandOptions {
   std::filesystem::path out;
   std::string frames;  // "A:B" of both, see apps/frame_range.h; empty for all
   ComparisonOptions comparison;
+  int sweep_steps = 21;     // settings of the segmentation that are tried, 0: none
+  std::string sweep_range;  // "A:B"; empty for the method's own
+  bool sweep_csv = false;   // write threshold_sweep.csv too
   bool as_displayed = false;
+  int pictures = 100;             // frames that get pictures, evenly spread
+  std::filesystem::path against;  // metrics.json of an earlier run; empty: none
+  std::filesystem::path scene;    // for residuals by incidence and material; empty: none
+  SceneFormat scene_format;
+  std::filesystem::path params;         // for a floor drawn from its speckle; empty: none
   std::vector<std::string> fail_above;  // "intensity_error.polar=0.1", see apps/threshold_check.h
 };
 

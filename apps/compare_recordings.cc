@@ -1,36 +1,20 @@
 #include "apps/compare_recordings.h"
 
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "data_io/types/error.h"
 
 namespace sonarcal {
 namespace {
-
-std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
-                                 const std::vector<int>& asked) {
-  const int real_count = real.frame_count();
-  const int simulated_count = simulated.frame_count();
-  if (!asked.empty()) {
-    const int last = *std::max_element(asked.begin(), asked.end());
-    if (last >= std::min(real_count, simulated_count)) {
-      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
-                      real.info().source, real_count, simulated.info().source, simulated_count);
-    }
-    return asked;
-  }
-  if (real_count != simulated_count) {
-    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
-                    real.info().source, real_count, simulated.info().source, simulated_count);
-  }
-  std::vector<int> all(static_cast<std::size_t>(real_count));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
 
 // Says which way out there is, where the scales differ.
 void CheckScales(const ImageScale& real, const ImageScale& simulated, double tolerance_db) {
@@ -56,61 +40,152 @@ void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
       real.name, mismatch);
 }
 
+struct Pair {
+  Frame real;
+  Frame simulated;
+  FrameMetrics metrics;
+  std::string error;  // why it could not be compared
+};
+
+// Pairs of frames: read one after the other, as recordings ask for, and compared side by side.
+class PairComparer {
+ public:
+  PairComparer(const RecordingSource& real, const RecordingSource& simulated,
+               const CompareRecordingsOptions& options, const CompareOptions& compare)
+      : real_(real), simulated_(simulated), options_(options), compare_(compare), comparers_([this] {
+          return FrameComparer(compare_);
+        }) {}
+
+  // In the order of `frames`. Throws DataError for the first that can't be compared.
+  std::vector<Pair> Compare(std::span<const int> frames) {
+    std::vector<Pair> pairs;
+    for (const int frame : frames) pairs.push_back(Read(frame));
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) { Compare(frames[i], pairs[i]); });
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (pairs[i].error.empty()) continue;
+      throw DataError("{} against {}, frame {}: {}", real_.info().source, simulated_.info().source, frames[i],
+                      pairs[i].error);
+    }
+    return pairs;
+  }
+
+ private:
+  Pair Read(int frame) const {
+    Pair pair{
+        .real = real_.ReadFrame(frame), .simulated = simulated_.ReadFrame(frame), .metrics = {}, .error = {}};
+    if (!options_.as_displayed) {
+      CheckSettings(pair.real.info, pair.simulated.info);
+      return pair;
+    }
+    ImageScale& scale = pair.simulated.image.scale;
+    scale.db_min = pair.real.image.scale.db_min;
+    scale.db_max = pair.real.image.scale.db_max;
+    scale.db_span = pair.real.image.scale.db_span;
+    return pair;
+  }
+
+  void Compare(int frame, Pair& pair) {
+    try {
+      const auto region = options_.regions.find(frame);
+      if (region == options_.regions.end()) {
+        pair.metrics = comparers_.local().Compare(pair.real.image, pair.simulated.image);
+      } else {
+        CompareOptions of_frame = compare_;
+        of_frame.region = region->second;
+        pair.metrics = CompareFrames(pair.real.image, pair.simulated.image, of_frame);
+      }
+    } catch (const DataError& error) {
+      pair.error = error.what();
+    }
+    pair.metrics.index = frame;
+    pair.metrics.name = pair.real.info.name;
+    pair.metrics.time_s = pair.real.info.time_s;
+  }
+
+  const RecordingSource& real_;
+  const RecordingSource& simulated_;
+  const CompareRecordingsOptions& options_;
+  const CompareOptions& compare_;
+  tbb::enumerable_thread_specific<FrameComparer> comparers_;
+};
+
 }  // namespace
+
+std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
+                                 const std::vector<int>& asked) {
+  const int real_count = real.frame_count();
+  const int simulated_count = simulated.frame_count();
+  if (!asked.empty()) {
+    const int last = *std::max_element(asked.begin(), asked.end());
+    if (last >= std::min(real_count, simulated_count)) {
+      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
+                      real.info().source, real_count, simulated.info().source, simulated_count);
+    }
+    return asked;
+  }
+  if (real_count != simulated_count) {
+    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
+                    real.info().source, real_count, simulated.info().source, simulated_count);
+  }
+  std::vector<int> all(static_cast<std::size_t>(real_count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& simulated) {
+  if (!real.sonar.axes.Matches(simulated.sonar.axes)) return std::nullopt;
+  return Both(real.valid, simulated.valid);
+}
 
 MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
                                 const CompareRecordingsOptions& options, const OnComparedFrame& on_frame) {
   MetricsReport report{.real = RecordingName(real.info()),
                        .simulated = RecordingName(simulated.info()),
                        .options = options.compare,
+                       .scale = real.info().scale,
                        .frames = {},
                        .aggregate = {},
                        .noise_floor = {},
+                       .sweep = {},
                        .notes = {}};
   const std::vector<int> frames = FramesToCompare(real, simulated, options.frames);
   if (!options.as_displayed) {
     CheckScales(real.info().scale, simulated.info().scale, options.compare.db_tolerance);
   }
   report.options.keep_masks = static_cast<bool>(on_frame);
-  if (real.info().sonar.axes.Matches(simulated.info().sonar.axes)) {  // else the first frame is refused
-    report.options.valid = Both(real.info().valid, simulated.info().valid);
-  }
-  FrameComparer comparer(report.options);
+  report.options.valid = ValidInBoth(real.info(), simulated.info());
   std::set<std::string> notes;
-  for (const int index : frames) {
-    const Frame real_frame = real.ReadFrame(index);
-    Frame simulated_frame = simulated.ReadFrame(index);
-    if (!options.as_displayed) CheckSettings(real_frame.info, simulated_frame.info);
-    if (options.as_displayed) {
-      ImageScale& scale = simulated_frame.image.scale;
-      scale.db_min = real_frame.image.scale.db_min;
-      scale.db_max = real_frame.image.scale.db_max;
-      scale.db_span = real_frame.image.scale.db_span;
-    }
-    FrameMetrics metrics;
-    try {
-      const auto region = options.regions.find(index);
-      if (region == options.regions.end()) {
-        metrics = comparer.Compare(real_frame.image, simulated_frame.image);
-      } else {
-        CompareOptions of_frame = report.options;
-        of_frame.region = region->second;
-        metrics = CompareFrames(real_frame.image, simulated_frame.image, of_frame);
-      }
-    } catch (const DataError& error) {
-      throw DataError("{} against {}, frame {}: {}", real.info().source, simulated.info().source, index,
-                      error.what());
-    }
-    metrics.index = index;
-    metrics.name = real_frame.info.name;
-    if (on_frame) on_frame(real_frame.image, simulated_frame.image, metrics);
+  FrameLevels levels;
+  if (options.compare.sweep.steps > 0) {
+    report.sweep.emplace(SweepSettings(options.compare.sweep, options.compare.segmentation.method));
+  }
+  const auto take = [&](Pair& pair) {
+    FrameMetrics& metrics = pair.metrics;
+    if (on_frame) on_frame(pair.real.image, pair.simulated.image, metrics);
     metrics.masks.reset();
+    levels += metrics.levels.value();
+    metrics.levels.reset();
+    if (report.sweep) report.sweep->Add(metrics.sweep);
+    metrics.sweep = {};
     notes.insert(metrics.notes.begin(), metrics.notes.end());
     report.frames.push_back(std::move(metrics));
     if (options.progress) options.progress(static_cast<int>(report.frames.size()));
+  };
+  PairComparer comparer(real, simulated, options, report.options);
+  const std::size_t at_once = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  for (std::size_t first = 0; first < frames.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, frames.size() - first);
+    for (Pair& pair : comparer.Compare({frames.data() + first, count})) take(pair);
   }
-  report.aggregate = AggregateFrames(report.frames);
-  if (options.noise_floor) report.noise_floor = MeasureNoiseFloor(real, report.options);
+  report.aggregate = AggregateFrames(report.frames, std::move(levels));
+  if (options.noise_floor) {
+    // Both frames are real here: one rule for both, and no simulated object to look near to.
+    CompareOptions of_floor = report.options;
+    of_floor.simulated_object = SimulatedObject::kSameRule;
+    of_floor.region_margin_m.reset();
+    of_floor.sweep = {};
+    report.noise_floor = MeasureNoiseFloor(real, of_floor);
+  }
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
   }
@@ -134,6 +209,17 @@ std::vector<int> TellingFrames(const MetricsReport& report) {
   const std::set<int> chosen = {by_error.front()->index, by_error[by_error.size() / 2]->index,
                                 by_error.back()->index};
   return {chosen.begin(), chosen.end()};
+}
+
+std::vector<int> EvenlySpread(const std::vector<int>& frames, int count) {
+  const int all = static_cast<int>(frames.size());
+  if (count >= all) return frames;
+  std::vector<int> chosen;
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t steps = std::max(1, count - 1);
+    chosen.push_back(frames[static_cast<std::size_t>(std::int64_t{i} * (all - 1) / steps)]);
+  }
+  return chosen;
 }
 
 }  // namespace sonarcal

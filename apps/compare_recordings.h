@@ -24,9 +24,17 @@ struct CompareRecordingsOptions {
   std::function<void(int frames_done)> progress = {};
 };
 
+// Samples that hold a measurement in both; absent: all, or the two have other axes, and nothing to compare.
+std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& simulated);
+
 // Told of each pair as it is compared. `metrics.masks` is set.
 using OnComparedFrame =
     std::function<void(const PolarImage& real, const PolarImage& simulated, const FrameMetrics& metrics)>;
+
+// The frames that CompareRecordings compares: those asked for, or all. Throws DataError where they are not in
+// both.
+std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
+                                 const std::vector<int>& asked);
 
 // Throws DataError where the recordings do not have the same frames, or a pair can't be compared.
 MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
@@ -39,5 +47,8 @@ std::string RecordingName(const RecordingInfo& info);
 // Numbers of a few frames that show a comparison fairly: those with the lowest, the middle and the highest
 // intensity error in the polar view, in the order of the recording. At most three.
 std::vector<int> TellingFrames(const MetricsReport& report);
+
+// At most `count` of `frames`, evenly spread and in their order, the first and the last among them.
+std::vector<int> EvenlySpread(const std::vector<int>& frames, int count);
 
 }  // namespace sonarcal

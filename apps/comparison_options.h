@@ -1,11 +1,9 @@
-// The options by which compare, fit and reproduce say how the object is found and what is measured.
+// The options by which compare and fit say how the object is found and what is measured.
 #pragma once
-
-#include <filesystem>
-#include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "apps/segmentation_options.h"
 #include "metrics/compare.h"
 
 namespace CLI {
@@ -15,18 +13,14 @@ class App;
 namespace sonarcal {
 
 struct ComparisonOptions {
-  SegmentationOptions segmentation;
+  SegmentationCommandOptions object;
   IntensityDomain intensity_domain = IntensityDomain::kUnion;
-  std::filesystem::path region;    // PNG, range bins x beams: the object may be where it is not 0
-  std::string region_range_m;      // "A:B"; empty for all ranges
-  std::string region_azimuth_deg;  // "A:B"; empty for all azimuths
 
-  // Throws UsageError for a wrong range, DataError where the picture does not fit the axes.
+  // Throws UsageError for wrong text, DataError where a file does not fit the axes.
   CompareOptions For(const PolarAxes& axes) const;
 };
 
-// Adds --segmentation, --threshold, --sigma-count, --all-components, --intensity-domain, --region,
-// --region-range and --region-azimuth.
+// Adds --intensity-domain and those of apps/segmentation_options.h.
 void AddComparisonOptions(CLI::App& command, ComparisonOptions& options);
 
 // As resolved, for provenance.

@@ -52,6 +52,19 @@ FramePictures PictureMaker::Make(const PolarImage& real, const PolarImage& simul
   return pictures;
 }
 
+FramePictures ForPage(const FramePictures& pictures) {
+  constexpr int kWidthPx = 480;
+  const auto shrunk = [](const std::vector<std::uint8_t>& png) {
+    const ImageFile file({reinterpret_cast<const char*>(png.data()), png.size()}, "picture");
+    if (file.header().cols <= kWidthPx) return png;
+    return EncodePng(Shrink(file.DecodeRgb(), kWidthPx));
+  };
+  const auto view = [&](const ViewPictures& of) {
+    return ViewPictures{shrunk(of.real), shrunk(of.simulated), shrunk(of.overlay), shrunk(of.regions)};
+  };
+  return {pictures.index, pictures.name, view(pictures.polar), view(pictures.fan)};
+}
+
 void WritePictures(const std::filesystem::path& folder, const FramePictures& pictures) {
   WriteView(folder, fmt::format("frame_{:04}_polar", pictures.index), pictures.polar);
   WriteView(folder, fmt::format("frame_{:04}_fan", pictures.index), pictures.fan);

@@ -43,6 +43,9 @@ class PictureMaker {
   std::optional<FanMap> map_;
 };
 
+// The same no wider than a page shows them, so that a report of large images can still be handed around.
+FramePictures ForPage(const FramePictures& pictures);
+
 // Writes frame_0003_polar_real.png and its seven siblings.
 void WritePictures(const std::filesystem::path& folder, const FramePictures& pictures);
 

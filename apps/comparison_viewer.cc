@@ -12,7 +12,7 @@
 namespace sonarcal {
 namespace {
 
-constexpr std::size_t kPictureBytes = 12'000'000;
+constexpr std::size_t kPictureBytes = 7'500'000;
 constexpr std::size_t kFewestFrames = 3;
 
 std::vector<std::uint8_t> GreyPng(const PolarImage& image) {

@@ -13,7 +13,7 @@
 
 namespace sonarcal {
 
-// How many frames of this many pixels go into one page: its pictures take 12 MB at most (16 MB as text),
+// How many frames of this many pixels go into one page: its pictures take 7.5 MB at most (10 MB as text),
 // however badly they compress; at least three, at most `frames`.
 std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames);
 

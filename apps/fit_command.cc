@@ -17,6 +17,7 @@
 #include "apps/report/choice_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/report/still_section.h"
 #include "apps/run_output.h"
@@ -149,13 +150,14 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
   };
   add("intensity error, polar", before.polar.Over(domain).mean_absolute,
       after.polar.Over(domain).mean_absolute);
-  add("intensity error, whole image", before.polar.whole.mean_absolute, after.polar.whole.mean_absolute);
+  add("intensity error, whole image", before.polar.Over(IntensityDomain::kWhole).mean_absolute,
+      after.polar.Over(IntensityDomain::kWhole).mean_absolute);
   add("intensity error, fan", before.fan.Over(domain).mean_absolute, after.fan.Over(domain).mean_absolute);
   if (fit.sample_before && fit.sample_after) {
-    add("IoU, speckled sample", fit.sample_before->aggregate.macro.polar.iou,
-        fit.sample_after->aggregate.macro.polar.iou);
+    add("IoU, speckled sample", fit.sample_before->aggregate.macro.polar.At("iou"),
+        fit.sample_after->aggregate.macro.polar.At("iou"));
   } else {
-    add("IoU", before.polar.iou, after.polar.iou);
+    add("IoU", before.polar.At("iou"), after.polar.At("iou"));
   }
   if (report.down_weighted_share) {
     text +=
@@ -237,7 +239,7 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   }
   WriteParameters(output / "params.json", fit.fit.parameters);
   if (!fit.poses.empty()) WritePoses(output / "poses.json", fit.poses);
-  MakeReport(fit, recording->info(), ProvenanceToJson(provenance)).Write(output / "report.html");
+  WriteReport(MakeReport(fit, recording->info(), ProvenanceToJson(provenance)), output.staging());
   output.Commit();
 
   if (options.common.json) {

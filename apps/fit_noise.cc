@@ -7,6 +7,7 @@
 #include "apps/compare_recordings.h"
 #include "apps/provenance.h"
 #include "apps/report/noise_section.h"
+#include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/run_output.h"
 #include "calib/noise_fit.h"
@@ -167,7 +168,7 @@ ExitStatus RunFitNoise(const FitCommandOptions& options) {
   parameters.receiver = fit.law.receiver;
   parameters.materials["default"] = {};
   WriteParameters(output / "params.json", parameters);
-  MakeReport(fit, recording->info(), ProvenanceToJson(provenance)).Write(output / "report.html");
+  WriteReport(MakeReport(fit, recording->info(), ProvenanceToJson(provenance)), output.staging());
   output.Commit();
   if (options.common.json) {
     PrintJson(Json::parse(fit_json));

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
 #include "data_io/parameters_io.h"
@@ -19,6 +20,8 @@
 
 namespace sonarcal {
 namespace {
+
+constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
 
 // A pinhole sees less than 180 degrees.
 constexpr double kWidestFrustumDeg = 120.0;
@@ -154,23 +157,6 @@ std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistog
     seen[material_names[material]] = {low * kIncidenceStepDeg, high * kIncidenceStepDeg};
   }
   return seen;
-}
-
-// Compares what the parameters expect with what was recorded; `pictures` (where given) receives those of the
-// frames in `shown`.
-MetricsReport Judge(const RecordingSource& recording, const ExpectedRecording& expected,
-                    const CompareRecordingsOptions& options, const std::vector<int>& shown = {},
-                    std::vector<FramePictures>* pictures = nullptr) {
-  if (pictures == nullptr) return CompareRecordings(recording, expected, options);
-  CompareRecordingsOptions of_shown = options;
-  of_shown.frames = shown;
-  of_shown.noise_floor = false;
-  PictureMaker maker;
-  return CompareRecordings(
-      recording, expected, of_shown,
-      [&](const PolarImage& real, const PolarImage& simulated, const FrameMetrics& metrics) {
-        pictures->push_back(maker.Make(real, simulated, metrics));
-      });
 }
 
 // By frame, a box around the pixels that show a material.
@@ -347,7 +333,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                       .before = {},
                       .after = {},
                       .pictures_before = {},
-                      .pictures_after = {}};
+                      .pictures_after = {},
+                      .viewer = {}};
   // By parameters and poses.
   std::function<RenderFrame(const ParameterSet&, const std::vector<TimedPose>&)> expected_by;
   const ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
@@ -398,9 +385,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     judge.regions = RegionsAround(options.object_material, echoes, materials, sonar.axes);
   }
   judge.frames = result.judged_on_held_out ? split.held_out : split.used;
-  result.after = Judge(recording, after, judge);
+  result.after = CompareRecordings(recording, after, judge);
   judge.noise_floor = false;
-  result.before = Judge(recording, before, judge);
+  result.before = CompareRecordings(recording, before, judge);
   result.before.noise_floor = result.after.noise_floor;
   if (acoustic) {
     const auto sample_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from) {
@@ -412,17 +399,20 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
           },
           "a speckled sample");
     };
-    result.sample_before = Judge(recording, sample_by(result.initial, poses), judge);
-    result.sample_after = Judge(recording, sample_by(result.fit.parameters, fitted_poses), judge);
+    result.sample_before = CompareRecordings(recording, sample_by(result.initial, poses), judge);
+    result.sample_after = CompareRecordings(recording, sample_by(result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
     result.still = TellStillPoses(
         recording, fitted, simulator.absorption_db_per_m(), UsedPixels(recording.info(), options), &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
   }
   if (options.pictures) {
-    const std::vector<int> shown = TellingFrames(result.after);
-    Judge(recording, before, judge, shown, &result.pictures_before);
-    Judge(recording, after, judge, shown, &result.pictures_after);
+    const std::vector<int> telling = TellingFrames(result.after);
+    result.pictures_before =
+        ShowFrames(recording, before, judge, result.before, telling, telling.size()).telling;
+    ShownFrames shown = ShowFrames(recording, after, judge, result.after, telling, kMostViewed);
+    result.pictures_after = std::move(shown.telling);
+    result.viewer = std::move(shown.viewer);
   }
   return result;
 }

@@ -12,6 +12,7 @@
 #include "apps/compare_recordings.h"
 #include "apps/comparison_pictures.h"
 #include "apps/ray_options.h"
+#include "apps/report/frame_viewer.h"
 #include "apps/still_poses.h"
 #include "calib/fit.h"
 #include "calib/model_choice.h"
@@ -68,6 +69,7 @@ struct RecordingFit {
   std::vector<Grid<float>> weights = {};
   std::vector<FramePictures> pictures_before;  // of the same frames as those after
   std::vector<FramePictures> pictures_after;
+  FrameViewer viewer = {};  // of frames after the fit; empty where no pictures were asked for
 };
 
 // The display a recording states wins over that of the parameters: levels are read through it. Returns what

@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
-#include "data_io/marker_detector.h"
 #include "data_io/marker_map_io.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
 
-MarkerImage FindMarkers(const std::filesystem::path& file, const MarkerMap& map, const Camera& camera,
-                        const FlatPort* port) {
+MarkerFinder::MarkerFinder(const MarkerMap& map, const Camera& camera, const FlatPort* port)
+    : map_(map),
+      camera_(camera),
+      port_(port),
+      detector_(map.dictionary),
+      cells_(FindMarkerDictionary(map.dictionary)->cells) {}
+
+MarkerImage MarkerFinder::Find(const std::filesystem::path& file) const {
   MarkerImage image;
   Grid<std::uint8_t> grey;
   try {
@@ -18,21 +23,20 @@ MarkerImage FindMarkers(const std::filesystem::path& file, const MarkerMap& map,
     image.unreadable = error.what();
     return image;
   }
-  if (grey.rows() != camera.rows || grey.cols() != camera.cols) {
+  if (grey.rows() != camera_.rows || grey.cols() != camera_.cols) {
     image.unreadable = fmt::format("{}: {} x {} pixels, expected the camera's {} x {} (columns x rows)",
-                                   file.string(), grey.cols(), grey.rows(), camera.cols, camera.rows);
+                                   file.string(), grey.cols(), grey.rows(), camera_.cols, camera_.rows);
     return image;
   }
-  const MarkersSeen seen = MarkerDetector(map.dictionary).Detect(grey);
+  const MarkersSeen seen = detector_.Detect(grey);
   image.seen_twice = seen.seen_twice;
-  const int cells = FindMarkerDictionary(map.dictionary)->cells;
   for (const MarkerQuad& quad : seen.markers) {
-    const Marker* marker = map.Find(quad.id);
+    const Marker* marker = map_.Find(quad.id);
     if (marker == nullptr) {
       image.not_in_map.push_back(quad.id);
       continue;
     }
-    const auto refined = RefineMarkerCorners(grey, quad, {cells, marker->size_m}, camera, port);
+    const auto refined = RefineMarkerCorners(grey, quad, {cells_, marker->size_m}, camera_, port_);
     if (refined) {
       image.seen.push_back(*refined);
     } else {

@@ -7,6 +7,7 @@
 
 #include "calib/marker_corners.h"
 #include "data_io/camera_image.h"
+#include "data_io/marker_detector.h"
 #include "data_io/types/camera.h"
 #include "data_io/types/marker_map.h"
 
@@ -20,8 +21,21 @@ struct MarkerImage {
   std::vector<int> unclear;  // found, but too small, cut or blurred for their corners
 };
 
-// `port` null: none. A picture of another size than the camera's is unreadable.
-MarkerImage FindMarkers(const std::filesystem::path& file, const MarkerMap& map, const Camera& camera,
-                        const FlatPort* port);
+// Finds them in one picture after the other, with one detector.
+class MarkerFinder {
+ public:
+  // `port` null: none. All three must outlive it.
+  MarkerFinder(const MarkerMap& map, const Camera& camera, const FlatPort* port);
+
+  // A picture of another size than the camera's is unreadable.
+  MarkerImage Find(const std::filesystem::path& file) const;
+
+ private:
+  const MarkerMap& map_;
+  const Camera& camera_;
+  const FlatPort* port_;
+  MarkerDetector detector_;
+  int cells_ = 0;  // of a marker's side
+};
 
 }  // namespace sonarcal

@@ -13,6 +13,7 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
+#include "apps/report/paper_files.h"
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
 #include "apps/run_output.h"
@@ -75,9 +76,10 @@ std::string SummaryText(const Reproduction& reproduction, const std::filesystem:
     for (const SummaryRow& row : rows) {
       const ViewSummary& view = row.metrics->aggregate.macro.polar;
       text += fmt::format("  {:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", row.name, kWidth - 2,
-                          figure(view.ns_over_nr, 2), figure(view.na_over_ns, 2), figure(view.na_over_nr, 2),
-                          figure(view.iou, 2), figure(view.union_region.mean_absolute, 3),
-                          figure(view.overlap.mean_absolute, 3));
+                          figure(view.At("ns_over_nr"), 2), figure(view.At("na_over_ns"), 2),
+                          figure(view.At("na_over_nr"), 2), figure(view.At("iou"), 2),
+                          figure(view.Over(IntensityDomain::kUnion).mean_absolute, 3),
+                          figure(view.Over(IntensityDomain::kOverlap).mean_absolute, 3));
     }
   };
   add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank));
@@ -190,7 +192,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
       .command = "reproduce", .configuration = configuration, .seed = options.seed, .inputs = inputs};
   const std::string metrics = ReproductionMetricsJson(reproduction);
   WriteFileWhole(output / "metrics.json", metrics);
-  MakeReproductionReport(reproduction, ProvenanceToJson(provenance)).Write(output / "report.html");
+  WriteReport(MakeReproductionReport(reproduction, ProvenanceToJson(provenance)), output.staging());
   WriteProvenance(output.staging(), provenance);
   output.Commit();
 

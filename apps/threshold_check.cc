@@ -13,6 +13,21 @@
 #include "data_io/types/error.h"
 
 namespace sonarcal {
+namespace {
+
+// What stands at a path of names and dots; null where nothing does.
+const nlohmann::ordered_json* Find(const nlohmann::ordered_json& metrics, std::string_view path) {
+  const nlohmann::ordered_json* node = &metrics;
+  for (std::size_t begin = 0; begin <= path.size() && node != nullptr;) {
+    const std::size_t end = std::min(path.find('.', begin), path.size());
+    const std::string key(path.substr(begin, end - begin));
+    node = node->is_object() && node->contains(key) ? &(*node)[key] : nullptr;
+    begin = end + 1;
+  }
+  return node;
+}
+
+}  // namespace
 
 std::vector<Threshold> ParseThresholds(const std::vector<std::string>& texts) {
   std::vector<Threshold> thresholds;
@@ -37,19 +52,12 @@ std::vector<std::string> PassedThresholds(const std::vector<Threshold>& threshol
                                           const nlohmann::ordered_json& metrics) {
   std::vector<std::string> sentences;
   for (const Threshold& threshold : thresholds) {
-    std::string path = threshold.name;
-    if (!path.starts_with("macro.") && !path.starts_with("micro.")) path = "macro." + path;
-    const nlohmann::ordered_json* node = &metrics;
-    for (std::size_t begin = 0; begin <= path.size() && node != nullptr;) {
-      const std::size_t end = std::min(path.find('.', begin), path.size());
-      const std::string key = path.substr(begin, end - begin);
-      node = node->is_object() && node->contains(key) ? &(*node)[key] : nullptr;
-      begin = end + 1;
-    }
+    const nlohmann::ordered_json* node = Find(metrics, "macro." + threshold.name);
+    if (node == nullptr) node = Find(metrics, threshold.name);
     if (node == nullptr || !(node->is_number() || node->is_null())) {
       throw UsageError(
           "--fail-above: metrics.json has no figure '{}', expected one such as "
-          "intensity_error.polar, intensity_error.fan or micro.ns_over_nr",
+          "intensity_error.polar, intensity.overlap.rmse, micro.ns_over_nr or against.worse",
           Printable(threshold.name));
     }
     if (node->is_null()) {

@@ -1,7 +1,8 @@
 // `--fail-above NAME=VALUE`: a comparison as a gate in a build or a test bench.
 //
-// NAME is a figure of metrics.json: `intensity_error.polar` and `macro.intensity_error.polar` are the mean
-// over frames, `micro.iou` the pooled one.
+// NAME is the path of any number in metrics.json but those of single frames: `intensity_error.polar` and
+// `macro.intensity_error.polar` are the mean over frames, `micro.iou` the pooled one, `against.worse` the
+// number of headline figures that got worse by more than the noise.
 #pragma once
 
 #include <optional>

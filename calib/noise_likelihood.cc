@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "data_io/types/distribution.h"
+
 namespace sonarcal {
 namespace {
 
@@ -17,26 +19,6 @@ double Quantile(std::vector<double> values, double share) {
   const std::size_t i = static_cast<std::size_t>(position);
   const double next = values[std::min(i + 1, values.size() - 1)];
   return values[i] + (position - static_cast<double>(i)) * (next - values[i]);
-}
-
-double LargestDifference(const std::vector<double>& p, const std::vector<double>& q) {
-  double sum = 0.0;
-  double largest = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    sum += p[i] - q[i];
-    largest = std::max(largest, std::abs(sum));
-  }
-  return largest;
-}
-
-double MeanShift(const std::vector<double>& p, const std::vector<double>& q) {
-  double sum = 0.0;
-  double shift = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    sum += p[i] - q[i];
-    shift += std::abs(sum);
-  }
-  return shift;
 }
 
 void Normalise(std::vector<double>& values, double sum) {
@@ -203,12 +185,14 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
   agreement.nats_per_pixel /= all.pixels;
   Normalise(all.recorded, all.pixels);
   Normalise(all.predicted, all.pixels);
-  agreement.ks = LargestDifference(all.recorded, all.predicted);
-  agreement.wasserstein_grey = MeanShift(all.recorded, all.predicted);
+  agreement.ks = KolmogorovSmirnov(all.recorded, all.predicted);
+  agreement.wasserstein_grey = WassersteinLevels(all.recorded, all.predicted);
   std::vector<double> by_block;
   for (Levels& block : blocks) {
-    if (block.pixels > 0.0)
-      by_block.push_back(LargestDifference(block.recorded, block.predicted) / block.pixels);
+    if (block.pixels == 0.0) continue;
+    Normalise(block.recorded, block.pixels);
+    Normalise(block.predicted, block.pixels);
+    by_block.push_back(KolmogorovSmirnov(block.recorded, block.predicted));
   }
   agreement.cell_ks_median = Quantile(by_block, 0.5);
   agreement.cell_ks_p95 = Quantile(by_block, 0.95);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <opencv2/imgproc.hpp>
@@ -112,6 +113,21 @@ RgbImage Superimpose(const Grid<float>& real, const Grid<float>& simulated, cons
   });
 }
 
+RgbImage Diverging(const Grid<float>& value, double limit) {
+  CheckWindow({0.0, limit});
+  return Paint(value.rows(), value.cols(), nullptr, [&](std::size_t i) -> Rgb {
+    const double v = value.values()[i];
+    if (std::isnan(v)) return kOutsideColor;
+    const double part = std::min(1.0, std::abs(v) / limit);
+    const Rgb& end = v < 0.0 ? kRealOnlyColor : kSimulatedOnlyColor;
+    Rgb colour;
+    for (std::size_t k = 0; k < colour.size(); ++k) {
+      colour[k] = static_cast<std::uint8_t>(std::lround(kAlikeGrey + part * (end[k] - kAlikeGrey)));
+    }
+    return colour;
+  });
+}
+
 RgbImage OverlayRegions(const Mask& real, const Mask& simulated, const Mask* inside) {
   CheckSameShape(real, simulated);
   return Paint(real.rows(), real.cols(), inside, [&](std::size_t i) {
@@ -135,6 +151,20 @@ RgbImage StretchPolar(const RgbImage& picture, int min_height_px) {
     }
   }
   return stretched;
+}
+
+RgbImage Shrink(const RgbImage& picture, int max_width_px) {
+  SONARCAL_CHECK(max_width_px > 0, "a width of {} pixels", max_width_px);
+  if (picture.cols() <= max_width_px) return picture;
+  const int height_px = std::max(
+      1, static_cast<int>(std::lround(static_cast<double>(picture.rows()) * max_width_px / picture.cols())));
+  cv::Mat large(picture.rows(), picture.cols(), CV_8UC3);
+  std::memcpy(large.data, picture.values().data(), 3 * picture.size());
+  cv::Mat small;
+  cv::resize(large, small, {max_width_px, height_px}, 0.0, 0.0, cv::INTER_AREA);
+  RgbImage shrunk(height_px, max_width_px);
+  std::memcpy(shrunk.values().data(), small.data, 3 * shrunk.size());
+  return shrunk;
 }
 
 }  // namespace sonarcal

@@ -26,6 +26,7 @@ inline constexpr Rgb kRealOnlyColor = {0, 114, 178};
 inline constexpr Rgb kSimulatedOnlyColor = {230, 159, 0};
 inline constexpr Rgb kBothColor = {235, 235, 235};
 inline constexpr Rgb kNeitherColor = {30, 30, 30};
+inline constexpr double kAlikeGrey = 226.0;  // of a difference of 0
 
 enum class ColorMap { kGrey, kViridis, kInferno };
 
@@ -51,8 +52,15 @@ RgbImage Superimpose(const Grid<float>& real, const Grid<float>& simulated, cons
 // Which pixels belong to the object in both images, in the real one alone, in the simulated one alone.
 RgbImage OverlayRegions(const Mask& real, const Mask& simulated, const Mask* inside = nullptr);
 
+// Signed values, blue below 0 and orange above, full colour at `limit` and beyond, light grey at 0; NaN is
+// kOutsideColor. Throws DataError where the limit is not finite and positive.
+RgbImage Diverging(const Grid<float>& value, double limit);
+
 // Repeats rows and columns a whole number of times, so that a pixel stays a crisp block: the height becomes
 // at least `min_height_px`, the width about three quarters of the height. Never leaves pixels out.
 RgbImage StretchPolar(const RgbImage& picture, int min_height_px = 480);
+
+// The picture no wider than `max_width_px`, by the mean over areas; one that is narrower stays as it is.
+RgbImage Shrink(const RgbImage& picture, int max_width_px);
 
 }  // namespace sonarcal

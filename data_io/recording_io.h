@@ -21,7 +21,8 @@
 //   full_scale  grey value shown at db_max; if absent 255, 65535, or 1 for float images
 //   quantity    what the numbers are; if absent, grey
 //   valid       name of an 8-bit PNG of an image's size: 0 where a sample holds no measurement; absent: all
-//   do settings    of all frames but those that have their own scene       relative to the folder
+//   settings    of all frames but those that have their own
+//   scene       relative to the folder
 // Unknown keys become notes, as other programs add their own. A recording counts as synthetic where
 // `synthetic` is true, `generator` names what made it, or a truth.json lies in the folder.
 //

@@ -11,6 +11,7 @@
 #include "data_io/printable.h"
 #include "data_io/ros1_chunk.h"
 #include "data_io/ros1_record.h"
+#include "data_io/ros_messages.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -20,7 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "#ROSBAG V";
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
-constexpr std::int64_t kNsPerS = 1'000'000'000;
 constexpr std::uint64_t kIndexEntryBytes = 12;
 constexpr std::uint64_t kMostConnectionBytes = 16 << 20;  // definitions of messages are long
 

@@ -6,8 +6,6 @@
 namespace sonarcal {
 namespace {
 
-constexpr std::int64_t kNsPerS = 1'000'000'000;
-
 RosHeader ReadHeader(MessageStream& stream) {
   RosHeader header;
   header.stamp_ns = ReadStampNs(stream);

@@ -24,6 +24,8 @@ struct RosHeader {
   std::string frame_id;
 };
 
+inline constexpr std::int64_t kNsPerS = 1'000'000'000;
+
 // To 0.3 microseconds for times since 1970.
 double SecondsOfNs(std::int64_t time_ns);
 

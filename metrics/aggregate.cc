@@ -1,93 +1,47 @@
 #include "metrics/aggregate.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
+#include <utility>
+
+#include "metrics/figures.h"
 
 namespace sonarcal {
 namespace {
 
-// How one statistic follows from a view. What is averaged over frames is `of`; `finish` is applied last.
-struct Definition {
-  Statistic& (*in)(ViewSummary&);
-  std::optional<double> (*of)(const ViewMetrics&);
-  double (*finish)(double) = [](double value) { return value; };
+// One view of the frames.
+struct FrameViews {
+  std::vector<const ViewMetrics*> metrics;
+  // What is averaged over frames, by figure and frame: the frames of a figure lie together, as draws ask for
+  // one figure of all frames in no order.
+  std::vector<std::vector<std::optional<double>>> values;
+
+  std::size_t size() const { return metrics.size(); }
 };
 
-template <DifferenceSummary ViewSummary::*summary, DifferenceSums IntensityError::*sums>
-constexpr Definition kMeanAbsolute = {
-    [](ViewSummary& view) -> Statistic& { return (view.*summary).mean_absolute; },
-    [](const ViewMetrics& view) { return (view.intensity.*sums).mean_absolute(); }};
-
-template <DifferenceSummary ViewSummary::*summary, DifferenceSums IntensityError::*sums>
-constexpr Definition kRmse = {[](ViewSummary& view) -> Statistic& { return (view.*summary).rmse; },
-                              [](const ViewMetrics& view) { return (view.intensity.*sums).mean_square(); },
-                              [](double mean_square) { return std::sqrt(mean_square); }};
-
-template <DifferenceSummary ViewSummary::*summary, DifferenceSums IntensityError::*sums>
-constexpr Definition kBias = {[](ViewSummary& view) -> Statistic& { return (view.*summary).bias; },
-                              [](const ViewMetrics& view) { return (view.intensity.*sums).bias(); }};
-
-constexpr std::array kDefinitions = {
-    Definition{[](ViewSummary& view) -> Statistic& { return view.ns_over_nr; },
-               [](const ViewMetrics& view) { return view.occupancy.ns_over_nr(); }},
-    Definition{[](ViewSummary& view) -> Statistic& { return view.na_over_ns; },
-               [](const ViewMetrics& view) { return view.occupancy.na_over_ns(); }},
-    Definition{[](ViewSummary& view) -> Statistic& { return view.na_over_nr; },
-               [](const ViewMetrics& view) { return view.occupancy.na_over_nr(); }},
-    Definition{[](ViewSummary& view) -> Statistic& { return view.iou; },
-               [](const ViewMetrics& view) { return view.occupancy.iou(); }},
-    kMeanAbsolute<&ViewSummary::union_region, &IntensityError::union_region>,
-    kMeanAbsolute<&ViewSummary::whole, &IntensityError::whole>,
-    kMeanAbsolute<&ViewSummary::overlap, &IntensityError::overlap>,
-    kRmse<&ViewSummary::union_region, &IntensityError::union_region>,
-    kRmse<&ViewSummary::whole, &IntensityError::whole>,
-    kRmse<&ViewSummary::overlap, &IntensityError::overlap>,
-    kBias<&ViewSummary::union_region, &IntensityError::union_region>,
-    kBias<&ViewSummary::whole, &IntensityError::whole>,
-    kBias<&ViewSummary::overlap, &IntensityError::overlap>,
-};
-
-// A frame's value of every definition.
-using Values = std::array<std::optional<double>, kDefinitions.size()>;
-
-struct FrameView {
-  ViewMetrics metrics;
-  Values values;
-};
-
-Values Evaluate(const ViewMetrics& metrics) {
-  Values values;
-  for (std::size_t d = 0; d < kDefinitions.size(); ++d) values[d] = kDefinitions[d].of(metrics);
-  return values;
-}
-
-Values Finish(Values values) {
-  for (std::size_t d = 0; d < kDefinitions.size(); ++d) {
-    if (values[d]) values[d] = kDefinitions[d].finish(*values[d]);
-  }
-  return values;
+std::optional<double> Finish(std::size_t figure, const std::optional<double>& average) {
+  return average ? Figures()[figure].Finish(*average) : std::nullopt;
 }
 
 // Of the frames named by `indices`, a frame as often as it is named.
-Values MacroValues(const std::vector<FrameView>& frames, std::span<const int> indices) {
-  Values means;
-  for (std::size_t d = 0; d < kDefinitions.size(); ++d) {
-    double sum = 0.0;
-    int used = 0;
-    for (const int i : indices) {
-      if (!frames[i].values[d]) continue;
-      sum += *frames[i].values[d];
-      ++used;
-    }
-    if (used > 0) means[d] = sum / used;
+std::optional<double> Macro(const FrameViews& frames, std::span<const int> indices, std::size_t figure) {
+  const std::vector<std::optional<double>>& values = frames.values[figure];
+  double sum = 0.0;
+  int used = 0;
+  for (const int i : indices) {
+    const std::optional<double>& value = values[i];
+    if (!value) continue;
+    sum += *value;
+    ++used;
   }
-  return Finish(means);
+  return used > 0 ? Finish(figure, sum / used) : std::nullopt;
 }
 
-ViewMetrics Pool(const std::vector<FrameView>& frames, std::span<const int> indices) {
+ViewMetrics Pool(const FrameViews& frames, std::span<const int> indices) {
   ViewMetrics pooled;
-  for (const int i : indices) pooled += frames[i].metrics;
+  for (const int i : indices) pooled += *frames.metrics[i];
   return pooled;
 }
 
@@ -98,37 +52,12 @@ void CheckIdentity(const Occupancy& pooled) {
                  "Na/Nr = {} but (Na/Ns)(Ns/Nr) = {}", *pooled.na_over_nr(), product);
 }
 
-// The values of one way of aggregating, and its values over the bootstrap's draws.
-class Summarizer {
- public:
-  explicit Summarizer(const Values& values) : values_(values) {}
-
-  void AddDraw(const Values& values) {
-    for (std::size_t d = 0; d < kDefinitions.size(); ++d) {
-      if (values[d]) draws_[d].push_back(*values[d]);
-    }
-  }
-
-  // `frames_used(d)`: how many frames went into definition d.
-  template <typename FramesUsed>
-  ViewSummary Summary(int frame_count, FramesUsed frames_used) const {
-    ViewSummary summary;
-    for (std::size_t d = 0; d < kDefinitions.size(); ++d) {
-      Statistic& statistic = kDefinitions[d].in(summary);
-      statistic.value = values_[d];
-      statistic.frames_used = frames_used(d);
-      statistic.frames_left_out = frame_count - statistic.frames_used;
-      if (statistic.frames_used >= kBootstrapMinFrames && !draws_[d].empty()) {
-        statistic.ci = PercentileInterval95(draws_[d]);
-      }
-    }
-    return summary;
-  }
-
- private:
-  Values values_;
-  std::array<std::vector<double>, kDefinitions.size()> draws_;
-};
+bool FollowInTime(const std::vector<FrameMetrics>& frames) {
+  const auto not_later = [](const FrameMetrics& a, const FrameMetrics& b) {
+    return !a.time_s || !b.time_s || !(*a.time_s < *b.time_s);
+  };
+  return frames.size() > 1 && std::adjacent_find(frames.begin(), frames.end(), not_later) == frames.end();
+}
 
 struct ViewAggregate {
   ViewSummary macro;
@@ -136,58 +65,112 @@ struct ViewAggregate {
   ViewMetrics pooled;
 };
 
-ViewAggregate AggregateView(const std::vector<FrameMetrics>& frames, ViewMetrics FrameMetrics::*view) {
-  std::vector<FrameView> views;
+void SetValues(const FrameViews& frames, std::span<const int> all, ViewAggregate& view) {
+  for (std::size_t f = 0; f < Figures().size(); ++f) {
+    Statistic& macro = view.macro.statistics[f];
+    macro.value = Macro(frames, all, f);
+    for (const std::optional<double>& value : frames.values[f]) macro.frames_used += value.has_value();
+    macro.frames_left_out = static_cast<int>(frames.size()) - macro.frames_used;
+    Statistic& micro = view.micro.statistics[f];
+    micro.value = Finish(f, Figures()[f].averaged(view.pooled));
+    micro.frames_used = static_cast<int>(frames.size());
+  }
+}
+
+// Figures whose series ask for blocks of one length share their draws.
+std::map<int, std::vector<std::size_t>> FiguresByBlock(const FrameViews& frames, bool in_time) {
+  std::map<int, std::vector<std::size_t>> by_block;
+  for (std::size_t f = 0; f < Figures().size(); ++f) {
+    std::vector<double> series;
+    for (const std::optional<double>& value : frames.values[f]) {
+      if (value) series.push_back(*value);
+    }
+    by_block[in_time ? PolitisWhiteBlockLength(series) : 1].push_back(f);
+  }
+  return by_block;
+}
+
+void SetIntervals(const FrameViews& frames, bool in_time, ViewAggregate& view) {
+  const int frame_count = static_cast<int>(frames.size());
+  if (frame_count < kBootstrapMinFrames) return;
+  for (const auto& [block, figures] : FiguresByBlock(frames, in_time)) {
+    std::vector<std::vector<double>> macro(figures.size());
+    std::vector<std::vector<double>> micro(figures.size());
+    const auto keep = [](std::vector<double>& draws, const std::optional<double>& value) {
+      if (value) draws.push_back(*value);
+    };
+    FrameResampler resampler(frame_count, block);
+    for (int draw = 0; draw < kBootstrapDraws; ++draw) {
+      const std::span<const int> indices = resampler.Next();
+      const ViewMetrics pooled = Pool(frames, indices);
+      for (std::size_t k = 0; k < figures.size(); ++k) {
+        keep(macro[k], Macro(frames, indices, figures[k]));
+        keep(micro[k], Finish(figures[k], Figures()[figures[k]].averaged(pooled)));
+      }
+    }
+    const auto set = [block = block](Statistic& statistic, const std::vector<double>& draws) {
+      statistic.block_frames = block;
+      if (statistic.value && statistic.frames_used >= kBootstrapMinFrames && !draws.empty()) {
+        statistic.ci = PercentileInterval95(draws);
+      }
+    };
+    for (std::size_t k = 0; k < figures.size(); ++k) {
+      set(view.macro.statistics[figures[k]], macro[k]);
+      set(view.micro.statistics[figures[k]], micro[k]);
+    }
+  }
+}
+
+ViewAggregate AggregateView(const std::vector<FrameMetrics>& frames, ViewMetrics FrameMetrics::*view,
+                            const LevelHistograms& levels, bool in_time) {
+  FrameViews views;
   std::vector<int> all;
   for (const FrameMetrics& frame : frames) {
     all.push_back(static_cast<int>(views.size()));
-    views.push_back({frame.*view, Evaluate(frame.*view)});
+    views.metrics.push_back(&(frame.*view));
   }
-  const int frame_count = static_cast<int>(views.size());
-  const ViewMetrics pooled = Pool(views, all);
-  CheckIdentity(pooled.occupancy);
-
-  Summarizer macro(MacroValues(views, all));
-  Summarizer micro(Finish(Evaluate(pooled)));
-  if (frame_count >= kBootstrapMinFrames) {
-    FrameResampler resampler(frame_count);
-    for (int draw = 0; draw < kBootstrapDraws; ++draw) {
-      const std::span<const int> indices = resampler.Next();
-      macro.AddDraw(MacroValues(views, indices));
-      micro.AddDraw(Finish(Evaluate(Pool(views, indices))));
-    }
+  for (const Figure& figure : Figures()) {
+    std::vector<std::optional<double>>& values = views.values.emplace_back();
+    for (const ViewMetrics* metrics : views.metrics) values.push_back(figure.averaged(*metrics));
   }
-  const auto frames_defining = [&](std::size_t d) {
-    int used = 0;
-    for (const FrameView& frame : views) used += frame.values[d].has_value();
-    return used;
-  };
-  return {macro.Summary(frame_count, frames_defining),
-          micro.Summary(frame_count, [&](std::size_t) { return frame_count; }), pooled};
+  ViewAggregate aggregate;
+  aggregate.pooled = Pool(views, all);
+  for (std::size_t i = 0; i < levels.over.size(); ++i) {
+    aggregate.pooled.distribution[i] = levels.over[i].Distances();
+  }
+  CheckIdentity(aggregate.pooled.occupancy);
+  SetValues(views, all, aggregate);
+  SetIntervals(views, in_time, aggregate);
+  return aggregate;
 }
 
 }  // namespace
 
-const DifferenceSummary& ViewSummary::Over(IntensityDomain domain) const {
-  switch (domain) {
-    case IntensityDomain::kWhole:
-      return whole;
-    case IntensityDomain::kOverlap:
-      return overlap;
-    case IntensityDomain::kUnion:
-      break;
-  }
-  return union_region;
+ViewSummary::ViewSummary() : statistics(Figures().size()) {}
+
+const Statistic& ViewSummary::At(std::string_view path) const {
+  return statistics[FigureIndex(path)];
 }
 
-Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames) {
-  const ViewAggregate polar = AggregateView(frames, &FrameMetrics::polar);
-  const ViewAggregate fan = AggregateView(frames, &FrameMetrics::fan);
+DifferenceSummary ViewSummary::Over(IntensityDomain domain) const {
+  const std::string prefix = fmt::format("intensity.{}.", ToString(domain));
+  return {At(prefix + "mean_absolute"), At(prefix + "rmse"), At(prefix + "bias")};
+}
+
+Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames, FrameLevels levels) {
+  for (const FrameMetrics& frame : frames) {
+    if (frame.levels) levels += *frame.levels;
+  }
+  const bool in_time = FollowInTime(frames);
+  ViewAggregate polar = AggregateView(frames, &FrameMetrics::polar, levels.polar, in_time);
+  ViewAggregate fan = AggregateView(frames, &FrameMetrics::fan, levels.fan, in_time);
   Aggregate aggregate{.frame_count = static_cast<int>(frames.size()),
-                      .macro = {polar.macro, fan.macro},
-                      .micro = {polar.micro, fan.micro},
+                      .in_time = in_time,
+                      .macro = {std::move(polar.macro), std::move(fan.macro)},
+                      .micro = {std::move(polar.micro), std::move(fan.micro)},
                       .pooled_polar = polar.pooled,
                       .pooled_fan = fan.pooled,
+                      .pooled_levels = std::move(levels),
                       .no_interval_reason = {}};
   if (aggregate.frame_count < kBootstrapMinFrames) {
     aggregate.no_interval_reason =

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "metrics/find_objects.h"
+
 namespace sonarcal {
 namespace {
 
@@ -56,23 +58,56 @@ Mask MadeOf(const Mask& valid, const FanMap& map) {
   return made;
 }
 
+// `levels` receives the counts that the distances come from.
 ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
-                    const Mask& real_object, const Mask& simulated_object, const Mask* inside) {
-  return {CountOccupancy(real_object, simulated_object),
-          MeasureIntensityError(real, simulated, full_scale, real_object, simulated_object, inside)};
+                    const Mask& real_object, const Mask& simulated_object, const Mask* inside,
+                    LevelHistograms& levels) {
+  levels = CountLevels(real, simulated, full_scale, real_object, simulated_object, inside);
+  ViewMetrics metrics{
+      .occupancy = CountOccupancy(real_object, simulated_object),
+      .outline = {},
+      .intensity = MeasureIntensityError(real, simulated, full_scale, real_object, simulated_object, inside),
+      .ssim = MeasureSsim(real, simulated, full_scale, real_object, simulated_object, inside),
+      .speckle = {},
+      .distribution = {}};
+  for (std::size_t i = 0; i < levels.over.size(); ++i) {
+    metrics.distribution[i] = levels.over[i].Distances();
+  }
+  return metrics;
 }
 
 }  // namespace
 
+std::string_view ToString(SimulatedObject object) {
+  return object == SimulatedObject::kEchoes ? "echoes" : "same_rule";
+}
+
 void CompareOptions::Check() const {
   segmentation.Check();
+  sweep.Check(segmentation.method);
+  if (!(echo_fraction >= 0.0 && echo_fraction <= 1.0)) {
+    throw DataError("echo_fraction is {}, expected 0 to 1", echo_fraction);
+  }
+  if (region_margin_m && !(*region_margin_m >= 0.0 && *region_margin_m <= 100.0)) {
+    throw DataError("region_margin_m is {} m, expected 0 to 100", *region_margin_m);
+  }
   fan.Check();
   if (!(db_tolerance >= 0.0)) throw DataError("db_tolerance is {} dB, expected 0 or more", db_tolerance);
 }
 
 ViewMetrics& ViewMetrics::operator+=(const ViewMetrics& other) {
   occupancy += other.occupancy;
+  outline += other.outline;
   intensity += other.intensity;
+  ssim += other.ssim;
+  speckle += other.speckle;
+  distribution = {};
+  return *this;
+}
+
+FrameLevels& FrameLevels::operator+=(const FrameLevels& other) {
+  polar += other.polar;
+  fan += other.fan;
   return *this;
 }
 
@@ -121,14 +156,20 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   CheckComparable(real, simulated, options_.db_tolerance, &metrics.notes);
   const Mask* region = MaskFor(options_.region, real, "the region of interest");
   const Mask* valid = MaskFor(options_.valid, real, "the mask of valid samples");
-  const SegmentationOptions& rule = options_.segmentation;
-  Segmentation in_real = Segment(real.value, real.scale.full_scale, rule, region, valid);
-  Segmentation in_simulated = Segment(simulated.value, simulated.scale.full_scale, rule, region, valid);
+  ObjectRegions found = FindObjects(real, simulated, options_, region, valid);
+  const Segmentation& in_real = found.real;
+  const Segmentation& in_simulated = found.simulated;
+  metrics.sweep = std::move(found.sweep);
   metrics.threshold_real = in_real.threshold;
   metrics.threshold_simulated = in_simulated.threshold;
   const double full_scale = real.scale.full_scale;
-  metrics.polar =
-      Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, valid);
+  FrameLevels& levels = metrics.levels.emplace();
+  metrics.polar = Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, valid,
+                          levels.polar);
+  metrics.polar.outline = MeasureOutlines(in_real.object, in_simulated.object, real.axes);
+  const ImageScale& scale = StatesScale(real.scale) ? real.scale : simulated.scale;
+  metrics.polar.speckle =
+      MeasureSpeckle(real.value, simulated.value, scale, in_real.object, in_simulated.object, valid);
 
   for (const auto& [which, count] :
        {std::pair{"real", metrics.polar.occupancy.nr}, std::pair{"simulated", metrics.polar.occupancy.ns}}) {
@@ -141,10 +182,10 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   std::optional<Mask> fan_inside;  // where not all samples are valid
   if (valid != nullptr) fan_inside = MadeOf(*valid, map);
   metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
-                        fan_simulated, fan_inside ? &*fan_inside : &map.inside());
+                        fan_simulated, fan_inside ? &*fan_inside : &map.inside(), levels.fan);
   if (options_.keep_masks) {
-    metrics.masks = FrameMasks{std::move(in_real.object), std::move(in_simulated.object), std::move(fan_real),
-                               std::move(fan_simulated)};
+    metrics.masks = FrameMasks{std::move(found.real.object), std::move(found.simulated.object),
+                               std::move(fan_real), std::move(fan_simulated)};
   }
   return metrics;
 }

@@ -11,6 +11,7 @@
 // compared: a level in dB is displayed first, so that "full scale" means something.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,10 +20,27 @@
 #include "data_io/types/image.h"
 #include "data_io/types/mask.h"
 #include "metrics/intensity.h"
+#include "metrics/level_histograms.h"
 #include "metrics/occupancy.h"
+#include "metrics/outline.h"
 #include "metrics/segmentation.h"
+#include "metrics/speckle.h"
+#include "metrics/ssim.h"
+#include "metrics/threshold_sweep.h"
 
 namespace sonarcal {
+
+// Where the simulated object is.
+enum class SimulatedObject {
+  kSameRule,  // what the segmentation finds, as in the real image
+  // Every pixel (of the region of interest) that shows more than echo_fraction: for simulations without
+  // noise, in which a rule that asks how far an echo stands out of the background finds no background.
+  // Neither smoothed nor tidied.
+  kEchoes,
+};
+
+// "same_rule", "echoes".
+std::string_view ToString(SimulatedObject object);
 
 struct CompareOptions {
   SegmentationOptions segmentation;
@@ -30,6 +48,13 @@ struct CompareOptions {
   // Samples that hold a measurement in both images, of the same shape; absent: all. Others count nowhere.
   std::optional<Mask> valid;
   FanOptions fan;
+  SimulatedObject simulated_object = SimulatedObject::kSameRule;
+  double echo_fraction = 0.0;  // kEchoes: of full scale, 0..1; 0: whatever the display shows at all
+  // Where set, the real object is looked for within this distance of the simulated one, along range and along
+  // the arc (metrics/region.h): m, 0..100. Where there is no simulated object, there is no real one. What the
+  // image tells of a threshold (its background, Otsu's) it tells from the whole of `region` all the same.
+  std::optional<double> region_margin_m = {};
+  SweepOptions sweep = {};
   // The mean |difference| that is named "intensity_error"; the others are reported beside it.
   IntensityDomain intensity_domain = IntensityDomain::kUnion;
   double db_tolerance = 0.01;  // dB scales closer than this are the same
@@ -39,10 +64,16 @@ struct CompareOptions {
   void Check() const;
 };
 
-// What is measured in one view (polar or fan), of one frame or of several pooled.
+// What is measured in one view (polar or fan), of one frame or of several pooled. metrics/figures.h names the
+// figures that follow from it.
 struct ViewMetrics {
   Occupancy occupancy;
+  OutlineDistance outline;  // of the polar view; nothing in the fan, whose regions are the same
   IntensityError intensity;
+  StructuralSimilarity ssim;
+  SpeckleMeasures speckle;  // of the polar view; without blocks in the fan
+  // By LevelDomain. Distances do not add up: pooled frames have none but those of their pooled levels.
+  std::array<LevelDistances, kLevelDomains.size()> distribution;
 
   ViewMetrics& operator+=(const ViewMetrics& other);
 };
@@ -54,15 +85,29 @@ struct FrameMasks {
   Mask fan_simulated;
 };
 
+// Levels of both views, of one frame or of several pooled.
+struct FrameLevels {
+  LevelHistograms polar;
+  LevelHistograms fan;
+
+  FrameLevels& operator+=(const FrameLevels& other);
+};
+
 struct FrameMetrics {
-  int index = 0;     // the caller's number for the frame
-  std::string name;  // and name, for people
+  int index = 0;                 // the caller's number for the frame
+  std::string name;              // and name, for people
+  std::optional<double> time_s;  // of the recorded frame, where the caller knows it
   ViewMetrics polar;
   ViewMetrics fan;
-  double threshold_real = 0.0;  // grey level above which a (smoothed) pixel was object
+  double threshold_real = 0.0;  // what a pixel's score (metrics/scored_image.h) had to be above
   double threshold_simulated = 0.0;
-  std::vector<std::string> notes;   // one sentence each
+  std::vector<std::string> notes;  // one sentence each
+  // Polar counts at the settings of CompareOptions::sweep; whoever compares many frames adds them up
+  // (metrics/threshold_sweep.h) and lets go of each frame's.
+  std::vector<Occupancy> sweep;
   std::optional<FrameMasks> masks;  // where CompareOptions::keep_masks
+  // Of pixels; whoever compares many frames pools them (metrics/aggregate.h) and lets go of each frame's.
+  std::optional<FrameLevels> levels;
 };
 
 // The dB between 0 and full scale, where the scale states them.

@@ -46,7 +46,7 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   CompareOptions of_real = options;
   of_real.valid = Both(options.valid, real.info().valid);
   FrameComparer comparer(std::move(of_real));
-  bool assumed_still = false;
+  FrameLevels levels;
   std::optional<Frame> earlier;  // frame i, where the pair before has read it already
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
     const Stillness stillness = Between(real.frame_info(i), real.frame_info(i + 1));
@@ -54,22 +54,25 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
       earlier.reset();
       continue;
     }
-    assumed_still |= stillness == Stillness::kUnknown;
+    result.assumed_still |= stillness == Stillness::kUnknown;
     if (!earlier) earlier = real.ReadFrame(i);
     Frame later = real.ReadFrame(i + 1);
     FrameMetrics pair = comparer.Compare(earlier->image, later.image);
     pair.index = i;
     pair.name = fmt::format("{} and {}", earlier->info.name, later.info.name);
+    pair.time_s = earlier->info.time_s;
+    levels += *pair.levels;
+    pair.levels.reset();
     result.pairs.push_back(std::move(pair));
     earlier = std::move(later);
   }
-  result.aggregate = AggregateFrames(result.pairs);
+  result.aggregate = AggregateFrames(result.pairs, std::move(levels));
   if (result.pairs.empty()) {
     result.absent_reason = real.frame_count() < 2
                                ? fmt::format("{} real frame, two are needed", real.frame_count())
                                : "no two consecutive real frames share a pose";
   }
-  if (assumed_still) {
+  if (result.assumed_still) {
     result.notes.emplace_back(
         "no poses are recorded: consecutive real frames are taken to show a still scene");
   }
@@ -77,7 +80,39 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
 }
 
 NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options, int max_pairs) {
-  return {SpeckleFloorFor(real.info().scale), CompareRealWithReal(real, options, max_pairs)};
+  return {.speckle = SpeckleFloorFor(real.info().scale),
+          .real_against_real = CompareRealWithReal(real, options, max_pairs),
+          .drawn = std::nullopt};
+}
+
+std::string_view ToString(FloorSource source) {
+  switch (source) {
+    case FloorSource::kNone:
+      return "none";
+    case FloorSource::kRealAgainstReal:
+      return "real_against_real";
+    case FloorSource::kDrawn:
+      return "drawn";
+  }
+  return "unknown floor";
+}
+
+FloorSource NoiseFloor::source() const {
+  const bool pairs = !real_against_real.pairs.empty();
+  if (drawn && !(pairs && !real_against_real.assumed_still)) return FloorSource::kDrawn;
+  return pairs ? FloorSource::kRealAgainstReal : FloorSource::kNone;
+}
+
+const Aggregate* NoiseFloor::Beside() const {
+  switch (source()) {
+    case FloorSource::kRealAgainstReal:
+      return &real_against_real.aggregate;
+    case FloorSource::kDrawn:
+      return &drawn->aggregate;
+    case FloorSource::kNone:
+      break;
+  }
+  return nullptr;
 }
 
 }  // namespace sonarcal

@@ -18,6 +18,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data_io/types/image.h"
@@ -43,6 +44,7 @@ std::optional<SpeckleFloor> SpeckleFloorFor(const ImageScale& scale);
 struct RealAgainstReal {
   std::vector<FrameMetrics> pairs;  // the earlier frame in the part of the real one; index: of the earlier
   Aggregate aggregate;
+  bool assumed_still = false;      // of some pair no poses are recorded
   std::string absent_reason;       // empty where there are pairs
   std::vector<std::string> notes;  // what was assumed, one sentence each
 };
@@ -53,9 +55,29 @@ struct RealAgainstReal {
 RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOptions& options,
                                     int max_pairs = 100);
 
+// Figures of frames drawn from a fitted law against what that law expects of them, for recordings that hold
+// no frames of one still scene.
+struct DrawnFloor {
+  Aggregate aggregate;
+  std::string law;  // what was drawn, in words
+};
+
+// Where the floor beside the figures comes from.
+enum class FloorSource { kNone, kRealAgainstReal, kDrawn };
+
+// "none", "real_against_real", "drawn": the names used in metrics.json.
+std::string_view ToString(FloorSource source);
+
 struct NoiseFloor {
   std::optional<SpeckleFloor> speckle;
   RealAgainstReal real_against_real;
+  std::optional<DrawnFloor> drawn;
+
+  // Real against real where there are pairs known to be still, else what was drawn, else pairs taken to be
+  // still.
+  FloorSource source() const;
+  // Its figures; null where there are none.
+  const Aggregate* Beside() const;
 };
 
 NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options, int max_pairs = 100);

@@ -1,7 +1,7 @@
 // How well two object regions cover each other: Park 2024, Section 6, Table 6 and Fig. 13.
 //
 // Ns: pixels of the object region in the simulated image; Nr: in the real one; Na: in both (bitwise AND).
-// All ratios approach 1 as the images become alike, but only Na/Ns, Na/Nr and IoU cannot exceed 1.
+// All ratios approach 1 as the images become alike, but only Na/Ns, Na/Nr, IoU and Dice cannot exceed 1.
 // A ratio whose denominator is zero has no value (null in JSON): never 0, never NaN.
 #pragma once
 
@@ -24,6 +24,7 @@ struct Occupancy {
   std::optional<double> na_over_ns() const { return Ratio(na, ns); }
   std::optional<double> na_over_nr() const { return Ratio(na, nr); }  // = (Na/Ns)(Ns/Nr)
   std::optional<double> iou() const { return Ratio(na, union_count()); }
+  std::optional<double> dice() const { return Ratio(2 * na, ns + nr); }  // = 2 IoU / (1 + IoU)
 
   Occupancy& operator+=(const Occupancy& other) {
     ns += other.ns;

@@ -69,6 +69,38 @@ double OtsuThreshold(const std::vector<float>& values) {
   return threshold;
 }
 
+double TriangleThreshold(const std::vector<float>& values, double full_scale) {
+  SONARCAL_CHECK(!values.empty() && full_scale > 0.0, "the threshold of {} values, full scale {}",
+                 values.size(), full_scale);
+  constexpr int kLast = 255;
+  std::array<std::int64_t, kLast + 1> count{};
+  for (const double value : values) {
+    ++count[std::clamp(std::lround(value / full_scale * kLast), 0L, static_cast<long>(kLast))];
+  }
+  const auto is_used = [](std::int64_t n) { return n > 0; };
+  const auto first = static_cast<int>(std::find_if(count.begin(), count.end(), is_used) - count.begin());
+  const auto last =
+      kLast - static_cast<int>(std::find_if(count.rbegin(), count.rend(), is_used) - count.rbegin());
+  const auto top = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
+  // The end of a tail is the first empty class.
+  const int low_end = std::max(0, first - 1);
+  const int high_end = std::min(kLast, last + 1);
+  const int step = top - low_end < high_end - top ? -1 : 1;  // from the end of the longer tail to the top
+  const int end = step < 0 ? high_end : low_end;
+  const double height = static_cast<double>(count[top]);
+  const double width = std::abs(top - end);
+  int farthest = end;
+  double most = 0.0;
+  for (int i = end + step; i != top + step; i += step) {
+    const double below = height * std::abs(i - end) - width * static_cast<double>(count[i]);
+    if (below > most) {
+      most = below;
+      farthest = i;
+    }
+  }
+  return (farthest - step) * full_scale / kLast;
+}
+
 Background RobustBackground(std::vector<float> values) {
   const double centre = Median(values);
   for (float& value : values) value = static_cast<float>(std::abs(value - centre));

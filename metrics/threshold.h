@@ -13,6 +13,12 @@ namespace sonarcal {
 // `values` are finite and not empty. Where all are equal, that value: nothing is above it.
 double OtsuThreshold(const std::vector<float>& values);
 
+// Zack, Rogers & Latt 1977, "Automatic measurement of sister chromatid exchange frequency": a line from the
+// top of the histogram to the end of its longer tail; the threshold is where the histogram lies farthest
+// below it, one class further out. The histogram has 256 classes over 0..full_scale, so that on 8-bit images
+// this is OpenCV's THRESH_TRIANGLE. `values` are finite, within 0..full_scale and not empty.
+double TriangleThreshold(const std::vector<float>& values, double full_scale);
+
 // Centre and spread of a sample that is mostly background: median and 1.4826 x median absolute deviation,
 // which for Gaussian values is the standard deviation. `values` are not empty.
 struct Background {

@@ -2,96 +2,29 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <optional>
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "apps/report/html_text.h"
+#include "apps/report/figure_words.h"
+#include "apps/report/segmentation_text.h"
 
 namespace sonarcal {
 namespace {
 
-constexpr int kDecimals = 3;
-constexpr const char* kNoValue = "–";
+constexpr std::size_t kMostFrameRows = 200;
 
-std::string Text(const std::optional<double>& value) {
-  return value ? FormatNumber(*value, kDecimals) : kNoValue;
-}
-
-std::string IntervalText(const Statistic& statistic) {
-  if (!statistic.ci) return kNoValue;
-  return fmt::format("{} to {}", FormatNumber(statistic.ci->lo, kDecimals),
-                     FormatNumber(statistic.ci->hi, kDecimals));
-}
-
-// A figure of a comparison by the name readers know it by.
-struct Figure {
-  const char* label;
-  const Statistic& (*of)(const ViewSummary& view, IntensityDomain domain);
-};
-
-constexpr std::array kFigures = {
-    Figure{"Ns/Nr", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.ns_over_nr; }},
-    Figure{"Na/Ns", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.na_over_ns; }},
-    Figure{"Na/Nr", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.na_over_nr; }},
-    Figure{"IoU", [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.iou; }},
-    Figure{
-        "Intensity error",
-        [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).mean_absolute; }},
-    Figure{"Intensity error, whole image",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.whole.mean_absolute; }},
-    Figure{"Intensity error, overlap",
-           [](const ViewSummary& v, IntensityDomain) -> const Statistic& { return v.overlap.mean_absolute; }},
-    Figure{"Intensity bias",
-           [](const ViewSummary& v, IntensityDomain d) -> const Statistic& { return v.Over(d).bias; }},
-};
-
-std::string DomainText(IntensityDomain domain) {
-  switch (domain) {
-    case IntensityDomain::kWhole:
-      return "the whole image";
-    case IntensityDomain::kOverlap:
-      return "the pixels that both object regions share";
-    case IntensityDomain::kUnion:
-      break;
-  }
-  return "the union of the two object regions";
-}
-
-std::string MethodText(const SegmentationOptions& options) {
-  switch (options.method) {
-    case SegmentationMethod::kOtsu:
-      return "is above Otsu's threshold of its own image";
-    case SegmentationMethod::kFixedThreshold:
-      return fmt::format("is above {:g} of full scale", options.threshold_fraction);
-    case SegmentationMethod::kBackgroundSigma:
-      break;
-  }
-  return fmt::format(
-      "is more than {:g} standard deviations above the background's median ({})", options.sigma_count,
-      options.background == BackgroundSample::kRobust ? "both estimated robustly from the image itself"
-                                                      : "both taken outside the region of interest");
-}
-
-std::string DetectorText(const CompareOptions& options) {
-  const SegmentationOptions& s = options.segmentation;
-  std::string text = "One detector looks for the object in both images, with the same settings. ";
-  if (s.median_px > 0) text += fmt::format("A median of {0} x {0} pixels is taken. ", s.median_px);
-  if (s.blur_rows > 0.0 || s.blur_cols > 0.0) {
-    text += fmt::format("The image is smoothed by a Gaussian ({:g} range bins, {:g} beams). ", s.blur_rows,
-                        s.blur_cols);
-  }
-  text += "A pixel is object where it " + MethodText(s) + ". ";
-  if (s.open_rows > 1 || s.open_cols > 1) {
-    text += fmt::format("Specks smaller than {} x {} pixels are opened away. ", s.open_rows, s.open_cols);
-  }
-  if (s.close_rows > 1 || s.close_cols > 1) {
-    text += fmt::format("Gaps smaller than {} x {} pixels are closed. ", s.close_rows, s.close_cols);
-  }
-  if (s.min_area_px > 0) text += fmt::format("Components below {} pixels are dropped. ", s.min_area_px);
-  if (s.largest_component_only) text += "The largest connected component is kept. ";
-  text += options.region ? "Only a given region of interest is searched."
-                         : "The whole image is searched: no region of interest was given.";
-  return text + " Occupancy depends on these settings.";
+// The figures that come first, by the names readers know them by, and their paths (metrics/figures.h).
+std::vector<std::pair<const char*, std::string>> HeadFigures(IntensityDomain domain) {
+  return {{"Ns/Nr", "ns_over_nr"},
+          {"Na/Ns", "na_over_ns"},
+          {"Na/Nr", "na_over_nr"},
+          {"IoU", "iou"},
+          {"Intensity error", IntensityErrorPath(domain)},
+          {"Intensity error, whole image", IntensityErrorPath(IntensityDomain::kWhole)},
+          {"Intensity error, overlap", IntensityErrorPath(IntensityDomain::kOverlap)},
+          {"Intensity bias", fmt::format("intensity.{}.bias", ToString(domain))}};
 }
 
 std::string FloorText(const MetricsReport& metrics) {
@@ -120,8 +53,8 @@ std::string FloorText(const MetricsReport& metrics) {
   return text +
          fmt::format(
              "Real frames of a still scene against each other ({} pair{}): IoU {}, intensity error {}.",
-             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", Text(view.iou.value),
-             Text(view.Over(metrics.options.intensity_domain).mean_absolute.value));
+             measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", FigureText(view.At("iou").value),
+             FigureText(view.Over(metrics.options.intensity_domain).mean_absolute.value));
 }
 
 std::vector<std::string> TableNotes(const MetricsReport& metrics) {
@@ -130,10 +63,12 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
   if (!metrics.aggregate.no_interval_reason.empty()) {
     notes.push_back("No 95 % intervals: " + metrics.aggregate.no_interval_reason + ".");
   } else {
-    notes.push_back(fmt::format(
-        "In brackets: 95 % interval, frames resampled {} times and taken as independent.", kBootstrapDraws));
+    notes.push_back(fmt::format("95 % intervals: frames resampled {} times, {}.", kBootstrapDraws,
+                                metrics.aggregate.in_time
+                                    ? "in blocks of consecutive ones, as they follow each other in time"
+                                    : "taken as independent"));
   }
-  const int left_out = metrics.aggregate.macro.polar.iou.frames_left_out;
+  const int left_out = metrics.aggregate.macro.polar.At("iou").frames_left_out;
   if (left_out > 0) {
     notes.push_back(fmt::format("{} of {} frames show no object in either image and have no ratios.",
                                 left_out, metrics.aggregate.frame_count));
@@ -141,20 +76,30 @@ std::vector<std::string> TableNotes(const MetricsReport& metrics) {
   return notes;
 }
 
-// Means over frames beside pooled figures, of one view.
-Table SummaryTable(const MetricsReport& metrics, const char* kind, const ViewSummary& macro,
-                   const ViewSummary& micro) {
+// Means over frames beside pooled figures and what no simulator could beat, of one view.
+Table SummaryTable(const MetricsReport& metrics, const char* kind, ViewSummary Aggregate::Views::*view) {
   const int frames = metrics.aggregate.frame_count;
+  const ViewSummary& macro = metrics.aggregate.macro.*view;
+  const ViewSummary& micro = metrics.aggregate.micro.*view;
+  const Aggregate* floor = metrics.noise_floor.Beside();
   Table table{
       .caption = fmt::format("Agreement of the {} images, {} frame{}", kind, frames, frames == 1 ? "" : "s"),
       .columns = {{"Figure"}, {"Mean of frames"}, {"95 %"}, {"Pixels pooled"}, {"95 %"}},
       .rows = {},
       .notes = TableNotes(metrics)};
-  for (const Figure& figure : kFigures) {
-    const Statistic& mean = figure.of(macro, metrics.options.intensity_domain);
-    const Statistic& pooled = figure.of(micro, metrics.options.intensity_domain);
-    table.rows.push_back(
-        {{figure.label, Text(mean.value), IntervalText(mean), Text(pooled.value), IntervalText(pooled)}});
+  if (floor != nullptr) {
+    table.columns.push_back({"Floor of the mean"});
+    table.notes.push_back(FloorNote(metrics.noise_floor));
+  }
+  for (const auto& [label, path] : HeadFigures(metrics.options.intensity_domain)) {
+    const Statistic& mean = macro.At(path);
+    const Statistic& pooled = micro.At(path);
+    TableRow row{
+        {label, FigureText(mean.value), IntervalText(mean), FigureText(pooled.value), IntervalText(pooled)}};
+    if (floor != nullptr) {
+      row.cells.push_back(FigureText((floor->macro.*view).At(path).value));
+    }
+    table.rows.push_back(std::move(row));
   }
   return table;
 }
@@ -174,20 +119,29 @@ Table FrameTable(const MetricsReport& metrics) {
                           {"Error, fan"}},
               .rows = {},
               .notes = {"Counts and ratios are those of the polar image; the fan's are in metrics.json."}};
-  for (const FrameMetrics& frame : metrics.frames) {
+  // Evenly spread, first and last among them, where all would make the page unreadable.
+  const std::size_t frames = metrics.frames.size();
+  const std::size_t shown = std::min(frames, kMostFrameRows);
+  if (shown < frames) {
+    table.caption += fmt::format(": {} of {} frames, evenly spread", shown, frames);
+    table.notes.emplace_back("All frames: per_frame.csv.");
+  }
+  for (std::size_t i = 0; i < shown; ++i) {
+    const FrameMetrics& frame = metrics.frames[shown < 2 ? 0 : i * (frames - 1) / (shown - 1)];
     const Occupancy& polar = frame.polar.occupancy;
-    table.rows.push_back({{fmt::format("{}", frame.index), fmt::format("{}", polar.ns),
-                           fmt::format("{}", polar.nr), fmt::format("{}", polar.na), Text(polar.ns_over_nr()),
-                           Text(polar.na_over_ns()), Text(polar.na_over_nr()), Text(polar.iou()),
-                           Text(frame.polar.intensity.Over(domain).mean_absolute()),
-                           Text(frame.fan.intensity.Over(domain).mean_absolute())}});
+    table.rows.push_back(
+        {{fmt::format("{}", frame.index), fmt::format("{}", polar.ns), fmt::format("{}", polar.nr),
+          fmt::format("{}", polar.na), FigureText(polar.ns_over_nr()), FigureText(polar.na_over_ns()),
+          FigureText(polar.na_over_nr()), FigureText(polar.iou()),
+          FigureText(frame.polar.intensity.Over(domain).mean_absolute()),
+          FigureText(frame.fan.intensity.Over(domain).mean_absolute())}});
   }
   const ViewSummary& mean = metrics.aggregate.macro.polar;
-  table.rows.push_back(
-      {{"Mean", "", "", "", Text(mean.ns_over_nr.value), Text(mean.na_over_ns.value),
-        Text(mean.na_over_nr.value), Text(mean.iou.value), Text(mean.Over(domain).mean_absolute.value),
-        Text(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
-       RowStyle::kStrong});
+  table.rows.push_back({{"Mean", "", "", "", FigureText(mean.At("ns_over_nr").value),
+                         FigureText(mean.At("na_over_ns").value), FigureText(mean.At("na_over_nr").value),
+                         FigureText(mean.At("iou").value), FigureText(mean.Over(domain).mean_absolute.value),
+                         FigureText(metrics.aggregate.macro.fan.Over(domain).mean_absolute.value)},
+                        RowStyle::kStrong});
   return table;
 }
 
@@ -209,31 +163,25 @@ void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::
 void AddKeyFigures(HtmlReport& report, const MetricsReport& metrics) {
   const Aggregate::Views& macro = metrics.aggregate.macro;
   const IntensityDomain domain = metrics.options.intensity_domain;
-  const auto interval = [](const Statistic& s) {
-    return s.ci ? fmt::format("95 %: {} to {}", FormatNumber(s.ci->lo, kDecimals),
-                              FormatNumber(s.ci->hi, kDecimals))
-                : std::string();
-  };
+  const auto interval = [](const Statistic& s) { return s.ci ? "95 %: " + IntervalText(s) : std::string(); };
   const auto figure = [&](const char* label, const Statistic& s) {
-    return KeyFigure{.label = label, .value = Text(s.value), .unit = {}, .note = interval(s)};
+    return KeyFigure{.label = label, .value = FigureText(s.value), .unit = {}, .note = interval(s)};
   };
   report.KeyFigures({{.label = "Frames", .value = fmt::format("{}", metrics.aggregate.frame_count)},
-                     figure("IoU of the object regions", macro.polar.iou),
+                     figure("IoU of the object regions", macro.polar.At("iou")),
                      figure("Intensity error, polar", macro.polar.Over(domain).mean_absolute),
                      figure("Intensity error, fan", macro.fan.Over(domain).mean_absolute)});
 }
 
 void AddMetricTables(HtmlReport& report, const MetricsReport& metrics) {
-  const Aggregate& all = metrics.aggregate;
-  report.Add(SummaryTable(metrics, "polar", all.macro.polar, all.micro.polar));
-  report.Add(SummaryTable(metrics, "fan", all.macro.fan, all.micro.fan));
+  report.Add(SummaryTable(metrics, "polar", &Aggregate::Views::polar));
+  report.Add(SummaryTable(metrics, "fan", &Aggregate::Views::fan));
   report.Add(FrameTable(metrics));
   for (const std::string& note : metrics.notes) report.Callout(CalloutKind::kNote, "Note", note);
 }
 
 void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
                          const std::string& caption) {
-  const IntensityDomain domain = after.options.intensity_domain;
   Table table{
       .caption = caption,
       .columns =
@@ -241,12 +189,12 @@ void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const 
       .rows = {},
       .notes = TableNotes(after)};
   table.notes.insert(table.notes.begin(), "Means over frames.");
-  for (const Figure& figure : kFigures) {
-    const Statistic& polar = figure.of(after.aggregate.macro.polar, domain);
+  for (const auto& [label, path] : HeadFigures(after.options.intensity_domain)) {
+    const Statistic& polar = after.aggregate.macro.polar.At(path);
     table.rows.push_back(
-        {{figure.label, Text(figure.of(before.aggregate.macro.polar, domain).value), Text(polar.value),
-          IntervalText(polar), Text(figure.of(before.aggregate.macro.fan, domain).value),
-          Text(figure.of(after.aggregate.macro.fan, domain).value)}});
+        {{label, FigureText(before.aggregate.macro.polar.At(path).value), FigureText(polar.value),
+          IntervalText(polar), FigureText(before.aggregate.macro.fan.At(path).value),
+          FigureText(after.aggregate.macro.fan.At(path).value)}});
   }
   report.Add(table);
 }
@@ -262,7 +210,8 @@ void AddPictureLegend(HtmlReport& report) {
       "top to the farthest, fans from the sonar upwards.");
 }
 
-void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption) {
+void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption) {
+  const FramePictures pictures = ForPage(of_frame);
   const std::vector<LegendEntry> legend = {
       {"#0072b2", "recorded only"}, {"#e69f00", "simulated only"}, {"#ebebeb", "both"}};
   const auto add = [&](const ViewPictures& view, const char* kind) {

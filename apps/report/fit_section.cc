@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/report/agreement_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/html_text.h"
 #include "data_io/image_io.h"
@@ -209,10 +210,11 @@ void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit) {
   const Aggregate::Views& before = fit.before.aggregate.macro;
   const Aggregate::Views& after = fit.after.aggregate.macro;
   // No detector finds an object of speckle in an image without any: occupancy is that of a sample.
-  KeyFigure iou = figure("IoU of the object regions", before.polar.iou, after.polar.iou);
+  KeyFigure iou = figure("IoU of the object regions", before.polar.At("iou"), after.polar.At("iou"));
   if (fit.sample_before && fit.sample_after) {
-    iou = figure("IoU of the object regions, speckled sample", fit.sample_before->aggregate.macro.polar.iou,
-                 fit.sample_after->aggregate.macro.polar.iou);
+    iou = figure("IoU of the object regions, speckled sample",
+                 fit.sample_before->aggregate.macro.polar.At("iou"),
+                 fit.sample_after->aggregate.macro.polar.At("iou"));
   }
   const auto& parameters = fit.fit.report.parameters;
   const auto fitted = std::count_if(parameters.begin(), parameters.end(), [](const FittedParameter& p) {
@@ -242,7 +244,10 @@ void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
     AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
                         "The same with a speckled sample in place of the expected image");
   }
+  report.Paragraph("After the fit:");
+  report.List(SummaryInWords(fit.after));
   AddPictureLegend(report);
+  if (!fit.viewer.frames.empty()) report.Add(fit.viewer);
   for (std::size_t i = 0; i < fit.pictures_after.size(); ++i) {
     const std::string frame = fmt::format("Frame {}", fit.pictures_after[i].index);
     if (i < fit.pictures_before.size()) {

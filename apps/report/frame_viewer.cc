@@ -67,6 +67,7 @@ Json ViewerJson(const FrameViewer& viewer) {
   return {{"geometries", geometries},
           {"frames", frames},
           {"inferno", InfernoHex()},
+          {"alike", kAlikeGrey},
           {"regions",
            {ColourJson(kNeitherColor), ColourJson(kRealOnlyColor), ColourJson(kSimulatedOnlyColor),
             ColourJson(kBothColor)}}};

@@ -8,8 +8,6 @@ const kLargestWidthPx = 960;
 const kBlinkMs = 600;  // slower than the three flashes a second that some people must not see
 const kDifferenceShown = 0.5;  // of full scale: as blue or orange as it gets
 
-const kAlikeGrey = 226;
-
 const kKeys = {
   real: 'Dark is 0, bright is full scale.',
   simulated: 'Dark is 0, bright is full scale.',
@@ -149,7 +147,7 @@ function startViewer(root) {
       const d = (simulated.values[i] - real.values[i]) / 255 / kDifferenceShown;
       const t = Math.min(1, Math.abs(d));
       const end = d < 0 ? data.regions[1] : data.regions[2];
-      return end.map((c) => kAlikeGrey + t * (c - kAlikeGrey));
+      return end.map((c) => data.alike + t * (c - data.alike));
     };
   }
 

@@ -29,6 +29,11 @@ std::string SummaryMarkdown(const HtmlReport& report) {
   return text;
 }
 
+void WriteReport(const HtmlReport& report, const std::filesystem::path& folder) {
+  report.Write(folder / "report.html");
+  WritePaperFiles(report, folder);
+}
+
 void WritePaperFiles(const HtmlReport& report, const std::filesystem::path& folder) {
   WriteFileWhole(folder / "summary.md", SummaryMarkdown(report));
   if (!report.tables().empty()) std::filesystem::create_directories(folder / "tables");

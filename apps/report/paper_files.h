@@ -11,7 +11,10 @@
 
 namespace sonarcal {
 
-// Throws DataError where a file can't be written.
+// Both throw DataError where a file can't be written.
+//
+// report.html and the files below.
+void WriteReport(const HtmlReport& report, const std::filesystem::path& folder);
 void WritePaperFiles(const HtmlReport& report, const std::filesystem::path& folder);
 
 // The summary alone; tables of more than 20 rows are left to the page.

@@ -104,13 +104,14 @@ Table RowTable(const std::vector<SummaryRow>& rows, const std::string& caption,
               .notes = std::move(notes)};
   for (const SummaryRow& row : rows) {
     const ViewSummary& view = row.metrics->aggregate.macro.polar;
-    table.rows.push_back(
-        {{row.name, Figure(view.ns_over_nr, 2), Figure(view.na_over_ns, 2), Figure(view.na_over_nr, 2),
-          Figure(view.iou, 2), Figure(view.union_region.mean_absolute, 3),
-          Figure(view.overlap.mean_absolute, 3), Figure(view.whole.mean_absolute, 3)},
-         row.muted    ? RowStyle::kMuted
-         : row.strong ? RowStyle::kStrong
-                      : RowStyle::kPlain});
+    table.rows.push_back({{row.name, Figure(view.At("ns_over_nr"), 2), Figure(view.At("na_over_ns"), 2),
+                           Figure(view.At("na_over_nr"), 2), Figure(view.At("iou"), 2),
+                           Figure(view.Over(IntensityDomain::kUnion).mean_absolute, 3),
+                           Figure(view.Over(IntensityDomain::kOverlap).mean_absolute, 3),
+                           Figure(view.Over(IntensityDomain::kWhole).mean_absolute, 3)},
+                          row.muted    ? RowStyle::kMuted
+                          : row.strong ? RowStyle::kStrong
+                                       : RowStyle::kPlain});
   }
   return table;
 }

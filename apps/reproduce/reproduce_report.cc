@@ -33,7 +33,8 @@ void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
               .rows = {}};
   const auto add = [&](const std::string& name, const ViewSummary& view, RowStyle style) {
     table.rows.push_back(
-        {{name, Figure(view.ns_over_nr), Figure(view.na_over_ns), Figure(view.na_over_nr)}, style});
+        {{name, Figure(view.At("ns_over_nr")), Figure(view.At("na_over_ns")), Figure(view.At("na_over_nr"))},
+         style});
   };
   for (int set = 0; set < kTankDataSets; ++set) {
     const TankDataSet& data = tank.data_sets[set];
@@ -176,9 +177,9 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
     const ViewSummary& s = sample.aggregate.macro.polar;
     return std::vector<KeyFigure>{
         {.label = what + ", IoU of the object",
-         .value = Figure(s.iou),
+         .value = Figure(s.At("iou")),
          .unit = {},
-         .note = fmt::format("acoustic model, fitted; the paper's, fitted: {}", Figure(p.iou))},
+         .note = fmt::format("acoustic model, fitted; the paper's, fitted: {}", Figure(p.At("iou")))},
         {.label = what + ", intensity error",
          .value = Figure(a.Over(domain).mean_absolute),
          .unit = "of full scale",
@@ -219,9 +220,9 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
   json["metrics_before"] = Json::parse(MetricsJson(tank.fit.before));
   const auto summary = [&](const Aggregate& all) {
     const IntensityDomain domain = tank.fit.after.options.intensity_domain;
-    return Json{{"ns_over_nr", JsonOf(all.macro.polar.ns_over_nr)},
-                {"na_over_ns", JsonOf(all.macro.polar.na_over_ns)},
-                {"na_over_nr", JsonOf(all.macro.polar.na_over_nr)},
+    return Json{{"ns_over_nr", JsonOf(all.macro.polar.At("ns_over_nr"))},
+                {"na_over_ns", JsonOf(all.macro.polar.At("na_over_ns"))},
+                {"na_over_nr", JsonOf(all.macro.polar.At("na_over_nr"))},
                 {"intensity_error",
                  {{"polar", JsonOf(all.macro.polar.Over(domain).mean_absolute)},
                   {"fan", JsonOf(all.macro.fan.Over(domain).mean_absolute)}}}};

@@ -48,14 +48,14 @@ std::string SummaryJson(const std::vector<SummaryRow>& rows) {
   for (const SummaryRow& row : rows) {
     const ViewSummary& view = row.metrics->aggregate.macro.polar;
     json[row.key] = {{"name", row.name},
-                     {"iou", of(view.iou)},
-                     {"ns_over_nr", of(view.ns_over_nr)},
-                     {"na_over_ns", of(view.na_over_ns)},
-                     {"na_over_nr", of(view.na_over_nr)},
+                     {"iou", of(view.At("iou"))},
+                     {"ns_over_nr", of(view.At("ns_over_nr"))},
+                     {"na_over_ns", of(view.At("na_over_ns"))},
+                     {"na_over_nr", of(view.At("na_over_nr"))},
                      {"intensity_error",
-                      {{"union", of(view.union_region.mean_absolute)},
-                       {"overlap", of(view.overlap.mean_absolute)},
-                       {"whole", of(view.whole.mean_absolute)}}}};
+                      {{"union", of(view.Over(IntensityDomain::kUnion).mean_absolute)},
+                       {"overlap", of(view.Over(IntensityDomain::kOverlap).mean_absolute)},
+                       {"whole", of(view.Over(IntensityDomain::kWhole).mean_absolute)}}}};
   }
   return json.dump();
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -79,6 +80,34 @@ TEST(ColorizeTest, ADepthImageIsStretchedOverItsFiniteValues) {
 TEST(ColorizeTest, AnEmptyWindowIsRefused) {
   EXPECT_THROW(Colorize(Row({1.0f}), {5.0, 5.0}), DataError);
   EXPECT_THROW(Colorize(Row({1.0f}), {0.0, std::numeric_limits<double>::infinity()}), DataError);
+}
+
+TEST(DivergingTest, BlueBelowOrangeAboveAndGreyBetween) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const RgbImage picture = Diverging(Row({-2.0f, -1.0f, 0.0f, 0.5f, 1.0f, nan}), 1.0);
+  EXPECT_EQ(picture(0, 0), kRealOnlyColor);
+  EXPECT_EQ(picture(0, 1), kRealOnlyColor);
+  EXPECT_EQ(picture(0, 2), (Rgb{226, 226, 226}));
+  EXPECT_EQ(picture(0, 3), (Rgb{228, 193, 113}));  // halfway to orange
+  EXPECT_EQ(picture(0, 4), kSimulatedOnlyColor);
+  EXPECT_EQ(picture(0, 5), kOutsideColor);
+  EXPECT_THROW(Diverging(Row({0.0f}), 0.0), DataError);
+}
+
+TEST(ShrinkTest, KeepsTheMeanAndTheShape) {
+  RgbImage picture(4, 8);
+  for (int row = 0; row < 4; ++row) {
+    for (int col = 0; col < 8; ++col) {
+      picture(row, col) = {static_cast<std::uint8_t>(10 * col), static_cast<std::uint8_t>(row < 2 ? 0 : 200),
+                           7};
+    }
+  }
+  const RgbImage half = Shrink(picture, 4);
+  ASSERT_EQ(half.rows(), 2);
+  ASSERT_EQ(half.cols(), 4);
+  EXPECT_EQ(half(0, 0), (Rgb{5, 0, 7}));
+  EXPECT_EQ(half(1, 3), (Rgb{65, 200, 7}));
+  EXPECT_TRUE(std::ranges::equal(Shrink(picture, 8).values(), picture.values()));
 }
 
 TEST(SuperimposeTest, AgreementHasNoColorAndEachImageItsOwn) {

@@ -69,6 +69,45 @@ TEST(IntensityTest, PoolingTwoFramesIsMeasuringThemAsOne) {
   EXPECT_NEAR(pooled.union_region.bias().value(), 0.0, 1e-12);
 }
 
+TEST(IntensityTest, FurtherReadingsOfTheErrorComputedByHand) {
+  const IntensityError error =
+      MeasureIntensityError(kReal, kSimulated, 100.0, MaskOf({"##.."}), MaskOf({".##."}));
+  EXPECT_NEAR(error.whole.relative().value(), 1.0 / 0.7, 1e-12);
+  EXPECT_NEAR(error.union_region.relative().value(), 0.6 / 0.5, 1e-12);
+  EXPECT_NEAR(error.objects.mean_difference().value(), 0.25 - 0.25, 1e-12);  // (.2 + .3) / 2, (.1 + .4) / 2
+  EXPECT_NEAR(PsnrDb(error.whole.mean_square().value()).value(), 10.0 * std::log10(4.0 / 0.3), 1e-12);
+  EXPECT_FALSE(PsnrDb(0.0));
+
+  // Pearson's r of (.1, .4, 0, .2) and (.2, .2, .3, .6), from centred values.
+  const double r[] = {-0.075, 0.225, -0.175, 0.025}, s[] = {-0.125, -0.125, -0.025, 0.275};
+  double rs = 0.0, rr = 0.0, ss = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    rs += r[i] * s[i];
+    rr += r[i] * r[i];
+    ss += s[i] * s[i];
+  }
+  EXPECT_NEAR(error.whole.correlation().value(), rs / std::sqrt(rr * ss), 1e-12);
+  EXPECT_FALSE(error.overlap.correlation()) << "one pixel does not vary";
+}
+
+TEST(IntensityTest, CorrelationIsBlindToGainAndOffset) {
+  Grid<float> scaled = kReal;
+  for (float& value : scaled.values()) value = 20.0f + 0.5f * value;
+  const Mask all = MaskOf({"####"});
+  EXPECT_NEAR(MeasureIntensityError(kReal, scaled, 100.0, all, all).whole.correlation().value(), 1.0, 1e-9);
+  const Grid<float> even(1, 4, 50.0f), black(1, 4);
+  EXPECT_FALSE(MeasureIntensityError(kReal, even, 100.0, all, all).whole.correlation());
+  EXPECT_FALSE(MeasureIntensityError(black, kReal, 100.0, all, all).whole.relative());
+}
+
+TEST(IntensityTest, ObjectsOfDifferentPlacesCompareByTheirMeans) {
+  const IntensityError error =
+      MeasureIntensityError(kReal, kSimulated, 100.0, MaskOf({".#.."}), MaskOf({"...#"}));
+  EXPECT_NEAR(error.objects.mean_difference().value(), 0.6 - 0.4, 1e-12);
+  EXPECT_FALSE(MeasureIntensityError(kReal, kSimulated, 100.0, MaskOf({"...."}), MaskOf({"...#"}))
+                   .objects.mean_difference());
+}
+
 TEST(IntensityTest, DomainsAreNamed) {
   IntensityError error;
   error.whole.pixels = 1;

@@ -109,6 +109,51 @@ TEST(MetricsJsonTest, SegmentationAndNoiseFloorAreStated) {
             *report.frames[0].polar.intensity.whole.mean_absolute());
 }
 
+TEST(MetricsJsonTest, FractionsOfFullScaleStandInGreyLevelsAndDecibelsToo) {
+  MetricsReport report = ReportOf(2);
+  report.scale.full_scale = 255.0;
+  const json unknown = json::parse(MetricsJson(report));
+  EXPECT_FALSE(unknown["macro"].contains("in_db")) << "nobody said how many dB the display spans";
+  report.scale.db_span = 80.0;
+  const json parsed = json::parse(MetricsJson(report));
+  for (const char* kind : {"macro", "micro"}) {
+    const json& summary = parsed[kind];
+    const double fraction = summary["intensity"]["union"]["rmse"];
+    EXPECT_DOUBLE_EQ(summary["in_grey_levels"]["intensity"]["union"]["rmse"], 255.0 * fraction);
+    EXPECT_DOUBLE_EQ(summary["in_db"]["intensity"]["union"]["rmse"], 80.0 * fraction);
+    EXPECT_TRUE(summary["in_db"]["fan"]["distribution"]["whole"]["wasserstein"].is_number());
+    EXPECT_FALSE(summary["in_db"]["intensity"]["union"].contains("ncc"));
+  }
+}
+
+TEST(MetricsJsonTest, TheFloorStandsBesideEveryFigureThatIsBetterOrWorse) {
+  MetricsReport report = ReportOf(3);
+  EXPECT_FALSE(json::parse(MetricsJson(report))["macro"].contains("iou_floor"));
+  report.noise_floor.real_against_real.pairs = ReportOf(2).frames;
+  report.noise_floor.real_against_real.aggregate =
+      AggregateFrames(report.noise_floor.real_against_real.pairs);
+  const json macro = json::parse(MetricsJson(report))["macro"];
+  const ViewSummary& floor = report.noise_floor.real_against_real.aggregate.macro.polar;
+  EXPECT_EQ(macro["iou_floor"], *floor.At("iou").value);
+  EXPECT_EQ(macro["intensity"]["union"]["ssim_floor"], *floor.At("intensity.union.ssim").value);
+  EXPECT_EQ(macro["intensity_error"]["polar_floor"], *floor.At("intensity.union.mean_absolute").value);
+  EXPECT_FALSE(macro["speckle"]["background"]["real"].contains("looks_floor"));
+}
+
+TEST(NoiseFloorTest, FramesKnownToBeStillComeBeforeDrawsAndDrawsBeforeFramesTakenToBe) {
+  NoiseFloor floor;
+  EXPECT_EQ(floor.source(), FloorSource::kNone);
+  EXPECT_EQ(floor.Beside(), nullptr);
+  floor.real_against_real.pairs.resize(1);
+  floor.real_against_real.assumed_still = true;
+  EXPECT_EQ(floor.source(), FloorSource::kRealAgainstReal);
+  floor.drawn.emplace();
+  EXPECT_EQ(floor.source(), FloorSource::kDrawn);
+  EXPECT_EQ(floor.Beside(), &floor.drawn->aggregate);
+  floor.real_against_real.assumed_still = false;
+  EXPECT_EQ(floor.Beside(), &floor.real_against_real.aggregate);
+}
+
 TEST(PerFrameCsvTest, AHeaderAndALineAFrame) {
   MetricsReport report = ReportOf(2);
   report.frames[0].name = "odd, \"name\".png";
@@ -118,10 +163,12 @@ TEST(PerFrameCsvTest, AHeaderAndALineAFrame) {
   std::getline(csv, header);
   std::getline(csv, first);
   std::getline(csv, second);
-  EXPECT_EQ(header,
-            "index,name,ns,nr,na,ns_over_nr,na_over_ns,na_over_nr,iou,"
-            "fan_ns,fan_nr,fan_na,fan_ns_over_nr,fan_na_over_ns,fan_na_over_nr,fan_iou,"
-            "intensity_error_polar,intensity_error_fan");
+  EXPECT_THAT(header,
+              StartsWith("index,name,ns,nr,na,ns_over_nr,na_over_ns,na_over_nr,iou,dice,"
+                         "fan_ns,fan_nr,fan_na,fan_ns_over_nr,fan_na_over_ns,fan_na_over_nr,fan_iou,fan_dice,"
+                         "intensity_error_polar,intensity_error_fan,intensity_union_mean_absolute,"));
+  EXPECT_THAT(header, HasSubstr(",fan_distribution_objects_wasserstein,"));
+  EXPECT_EQ(std::count(second.begin(), second.end(), ','), std::count(header.begin(), header.end(), ','));
   EXPECT_THAT(first, StartsWith("0,\"odd, \"\"name\"\".png\","));
   EXPECT_THAT(second, StartsWith("1,frame_0001.png,5,0,0,,0,,0,"));
   EXPECT_FALSE(std::getline(csv, rest));

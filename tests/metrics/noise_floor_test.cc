@@ -62,7 +62,7 @@ TEST(RealAgainstRealTest, IndependentSpeckleReachesTheTheoreticalFloor) {
   EXPECT_EQ(floor.pairs[1].index, 1);
   EXPECT_EQ(floor.pairs[1].name, "frame 2 and frame 3");
   EXPECT_EQ(floor.notes.size(), 1u);
-  EXPECT_NEAR(*floor.aggregate.micro.polar.whole.mean_absolute.value, 0.0753, 0.002);
+  EXPECT_NEAR(*floor.aggregate.micro.polar.Over(IntensityDomain::kWhole).mean_absolute.value, 0.0753, 0.002);
 }
 
 TEST(RealAgainstRealTest, OnlyFramesOfOnePoseAreCompared) {

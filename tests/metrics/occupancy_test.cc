@@ -26,6 +26,7 @@ TEST(OccupancyTest, CountedByHand) {
   EXPECT_DOUBLE_EQ(counts.na_over_ns().value(), 3.0 / 4.0);
   EXPECT_DOUBLE_EQ(counts.na_over_nr().value(), 3.0 / 6.0);
   EXPECT_DOUBLE_EQ(counts.iou().value(), 3.0 / 7.0);
+  EXPECT_DOUBLE_EQ(counts.dice().value(), 6.0 / 10.0);
 }
 
 TEST(OccupancyTest, SwappingRealAndSimulatedMirrorsTheRatios) {
@@ -52,7 +53,9 @@ TEST(OccupancyTest, ARatioOverNothingHasNoValue) {
   EXPECT_EQ(no_real.na_over_nr(), std::nullopt);
   EXPECT_EQ(no_real.na_over_ns(), 0.0);
   EXPECT_EQ(no_real.iou(), 0.0);
+  EXPECT_EQ(no_real.dice(), 0.0);
   EXPECT_EQ(CountOccupancy(empty, empty).iou(), std::nullopt);
+  EXPECT_EQ(CountOccupancy(empty, empty).dice(), std::nullopt);
 }
 
 TEST(OccupancyTest, PoolingAddsCounts) {

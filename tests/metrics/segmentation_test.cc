@@ -24,6 +24,8 @@ SegmentationOptions Bare(SegmentationMethod method) {
   options.blur_rows = options.blur_cols = 0.0;
   options.close_rows = options.close_cols = 0;
   options.largest_component_only = false;
+  options.guard_rows = 2;  // images here are small
+  options.guard_cols = 3;
   return options;
 }
 
@@ -58,8 +60,9 @@ TEST(SegmentationTest, AFixedThresholdIsAFractionOfFullScaleAndNotIncluded) {
 
 TEST(SegmentationTest, EveryMethodFindsABrightBlockOnADarkGround) {
   const Mask block = MaskOf({"........", "..###...", "..###...", "........", "........"});
-  for (const SegmentationMethod method : {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu,
-                                          SegmentationMethod::kFixedThreshold}) {
+  for (const SegmentationMethod method :
+       {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu, SegmentationMethod::kFixedThreshold,
+        SegmentationMethod::kTriangle, SegmentationMethod::kLocalContrast}) {
     EXPECT_EQ(Segment(BrightWhere(block), 255.0, Bare(method)).object, block) << ToString(method);
   }
 }
@@ -68,8 +71,9 @@ TEST(SegmentationTest, ScalingImageAndFullScaleChangesNothing) {
   const PolarImage image = SpeckledBlock(1);
   Grid<float> scaled = image.value;
   for (float& value : scaled.values()) value *= 16.0f;
-  for (const SegmentationMethod method : {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu,
-                                          SegmentationMethod::kFixedThreshold}) {
+  for (const SegmentationMethod method :
+       {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu, SegmentationMethod::kFixedThreshold,
+        SegmentationMethod::kTriangle, SegmentationMethod::kLocalContrast}) {
     SegmentationOptions options;
     options.method = method;
     EXPECT_EQ(Segment(image.value, 255.0, options).object, Segment(scaled, 16.0 * 255.0, options).object);
@@ -121,8 +125,11 @@ TEST(SegmentationTest, ObjectOutsideTheRegionIsNotSeenAndDoesNotMoveTheOtsuThres
 }
 
 TEST(SegmentationTest, ConstantAndEmptyImagesHaveNoObject) {
-  for (const SegmentationMethod method : {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu}) {
+  for (const SegmentationMethod method :
+       {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu, SegmentationMethod::kTriangle,
+        SegmentationMethod::kLocalContrast, SegmentationMethod::kCaCfar, SegmentationMethod::kOsCfar}) {
     SegmentationOptions options;  // with its smoothing, which rounds
+    options.contrast = 0.0;
     options.method = method;
     for (const float level : {0.0f, 77.7f, 255.0f}) {
       const Segmentation result = Segment(Grid<float>(50, 20, level), 255.0, options);
@@ -156,6 +163,17 @@ TEST(SegmentationTest, SmallComponentsAreDropped) {
   const Mask all = MaskOf({"##....", "......", "###..#", "......", "####.."});
   EXPECT_EQ(Segment(BrightWhere(all), 255.0, options).object,
             MaskOf({"......", "......", "###...", "......", "####.."}));
+}
+
+TEST(SegmentationTest, ComponentsThatReachTooFarAreDroppedBeforeTheLargestIsKept) {
+  SegmentationOptions options = FixedAt(0.5);
+  options.largest_component_only = true;
+  options.max_cols = 4;
+  const Mask all = MaskOf({"######", "......", "##..#.", "##..#.", "....#."});
+  EXPECT_EQ(Segment(BrightWhere(all), 255.0, options).object,
+            MaskOf({"......", "......", "##....", "##....", "......"}));
+  options.max_rows = 1;
+  EXPECT_EQ(CountSet(Segment(BrightWhere(all), 255.0, options).object), 0);
 }
 
 TEST(SegmentationTest, OpeningRemovesAThinLineAndClosingFillsAGap) {
@@ -204,11 +222,25 @@ TEST(SegmentationTest, InvalidPixelsMayHoldAnything) {
   }
 }
 
-TEST(BoxAroundTest, TheBoundingBoxGrowsByItsMarginsAndEndsAtTheImage) {
-  const Mask object = MaskOf({"......", "......", "..#...", "...#..", "......"});
-  EXPECT_EQ(BoxAround(object, 0, 0), MaskOf({"......", "......", "..##..", "..##..", "......"}));
-  EXPECT_EQ(BoxAround(object, 3, 1), MaskOf({".####.", ".####.", ".####.", ".####.", ".####."}));
-  EXPECT_EQ(CountSet(BoxAround(Mask(4, 4), 2, 2)), 0);
+TEST(SegmentationTest, HolesAndHullsAreFilled) {
+  const Mask ring = MaskOf({".......", ".####..", ".#..#..", ".#..##.", ".####..", "......."});
+  SegmentationOptions options = FixedAt(0.5);
+  options.fill = RegionFill::kHoles;
+  EXPECT_EQ(Segment(BrightWhere(ring), 255.0, options).object,
+            MaskOf({".......", ".####..", ".####..", ".#####.", ".####..", "......."}));
+  const Mask hook = MaskOf({"......", ".#....", ".#....", ".#....", ".####.", "......"});
+  EXPECT_EQ(Segment(BrightWhere(hook), 255.0, options).object, hook);
+  options.fill = RegionFill::kHull;
+  EXPECT_EQ(Segment(BrightWhere(hook), 255.0, options).object,
+            MaskOf({"......", ".#....", ".##...", ".###..", ".####.", "......"}));
+}
+
+TEST(SegmentationTest, NothingIsFilledBeyondTheRegionOfInterest) {
+  SegmentationOptions options = FixedAt(0.5);
+  options.fill = RegionFill::kHull;
+  const Mask region = MaskOf({"####", "##.#", "####"});
+  EXPECT_EQ(Segment(BrightWhere(MaskOf({"#..#", "#..#", "####"})), 255.0, options, &region).object,
+            MaskOf({"####", "##.#", "####"}));
 }
 
 TEST(SegmentationOptionsTest, AnInvalidOptionIsNamedWithValueAndLimit) {
@@ -221,14 +253,30 @@ TEST(SegmentationOptionsTest, AnInvalidOptionIsNamedWithValueAndLimit) {
   EXPECT_THAT(MessageOf({.blur_rows = std::nan("")}), HasSubstr("blur_rows is nan"));
   EXPECT_THAT(MessageOf({.close_cols = -2}), HasSubstr("close_cols is -2"));
   EXPECT_THAT(MessageOf({.min_area_px = -1}), HasSubstr("min_area_px is -1"));
+  EXPECT_THAT(MessageOf({.contrast = 1.1}), HasSubstr("contrast is 1.1, expected 0 to 1"));
+  EXPECT_THAT(MessageOf({.contrast_db = -3.0}), HasSubstr("contrast_db is -3"));
+  EXPECT_THAT(MessageOf({.guard_cols = 1001}), HasSubstr("guard_cols is 1001"));
+  EXPECT_THAT(MessageOf({.training_rows = 0, .training_cols = 0}), HasSubstr("training_rows is 0"));
+  EXPECT_THAT(MessageOf({.false_alarm_rate = 0.0}), HasSubstr("false_alarm_rate is 0, expected more than 0"));
+  EXPECT_THAT(MessageOf({.cell_rows = 4}), HasSubstr("cell_rows is 4, expected an odd number"));
+  EXPECT_THAT(MessageOf({.looks = 0.1}), HasSubstr("looks is 0.1"));
+  EXPECT_THAT(MessageOf({.os_quantile = 1.0}), HasSubstr("os_quantile is 1"));
+  EXPECT_THAT(MessageOf({.method = SegmentationMethod::kLikelihoodRatio}),
+              HasSubstr("has no law of the background"));
 }
 
 TEST(SegmentationOptionsTest, MethodNamesComeBack) {
-  for (const SegmentationMethod method : {SegmentationMethod::kBackgroundSigma, SegmentationMethod::kOtsu,
-                                          SegmentationMethod::kFixedThreshold}) {
+  for (int i = 0; i < kSegmentationMethods; ++i) {
+    const auto method = static_cast<SegmentationMethod>(i);
     EXPECT_EQ(SegmentationMethodFromString(ToString(method)), method);
   }
-  EXPECT_THROW(SegmentationMethodFromString("magic"), UsageError);
+  try {
+    SegmentationMethodFromString("magic");
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'magic', expected background_sigma, otsu, "));
+    EXPECT_THAT(error.what(), HasSubstr("os_cfar or likelihood_ratio"));
+  }
 }
 
 }  // namespace

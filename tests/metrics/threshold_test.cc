@@ -78,6 +78,30 @@ TEST(OtsuTest, NothingIsAboveTheThresholdOfAConstant) {
   EXPECT_EQ(OtsuThreshold({5.0f, 5.0f}), 5.0);
 }
 
+TEST(TriangleTest, AgreesWithOpenCvOnAnEightBitImage) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<float> values = TwoBumps(seed, 5000);
+    if (seed % 2 == 0) {  // the longer tail below
+      for (float& value : values) value = 255.0f - value;
+    }
+    cv::Mat1b image(1, static_cast<int>(values.size()));
+    for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
+    cv::Mat1b binary;
+    const double reference =
+        cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
+    EXPECT_NEAR(TriangleThreshold(values, 255.0), reference, 1e-9) << "seed " << seed;
+    for (float& value : values) value *= 16.0f;
+    EXPECT_NEAR(TriangleThreshold(values, 16.0 * 255.0), 16.0 * reference, 1e-9) << "seed " << seed;
+  }
+}
+
+// 100 at 10, then 10 a class to 14, nothing to 20: the corner is where the tail begins.
+TEST(TriangleTest, TheCornerOfAnLIsFoundOneClassFurtherOut) {
+  std::vector<float> values(100, 10.0f);
+  for (const float level : {11.0f, 12.0f, 13.0f, 14.0f, 20.0f}) values.insert(values.end(), 2, level);
+  EXPECT_NEAR(TriangleThreshold(values, 255.0), 12.0, 1e-9);
+}
+
 TEST(BackgroundTest, RobustStatisticsOfAHandfulOfValues) {
   const Background odd = RobustBackground({1.0f, 2.0f, 3.0f, 4.0f, 1000.0f});
   EXPECT_EQ(odd.centre, 3.0);

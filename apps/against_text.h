@@ -1,0 +1,13 @@
+// A comparison with an earlier one, in words for a terminal.
+#pragma once
+
+#include <string>
+
+#include "metrics/against.h"
+
+namespace sonarcal {
+
+// A line for each headline figure, one for the rest, and the notes; ends with a newline.
+std::string AgainstText(const Against& against);
+
+}  // namespace sonarcal

@@ -1,0 +1,12 @@
+// What changed since an earlier comparison (metrics/against.h), as a part of a report.
+#pragma once
+
+#include "apps/report/html_report.h"
+#include "metrics/against.h"
+
+namespace sonarcal {
+
+// A table of the headline figures and of those that got better or worse. Within a section.
+void AddAgainst(HtmlReport& report, const Against& against);
+
+}  // namespace sonarcal

@@ -1,0 +1,55 @@
+// What the scene shows each cell of a polar image: the angle at which the beam meets it, and its material. So
+// that a comparison can say at which angles and on which materials the simulation is wrong.
+//
+// A cell that several rays meet has the material that most of their solid angle meets, and the mean angle of
+// those rays, weighted by solid angle.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data_io/types/mask.h"
+#include "metrics/residuals.h"
+#include "sim/ray_caster.h"
+
+namespace sonarcal {
+
+struct CellGeometry {
+  static constexpr int kNothing = -1;
+
+  Grid<int> material;         // range_bins x beam_count; kNothing where no ray meets anything
+  Grid<float> incidence_rad;  // 0 .. pi/2; 0 where nothing is met
+};
+
+class SceneGeometry {
+ public:
+  // Throws DataError as RayFan and RayCaster do.
+  SceneGeometry(Scene scene, const SonarModel& sonar);
+
+  CellGeometry At(const Pose& world_from_sonar) const;
+
+  const std::vector<std::string>& material_names() const { return caster_.material_names(); }
+
+ private:
+  RayCaster caster_;
+  PolarAxes axes_;
+  RayFan fan_;
+};
+
+// Residuals by incidence angle (classes of 5 degrees) and by material, over the frames that are added.
+class GeometryResiduals {
+ public:
+  explicit GeometryResiduals(const std::vector<std::string>& material_names);
+
+  void Add(const CellGeometry& geometry, const PolarImage& real, const PolarImage& simulated,
+           const Mask& real_object, const Mask& simulated_object, const Mask* valid = nullptr);
+
+  // "incidence" and "material", the latter with a last class for cells where nothing is met.
+  const std::vector<ResidualTable>& tables() const { return tables_; }
+
+ private:
+  std::vector<ResidualTable> tables_;
+};
+
+}  // namespace sonarcal

@@ -1,0 +1,18 @@
+// The "threshold_sweep" of metrics.json:
+//
+//   {"method", "setting": the unit of what is swept, "settings": [...], "frames",
+//    "counts": {"ns": [...], "nr": [...], "na": [...]},      pooled
+//    "micro" | "macro": {"iou": {"curve": [...], "area", "axis_share"}, and the other ratios}}
+//
+// null where a ratio or an area is not defined.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "metrics/threshold_sweep.h"
+
+namespace sonarcal {
+
+nlohmann::ordered_json SweepJson(const ThresholdSweep& sweep, SegmentationMethod method);
+
+}  // namespace sonarcal

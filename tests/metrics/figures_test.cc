@@ -1,0 +1,93 @@
+#include "metrics/figures.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "tests/metrics/metrics_testing.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using testing::SpeckledBlock;
+
+TEST(FiguresTest, EveryPathAndLabelOccursOnce) {
+  std::set<std::string> paths, labels;
+  for (const Figure& figure : Figures()) {
+    EXPECT_TRUE(paths.insert(figure.path).second) << figure.path;
+    EXPECT_TRUE(labels.insert(figure.label).second) << figure.label;
+    EXPECT_EQ(Figures()[FigureIndex(figure.path)].path, figure.path);
+  }
+  EXPECT_THROW(FigureIndex("no_such_figure"), std::logic_error);
+}
+
+// A figure of the table that its page does not define would be one that nobody can look up.
+TEST(FiguresTest, EveryNameStandsInThePageThatDefinesThem) {
+  const std::string page =
+      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "docs/metrics.md") +
+      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "metrics/occupancy.h");
+  for (const Figure& figure : Figures()) {
+    const std::string name = figure.path.substr(figure.path.rfind('.') + 1);
+    const bool defined =
+        page.find(name + '`') != std::string::npos || page.find(" " + name + "()") != std::string::npos;
+    EXPECT_TRUE(defined) << figure.path;
+  }
+}
+
+TEST(FiguresTest, WhatIsAveragedComesBack) {
+  for (const Figure& figure : Figures()) {
+    const double value = figure.unit == FigureUnit::kDecibel ? 20.0 : 0.4;
+    const std::optional<double> average = figure.Unfinish(value);
+    ASSERT_TRUE(average) << figure.path;
+    EXPECT_NEAR(figure.Finish(*average).value(), value, 1e-12) << figure.path;
+  }
+}
+
+// A frame against itself is as good as can be, and against another it is worse by every figure that says so.
+TEST(FiguresTest, AnImageAgainstItselfIsBestByEveryFigure) {
+  CompareOptions options;
+  const PolarImage real = SpeckledBlock(1, 40.0);
+  const PolarImage brighter = SpeckledBlock(2, 44.0);
+  PolarImage other = brighter;
+  for (int row = 0; row < 120; ++row) {
+    for (int col = 0; col < 40; ++col) other.value(row, col) = brighter.value(row, (col + 6) % 40);
+  }
+  const FrameMetrics same = CompareFrames(real, real, options);
+  const FrameMetrics different = CompareFrames(real, other, options);
+  int judged = 0;
+  for (const Figure& figure : Figures()) {
+    if (figure.better == Better::kNeither) {
+      EXPECT_FALSE(figure.Badness(1.0)) << figure.path;
+      continue;
+    }
+    const std::optional<double> best = figure.Of(same.polar);
+    const std::optional<double> worse = figure.Of(different.polar);
+    if (figure.averaging == Averaging::kDecibelOfMeanSquare) {
+      EXPECT_FALSE(best) << "images that do not differ have no PSNR";
+      continue;
+    }
+    if (!worse) continue;
+    ASSERT_TRUE(best) << figure.path;
+    ++judged;
+    EXPECT_LT(*figure.Badness(*best), *figure.Badness(*worse)) << figure.path;
+    if (figure.better == Better::kLower || figure.better == Better::kNearZero) {
+      EXPECT_NEAR(*best, 0.0, 1e-7) << figure.path;
+    } else {
+      EXPECT_NEAR(*best, 1.0, 1e-12) << figure.path;
+    }
+  }
+  EXPECT_GE(judged, 40);
+}
+
+TEST(FiguresTest, AFanHasEveryFigureButSpeckle) {
+  const FrameMetrics frame = CompareFrames(SpeckledBlock(1, 40.0), SpeckledBlock(2, 40.0));
+  for (const Figure& figure : Figures()) {
+    EXPECT_EQ(figure.Of(frame.fan).has_value(), !figure.polar_only) << figure.path;
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal
