@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -78,6 +79,16 @@ void PrintCaveats(const SimulateOptions& options, const Simulator& simulator, co
   const std::string caveat = AbsorptionCaveat(simulator.options().absorption, simulator.sonar().frequency_hz,
                                               simulator.options().water);
   if (!caveat.empty()) PrintNote(options.common, "warning: " + caveat);
+  const auto& names = simulator.caster().material_names();
+  for (const auto& [name, mirror] : parameters.mirrors) {
+    if (parameters.model == EchoModel::kPaper) {
+      PrintNote(options.common, "warning: the paper's model shows no ghosts of the parameters' mirrors");
+      break;
+    }
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      PrintNote(options.common, fmt::format("warning: the mirror '{}' is no material of the scene", name));
+    }
+  }
   const auto& jitter = parameters.jitter;
   if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
       jitter.sigma_azimuth_deg == 0.0) {
@@ -100,6 +111,7 @@ Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulato
                {"bits", options.bits},
                {"noise", IsRandom(options, model)},
                {"frozen_speckle", options.frozen_speckle},
+               {"ghost_order", options.ghost_order},
                {"fan", options.fan},
                {"depth", options.depth}});
   return json;
@@ -185,6 +197,7 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   simulation.bits = options.bits;
   simulation.noise = IsRandom(options, parameters.model);
   simulation.frozen_speckle = options.frozen_speckle;
+  simulation.ghost_order = options.ghost_order;
   simulation.fan.azimuth_margin_deg = MarginDeg(options, choice.sonar, parameters);
   simulation.seed = options.seed;
   Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
@@ -269,6 +282,11 @@ void SetupSimulate(CLI::App& app) {
   command->add_flag("--frozen-speckle", options->frozen_speckle,
                     "Speckle from the seed alone, the same in every frame as long as nothing moves; receiver "
                     "noise stays fresh (acoustic, coherent)");
+  command
+      ->add_option("--ghost-order", options->ghost_order,
+                   "Reflections by the parameters' mirrors that are followed on one leg: 1 or 2")
+      ->type_name("N")
+      ->check(CLI::IsMember({1, 2}).description(""));
   command
       ->add_option("--margin", options->margin_deg,
                    "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths)")

@@ -37,6 +37,7 @@ struct SimulateOptions {
   int bits = 8;        // 8, 12 or 16
   bool noise = false;  // coherent: in any case
   bool frozen_speckle = false;
+  int ghost_order = 1;  // of paths by mirrors: 1 or 2
   // Azimuth cast beyond the outer beams; default: none for paper, three beam widths for acoustic and
   // coherent.
   std::optional<double> margin_deg;

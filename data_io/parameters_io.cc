@@ -42,10 +42,12 @@ const NumberRange kPowerRatio = NumberRange::Between(0.0, 1e30);
 const NumberRange kExponent = NumberRange::Between(0.0, 100.0);
 const NumberRange kPeakWidthDeg = NumberRange::AboveUpTo(0.0, 1000.0);
 const NumberRange kSpreadM = NumberRange::Between(0.0, 100.0);
+const NumberRange kTransmitDeg = NumberRange::Between(0.0, 90.0);
 const NumberRange kSpreadDeg = NumberRange::Between(0.0, 360.0);
 const NumberRange kLooks = NumberRange::AboveUpTo(0.0, 1e6);
 const NumberRange kSlopeDbPerM = NumberRange::Between(-1000.0, 1000.0);
 const NumberRange kDisplayExponent = NumberRange::AboveUpTo(0.0, 10.0);
+const NumberRange kMirrorLossDb = NumberRange::Between(0.0, 200.0);  // a mirror returns no more than it gets
 const NumberRange kPositive = NumberRange::AboveUpTo(0.0, 1e12);
 
 DisplayParameters<double> ReadDisplay(const JsonReader& json) {
@@ -118,6 +120,12 @@ BeamParameters ReadBeam(const JsonReader& json) {
   } else if (beam.azimuth_pattern == AzimuthPattern::kTable) {
     json.Fail("has the azimuth pattern \"table\" but no azimuth_table_db");
   }
+  json.Update("transmit_even_deg", beam.transmit_even_deg, kTransmitDeg);
+  json.Update("transmit_end_deg", beam.transmit_end_deg, kTransmitDeg);
+  if (beam.transmit_end_deg < beam.transmit_even_deg) {
+    json.Fail(fmt::format("ends sending at {} degrees, expected no less than transmit_even_deg, {}",
+                          beam.transmit_end_deg, beam.transmit_even_deg));
+  }
   return beam;
 }
 
@@ -138,6 +146,11 @@ ParameterSet Read(const JsonReader& json) {
   const JsonReader materials = json.At("materials");
   for (const auto& [name, material] : materials.Members()) {
     parameters.materials.emplace(name, ReadMaterial(material));
+  }
+  if (const auto mirrors = json.Find("mirror")) {
+    for (const auto& [name, mirror] : mirrors->Members()) {
+      parameters.mirrors[name].loss_db = mirror.At("loss_db").Number(kMirrorLossDb);
+    }
   }
   if (const auto jitter = json.Find("jitter")) parameters.jitter = ReadJitter(*jitter);
   if (const auto receiver = json.Find("receiver")) parameters.receiver = ReadReceiver(*receiver);
@@ -194,7 +207,9 @@ Json BeamJson(const BeamParameters& beam) {
                {"azimuth_pattern", JsonWord(kAzimuthPatterns, beam.azimuth_pattern)},
                {"azimuth_taper", beam.azimuth_taper},
                {"elevation_pattern", JsonWord(kElevationPatterns, beam.elevation_pattern)},
-               {"elevation_taper", beam.elevation_taper}};
+               {"elevation_taper", beam.elevation_taper},
+               {"transmit_even_deg", beam.transmit_even_deg},
+               {"transmit_end_deg", beam.transmit_end_deg}};
   if (!beam.azimuth_table_db.empty()) json["azimuth_table_db"] = beam.azimuth_table_db;
   return json;
 }
@@ -218,6 +233,8 @@ Json ParametersJson(const ParameterSet& parameters) {
                {"display", DisplayJson(parameters.display)},
                {"materials", Json::object()}};
   for (const auto& [name, material] : parameters.materials) json["materials"][name] = MaterialJson(material);
+  json["mirror"] = Json::object();
+  for (const auto& [name, mirror] : parameters.mirrors) json["mirror"][name] = {{"loss_db", mirror.loss_db}};
   json["jitter"] = JitterJson(parameters.jitter);
   json["receiver"] = ReceiverJson(parameters.receiver);
   json["beam"] = BeamJson(parameters.beam);

@@ -6,6 +6,7 @@
 //    "display": {"db_min": 80, "db_max": 190, "soft_db", "exponent",
 //                "law": "log" | "soft_log" | "soft_amplitude" | "power"},
 //    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...},
+//    "mirror": {"wall": {"loss_db": 6}, ...},
 //    "jitter": {"sigma_range_m", "sigma_azimuth_deg", "reference_range_m", "reference_frequency_hz",
 //               "growth": "root" | "linear"},
 //    "receiver": {"gain_db", "time_varied_gain": "none" | "20logR" | "40logR" | "40logR+alpha",
@@ -14,7 +15,8 @@
 //    "beam": {"azimuth_width_deg", "elevation_width_deg", "azimuth_pattern": "gaussian" | "aperture" |
 //    "table",
 //             "elevation_pattern": "gaussian" | "aperture" | "cosine", "elevation_taper": 0..1,
-//             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle]},
+//             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle],
+//             "transmit_even_deg", "transmit_end_deg"},
 //    "pulse": {"length_m"},
 //    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
 //

@@ -12,6 +12,7 @@
 
 #include "data_io/types/units.h"
 #include "sim/beam_and_pulse.h"
+#include "sim/ghost_power.h"
 #include "sim/physics/gsab.h"
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
@@ -28,7 +29,13 @@ constexpr double kPulseReachInWidths = 2.5;  // 2^-25, -75 dB
 constexpr int kElementsATask = 40;
 
 // Streams of the random numbers, apart from those of the acoustic model's draws.
-enum Stream : std::uint32_t { kAmplitudes = 0x1000, kSpots = 0x2000, kElementNoise = 0x3000 };
+enum Stream : std::uint32_t {
+  kAmplitudes = 0x1000,
+  kSpots = 0x2000,
+  kElementNoise = 0x3000,
+  kGhostSpots = 0x5000,
+  kGhostAmplitudes = 0x6000
+};
 
 struct Scatterer {
   double range_m;
@@ -123,6 +130,38 @@ class ScattererSource {
   Eigen::Matrix3d sonar_from_world_;
   FanHits hits_;
 };
+
+// Scatterers of what is seen in mirrors, one or two for each echo.
+std::vector<Scatterer> DrawGhosts(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                                  const ParameterSet& parameters, std::uint64_t seed, int look) {
+  std::vector<Scatterer> all;
+  if (geometry.mirrors == nullptr) return all;
+  // Spots of each look apart from those of others.
+  const CounterRandom of_look(seed, kGhostSpots + static_cast<std::uint32_t>(look));
+  const auto spots_seed = static_cast<std::uint64_t>(of_look.Uniform2(0).first * 0x1p53);
+  const PolarAxes& axes = geometry.sonar.axes;
+  const GhostList ghosts = TraceGhosts(
+      geometry.caster, *geometry.mirrors, *geometry.ghost_fan, world_from_sonar,
+      {.order = geometry.ghost_order,
+       .range_min_m = 0.0,
+       .range_max_m = axes.range_max_m + kPulseReachInWidths * PulseLengthM(geometry.sonar, parameters),
+       .spots_seed = spots_seed});
+  const GhostPower power(ghosts.material_names, {geometry.sonar, geometry.absorption_db_per_m}, parameters);
+  const TransmitPattern transmit(parameters.beam);
+  const CounterRandom amplitudes(seed, kGhostAmplitudes + static_cast<std::uint32_t>(look));
+  for (std::size_t i = 0; i < ghosts.echoes.size(); ++i) {
+    const GhostEcho& echo = ghosts.echoes[i];
+    const auto [re, im] = amplitudes.Normal2(i);
+    const Complex unit = std::sqrt(0.5 * power.OneWay(echo)) * Complex(re, im);
+    const auto add = [&](const GhostLeg& sent_by, const GhostLeg& heard_by) {
+      all.push_back({echo.range_m(), std::sin(double{heard_by.azimuth_rad}),
+                     std::sqrt(transmit.Power(sent_by.azimuth_rad)) * unit});
+    };
+    add(echo.other, echo.leg);
+    if (echo.both_ways) add(echo.leg, echo.other);
+  }
+  return all;
+}
 
 // Adds the echo of every scatterer to some of the elements: field is range_bins x count, their real parts and
 // imaginary parts apart so that the innermost loop is plain arithmetic on rows of numbers.
@@ -353,7 +392,11 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
   const double pulse_m = PulseLengthM(geometry.sonar, parameters);
   for (int look = 0; look < looks; ++look) {
     const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
-    const Grid<Complex> fields = ElementFields(source.Draw(seeds.scatterers, look), axes, pulse_m, array);
+    std::vector<Scatterer> scatterers = source.Draw(seeds.scatterers, look);
+    const std::vector<Scatterer> ghosts =
+        DrawGhosts(geometry, world_from_sonar, parameters, seeds.scatterers, look);
+    scatterers.insert(scatterers.end(), ghosts.begin(), ghosts.end());
+    const Grid<Complex> fields = ElementFields(scatterers, axes, pulse_m, array);
     const ElementNoise noise(axes, pulse_m, beamformer.elements(),
                              CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));
     AddPower(fields, beamformer, noise, gain, floor, weight, power);

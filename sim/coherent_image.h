@@ -20,6 +20,11 @@
 //     accuracy of the sampling of either. This code shares with that one the formulas of sim/physics for one
 //     patch, and nothing of how an image is made of them: no map, no windows, no beam pattern.
 //
+// Ghosts (sim/ghost_trace.h) have scatterers of their own, one for each ray of their fan at a random spot of
+// its cell. The two echoes that go both ways between two legs come from one scatterer, of the same range and
+// phase, and reach the array from two directions: how they add is for the array to say. Echoes of different
+// length have random phases to each other.
+//
 // The array is as long as gives the beam at bore-sight its half-power width, its elements at most half a
 // wavelength apart. The parameters' azimuth_pattern has no part in it.
 #pragma once
@@ -28,6 +33,7 @@
 
 #include "data_io/types/parameters.h"
 #include "sim/acoustic_image.h"
+#include "sim/ghost_trace.h"
 #include "sim/ray_caster.h"
 
 namespace sonarcal {
@@ -48,6 +54,10 @@ struct CoherentGeometry {
   const RayFan& fan;
   const SonarModel& sonar;
   double absorption_db_per_m = 0.0;
+  // What reflects, and the fan that looks for ghosts there; null: nothing does.
+  const MirrorSurface* mirrors = nullptr;
+  const RayFan* ghost_fan = nullptr;
+  int ghost_order = 1;
 };
 
 // Received power of one draw, the mean of `looks` of them (as weights, see LooksAsWeights): range_bins x

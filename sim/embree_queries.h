@@ -30,6 +30,12 @@ class Query {
   void Intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
     rtcIntersect16(valid, scene, rays, &arguments_);
   }
+  void Occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.flags = arguments_.flags;
+    rtcOccluded16(valid, scene, rays, &arguments);
+  }
 
  private:
   RTCIntersectArguments arguments_;
@@ -50,6 +56,9 @@ class Query {
   }
   void Intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
     rtcIntersect16(valid, scene, &context_, rays);
+  }
+  void Occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
+    rtcOccluded16(valid, scene, &context_, rays);
   }
 
  private:

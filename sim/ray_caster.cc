@@ -237,4 +237,85 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
   embree_->rays_cast += fan.size();
 }
 
+void FreeRays::Clear() {
+  for (auto& component : origin_m) component.clear();
+  for (auto& component : direction) component.clear();
+  max_range_m.clear();
+}
+
+void FreeRays::Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, double up_to_m) {
+  for (int i = 0; i < 3; ++i) {
+    origin_m[i].push_back(static_cast<float>(from_m[i]));
+    direction[i].push_back(static_cast<float>(towards[i]));
+  }
+  max_range_m.push_back(static_cast<float>(up_to_m));
+}
+
+namespace {
+
+// Fills `ray` (an RTCRay16) with the rays from `first` on, and `valid` with -1 where there is one.
+template <typename Packet>
+void Load(const FreeRays& rays, std::size_t first, Packet& ray, int* valid) {
+  const std::size_t count = std::min<std::size_t>(kPacket, rays.size() - first);
+  std::fill_n(valid, kPacket, 0);
+  std::fill_n(valid, count, -1);
+  const auto copy = [&](const std::vector<float>& from, float* to) {
+    std::copy_n(from.data() + first, count, to);
+  };
+  copy(rays.origin_m[0], ray.org_x);
+  copy(rays.origin_m[1], ray.org_y);
+  copy(rays.origin_m[2], ray.org_z);
+  copy(rays.direction[0], ray.dir_x);
+  copy(rays.direction[1], ray.dir_y);
+  copy(rays.direction[2], ray.dir_z);
+  copy(rays.max_range_m, ray.tfar);
+  std::fill_n(ray.tnear, kPacket, 0.0F);
+  std::fill_n(ray.time, kPacket, 0.0F);
+  std::fill_n(ray.mask, kPacket, ~0U);
+  std::fill_n(ray.flags, kPacket, 0U);
+}
+
+}  // namespace
+
+FanHits RayCaster::Meet(const FreeRays& rays) const {
+  FanHits hits;
+  hits.range_m.assign(rays.size(), std::numeric_limits<float>::infinity());
+  hits.triangle.assign(rays.size(), -1);
+  const embree::FlushDenormals flush;
+  embree::Query query(false);
+  alignas(64) RTCRayHit16 packet = {};
+  alignas(64) int valid[kPacket];
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    Load(rays, first, packet.ray, valid);
+    std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+    query.Intersect16(valid, embree_->scene, &packet);
+    for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
+      if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      hits.range_m[first + i] = packet.ray.tfar[i];
+      hits.triangle[first + i] = static_cast<std::int32_t>(packet.hit.primID[i]);
+    }
+  }
+  embree_->rays_cast += static_cast<std::int64_t>(rays.size());
+  return hits;
+}
+
+std::vector<char> RayCaster::Obstructed(const FreeRays& rays) const {
+  std::vector<char> obstructed(rays.size(), 0);
+  const embree::FlushDenormals flush;
+  embree::Query query(false);
+  alignas(64) RTCRay16 packet = {};
+  alignas(64) int valid[kPacket];
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    Load(rays, first, packet, valid);
+    query.Occluded16(valid, embree_->scene, &packet);
+    for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
+      // Embree's mark of a ray that met something.
+      obstructed[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;
+    }
+  }
+  embree_->rays_cast += static_cast<std::int64_t>(rays.size());
+  return obstructed;
+}
+
 }  // namespace sonarcal

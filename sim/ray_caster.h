@@ -3,6 +3,7 @@
 // A caster is built once for a scene and used from any number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,7 +15,7 @@
 
 namespace sonarcal {
 
-// What each ray of a fan met, in the order of the fan's rays.
+// What each ray met, in the order of the rays.
 struct FanHits {
   std::vector<float> range_m;          // infinity for a miss
   std::vector<std::int32_t> triangle;  // index into Scene::triangles; -1 for a miss
@@ -28,6 +29,17 @@ struct RowHits {
   const float* range_m = nullptr;
   const float* half_tangent = nullptr;  // tan(delta / 2) of the incidence angle: 0 (normal) .. 1 (grazing)
   const std::uint16_t* material = nullptr;
+};
+
+// Rays that start anywhere, in world coordinates; arrays of one length. Directions are unit vectors.
+struct FreeRays {
+  std::array<std::vector<float>, 3> origin_m;
+  std::array<std::vector<float>, 3> direction;
+  std::vector<float> max_range_m;
+
+  std::size_t size() const { return max_range_m.size(); }
+  void Clear();
+  void Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, double up_to_m);
 };
 
 class RayCaster {
@@ -47,10 +59,17 @@ class RayCaster {
   void CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                 const std::function<void(const RowHits&)>& take) const;
 
+  // What each of the rays met first, on the calling thread: for callers that run on all cores themselves.
+  FanHits Meet(const FreeRays& rays) const;
+
+  // Whether anything lies on each of the rays, 1 or 0; likewise.
+  std::vector<char> Obstructed(const FreeRays& rays) const;
+
   // Unit normal of a triangle in world coordinates.
   const Eigen::Vector3f& TriangleNormal(int triangle) const { return normals_[triangle]; }
   std::uint16_t TriangleMaterial(int triangle) const { return scene_.triangle_material[triangle]; }
   const std::vector<std::string>& material_names() const { return scene_.material_names; }
+  const Scene& scene() const { return scene_; }
 
   // Rays cast so far. A fit of materials adds nothing to it.
   std::int64_t rays_cast() const;

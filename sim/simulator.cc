@@ -1,7 +1,9 @@
 #include "sim/simulator.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "sim/ghost_power.h"
 #include "sim/paper_frame.h"
 
 namespace sonarcal {
@@ -17,6 +19,7 @@ SimulationOptions Checked(SimulationOptions options) {
 void SimulationOptions::Check() const {
   fan.Check();
   trace.Check();
+  GhostOptions{.order = ghost_order}.Check();
   if (bits != 8 && bits != 12 && bits != 16) throw DataError("image of {} bits, expected 8, 12 or 16", bits);
 }
 
@@ -29,6 +32,51 @@ Simulator::Simulator(Scene scene, SonarModel sonar, SimulationOptions options)
   if (!(sonar_.frequency_hz > 0.0)) {
     throw DataError("{}: frequency {} Hz, expected a positive one", sonar_.name, sonar_.frequency_hz);
   }
+}
+
+Simulator::~Simulator() = default;
+
+// Surfaces that reflect, and the rays that look for ghosts in them.
+struct Simulator::Mirrors {
+  std::vector<char> reflects;
+  double transmit_end_deg;
+  MirrorSurface surface;
+  RayFan fan;
+};
+
+// Null where the scene has no mirror.
+std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSet& parameters) const {
+  if (parameters.mirrors.empty()) return nullptr;
+  const std::vector<char> reflects = ReflectingMaterials(caster_.material_names(), parameters);
+  if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
+  const std::scoped_lock lock(mirrors_mutex_);
+  const double end_deg = parameters.beam.transmit_end_deg;
+  if (!mirrors_ || mirrors_->reflects != reflects || mirrors_->transmit_end_deg != end_deg) {
+    mirrors_ = std::make_shared<const Mirrors>(
+        Mirrors{reflects, end_deg, MirrorSurface(caster_.scene(), reflects),
+                RayFan(sonar_, GhostFanOptions(options_.fan, sonar_, parameters.beam))});
+  }
+  return mirrors_;
+}
+
+GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters) const {
+  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters);
+  if (!mirrors) return {};
+  const auto [left_rad, right_rad] = AzimuthsRad(fan_);
+  return sonarcal::TraceGhosts(caster_, mirrors->surface, mirrors->fan, world_from_sonar,
+                               {.order = options_.ghost_order,
+                                .range_min_m = sonar_.axes.range_min_m,
+                                .range_max_m = sonar_.axes.range_max_m,
+                                .heard_left_rad = left_rad,
+                                .heard_right_rad = right_rad});
+}
+
+ScatterMap Simulator::Scatter(const EchoList& echoes, const ParameterSet& parameters,
+                              const GhostList& ghosts) const {
+  const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
+  ScatterMap scatter = MakeScatterMap(echoes, fan_, geometry, parameters);
+  if (!ghosts.echoes.empty()) AddGhosts(ghosts, geometry, parameters, scatter);
+  return scatter;
 }
 
 EchoList Simulator::TraceEchoes(const Pose& world_from_sonar) const {
@@ -45,11 +93,24 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     QuantiseImage(image);
     return image;
   }
-  if (parameters.model != EchoModel::kCoherent) {
+  if (parameters.model == EchoModel::kPaper) {
     return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx);
   }
-  const PolarImage power = CoherentPower({caster_, fan_, sonar_, absorption_db_per_m_}, world_from_sonar,
-                                         parameters, SeedsOf(frame_idx));
+  if (parameters.model == EchoModel::kAcoustic) {
+    return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx,
+                        TraceGhosts(world_from_sonar, parameters));
+  }
+  CoherentGeometry geometry{.caster = caster_,
+                            .fan = fan_,
+                            .sonar = sonar_,
+                            .absorption_db_per_m = absorption_db_per_m_,
+                            .ghost_order = options_.ghost_order};
+  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters);
+  if (mirrors) {
+    geometry.mirrors = &mirrors->surface;
+    geometry.ghost_fan = &mirrors->fan;
+  }
+  const PolarImage power = CoherentPower(geometry, world_from_sonar, parameters, SeedsOf(frame_idx));
   PolarImage image = DisplayPower(power, parameters, options_.full_scale());
   QuantiseImage(image);
   return image;
@@ -74,8 +135,8 @@ void Simulator::RefuseMargin() const {
   }
 }
 
-PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& parameters,
-                                   int frame_idx) const {
+PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx,
+                                   const GhostList& ghosts) const {
   SONARCAL_CHECK(parameters.model != EchoModel::kCoherent, "a coherent image is made from a pose");
   PolarImage image;
   if (parameters.model == EchoModel::kPaper) {
@@ -84,20 +145,20 @@ PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& p
                              absorption_db_per_m_, PaperOptions(frame_idx));
   } else if (options_.noise) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
-    image = SampleAcousticImage(MakeScatterMap(echoes, fan_, geometry, parameters), geometry, parameters,
+    image = SampleAcousticImage(Scatter(echoes, parameters, ghosts), geometry, parameters,
                                 options_.full_scale(), SeedsOf(frame_idx));
   } else {
-    image = RenderExpected(echoes, parameters);
+    image = RenderExpected(echoes, parameters, ghosts);
   }
   QuantiseImage(image);
   return image;
 }
 
-PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet& parameters) const {
+PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet& parameters,
+                                     const GhostList& ghosts) const {
   if (parameters.model != EchoModel::kPaper) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
-    const PolarImage power =
-        ExpectedPower(MakeScatterMap(echoes, fan_, geometry, parameters), geometry, parameters);
+    const PolarImage power = ExpectedPower(Scatter(echoes, parameters, ghosts), geometry, parameters);
     return ExpectedDisplay(power, parameters, options_.full_scale());
   }
   RefuseMargin();

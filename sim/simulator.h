@@ -7,13 +7,17 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "data_io/types/parameters.h"
 #include "sim/acoustic_image.h"
 #include "sim/coherent_image.h"
 #include "sim/expected_paper_image.h"
+#include "sim/ghost_trace.h"
 #include "sim/paper_image.h"
 #include "sim/physics/absorption.h"
 #include "sim/trace.h"
@@ -33,6 +37,7 @@ struct SimulationOptions {
   // Acoustic and coherent: the scatterers' phases come from `seed` in every frame, so that speckle stays as
   // long as nothing moves; receiver noise is fresh in each.
   bool frozen_speckle = false;
+  int ghost_order = 1;  // of the paths by mirrors that are followed, 1 or 2; none without a mirror
 
   void Check() const;
   double full_scale() const { return static_cast<double>((1 << bits) - 1); }
@@ -42,20 +47,32 @@ class Simulator {
  public:
   // Throws DataError for options, a scene or a sonar that cannot be used.
   Simulator(Scene scene, SonarModel sonar, SimulationOptions options);
+  ~Simulator();
 
   // The echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;
 
+  // The ghosts of a pose by the materials that the parameters call mirrors; where the scene has none of them
+  // no ray is cast and the list is empty. Which mirrors there are alone counts: their losses may change
+  // without tracing again.
+  GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters) const;
+
   // The image of a pose by the model that the parameters name, in whole grey levels.
   PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
 
-  // The same from echoes that were traced before. Not for kCoherent, whose scatterers lie between the rays:
-  // a programmer's mistake.
-  PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx = 0) const;
+  // The same from echoes that were traced before, and ghosts (not of the paper's model). Not for kCoherent,
+  // whose scatterers lie between the rays: a programmer's mistake.
+  PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx = 0,
+                          const GhostList& ghosts = {}) const;
 
   // What every pixel would show on average, over range and azimuth errors (paper) or speckle (acoustic, and
   // coherent, which has the same mean power); not rounded.
-  PolarImage RenderExpected(const EchoList& echoes, const ParameterSet& parameters) const;
+  PolarImage RenderExpected(const EchoList& echoes, const ParameterSet& parameters,
+                            const GhostList& ghosts = {}) const;
+
+  // What the acoustic model sends through beam and pulse.
+  ScatterMap Scatter(const EchoList& echoes, const ParameterSet& parameters,
+                     const GhostList& ghosts = {}) const;
 
   // Of a frame's random numbers.
   DrawSeeds SeedsOf(int frame_idx) const;
@@ -67,6 +84,8 @@ class Simulator {
   double absorption_db_per_m() const { return absorption_db_per_m_; }
 
  private:
+  struct Mirrors;
+  std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters) const;
   PaperImageOptions PaperOptions(int frame_idx) const;
   void RefuseMargin() const;
 
@@ -75,6 +94,8 @@ class Simulator {
   RayCaster caster_;
   RayFan fan_;
   double absorption_db_per_m_;
+  mutable std::mutex mirrors_mutex_;
+  mutable std::shared_ptr<const Mirrors> mirrors_;  // of the materials last asked for
 };
 
 }  // namespace sonarcal

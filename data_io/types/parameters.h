@@ -125,6 +125,11 @@ struct BeamParameters {
   double elevation_taper = 1.0;  // kAperture: 0 uniform .. 1 Hann
   std::vector<double> azimuth_table_db =
       {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
+  // What is sent beyond the field of view comes back by mirrors only: even to `transmit_even_deg` off the
+  // axis, from there on falling as a cosine (of pressure) to nothing at `transmit_end_deg`. 0 and 0: as far
+  // as rays are cast for the beams, and no further.
+  double transmit_even_deg = 0.0;
+  double transmit_end_deg = 0.0;
 
   bool operator==(const BeamParameters&) const = default;
 };
@@ -134,6 +139,14 @@ struct PulseParameters {
   double length_m = 0.0;
 
   bool operator==(const PulseParameters&) const = default;
+};
+
+// A material that reflects like a mirror, besides scattering; its paths are found by sim/ghost_trace.h.
+// Acoustic and coherent models.
+struct MirrorParameters {
+  double loss_db = 0.0;  // of one reflection, in power and so in pressure: -20 log10 |R|, at any angle
+
+  bool operator==(const MirrorParameters&) const = default;
 };
 
 enum class EchoModel {
@@ -149,6 +162,7 @@ struct ParameterSet {
   double array_gain_db = 0.0;   // AG of Park 2024 Eq. (10), paper model only
   DisplayParameters<double> display;
   std::map<std::string, MaterialParameters> materials;  // "default" serves names that are absent
+  std::map<std::string, MirrorParameters> mirrors;      // by material; those absent reflect nothing
   JitterParameters<double> jitter;
   ReceiverParameters receiver;
   BeamParameters beam;

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "data_io/types/parameters.h"
+#include "data_io/types/units.h"
 
 namespace sonarcal {
 
@@ -235,6 +236,26 @@ class ElevationResponse {
   double width_rad_;
   double taper_;
   double aperture_wavelengths_ = 0.0;
+};
+
+// What a transmitter sends beside the field of view (BeamParameters), as a factor on the power of an echo
+// whose way out begins there.
+class TransmitPattern {
+ public:
+  explicit TransmitPattern(const BeamParameters& beam)
+      : even_rad_(RadFromDeg(beam.transmit_even_deg)), end_rad_(RadFromDeg(beam.transmit_end_deg)) {}
+
+  double Power(double azimuth_rad) const {
+    const double beyond_rad = std::abs(azimuth_rad) - even_rad_;
+    if (!(end_rad_ > 0.0) || beyond_rad <= 0.0) return 1.0;
+    if (!(beyond_rad < end_rad_ - even_rad_)) return 0.0;
+    const double pressure = std::cos(0.5 * std::numbers::pi * beyond_rad / (end_rad_ - even_rad_));
+    return pressure * pressure;
+  }
+
+ private:
+  double even_rad_;
+  double end_rad_;
 };
 
 // Azimuths (lowest, highest) outside which the beam's power response stays below `level_db`, < 0. For

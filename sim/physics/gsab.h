@@ -52,6 +52,24 @@ T GsabPower(const GsabParameters<T>& p, double incidence_deg) {
   return power;
 }
 
+// The same between two directions, at incidence_deg and other_deg from the normal, the normal being tilt_deg
+// off the direction midway between them: backscatter (GsabPower) where the two are one, and the same either
+// way round. The two peaks are those of facets, which reflect one direction into the other where they are
+// tilted so; the rest scatters what it gets by the cosine of either leg alike. Published for none of these
+// curves: a coherent simulation of a tank, not ours, follows it (docs/ghosts.md), and not the mean of both
+// backscatters.
+template <typename T>
+T GsabBetweenPower(const GsabParameters<T>& p, double incidence_deg, double other_deg, double tilt_deg) {
+  using std::exp;
+  using std::pow;
+  const double square = tilt_deg * tilt_deg;
+  T power =
+      p.a * exp(T(-0.5 * square) / (p.b_deg * p.b_deg)) + p.e * exp(T(-0.5 * square) / (p.f_deg * p.f_deg));
+  const double cosines = std::cos(RadFromDeg(incidence_deg)) * std::cos(RadFromDeg(other_deg));
+  if (cosines > std::numeric_limits<double>::epsilon()) power += p.c * pow(T(std::sqrt(cosines)), p.d);
+  return power;
+}
+
 template <typename T>
 T GsabDb(const GsabParameters<T>& p, double incidence_deg) {
   const T power = GsabPower(p, incidence_deg);

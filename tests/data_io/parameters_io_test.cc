@@ -47,6 +47,7 @@ ParameterSet UnlikeTheDefaults() {
   set.display = {-12.3, 45.6, DisplayLaw::kSoftLog, -14.1, 0.498};
   set.materials["floor"].gsab = {0.1, 3.3, 1e-12, 1.7, 2.2e5, 9.9};
   set.materials["Wände \"x\""].gsab = {};
+  set.mirrors = {{"floor", {10.5}}, {"surface", {0.0}}};
   set.jitter = {0.011, 0.22, 7.7, 1.8e6, JitterGrowth::kLinear};
   set.receiver = {.gain_db = 3.3,
                   .time_varied_gain = TimeVariedGain::k40LogRAndAbsorption,
@@ -62,7 +63,9 @@ ParameterSet UnlikeTheDefaults() {
               1.0 / 3.0,
               ElevationPattern::kAperture,
               0.4,
-              {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0}};
+              {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0},
+              24.5,
+              1000.0 / 23.0};
   set.pulse = {0.0254};
   set.water = Water{14.2, 0.31, 7.4, 3.3};
   return set;
@@ -175,6 +178,35 @@ TEST(ParametersIoTest, BeamPatternsAreNamedAndTheirTablesOdd) {
               HasSubstr("azimuth_table_db[1]' is 1"));
   EXPECT_EQ(RefusalOf(with_beam(R"("azimuth_pattern": "table")")),
             "p.json:2: 'beam' has the azimuth pattern \"table\" but no azimuth_table_db");
+}
+
+TEST(ParametersIoTest, SendingEndsBehindWhereItIsEven) {
+  const auto with_beam = [](std::string_view beam) {
+    return Changed("\"display\"", "\"beam\": " + std::string(beam) + ",\n\"display\"");
+  };
+  const auto beam =
+      ParseParameters(with_beam(R"({"transmit_even_deg": 24, "transmit_end_deg": 45})"), "p.json").beam;
+  EXPECT_EQ(beam.transmit_even_deg, 24.0);
+  EXPECT_EQ(beam.transmit_end_deg, 45.0);
+  EXPECT_THAT(RefusalOf(with_beam(R"({"transmit_even_deg": 24})")),
+              HasSubstr("ends sending at 0 degrees, expected no less than transmit_even_deg, 24"));
+  EXPECT_THAT(RefusalOf(with_beam(R"({"transmit_end_deg": 91})")),
+              HasSubstr("'beam.transmit_end_deg' is 91"));
+}
+
+TEST(ParametersIoTest, MirrorsAreNamedByMaterialAndLoseWhatTheyReflect) {
+  const auto with_mirror = [](std::string_view mirror) {
+    return Changed("\"display\"", "\"mirror\": " + std::string(mirror) + ",\n\"display\"");
+  };
+  const ParameterSet set = ParseParameters(with_mirror(R"({"floor": {"loss_db": 10.46}})"), "p.json");
+  ASSERT_EQ(set.mirrors.size(), 1U);
+  EXPECT_EQ(set.mirrors.at("floor").loss_db, 10.46);
+  EXPECT_TRUE(ParseParameters(kExample, "p.json").mirrors.empty());
+  EXPECT_THAT(RefusalOf(with_mirror(R"({"floor": {"loss_db": -0.1}})")),
+              HasSubstr("'mirror.floor.loss_db' is -0.1"));
+  EXPECT_THAT(RefusalOf(with_mirror(R"({"floor": {}})")), HasSubstr("'mirror.floor.loss_db' is missing"));
+  EXPECT_THAT(RefusalOf(with_mirror(R"({"floor": {"loss_db": 3, "order": 2}})")),
+              HasSubstr("unknown key 'mirror.floor.order'"));
 }
 
 TEST(ParametersIoTest, WhatIsRequiredIsMissed) {

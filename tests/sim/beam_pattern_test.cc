@@ -269,5 +269,19 @@ TEST(AzimuthReach, NothingBeyondIsAboveTheLevelAndLittleIsLost) {
   EXPECT_NEAR(high, 0.5 * std::numbers::pi, 1e-6);
 }
 
+TEST(TransmitPattern, IsEvenThenACosineOfPressure) {
+  BeamParameters beam;
+  EXPECT_EQ(TransmitPattern(beam).Power(1.0), 1.0) << "not limited";
+  beam.transmit_even_deg = 24.0;
+  beam.transmit_end_deg = 45.0;
+  const TransmitPattern sent(beam);
+  EXPECT_EQ(sent.Power(RadFromDeg(23.9)), 1.0);
+  EXPECT_NEAR(sent.Power(RadFromDeg(-34.5)), 0.5, 1e-12);  // half way: cos(45 degrees)
+  EXPECT_NEAR(sent.Power(RadFromDeg(38.0)), 0.25, 1e-12);  // two thirds: cos(60 degrees)
+  EXPECT_EQ(sent.Power(RadFromDeg(45.1)), 0.0);
+  beam.transmit_end_deg = 24.0;  // a sharp edge
+  EXPECT_EQ(TransmitPattern(beam).Power(RadFromDeg(24.1)), 0.0);
+}
+
 }  // namespace
 }  // namespace sonarcal

@@ -52,6 +52,23 @@ TEST(Gsab, WidthsAreStandardDeviations) {
   EXPECT_NEAR(GsabPower(p, 8.0), std::exp(-0.5), 1e-15);
 }
 
+// Between two directions: backscatter where they are one, the same either way round, a facet's peak midway.
+TEST(Gsab, BetweenTwoDirections) {
+  const GsabParameters<double> p = Tabulated();
+  for (const double incidence_deg : {0.0, 3.0, 20.0, 60.0, 89.0}) {
+    EXPECT_NEAR(
+        GsabBetweenPower(p, incidence_deg, incidence_deg, incidence_deg) / GsabPower(p, incidence_deg), 1.0,
+        1e-12);
+  }
+  EXPECT_EQ(GsabBetweenPower(p, 20.0, 70.0, 25.0), GsabBetweenPower(p, 70.0, 20.0, 25.0));
+  // Out at 40 degrees to one side, back at 40 to the other: the facet lies flat, and D = 2 is Lambert's law.
+  EXPECT_NEAR(GsabBetweenPower(p, 40.0, 40.0, 0.0),
+              p.a + p.e + p.c * std::pow(std::cos(RadFromDeg(40.0)), 2.0), 1e-12);
+  const GsabParameters<double> lambert{.a = 0.0, .b_deg = 1.0, .c = 0.5, .d = 2.0, .e = 0.0, .f_deg = 1.0};
+  EXPECT_NEAR(GsabBetweenPower(lambert, 60.0, 0.0, 30.0), 0.25, 1e-12);
+  EXPECT_TRUE(std::isfinite(GsabBetweenPower(p, 90.0 + 1e-5, 40.0, 70.0)));
+}
+
 TEST(Gsab, StaysFiniteAtGrazing) {
   const GsabParameters<double> paper;  // Table 4
   EXPECT_DOUBLE_EQ(GsabDb(paper, 90.0), 10.0 * std::log10(kGsabFloor));

@@ -1,0 +1,52 @@
+// A frame of the acoustic model in a tank whose six planes are mirrors beside the same frame without them, in
+// turn, by the rays that either gets by default.
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "sim/acoustic_fan.h"
+#include "tests/benchmarks/benchmark_world.h"
+
+namespace sonarcal {
+namespace {
+
+void TankGhosts(benchmark::State& state) {
+  constexpr int kRounds = 9;
+  const SonarPreset& preset = FindSonarPreset("p900-45");
+  PaperTankOptions tank = PaperTankOfPaper(PaperSize::kTable5);
+  tank.tank.surface = true;
+  ParameterSet without = Parameters();
+  without.model = EchoModel::kAcoustic;
+  ParameterSet with = without;
+  with.mirrors = {{"floor", {10.5}}, {"wall", {6.0}}, {"surface", {0.7}}};
+  SimulationOptions options = Options(preset, AcousticFanOptions(preset.sonar, without));
+  options.noise = false;
+  const Simulator simulator(MakePaperTank(tank), preset.sonar, options);
+  const Pose pose = PaperTankPoses(3).front();
+  const auto seconds = [&](const ParameterSet& parameters) {
+    const double began = Now();
+    const PolarImage image = simulator.Render(pose, parameters);
+    benchmark::DoNotOptimize(image.value.values().data());
+    return Now() - began;
+  };
+  for (auto unused : state) {
+    seconds(with);  // what the simulator keeps of the mirrors
+    std::vector<double> direct;
+    std::vector<double> ghosts;
+    std::vector<double> ratio;
+    for (int round = 0; round < kRounds; ++round) {
+      direct.push_back(seconds(without));
+      ghosts.push_back(seconds(with));
+      ratio.push_back(ghosts.back() / direct.back());
+    }
+    state.counters["direct_ms"] = 1e3 * Median(direct);
+    state.counters["with_ghosts_ms"] = 1e3 * Median(ghosts);
+    state.counters["ratio"] = Median(ratio);
+    state.counters["limit"] = 3.0;
+    state.counters["echoes"] = static_cast<double>(simulator.TraceGhosts(pose, with).echoes.size());
+  }
+}
+BENCHMARK(TankGhosts)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace sonarcal
