@@ -9,8 +9,8 @@
 namespace sonarcal {
 
 FrameGatherer::FrameGatherer(const CompareCommandOptions& options, const RecordingSource& real,
-              const RecordingSource& simulated, const std::vector<int>& frames,
-              std::filesystem::path folder)
+                             const RecordingSource& simulated, const std::vector<int>& frames,
+                             std::filesystem::path folder)
     : real_(real), folder_(std::move(folder)), valid_(ValidInBoth(real.info(), simulated.info())) {
   for (const int frame : EvenlySpread(frames, options.pictures)) pictured_.insert(frame);
   if (options.scene.empty()) return;
@@ -38,7 +38,8 @@ void FrameGatherer::MoveInto(MetricsReport& metrics) {
   }
 }
 
-void FrameGatherer::AddGeometry(const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
+void FrameGatherer::AddGeometry(const PolarImage& recorded, const PolarImage& rendered,
+                                const FrameMetrics& frame) {
   const std::optional<Pose> pose = real_.frame_info(frame.index).world_from_sonar;
   if (!pose || !real_.info().sonar.axes.Matches(recorded.axes)) {
     ++without_geometry_;

@@ -1,5 +1,5 @@
-// What `compare` gathers from each pair of frames beside its figures: residuals over range, azimuth and, where
-// the scene is known, incidence and material; and pictures of some.
+// What `compare` gathers from each pair of frames beside its figures: residuals over range, azimuth and,
+// where the scene is known, incidence and material; and pictures of some.
 #pragma once
 
 #include <filesystem>

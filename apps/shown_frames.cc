@@ -19,14 +19,13 @@ ShownFrames ShowFrames(const RecordingSource& real, const RecordingSource& simul
   again.progress = {};
   ShownFrames shown;
   PictureMaker maker;
-  CompareRecordings(
-      real, simulated, again,
-      [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& metrics) {
-        shown.viewer.frames.push_back(
-            MakeViewerFrame(recorded, rendered, metrics, options.compare.intensity_domain));
-        if (std::ranges::find(telling, metrics.index) == telling.end()) return;
-        shown.telling.push_back(maker.Make(recorded, rendered, metrics));
-      });
+  CompareRecordings(real, simulated, again,
+                    [&](const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& metrics) {
+                      shown.viewer.frames.push_back(
+                          MakeViewerFrame(recorded, rendered, metrics, options.compare.intensity_domain));
+                      if (std::ranges::find(telling, metrics.index) == telling.end()) return;
+                      shown.telling.push_back(maker.Make(recorded, rendered, metrics));
+                    });
   shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), compared);
   return shown;
 }

@@ -116,8 +116,8 @@ TEST(AgreementSections, AreWellFormedAndHoldEveryFigure) {
   EXPECT_NEAR(share, 100.0, 1e-9);
   double expected = 0.0;
   for (int i = 0; i < 4; ++i) {
-    for (const float value : testing::SpeckledBlock(2 * i + 1).value.values())
-      expected += value / (4.0 * 120 * 40);
+    const PolarImage image = testing::SpeckledBlock(2 * i + 1);
+    for (const float value : image.value.values()) expected += value / (4.0 * 120 * 40);
   }
   EXPECT_NEAR(mean, expected, 1.0);  // two levels a class
   // Quantiles lie 6 levels above the diagonal, where neither end clips.
