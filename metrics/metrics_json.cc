@@ -252,11 +252,13 @@ Json SummaryJson(const MetricsReport& report) {
   return json;
 }
 
-std::string Indented(std::string text, const std::string& margin) {
-  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1)) {
-    text.insert(end + 1, margin);
+std::string Indented(std::string_view text, std::string_view margin) {
+  std::string indented;
+  for (const char character : text) {
+    indented += character;
+    if (character == '\n') indented += margin;
   }
-  return text;
+  return indented;
 }
 
 }  // namespace
@@ -274,7 +276,7 @@ std::string MetricsJson(const MetricsReport& report) {
   for (const FrameMetrics& frame : report.frames) {
     std::string text = JsonText(FrameJson(frame, report.options.intensity_domain));
     text.pop_back();  // the newline
-    frames += (first ? "\n" : ",\n") + margin + Indented(std::move(text), margin);
+    frames += (first ? "\n" : ",\n") + margin + Indented(text, margin);
     first = false;
   }
   frames += first ? "],\n  " : "\n  ],\n  ";
