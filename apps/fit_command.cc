@@ -215,6 +215,13 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ReadParameters(options.params);
+  if (!initial.mirrors.empty()) {
+    PrintNote(options.common,
+              fmt::format(
+                  "warning: {}: its mirrors stay as they are and their echoes are not in the fitted images: "
+                  "ghosts are simulated, not fitted",
+                  options.params.string()));
+  }
   const FitConfig config = ResolveConfig(options, initial);
   const auto recording = OpenRecording(options.real);
   RunOutput output(options.out);

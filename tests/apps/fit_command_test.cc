@@ -85,6 +85,18 @@ TEST_F(FitCommand, FramesOfDifferentSettingsAreNotFittedTogether) {
   EXPECT_EQ(RunSonarcal(Arguments("--held-out 0,1,3")).status, 1) << "nor judged";
 }
 
+TEST_F(FitCommand, ThatMirrorsAreNotFittedIsSaid) {
+  ParameterSet start = StartingParameters();
+  start.mirrors["floor"].loss_db = 6.0;
+  WriteParameters(world_ / "mirrors.json", start);
+  const Outcome outcome =
+      RunSonarcal("fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
+                  Quoted(world_ / "mirrors.json") + " --out " + Quoted(world_ / "out") +
+                  " --rays 96x200 --starts 1 --free display.db_max");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("ghosts are simulated, not fitted"));
+}
+
 TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
   ASSERT_EQ(RunSonarcal(Arguments("--object box")).status, 0);
   const std::string html = testing::ReadFile(world_ / "out/report.html");
