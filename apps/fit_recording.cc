@@ -15,7 +15,6 @@
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
-#include "sim/acoustic_fan.h"
 #include "sim/acoustic_image.h"
 #include "sim/power_response.h"
 
@@ -23,9 +22,6 @@ namespace sonarcal {
 namespace {
 
 constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
-
-// A pinhole sees less than 180 degrees.
-constexpr double kWidestFrustumDeg = 120.0;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
@@ -254,19 +250,8 @@ void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
 
 SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                      const ParameterSet& parameters) {
-  SimulationOptions options = rays.For(sonar, water, EchoModel::kAcoustic);
-  const RayFanOptions asked = options.fan;
+  SimulationOptions options = rays.For(sonar, water, parameters);
   options.noise = true;
-  options.fan = AcousticFanOptions(sonar, parameters);
-  if (!rays.rays.empty()) {
-    options.fan.sampling = asked.sampling;
-    options.fan.cols = asked.cols;
-    options.fan.rows = asked.rows;
-    if (asked.sampling == Sampling::kFrustum) {
-      options.fan.row_crowding = 1.0;
-      options.fan.elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg);
-    }
-  }
   return options;
 }
 
