@@ -45,9 +45,10 @@ class SyntheticTankExplained : public ::testing::Test {
     explanation_ = Explain(ReadGltf(folder / "scene.gltf"), tank.recording->info().sonar, read({0, 4, 5}),
                            held_out_, given, options);
     for (const ExplainedStep& step : explanation_.steps) {
-      std::cout << fmt::format("  {:<10} error {:.4f}, gain {:+.4f} +- {:.4f}, AIC {:+.0f}, BIC {:+.0f}: {}\n",
-                               ToString(step.part), ErrorOf(step), step.gain.mean, step.gain.sigma,
-                               step.aic_change, step.bic_change, ToString(step.verdict));
+      std::cout << fmt::format(
+          "  {:<10} error {:.4f}, gain {:+.4f} +- {:.4f}, AIC {:+.0f}, BIC {:+.0f}: {}\n",
+          ToString(step.part), ErrorOf(step), step.gain.mean, step.gain.sigma, step.aic_change,
+          step.bic_change, ToString(step.verdict));
     }
   }
 
