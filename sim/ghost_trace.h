@@ -16,6 +16,9 @@
 // mirror and back by another, of which one is flat (found by the sonar's image behind it). Not followed:
 // between two curved mirrors, and whatever has more reflections.
 //
+// Through side lobes of the elevation pattern no mirror is seen: of a synthetic recording by another program
+// nothing came from there, and its losses are found with this rule and not without it (docs/ghosts.md).
+//
 // What is sent reaches as far in azimuth as the fan: legs beyond are not followed. That fan may be wider than
 // the one that listens (GhostFanOptions), as what is sent past the field of view may come back into it.
 #pragma once
@@ -81,9 +84,10 @@ struct GhostOptions {
 std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_names,
                                       const ParameterSet& parameters);
 
-// Rays that look for ghosts beside a fan of these: two thirds of the rows and half of the columns for equal
-// angles, but as far aside as the transmitter sends. What they find is shared between the columns of the fan
-// itself. A ghost costs three rays where an echo costs one, and is seldom as strong.
+// Rays that look for ghosts beside a fan of these: half of the columns and two thirds of the rows for equal
+// angles, but as far aside as the transmitter sends; and in elevation no further than the main lobe of the
+// beam's pattern, over fewer rows. What they find is shared between the columns of the fan itself. A ghost
+// costs three rays where an echo costs one, and is seldom as strong.
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam);
 
 // Azimuths from the outer edge of a fan's first column to that of its last.

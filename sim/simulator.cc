@@ -40,6 +40,7 @@ Simulator::~Simulator() = default;
 struct Simulator::Mirrors {
   std::vector<char> reflects;
   double transmit_end_deg;
+  double elevation_span_deg;
   MirrorSurface surface;
   RayFan fan;
 };
@@ -52,14 +53,16 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
   if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
   const std::scoped_lock lock(mirrors_mutex_);
   const double end_deg = parameters.beam.transmit_end_deg;
+  RayFanOptions thinned = options_.fan;
+  thinned.cols = std::max(1, thinned.cols / thin);
+  thinned.rows = std::max(1, thinned.rows / thin);
+  const RayFanOptions rays = GhostFanOptions(thinned, sonar_, parameters.beam);
   std::shared_ptr<const Mirrors>& mirrors = mirrors_[thin];
-  if (!mirrors || mirrors->reflects != reflects || mirrors->transmit_end_deg != end_deg) {
-    RayFanOptions rays = options_.fan;
-    rays.cols = std::max(1, rays.cols / thin);
-    rays.rows = std::max(1, rays.rows / thin);
-    mirrors = std::make_shared<const Mirrors>(
-        Mirrors{reflects, end_deg, MirrorSurface(caster_.scene(), reflects),
-                RayFan(sonar_, GhostFanOptions(rays, sonar_, parameters.beam))});
+  if (!mirrors || mirrors->reflects != reflects || mirrors->transmit_end_deg != end_deg ||
+      mirrors->elevation_span_deg != rays.elevation_span_deg) {
+    mirrors = std::make_shared<const Mirrors>(Mirrors{reflects, end_deg, rays.elevation_span_deg,
+                                                      MirrorSurface(caster_.scene(), reflects),
+                                                      RayFan(sonar_, rays)});
   }
   return mirrors;
 }

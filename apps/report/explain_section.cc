@@ -113,8 +113,14 @@ Table StepTable(const ExplainedRecording& explained) {
   table.notes.emplace_back(
       "Intensity error: mean absolute difference of grey values over the whole polar image. Until speckle is "
       "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
-      "draw. Fitted values: those that the data determine.");
+      "draw, and means little where the segmentation does not find an object. Fitted values: those that the "
+      "data determine.");
   return table;
+}
+
+// "frame 2", "frames 2 and 6".
+std::string Frames(const std::vector<int>& frames) {
+  return fmt::format("frame{} {}", frames.size() == 1 ? "" : "s", FrameList(frames));
 }
 
 }  // namespace
@@ -175,14 +181,15 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained) {
   waterfall.alt = alt;
   report.Section("What each part is worth");
   report.Add(waterfall,
-             fmt::format("Frames {}, which no fit saw. Blue: what is left; pale green: what a part "
+             fmt::format("By {}, which no fit saw. Blue: what is left; pale green: what a part "
                          "took away; red: what it added. The dashed line is what speckle leaves of "
                          "the last model's own draws: none is below it.",
-                         FrameList(explained.split.held_out)));
+                         Frames(explained.split.held_out)));
   report.Add(StepTable(explained));
-  for (const ExplainedStep& step : steps) {
-    report.Paragraph(fmt::format("{}: {}.", TitleOf(step.part), WhatOf(step.part)));
-  }
+  std::vector<std::string> parts;
+  for (const ExplainedStep& step : steps)
+    parts.push_back(fmt::format("{}: {}", TitleOf(step.part), WhatOf(step.part)));
+  report.List(parts);
   if (!explained.explanation.left_out.empty()) {
     report.Callout(CalloutKind::kLimit, "Left out", "These parts were not added.");
     report.List(explained.explanation.left_out);
@@ -282,8 +289,8 @@ Json ExplanationJson(const ExplainedRecording& explained) {
 }
 
 std::string ExplanationText(const ExplainedRecording& explained) {
-  std::string text = fmt::format("fitted to frames {}, judged on frames {}, which no fit saw\n",
-                                 FrameList(explained.split.used), FrameList(explained.split.held_out));
+  std::string text = fmt::format("fitted to {}, judged on {}, which no fit saw\n",
+                                 Frames(explained.split.used), Frames(explained.split.held_out));
   text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added", "intensity", "IoU",
                       "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
   const std::vector<ExplainedStep>& steps = explained.explanation.steps;

@@ -48,7 +48,7 @@ class ExplainCommand : public ::testing::Test {
   std::string Arguments(const std::string& extra = "") const {
     return "explain --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
            Quoted(world_.params()) + " --out " + Quoted(world_ / "out") +
-           " --rays 96x200 --max-iterations 20 " + extra;
+           " --rays 96x200 --max-iterations 20 --segmentation otsu " + extra;
   }
 
   TinyWorld world_;
