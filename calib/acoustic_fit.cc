@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calib/joint_steps.h"
+#include "calib/mirror_start.h"
 #include "calib/pose_ambiguity.h"
 #include "calib/pose_refinement.h"
 #include "calib/problem_builder.h"
@@ -57,13 +58,22 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   return near;
 }
 
+FitConfig WithDefaults(FitConfig config, const ParameterSet& initial,
+                       const std::vector<std::string>& material_names) {
+  if (!config.free) config.free = AcousticFreeByDefault(initial, material_names);
+  return config;
+}
+
 // The steps of a fit, one after the other.
 class AcousticFitter {
  public:
   AcousticFitter(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
                  const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
-      : options_(options), config_(given), model_(simulator, frames, initial), catalog_(model_.catalog()) {
-    if (!config_.free) config_.free = AcousticFreeByDefault(initial);
+      : options_(options),
+        config_(WithDefaults(given, initial, simulator.caster().material_names())),
+        model_(simulator, frames,
+               WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar())),
+        catalog_(model_.catalog()) {
     free_ = ApplyFitConfigWithPriors(model_.initial_values(), config_, catalog_);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       if (!free_[i]) continue;
@@ -319,9 +329,11 @@ class AcousticFitter {
 
 }  // namespace
 
-std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial) {
+std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
+                                               const std::vector<std::string>& material_names) {
   std::vector<std::string> free = {"materials", "receiver.noise_db"};
   if (!(initial.pulse.length_m > 0.0)) free.emplace_back("pulse.length_m");
+  for (std::string& name : MirrorsFreeByDefault(initial, material_names)) free.push_back(std::move(name));
   return free;
 }
 
