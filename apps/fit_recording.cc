@@ -23,8 +23,6 @@ namespace {
 
 constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
 
-// A pinhole sees less than 180 degrees.
-
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
 
