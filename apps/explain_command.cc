@@ -29,9 +29,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json ConfigurationJson(const ExplainCommandOptions& options, const ExplainedRecording& explained) {
-  Json json = {{"real", options.real.string()},   {"scene", options.scene.string()},
-               {"params", options.params.string()}, {"out", options.out.string()},
-               {"held_out", explained.split.held_out}, {"poses", options.poses},
+  Json json = {{"real", options.real.string()},           {"scene", options.scene.string()},
+               {"params", options.params.string()},       {"out", options.out.string()},
+               {"held_out", explained.split.held_out},    {"poses", options.poses},
                {"max_iterations", options.max_iterations}};
   json.update(SceneFormatJson(options.scene_format));
   json.update(RayOptionsJson(options.rays, explained.rays));
@@ -51,7 +51,8 @@ void WriteMaps(const ExplainedRecording& explained, const RunOutput& output) {
   }
 }
 
-HtmlReport MakeReport(const ExplainedRecording& explained, const RecordingInfo& info, const Json& provenance) {
+HtmlReport MakeReport(const ExplainedRecording& explained, const RecordingInfo& info,
+                      const Json& provenance) {
   HtmlReport report("What each part of the model explains", RecordingName(info));
   AddSyntheticCallout(report, info.synthetic, RecordingName(info));
   AddWaterfall(report, explained);
@@ -94,27 +95,28 @@ ExitStatus RunExplain(const ExplainCommandOptions& options) {
   if (options.common.json) {
     PrintJson(json);
   } else {
-    PrintResult(fmt::format("{}: {}report: {}\n", RecordingName(recording->info()), ExplanationText(explained),
-                            (options.out / "report.html").string()));
+    PrintResult(fmt::format("{}: {}report: {}\n", RecordingName(recording->info()),
+                            ExplanationText(explained), (options.out / "report.html").string()));
   }
   return ExitStatus::kDone;
 }
 
 void SetupExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainCommandOptions>();
-  CLI::App* command =
-      AddCommand(app, "explain",
-                 "Adds the acoustic model's parts one by one, says what each is worth on frames that were not "
-                 "fitted, and what every bright cell comes from");
+  CLI::App* command = AddCommand(
+      app, "explain",
+      "Adds the acoustic model's parts one by one, says what each is worth on frames that were not "
+      "fitted, and what every bright cell comes from");
   command->add_option("--real", options->real, "Recording to explain, at least two frames, a pose with each")
       ->type_name("REC")
       ->required();
   AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
                   /*required=*/true);
   command
-      ->add_option("--params", options->params,
-                   "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and where "
-                   "curves begin")
+      ->add_option(
+          "--params", options->params,
+          "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and where "
+          "curves begin")
       ->type_name("JSON")
       ->required();
   command->add_option("--out", options->out, "Folder for figures, maps and report")

@@ -2,10 +2,10 @@
 // cells come from (apps/explain_recording.h).
 //
 // Written: explain.json ("format": "sonar-explanation/1": "steps", each with its figures on the frames held
-// out, "gain_nats_per_pixel", "aic_change", "bic_change" and "verdict"; "causes" with "names", and by frame the
-// shares of its bright cells); causes_0006.png, an index into the names for each pixel of frame 6, range bins
-// by beams; lobes_0006.png, 16 bits: where the cause is a side lobe in azimuth, the beam whose direction it
-// comes from, counted from 1, else 0; causes_0006_picture.png, the map with its legend; params.json of the
+// out, "gain_nats_per_pixel", "aic_change", "bic_change" and "verdict"; "causes" with "names", and by frame
+// the shares of its bright cells); causes_0006.png, an index into the names for each pixel of frame 6, range
+// bins by beams; lobes_0006.png, 16 bits: where the cause is a side lobe in azimuth, the beam whose direction
+// it comes from, counted from 1, else 0; causes_0006_picture.png, the map with its legend; params.json of the
 // last step; report.html.
 #pragma once
 

@@ -28,8 +28,9 @@ struct ExplainRecordingOptions {
 
 // A step's agreement with the frames held out, of the expected image; from `speckle` on, occupancy of a draw.
 struct StepFigures {
-  std::optional<double> intensity_error = {};  // mean absolute difference over the whole polar image, of full scale
-  std::optional<double> iou = {};              // pooled over frames
+  std::optional<double> intensity_error =
+      {};                          // mean absolute difference over the whole polar image, of full scale
+  std::optional<double> iou = {};  // pooled over frames
   std::optional<double> ns_over_nr = {};
 };
 
@@ -50,8 +51,8 @@ struct ExplainedRecording {
   std::optional<double> floor_error = {};
   // The first two are kNotBright and kUnexplained.
   std::vector<std::string> cause_names;
-  std::vector<CauseMap> maps;          // of the frames held out
-  std::vector<double> cause_shares;    // of the bright cells of all maps, by name; the first is 0
+  std::vector<CauseMap> maps;        // of the frames held out
+  std::vector<double> cause_shares;  // of the bright cells of all maps, by name; the first is 0
 };
 
 inline constexpr std::uint8_t kNotBright = 0;

@@ -43,9 +43,10 @@ SimulationOptions WithinElevationBeam(SimulationOptions options, double width_de
 // speckle.
 PolarImage Shown(const std::vector<double>& mean_power, const PolarAxes& axes, const ParameterSet& parameters,
                  double full_scale, bool knows_speckle) {
-  PolarImage power{axes,
-                   {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
-                   Grid<float>(axes.range_bins, axes.beam_count())};
+  PolarImage power{
+      axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(axes.range_bins, axes.beam_count())};
   std::transform(mean_power.begin(), mean_power.end(), power.value.values().begin(),
                  [](double value) { return static_cast<float>(value); });
   return knows_speckle ? ExpectedDisplay(power, parameters, full_scale)
@@ -53,7 +54,8 @@ PolarImage Shown(const std::vector<double>& mean_power, const PolarAxes& axes, c
 }
 
 std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& mean_power,
-                                        const std::vector<GreyFrame>& frames, const ParameterSet& parameters) {
+                                        const std::vector<GreyFrame>& frames,
+                                        const ParameterSet& parameters) {
   std::vector<std::vector<double>> grey;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const PolarImage& image = frames[f].image;
@@ -147,8 +149,7 @@ class Explainer {
   }
 
   void AddGhosts(std::vector<std::string>& free) {
-    const std::vector<std::string> mirrors =
-        MirrorsFreeByDefault(given_, all_->caster().material_names());
+    const std::vector<std::string> mirrors = MirrorsFreeByDefault(given_, all_->caster().material_names());
     if (mirrors.empty()) {
       result_.left_out.emplace_back("ghosts: the parameters name no material of the scene as a mirror");
       return;
@@ -225,10 +226,11 @@ class Explainer {
                                const std::vector<std::vector<double>>& mean_power) const {
     const PolarAxes& axes = sonar_.axes;
     const ParameterSet& of = complete_;
-    const int bins = BlockAlong(options_.fit.block_bins, of.pulse.length_m / axes.range_bin_m(), axes.range_bins);
-    const int beams = BlockAlong(options_.fit.block_beams,
-                                 of.beam.azimuth_width_deg / DegFromRad(axes.beam_spacing_rad()),
-                                 axes.beam_count());
+    const int bins =
+        BlockAlong(options_.fit.block_bins, of.pulse.length_m / axes.range_bin_m(), axes.range_bins);
+    const int beams =
+        BlockAlong(options_.fit.block_beams, of.beam.azimuth_width_deg / DegFromRad(axes.beam_spacing_rad()),
+                   axes.beam_count());
     if (step.knows_speckle) return GreyLikelihood(frames, mean_power, step.parameters, bins, beams);
     return GreyLikelihood(frames, GreyOf(mean_power, frames, step.parameters), step.grey, bins, beams);
   }
@@ -241,7 +243,8 @@ class Explainer {
 
   void Judge() {
     result_.pixels_used = Likelihood(result_.steps.back(), used_, mean_used_).Pixels();
-    result_.pixels_a_cell = std::max(1.0, kCellWidths * grain_.bins) * std::max(1.0, kCellWidths * grain_.beams);
+    result_.pixels_a_cell =
+        std::max(1.0, kCellWidths * grain_.bins) * std::max(1.0, kCellWidths * grain_.beams);
     const double cells = result_.pixels_used / result_.pixels_a_cell;
     for (std::size_t i = 1; i < result_.steps.size(); ++i) {
       ExplainedStep& step = result_.steps[i];
@@ -255,8 +258,7 @@ class Explainer {
       if (step.gain.mean < -least) {
         step.verdict = Verdict::kWorse;
       } else {
-        step.verdict =
-            step.gain.mean > least && step.bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
+        step.verdict = step.gain.mean > least && step.bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
       }
     }
   }
@@ -318,7 +320,8 @@ Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vect
                     const std::vector<GreyFrame>& held_out, const ParameterSet& given,
                     const ExplainOptions& options) {
   if (used.empty()) throw DataError("explain: no frames");
-  if (held_out.empty()) throw DataError("explain: no frame is held out, and what a part is worth shows only there");
+  if (held_out.empty())
+    throw DataError("explain: no frame is held out, and what a part is worth shows only there");
   if (given.materials.empty()) throw DataError("explain: the parameters name no material");
   return Explainer(scene, sonar, used, held_out, given, options).Run();
 }

@@ -52,11 +52,11 @@ std::string_view ToString(Verdict verdict);  // "start", "worth it", "no more th
 
 struct ExplainedStep {
   ExplainedPart part = ExplainedPart::kStart;
-  ParameterSet parameters = {};  // fitted
+  ParameterSet parameters = {};              // fitted
   std::vector<FittedParameter> fitted = {};  // what was free, with its status
-  int determined = 0;            // fitted values that the data determine, beyond their priors
+  int determined = 0;                        // fitted values that the data determine, beyond their priors
   bool knows_speckle = false;
-  NormalGreyLaw grey = {};  // where it does not
+  NormalGreyLaw grey = {};                              // where it does not
   std::vector<std::vector<double>> mean_held_out = {};  // power, by frame and pixel
   std::vector<Pose> poses_held_out = {};
   double nats_used = 0.0;  // a pixel

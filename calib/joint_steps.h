@@ -1,9 +1,9 @@
 // Steps of poses and curves together, each judged by images traced anew.
 //
-// Pitch and the slope of a floor's curve over range hang together, and so do height and level: fitting the one
-// with the other held creeps along their valley, and a model that is linear in the pose, solved to its end,
-// leaves it. A step of Gauss and Newton over all of them, damped (Levenberg, Marquardt), goes down the valley
-// at once; it is taken only where the cost of the scene traced from the new poses is lower.
+// Pitch and the slope of a floor's curve over range hang together, and so do height and level: fitting the
+// one with the other held creeps along their valley, and a model that is linear in the pose, solved to its
+// end, leaves it. A step of Gauss and Newton over all of them, damped (Levenberg, Marquardt), goes down the
+// valley at once; it is taken only where the cost of the scene traced from the new poses is lower.
 #pragma once
 
 #include <functional>

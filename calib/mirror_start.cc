@@ -19,9 +19,8 @@ bool Names(const std::optional<std::vector<std::string>>& patterns, const std::s
 
 std::vector<std::string> MirrorsFreeByDefault(const ParameterSet& initial,
                                               const std::vector<std::string>& material_names) {
-  const bool any = std::any_of(material_names.begin(), material_names.end(), [&](const std::string& name) {
-    return initial.mirrors.contains(name);
-  });
+  const bool any = std::any_of(material_names.begin(), material_names.end(),
+                               [&](const std::string& name) { return initial.mirrors.contains(name); });
   if (!any) return {};
   std::vector<std::string> free = {"mirrors"};
   if (!(initial.beam.transmit_end_deg > 0.0)) free.emplace_back(kTransmitEnd);

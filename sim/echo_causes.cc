@@ -127,7 +127,8 @@ class CauseFinder {
     Grid<double> image(simulator_.sonar().axes.range_bins, beams);
     for (int bin = 0; bin < image.rows(); ++bin) {
       for (int beam = 0; beam < beams; ++beam)
-        image(bin, beam) = gain_[bin] * stack.values[(static_cast<std::size_t>(bin) * beams + beam) * stack.count + k];
+        image(bin, beam) =
+            gain_[bin] * stack.values[(static_cast<std::size_t>(bin) * beams + beam) * stack.count + k];
     }
     return image;
   }
@@ -280,7 +281,8 @@ double MainLobeEndRad(const ElevationResponse& response) {
   return 0.5 * kPi;
 }
 
-EchoCauses CausesOf(const Simulator& simulator, const Pose& world_from_sonar, const ParameterSet& parameters) {
+EchoCauses CausesOf(const Simulator& simulator, const Pose& world_from_sonar,
+                    const ParameterSet& parameters) {
   return CauseFinder(simulator, world_from_sonar, parameters).Find();
 }
 

@@ -42,7 +42,9 @@ OnNodes Between(CurvePart part, double angle_deg) {
   const auto above = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, angle_deg);
   const double low = *(above - 1);
   const double high = *above;
-  const auto fine = [](double deg) { return static_cast<std::uint32_t>(std::lround(deg / kIncidenceStepDeg)); };
+  const auto fine = [](double deg) {
+    return static_cast<std::uint32_t>(std::lround(deg / kIncidenceStepDeg));
+  };
   return {fine(low), fine(high), std::clamp((angle_deg - low) / (high - low), 0.0, 1.0)};
 }
 
@@ -93,7 +95,8 @@ GhostEchoes GatherGhostEchoes(const Simulator& simulator, const GhostList& ghost
   frame.materials = static_cast<int>(gathered.ways.size()) * gathered.materials * kCurveParts;
   for (int col = 0; col < fan.cols(); ++col) frame.column_azimuth_rad.push_back(fan.AzimuthRad(col));
 
-  const GhostPower power(ghosts.material_names, {simulator.sonar(), simulator.absorption_db_per_m()}, parameters);
+  const GhostPower power(ghosts.material_names, {simulator.sonar(), simulator.absorption_db_per_m()},
+                         parameters);
   const ArrivalGrid grid(frame.column_azimuth_rad, axes.range_min_m, axes.range_bin_m() / frame.range_steps,
                          frame.rows);
   std::vector<EchoShare> shares;
@@ -114,7 +117,8 @@ GhostEchoes GatherGhostEchoes(const Simulator& simulator, const GhostList& ghost
           const std::uint32_t base = (first + part) * kIncidenceNodes;
           const double of_second = at[part].of_second * of_cell;
           shares.push_back({cell, base + at[part].first, static_cast<float>(of_cell - of_second)});
-          if (of_second > 0.0) shares.push_back({cell, base + at[part].second, static_cast<float>(of_second)});
+          if (of_second > 0.0)
+            shares.push_back({cell, base + at[part].second, static_cast<float>(of_second)});
         }
       });
     });

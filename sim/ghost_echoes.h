@@ -1,5 +1,5 @@
-// The ghosts behind each pixel of a frame through a fixed point spread function, as sim/pixel_echoes.h has its
-// direct echoes: a pixel's mean power is again a short sum, now by way, material and part of its curve,
+// The ghosts behind each pixel of a frame through a fixed point spread function, as sim/pixel_echoes.h has
+// its direct echoes: a pixel's mean power is again a short sum, now by way, material and part of its curve,
 //
 //   S(r, b) = sum over ways of 10^(-(losses of the way's reflections) / 10)
 //               sum over entries of weight x sigma_material,part(angle),

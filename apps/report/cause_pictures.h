@@ -24,6 +24,7 @@ RgbImage WithLegend(const RgbImage& picture, const Grid<std::uint8_t>& cause,
                     const std::vector<std::string>& names);
 
 // Of the names that occur in any of the maps.
-std::vector<LegendEntry> CauseLegend(const std::vector<CauseMap>& maps, const std::vector<std::string>& names);
+std::vector<LegendEntry> CauseLegend(const std::vector<CauseMap>& maps,
+                                     const std::vector<std::string>& names);
 
 }  // namespace sonarcal

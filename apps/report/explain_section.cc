@@ -70,40 +70,46 @@ std::vector<std::pair<double, std::string>> Shares(const ExplainedRecording& exp
     if (explained.cause_shares[name] > 0.0)
       shares.emplace_back(explained.cause_shares[name], explained.cause_names[name]);
   }
-  std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
   return shares;
 }
 
 Table StepTable(const ExplainedRecording& explained) {
-  Table table{.caption = "Each part added to those above it, fitted again, and judged on frames that no fit saw",
-              .columns = {{"Added"},
-                          {"Intensity error", "of full scale"},
-                          {"IoU"},
-                          {"Ns/Nr"},
-                          {"Gain, held out", "nats a pixel"},
-                          {"AIC", "change"},
-                          {"BIC", "change"},
-                          {"Fitted", "values"},
-                          {"Verdict", {}, false}},
-              .rows = {}};
+  Table table{
+      .caption = "Each part added to those above it, fitted again, and judged on frames that no fit saw",
+      .columns = {{"Added"},
+                  {"Intensity error", "of full scale"},
+                  {"IoU"},
+                  {"Ns/Nr"},
+                  {"Gain, held out", "nats a pixel"},
+                  {"AIC", "change"},
+                  {"BIC", "change"},
+                  {"Fitted", "values"},
+                  {"Verdict", {}, false}},
+      .rows = {}};
   const std::vector<ExplainedStep>& steps = explained.explanation.steps;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const ExplainedStep& step = steps[i];
     const StepFigures& figures = explained.figures[i];
     const bool first = i == 0;
     table.rows.push_back(
-        {.cells = {std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.iou, 3),
-                   Text(figures.ns_over_nr, 3),
-                   first ? "–" : fmt::format("{} ± {}", FormatNumber(step.gain.mean, 4), FormatNumber(step.gain.sigma, 4)),
-                   first ? "–" : FormatNumber(step.aic_change, 0), first ? "–" : FormatNumber(step.bic_change, 0),
-                   fmt::format("{}", step.determined), std::string(ToString(step.verdict))}});
+        {.cells = {
+             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.iou, 3),
+             Text(figures.ns_over_nr, 3),
+             first
+                 ? "–"
+                 : fmt::format("{} ± {}", FormatNumber(step.gain.mean, 4), FormatNumber(step.gain.sigma, 4)),
+             first ? "–" : FormatNumber(step.aic_change, 0), first ? "–" : FormatNumber(step.bic_change, 0),
+             fmt::format("{}", step.determined), std::string(ToString(step.verdict))}});
   }
   table.notes.push_back(fmt::format(
       "Worth it: likelier on the frames held out by more than two standard errors, and BIC falls. Both "
-      "criteria count {:.0f} independent cells in the frames used, not {:.0f} pixels: speckle is alike over {:.1f} "
+      "criteria count {:.0f} independent cells in the frames used, not {:.0f} pixels: speckle is alike over "
+      "{:.1f} "
       "of them.",
-      explained.explanation.pixels_used / explained.explanation.pixels_a_cell, explained.explanation.pixels_used,
-      explained.explanation.pixels_a_cell));
+      explained.explanation.pixels_used / explained.explanation.pixels_a_cell,
+      explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
   table.notes.emplace_back(
       "Intensity error: mean absolute difference of grey values over the whole polar image. Until speckle is "
       "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
@@ -168,10 +174,11 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained) {
   }
   waterfall.alt = alt;
   report.Section("What each part is worth");
-  report.Add(waterfall, fmt::format("Frames {}, which no fit saw. Blue: what is left; pale green: what a part "
-                                    "took away; red: what it added. The dashed line is what speckle leaves of "
-                                    "the last model's own draws: none is below it.",
-                                    FrameList(explained.split.held_out)));
+  report.Add(waterfall,
+             fmt::format("Frames {}, which no fit saw. Blue: what is left; pale green: what a part "
+                         "took away; red: what it added. The dashed line is what speckle leaves of "
+                         "the last model's own draws: none is below it.",
+                         FrameList(explained.split.held_out)));
   report.Add(StepTable(explained));
   for (const ExplainedStep& step : steps) {
     report.Paragraph(fmt::format("{}: {}.", TitleOf(step.part), WhatOf(step.part)));
@@ -187,9 +194,10 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained) {
   std::string sentence = CauseSentence(explained);
   if (!sentence.empty()) sentence.front() = static_cast<char>(std::toupper(sentence.front()));
   report.Paragraph(sentence + ".");
-  PictureRow row{.caption = "Recorded (left) and what each bright cell comes from by the last model (right); "
-                            "nearest range at the top. A cell is bright where the recorded power about it is "
-                            "twice the noise floor, and not explained where it is three times what is expected.",
+  PictureRow row{.caption =
+                     "Recorded (left) and what each bright cell comes from by the last model (right); "
+                     "nearest range at the top. A cell is bright where the recorded power about it is "
+                     "twice the noise floor, and not explained where it is three times what is expected.",
                  .pictures = {},
                  .columns = 2,
                  .legend = CauseLegend(explained.maps, explained.cause_names)};
@@ -198,11 +206,14 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained) {
     const CauseMap& map = explained.maps[i];
     row.pictures.push_back({.png = EncodePng(StretchPolar(Colorize(map.recorded))),
                             .caption = fmt::format("Frame {}, recorded", map.index)});
-    row.pictures.push_back(
-        {.png = EncodePng(CausePicture(map.cause)), .caption = fmt::format("Frame {}, causes", map.index), .crisp = true});
+    row.pictures.push_back({.png = EncodePng(CausePicture(map.cause)),
+                            .caption = fmt::format("Frame {}, causes", map.index),
+                            .crisp = true});
   }
   report.Add(row);
-  Table table{.caption = "Shares of the bright cells of the frames held out", .columns = {{"Cause"}, {"Share", "%"}}, .rows = {}};
+  Table table{.caption = "Shares of the bright cells of the frames held out",
+              .columns = {{"Cause"}, {"Share", "%"}},
+              .rows = {}};
   for (const auto& [share, name] : Shares(explained))
     table.rows.push_back({{name, FormatNumber(100.0 * share, 1)}});
   if (!table.rows.empty()) report.Add(table);
@@ -266,7 +277,8 @@ Json ExplanationJson(const ExplainedRecording& explained) {
           {"speckle_floor_error", NumberOrNull(explained.floor_error)},
           {"pixels_used", of.pixels_used},
           {"pixels_a_cell", of.pixels_a_cell},
-          {"causes", {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
+          {"causes",
+           {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
 }
 
 std::string ExplanationText(const ExplainedRecording& explained) {
@@ -278,15 +290,18 @@ std::string ExplanationText(const ExplainedRecording& explained) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const ExplainedStep& step = steps[i];
     const StepFigures& figures = explained.figures[i];
-    const std::string gain = i == 0 ? std::string("-") : fmt::format("{:+.4f} +- {:.4f}", step.gain.mean, step.gain.sigma);
+    const std::string gain =
+        i == 0 ? std::string("-") : fmt::format("{:+.4f} +- {:.4f}", step.gain.mean, step.gain.sigma);
     const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", step.bic_change);
     text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(step.part),
-                        Text(figures.intensity_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3), gain,
-                        bic, i == 0 ? "" : ToString(step.verdict));
+                        Text(figures.intensity_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
+                        gain, bic, i == 0 ? "" : ToString(step.verdict));
   }
   if (explained.floor_error)
-    text += fmt::format("  {:<20}  {:>9.4f}  that no model is below\n", "speckle alone", *explained.floor_error);
-  for (const std::string& sentence : explained.explanation.left_out) text += fmt::format("  left out: {}\n", sentence);
+    text +=
+        fmt::format("  {:<20}  {:>9.4f}  that no model is below\n", "speckle alone", *explained.floor_error);
+  for (const std::string& sentence : explained.explanation.left_out)
+    text += fmt::format("  left out: {}\n", sentence);
   return text + CauseSentence(explained) + "\n";
 }
 

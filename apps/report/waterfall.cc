@@ -49,9 +49,8 @@ std::string Drawing(const Waterfall& waterfall) {
     bar("plain", 0.0, std::min(row.value, before), y);
     bar(row.value <= before ? "taken" : "worse", std::min(row.value, before), std::max(row.value, before), y);
     const double middle = y + 0.5 * kBar;
-    svg += fmt::format(
-        R"(<text class="name" x="{:.1f}" y="{:.1f}" text-anchor="end" dy="0.35em">{}</text>)", kLeft - 10.0,
-        middle, EscapeHtml(row.label));
+    svg += fmt::format(R"(<text class="name" x="{:.1f}" y="{:.1f}" text-anchor="end" dy="0.35em">{}</text>)",
+                       kLeft - 10.0, middle, EscapeHtml(row.label));
     svg += fmt::format(R"(<text class="word {}" x="{:.1f}" y="{:.1f}" dy="0.35em">{}  {}</text>)",
                        ClassOf(row.mood), kLeft + kBars + 10.0, middle,
                        FormatNumber(row.value, waterfall.decimals), EscapeHtml(row.word));

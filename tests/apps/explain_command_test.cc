@@ -47,8 +47,8 @@ class ExplainCommand : public ::testing::Test {
 
   std::string Arguments(const std::string& extra = "") const {
     return "explain --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
-           Quoted(world_.params()) + " --out " + Quoted(world_ / "out") + " --rays 96x200 --max-iterations 20 " +
-           extra;
+           Quoted(world_.params()) + " --out " + Quoted(world_ / "out") +
+           " --rays 96x200 --max-iterations 20 " + extra;
   }
 
   TinyWorld world_;
@@ -73,7 +73,8 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   }
   EXPECT_EQ(parts, (std::vector<std::string>{"start", "response", "elevation", "noise", "materials", "ghosts",
                                              "speckle"}));
-  // Expected images are nearer to the recorded in the end than to begin with, and not below their own speckle.
+  // Expected images are nearer to the recorded in the end than to begin with, and not below their own
+  // speckle.
   const double last = json["steps"].back()["intensity_error"];
   EXPECT_LT(last, json["steps"][0]["intensity_error"].get<double>());
   EXPECT_GT(last, 0.8 * json["speckle_floor_error"].get<double>());

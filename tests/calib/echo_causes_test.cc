@@ -145,7 +145,8 @@ TEST_F(EchoCausesTest, ASideLobeNamesTheBeamItComesFrom) {
   parameters.mirrors.clear();
   parameters.materials["post"] = parameters.materials["box"];
   const Simulator simulator(post, testing::SmallSonar(), testing::SmallTankOptions());
-  const EchoCauses causes = CausesOf(simulator, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}}, parameters);
+  const EchoCauses causes =
+      CausesOf(simulator, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}}, parameters);
   const Grid<int> largest = causes.Largest();
   int lobes = 0;
   for (int bin = 0; bin < largest.rows(); ++bin) {

@@ -52,7 +52,8 @@ class ExplanationTest : public ::testing::Test {
       for (const double aside_m : {0.0, 0.15}) {
         Pose at = pose;
         at.position_m.x() += aside_m;
-        const GreyFrame frame{.index = index, .world_from_sonar = at, .image = simulator.Render(at, truth, index)};
+        const GreyFrame frame{
+            .index = index, .world_from_sonar = at, .image = simulator.Render(at, truth, index)};
         (index % 4 == 1 ? frames.held_out : frames.used).push_back(frame);
         ++index;
       }
@@ -105,7 +106,8 @@ TEST_F(ExplanationTest, GhostsThatAreThereAreWorthIt) {
   EXPECT_EQ(StepOf(explanation, ExplainedPart::kNoise).verdict, Verdict::kWorthIt);
   EXPECT_EQ(StepOf(explanation, ExplainedPart::kSpeckle).verdict, Verdict::kWorthIt);
   EXPECT_TRUE(StepOf(explanation, ExplainedPart::kSpeckle).knows_speckle);
-  EXPECT_LT(ErrorOf(explanation.steps.back(), frames.held_out), ErrorOf(explanation.steps.front(), frames.held_out));
+  EXPECT_LT(ErrorOf(explanation.steps.back(), frames.held_out),
+            ErrorOf(explanation.steps.front(), frames.held_out));
   // By hand: the criteria are twice the nats of independent cells, and what values cost.
   const double cells = explanation.pixels_used / explanation.pixels_a_cell;
   const double nats = cells * (ghosts.nats_used - before.nats_used);
@@ -130,15 +132,20 @@ TEST_F(ExplanationTest, WithoutMirrorsGhostsAreLeftOut) {
                                           frames.held_out, given, Explaining());
   EXPECT_EQ(explanation.steps.size(), 6U);
   ASSERT_EQ(explanation.left_out.size(), 1U);
-  EXPECT_THROW(Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used, {}, given, Explaining()),
-               DataError);
+  EXPECT_THROW(
+      Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used, {}, given, Explaining()),
+      DataError);
 }
 
 // The plain law against its closed form: a normal law's mean log-likelihood about its own mean and spread.
 TEST(NormalGreyLaw, IsFoundByMediansAndHasItsEntropy) {
-  GreyFrame frame{.index = 0, .world_from_sonar = {}, .image = PolarImage{testing::SmallSonar().axes,
-                                      {.quantity = Quantity::kGrey, .full_scale = 255.0, .db_min = {}, .db_max = {}, .db_span = {}},
-                                      Grid<float>(160, 48)}};
+  GreyFrame frame{
+      .index = 0,
+      .world_from_sonar = {},
+      .image = PolarImage{
+          testing::SmallSonar().axes,
+          {.quantity = Quantity::kGrey, .full_scale = 255.0, .db_min = {}, .db_max = {}, .db_span = {}},
+          Grid<float>(160, 48)}};
   std::vector<std::vector<double>> expected(1);
   constexpr double kSigma = 9.0;
   const std::size_t count = frame.image.value.size();
@@ -158,7 +165,8 @@ TEST(NormalGreyLaw, IsFoundByMediansAndHasItsEntropy) {
   EXPECT_NEAR(law.offset, 20.0, 0.5);
   EXPECT_NEAR(law.sigma, kSigma, 0.6) << "medians of whole levels";
   const double entropy = 0.5 * std::log(2.0 * kPi * std::exp(1.0) * kSigma * kSigma);
-  EXPECT_NEAR(-GreyLikelihood({frame}, expected, {.offset = 20.0, .sigma = kSigma}, 8, 8).PerPixel(), entropy, 0.02);
+  EXPECT_NEAR(-GreyLikelihood({frame}, expected, {.offset = 20.0, .sigma = kSigma}, 8, 8).PerPixel(), entropy,
+              0.02);
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ class GhostEchoesTest : public ::testing::Test {
     return sum;
   }
 
-  const Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(), testing::SmallTankOptions()};
+  const Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(),
+                             testing::SmallTankOptions()};
 };
 
 TEST_F(GhostEchoesTest, TheSumOfAPixelIsTheImageThatRaysMake) {

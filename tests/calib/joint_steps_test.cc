@@ -52,8 +52,7 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
 
   double mean_deg = 0.0;
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    const PoseStep off =
-        StepBetween(tank.TruePose(model.frame_index(frame)), model.PoseOf(frame, values));
+    const PoseStep off = StepBetween(tank.TruePose(model.frame_index(frame)), model.PoseOf(frame, values));
     mean_deg += off(4) / model.frame_count();
     EXPECT_LT(off.head<3>().norm(), 0.01) << "metres, of frame " << model.frame_index(frame);
   }

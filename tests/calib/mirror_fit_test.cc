@@ -1,5 +1,5 @@
-// Losses of mirrors in a fit: the model against the image that rays make, rays counted, losses found, and what
-// is said of a mirror that shows nothing.
+// Losses of mirrors in a fit: the model against the image that rays make, rays counted, losses found, and
+// what is said of a mirror that shows nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -147,8 +147,7 @@ TEST_F(MirrorFit, WhatNobodySaysIsStartedFrom) {
   ParameterSet start = Truth();
   start.beam.transmit_even_deg = 0.0;
   start.beam.transmit_end_deg = 0.0;
-  const std::vector<std::string> free =
-      MirrorsFreeByDefault(start, simulator_.caster().material_names());
+  const std::vector<std::string> free = MirrorsFreeByDefault(start, simulator_.caster().material_names());
   EXPECT_EQ(free, (std::vector<std::string>{"mirrors", "beam.transmit_end_deg"}));
   EXPECT_TRUE(MirrorsFreeByDefault(testing::SmallTankAcousticTruth(), {"floor"}).empty());
   EXPECT_EQ(MirrorsFreeByDefault(Truth(), {"floor"}), std::vector<std::string>{"mirrors"});
