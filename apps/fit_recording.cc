@@ -8,13 +8,13 @@
 #include <numeric>
 #include <optional>
 
+#include "apps/fit_frames.h"
 #include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
-#include "sim/acoustic_fan.h"
 #include "sim/acoustic_image.h"
 #include "sim/power_response.h"
 
@@ -22,9 +22,6 @@ namespace sonarcal {
 namespace {
 
 constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
-
-// A pinhole sees less than 180 degrees.
-constexpr double kWidestFrustumDeg = 120.0;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
@@ -58,33 +55,6 @@ class ExpectedRecording final : public RecordingSource {
   RecordingInfo info_;
 };
 
-void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
-                   const FitRecordingOptions& options) {
-  if (initial.model == EchoModel::kCoherent) {
-    throw DataError(
-        "the parameters name the model 'coherent', but only 'paper' and 'acoustic' can be fitted");
-  }
-  if (!options.choose.empty() && initial.model != EchoModel::kAcoustic) {
-    throw DataError("the parameters name the model '{}', but only of 'acoustic' forms can be chosen",
-                    ToString(initial.model));
-  }
-  const RecordingInfo& info = recording.info();
-  if (info.scale.quantity != Quantity::kGrey) {
-    throw DataError("{}: the images hold {}, expected grey levels", info.source,
-                    ToString(info.scale.quantity));
-  }
-  const std::optional<Compression>& compression = info.settings.compression;
-  const bool by_power = initial.display.law == DisplayLaw::kPower;
-  if (compression && initial.model == EchoModel::kAcoustic &&
-      by_power != (*compression == Compression::kPower)) {
-    throw DataError("{}: grey values go by {}, but the parameters' display.law is '{}', expected {}",
-                    info.source,
-                    *compression == Compression::kPower ? "a power of the amplitude" : "the logarithm",
-                    ToString(initial.display.law),
-                    *compression == Compression::kPower ? "'power'" : "'log' or 'soft_log'");
-  }
-}
-
 // One display is fitted: frames made with other settings would be taken for other echoes.
 void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
   std::vector<int> frames = split.used;
@@ -100,40 +70,6 @@ void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
         "'convert --frames A:B'",
         recording.info().source, mismatch, first.name, frame.name);
   }
-}
-
-// Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
-// expected ones, are speckled samples.
-SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
-                                     const Water& water, ParameterSet parameters) {
-  const RayOptions& rays = of.rays;
-  SimulationOptions options = rays.For(sonar, water, EchoModel::kAcoustic);
-  const RayFanOptions asked = options.fan;
-  options.noise = true;
-  // Rays for whatever pattern is tried.
-  if (std::count(of.choose.begin(), of.choose.end(), ChoiceAxis::kElevation) > 0)
-    parameters.beam.elevation_pattern = ElevationPattern::kCosine;
-  options.fan = AcousticFanOptions(sonar, parameters);
-  if (!rays.rays.empty()) {
-    options.fan.sampling = asked.sampling;
-    options.fan.cols = asked.cols;
-    options.fan.rows = asked.rows;
-    if (asked.sampling == Sampling::kFrustum) {
-      options.fan.row_crowding = 1.0;
-      options.fan.elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg);
-    }
-  }
-  return options;
-}
-
-std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::vector<TimedPose>& poses,
-                                       const FitRecordingOptions& options) {
-  std::vector<EchoHistogram> echoes;
-  for (const TimedPose& pose : poses) {
-    echoes.push_back(GatherEchoes(simulator.TraceEchoes(pose.world_from_sonar), simulator.sonar().axes));
-    if (options.on_trace) options.on_trace(static_cast<int>(echoes.size()), static_cast<int>(poses.size()));
-  }
-  return echoes;
 }
 
 std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistogram>& echoes,
@@ -181,37 +117,12 @@ std::map<int, Mask> RegionsAround(const std::string& material, const std::vector
   return regions;
 }
 
-// 1 for the pixels that hold a measurement and are to be looked at; empty: all.
-std::vector<std::uint8_t> UsedPixels(const RecordingInfo& info, const FitRecordingOptions& options) {
-  const std::optional<Mask> use = Both(info.valid, options.pixels);
-  if (!use) return {};
-  return {use->values().begin(), use->values().end()};
-}
-
 FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
                    const ImageGeometry& geometry, const std::vector<std::string>& materials,
                    const std::vector<int>& used, const FitRecordingOptions& options,
                    const ParameterSet& initial) {
-  std::vector<FitFrame> frames;
-  for (const int index : used) {
-    frames.push_back({.index = index,
-                      .echoes = echoes[index],
-                      .measured = MeasuredForFit(recording.ReadFrame(index).image),
-                      .use = UsedPixels(recording.info(), options)});
-  }
+  const std::vector<FitFrame> frames = PaperFrames(recording, echoes, used, options);
   return FitPaperModel(frames, geometry, materials, initial, options.config, options.fit);
-}
-
-PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry,
-                      const PaperParameters<double>& parameters) {
-  const std::vector<double> values = ExpectedPaperImage(echoes, geometry, parameters);
-  PolarImage image{
-      geometry.axes,
-      {.quantity = Quantity::kGrey, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
-      Grid<float>(geometry.axes.range_bins, geometry.axes.beam_count())};
-  std::transform(values.begin(), values.end(), image.value.values().begin(),
-                 [](double value) { return static_cast<float>(value); });
-  return image;
 }
 
 ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
@@ -230,20 +141,6 @@ ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
   ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
   if (options.on_note) choice.fit.progress = options.on_note;
   return ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config, choice);
-}
-
-std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
-                                          const std::vector<TimedPose>& poses,
-                                          const std::vector<int>& indices, const FitRecordingOptions& options,
-                                          const DisplayParameters<double>& display) {
-  std::vector<AcousticFrame> frames;
-  for (const int index : indices) {
-    frames.push_back({.index = index,
-                      .world_from_sonar = poses[index].world_from_sonar,
-                      .recorded = RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = UsedPixels(recording.info(), options)});
-  }
-  return frames;
 }
 
 // Where every frame was taken from, as far as the fit moved poses: frames held out follow the mount offset,
