@@ -4,15 +4,8 @@
 
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
-#include "sim/acoustic_fan.h"
 
 namespace sonarcal {
-namespace {
-
-// A pinhole sees less than 180 degrees.
-constexpr double kWidestFrustumDeg = 120.0;
-
-}  // namespace
 
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options) {
@@ -43,23 +36,11 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
 
 SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
                                      const Water& water, ParameterSet parameters) {
-  const RayOptions& rays = of.rays;
-  SimulationOptions options = rays.For(sonar, water, EchoModel::kAcoustic);
-  const RayFanOptions asked = options.fan;
-  options.noise = true;
   // Rays for whatever pattern is tried.
   if (std::count(of.choose.begin(), of.choose.end(), ChoiceAxis::kElevation) > 0)
     parameters.beam.elevation_pattern = ElevationPattern::kCosine;
-  options.fan = AcousticFanOptions(sonar, parameters);
-  if (!rays.rays.empty()) {
-    options.fan.sampling = asked.sampling;
-    options.fan.cols = asked.cols;
-    options.fan.rows = asked.rows;
-    if (asked.sampling == Sampling::kFrustum) {
-      options.fan.row_crowding = 1.0;
-      options.fan.elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg);
-    }
-  }
+  SimulationOptions options = of.rays.For(sonar, water, parameters);
+  options.noise = true;
   return options;
 }
 

@@ -18,7 +18,6 @@
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
 #include "apps/simulate_resume.h"
-#include "apps/simulation_setup.h"
 #include "data_io/fan_image.h"
 #include "data_io/image_io.h"
 #include "data_io/json_writer.h"
@@ -150,12 +149,12 @@ ResolvedSimulation ResolveSimulation(const SimulateOptions& options, const Sonar
   CheckFrozenSpeckle(options, parameters.model);
   CheckRayWeight(options.rays.weight, parameters.model);
   const WaterChoice water = ChooseWater(parameters, choice.water);
-  SimulationOptions simulation =
-      SimulationFor(options.rays, choice.sonar, water.water, parameters, options.margin_deg);
+  SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters);
   simulation.bits = options.bits;
   simulation.noise = IsRandom(options, parameters.model);
   simulation.frozen_speckle = options.frozen_speckle;
   simulation.ghost_order = options.ghost_order;
+  if (options.margin_deg) simulation.fan.azimuth_margin_deg = *options.margin_deg;
   simulation.seed = options.seed;
   return {.parameters = std::move(parameters), .simulation = simulation, .water_note = water.note};
 }

@@ -19,7 +19,7 @@ struct TankResult {
   std::string metrics;
   std::shared_ptr<RecordingSource> recording;
   Scene scene;
-  std::string paper;     // params.json of the fitted models
+  std::string paper;  // params.json of the fitted models
   std::string acoustic;
 };
 
@@ -56,8 +56,8 @@ void BindReproduce(py::module_& module) {
       "_known_bomb",
       [](const std::filesystem::path& folder) {
         KnownBomb bomb = PrepareBomb(folder);
-        return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)), std::move(bomb.scene),
-                              ParametersJson(bomb.initial).dump());
+        return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)),
+                              std::move(bomb.scene), ParametersJson(bomb.initial).dump());
       },
       py::arg("folder"));
 }

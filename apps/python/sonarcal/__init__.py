@@ -12,7 +12,7 @@ levels in dB, as their names say; arrays named `_rad` are in radians.
 
 Images and axes are read-only views of the library's memory, kept alive by the array: copy one to change it. Long
 calls let other threads of Python run, call `progress(what, done, total)` where one is given (`total` 0: unknown),
-and end by KeyboardInterrupt on Ctrl-C. What a user should not miss goes to the logger "sonarcal".
+and end by KeyboardInterrupt on Ctrl-C. What a user should not miss goes to the logger "sonarcal", once in a session.
 
 A wrong file or value is a DataError, a wrong option a UsageError, both ValueErrors, in the sentence of the command.
 """
@@ -69,14 +69,17 @@ Size = Union[str, Sequence[float]]  # (range bins, beams), or "RxC"
 Interval = Union[str, Sequence[float]]  # (low, high), or "A:B"
 
 _log = logging.getLogger("sonarcal")
+_warned: set[str] = set()
 
 
 def _say(sentence: str) -> None:
-    warning = "warning: "
-    if sentence.startswith(warning):
-        _log.warning(sentence[len(warning):])
-    else:
+    """A caution is said once in a session, what is being done each time."""
+    caution = sentence.removeprefix("warning: ")
+    if caution == sentence:
         _log.info(sentence)
+    elif caution not in _warned:
+        _warned.add(caution)
+        _log.warning(caution)
 
 
 def _plain(value: Any) -> Any:
