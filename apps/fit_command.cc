@@ -160,15 +160,29 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
 
 }  // namespace
 
-FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet& initial) {
+FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet& initial,
+                           const Scene& scene) {
   FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
   if (!options.free.empty()) config.free = options.free;
   if (!config.free) {
-    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault() : AcousticFreeByDefault(initial);
+    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault()
+                                                     : AcousticFreeByDefault(initial, scene.material_names);
   }
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out;
   return config;
+}
+
+std::vector<std::string> FitCaveats(const ParameterSet& initial, const Scene& scene) {
+  if (initial.model == EchoModel::kPaper && !initial.mirrors.empty())
+    return {"warning: the paper's model shows no ghosts of the parameters' mirrors"};
+  std::vector<std::string> sentences;
+  const std::vector<std::string>& materials = scene.material_names;
+  for (const auto& [name, mirror] : initial.mirrors) {
+    if (std::find(materials.begin(), materials.end(), name) == materials.end())
+      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
+  }
+  return sentences;
 }
 
 RecordingFit FitAsAsked(const FitCommandOptions& options, const RecordingSource& recording,
@@ -215,17 +229,11 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ReadParameters(options.params);
-  if (!initial.mirrors.empty()) {
-    PrintNote(options.common,
-              fmt::format(
-                  "warning: {}: its mirrors stay as they are and their echoes are not in the fitted images: "
-                  "ghosts are simulated, not fitted",
-                  options.params.string()));
-  }
-  const FitConfig config = ResolveFitConfig(options, initial);
   const auto recording = OpenRecording(options.real);
-  RunOutput output(options.out);
   const Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
+  const FitConfig config = ResolveFitConfig(options, initial, scene);
+  for (const std::string& sentence : FitCaveats(initial, scene)) PrintNote(options.common, sentence);
+  RunOutput output(options.out);
   Progress progress("Tracing", recording->frame_count(), options.common);
   const RecordingFit fit =
       FitAsAsked(options, *recording, scene, config, initial,
@@ -288,10 +296,12 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
            "Frames the fit does not see, counted from 0 (default: the last third)", "N,N");
   add_list(
       "--free", options->free,
-      "What is fitted: materials, noise, psf, pose, mount, display, jitter, source_level, or names with * "
-      "(default: "
-      "materials, with the paper model display.db_max and the range and azimuth errors, with the acoustic "
-      "model receiver.noise_db and, where it is not given, pulse.length_m)",
+      "What is fitted: materials, noise, psf, mirrors, pose, mount, display, jitter, source_level, or names "
+      "with * (default: materials, with the paper model display.db_max and the range and azimuth errors, "
+      "with "
+      "the acoustic model receiver.noise_db, mirrors and, where they are not given, pulse.length_m and "
+      "beside "
+      "mirrors beam.transmit_end_deg)",
       "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");

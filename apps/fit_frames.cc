@@ -34,16 +34,6 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
   }
 }
 
-SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
-                                     const Water& water, ParameterSet parameters) {
-  // Rays for whatever pattern is tried.
-  if (std::count(of.choose.begin(), of.choose.end(), ChoiceAxis::kElevation) > 0)
-    parameters.beam.elevation_pattern = ElevationPattern::kCosine;
-  SimulationOptions options = of.rays.For(sonar, water, parameters);
-  options.noise = true;
-  return options;
-}
-
 std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::vector<TimedPose>& poses,
                                        const FitRecordingOptions& options) {
   std::vector<EchoHistogram> echoes;
@@ -54,12 +44,6 @@ std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::ve
   return echoes;
 }
 
-std::vector<std::uint8_t> UsedPixels(const RecordingInfo& info, const FitRecordingOptions& options) {
-  const std::optional<Mask> use = Both(info.valid, options.pixels);
-  if (!use) return {};
-  return {use->values().begin(), use->values().end()};
-}
-
 std::vector<FitFrame> PaperFrames(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
                                   const std::vector<int>& indices, const FitRecordingOptions& options) {
   std::vector<FitFrame> frames;
@@ -67,7 +51,7 @@ std::vector<FitFrame> PaperFrames(const RecordingSource& recording, const std::v
     frames.push_back({.index = index,
                       .echoes = echoes[index],
                       .measured = MeasuredForFit(recording.ReadFrame(index).image),
-                      .use = UsedPixels(recording.info(), options)});
+                      .use = ValidPixels(recording.info(), options.pixels)});
   }
   return frames;
 }
@@ -81,7 +65,7 @@ std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
                       .recorded = RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = UsedPixels(recording.info(), options)});
+                      .use = ValidPixels(recording.info(), options.pixels)});
   }
   return frames;
 }

@@ -1,8 +1,7 @@
 // What a fit is made from, for whoever wants to look at its model without fitting: the checks of a recording,
-// the simulation of its sonar, and its frames as the models of calib/ take them.
+// and its frames as the models of calib/ take them.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "apps/fit_recording.h"
@@ -15,17 +14,9 @@ namespace sonarcal {
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options);
 
-// Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
-// expected ones, are speckled samples.
-SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
-                                     const Water& water, ParameterSet parameters);
-
 // The echoes behind each pixel, by pose.
 std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::vector<TimedPose>& poses,
                                        const FitRecordingOptions& options);
-
-// 1 for the pixels that hold a measurement and are to be looked at; empty: all.
-std::vector<std::uint8_t> UsedPixels(const RecordingInfo& info, const FitRecordingOptions& options);
 
 // The frames of these indices. `echoes` and `poses` are those of the whole recording.
 std::vector<FitFrame> PaperFrames(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,

@@ -12,6 +12,7 @@
 #include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
+#include "calib/mirror_start.h"
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -54,23 +55,6 @@ class ExpectedRecording final : public RecordingSource {
   RenderFrame render_;
   RecordingInfo info_;
 };
-
-// One display is fitted: frames made with other settings would be taken for other echoes.
-void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
-  std::vector<int> frames = split.used;
-  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
-  const FrameInfo first = recording.frame_info(frames.front());
-  for (const int index : frames) {
-    const FrameInfo frame = recording.frame_info(index);
-    const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
-    if (mismatch.empty()) continue;
-    throw DataError(
-        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
-        "out with "
-        "'convert --frames A:B'",
-        recording.info().source, mismatch, first.name, frame.name);
-  }
-}
 
 std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistogram>& echoes,
                                                     const std::vector<int>& frames,
@@ -134,7 +118,7 @@ ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
       frames.push_back({.index = index,
                         .world_from_sonar = poses[index].world_from_sonar,
                         .image = recording.ReadFrame(index).image,
-                        .use = UsedPixels(recording.info(), options)});
+                        .use = ValidPixels(recording.info(), options.pixels)});
     }
     return frames;
   };
@@ -168,8 +152,8 @@ std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simul
 std::vector<double> EchoesExpected(const Simulator& simulator, const ParameterSet& parameters,
                                    const Pose& world_from_sonar) {
   const AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  const ScatterMap scatter =
-      MakeScatterMap(simulator.TraceEchoes(world_from_sonar), simulator.fan(), geometry, parameters);
+  const ScatterMap scatter = simulator.Scatter(simulator.TraceEchoes(world_from_sonar), parameters,
+                                               simulator.TraceGhosts(world_from_sonar, parameters));
   const PolarImage power = ExpectedPower(scatter, geometry, parameters);
   const Grid<double> noise = NoiseFloorPower(geometry, parameters);
   std::vector<double> echoes(noise.size());
@@ -179,6 +163,35 @@ std::vector<double> EchoesExpected(const Simulator& simulator, const ParameterSe
 }
 
 }  // namespace
+
+void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
+  std::vector<int> frames = split.used;
+  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
+  const FrameInfo first = recording.frame_info(frames.front());
+  for (const int index : frames) {
+    const FrameInfo frame = recording.frame_info(index);
+    const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
+    if (mismatch.empty()) continue;
+    throw DataError(
+        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
+        "out with "
+        "'convert --frames A:B'",
+        recording.info().source, mismatch, first.name, frame.name);
+  }
+}
+
+SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
+                                     const ParameterSet& parameters) {
+  SimulationOptions options = rays.For(sonar, water, parameters);
+  options.noise = true;
+  return options;
+}
+
+std::vector<std::uint8_t> ValidPixels(const RecordingInfo& info, const std::optional<Mask>& pixels) {
+  const std::optional<Mask> use = Both(info.valid, pixels);
+  if (!use) return {};
+  return {use->values().begin(), use->values().end()};
+}
 
 std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
   DisplayParameters<double>& display = parameters.display;
@@ -207,9 +220,15 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   ParameterSet start = initial;
   CheckRayWeight(options.rays.weight, initial.model);
   const bool acoustic = initial.model == EchoModel::kAcoustic;
-  if (acoustic) say(TakeDisplay(recording.info().scale, start));
+  if (acoustic) {
+    say(TakeDisplay(recording.info().scale, start));
+    start = WithMirrorStart(start, options.config, scene.material_names, sonar);
+  }
+  ParameterSet rays_for = start;  // whatever pattern is tried
+  if (std::count(options.choose.begin(), options.choose.end(), ChoiceAxis::kElevation) > 0)
+    rays_for.beam.elevation_pattern = ElevationPattern::kCosine;
   const Simulator simulator(scene, sonar,
-                            acoustic ? AcousticSimulation(options, sonar, water.water, start)
+                            acoustic ? AcousticSimulation(options.rays, sonar, water.water, rays_for)
                                      : options.rays.For(sonar, water.water));
   if (const std::string caveat = AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
       !caveat.empty()) {
@@ -256,7 +275,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     }
     expected_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from) {
       return [&](int frame) {
-        return simulator.RenderExpected(simulator.TraceEchoes(from[frame].world_from_sonar), parameters);
+        const Pose& pose = from[frame].world_from_sonar;
+        return simulator.RenderExpected(simulator.TraceEchoes(pose), parameters,
+                                        simulator.TraceGhosts(pose, parameters));
       };
     };
   } else {
@@ -291,8 +312,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
       return ExpectedRecording(
           recording,
           [&](int frame) {
-            return simulator.RenderEchoes(simulator.TraceEchoes(from[frame].world_from_sonar), parameters,
-                                          frame);
+            const Pose& pose = from[frame].world_from_sonar;
+            return simulator.RenderEchoes(simulator.TraceEchoes(pose), parameters, frame,
+                                          simulator.TraceGhosts(pose, parameters));
           },
           "a speckled sample");
     };
@@ -300,7 +322,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     result.sample_after = CompareRecordings(recording, sample_by(result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
     result.still = TellStillPoses(
-        recording, fitted, simulator.absorption_db_per_m(), UsedPixels(recording.info(), options), &report,
+        recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
+        &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
   }
   if (options.pictures) {

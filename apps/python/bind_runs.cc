@@ -87,6 +87,7 @@ Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::stri
   ParseWords(command, words);
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ParseParameters(params, kGiven);
+  for (const std::string& sentence : FitCaveats(initial, scene)) listener.Say(sentence);
   // Ceres is not written to be left by an exception: it is asked to stop, and the exception thrown after it.
   std::exception_ptr thrown;
   int iterations = 0;
@@ -101,7 +102,7 @@ Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::stri
   };
   RecordingFit fit;
   try {
-    fit = FitAsAsked(options, recording, scene, ResolveFitConfig(options, initial), initial,
+    fit = FitAsAsked(options, recording, scene, ResolveFitConfig(options, initial, scene), initial,
                      {.say = [&](const std::string& sentence) { listener.Say(sentence); },
                       .on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); },
                       .stop = stop});

@@ -38,8 +38,8 @@ ResidualView::ResidualView(std::shared_ptr<const RecordingSource> recording, con
   const WaterChoice water = ChooseWater(initial_, info.water);
   if (initial_.model == EchoModel::kAcoustic) {
     TakeDisplay(info.scale, initial_);
-    simulator_ = std::make_unique<Simulator>(scene, info.sonar,
-                                             AcousticSimulation(options, info.sonar, water.water, initial_));
+    simulator_ = std::make_unique<Simulator>(
+        scene, info.sonar, AcousticSimulation(options.rays, info.sonar, water.water, initial_));
     acoustic_frames_ = AcousticFrames(*recording_, poses, frames_, options, initial_.display);
     if (!initial_.receiver.noise_db)
       initial_.receiver.noise_db = NoiseStartDb(acoustic_frames_, initial_.receiver.looks);
