@@ -58,8 +58,8 @@ std::string FanPainter::GeometryJson() const {
   const std::vector<double> edges_rad = polar.BeamEdgesRad();
   const double half_rad = std::max(std::abs(edges_rad.front()), std::abs(edges_rad.back()));
   const double spacing_rad = (edges_rad.back() - edges_rad.front()) / polar.beam_count();
-  nlohmann::ordered_json json = {
-      {"format", "sonar-picture-geometry/1"}, {"range_m", {polar.range_min_m, polar.range_max_m}}};
+  nlohmann::ordered_json json = {{"format", "sonar-picture-geometry/1"},
+                                 {"range_m", {polar.range_min_m, polar.range_max_m}}};
   const auto add = [&json](const char* key, double value) {
     if (value > 0.0) json[key] = value;
   };
@@ -83,8 +83,7 @@ std::string FanPainter::GeometryJson() const {
 }
 
 void WriteFanPngs(const RecordingSource& recording, const FanPainter& painter,
-                  const std::filesystem::path& folder,
-                  const std::function<void(int frames_done)>& progress) {
+                  const std::filesystem::path& folder, const std::function<void(int frames_done)>& progress) {
   for (int i = 0; i < recording.frame_count(); ++i) {
     WritePng(folder / fmt::format("fan_{:04}.png", i), painter.Paint(recording.ReadFrame(i)));
     if (progress) progress(i + 1);

@@ -71,7 +71,8 @@ class Zip {
     if (archive_write_data(archive_.get(), data, bytes) != static_cast<la_ssize_t>(bytes)) Fail();
   }
 
-  void Add(const std::string& name, const std::vector<double>& values, const std::vector<std::size_t>& shape) {
+  void Add(const std::string& name, const std::vector<double>& values,
+           const std::vector<std::size_t>& shape) {
     Begin(name, "<f8", shape, sizeof(double));
     Write(values.data(), values.size() * sizeof(double));
   }
@@ -162,7 +163,8 @@ void AddSmallArrays(Zip& zip, const RecordingSource& recording) {
   zip.Begin("valid", "|b1", {bins, beams}, 1);
   zip.Write(valid.data(), valid.size());
   const std::string text =
-      RecordingJson({.info = info, .bits = static_cast<int>(8 * ElementOf(info.scale).bytes), .frames = {}}, "/")
+      RecordingJson({.info = info, .bits = static_cast<int>(8 * ElementOf(info.scale).bytes), .frames = {}},
+                    "/")
           .dump();
   zip.Begin("recording", fmt::format("|S{}", text.size()), {}, text.size());
   zip.Write(text.data(), text.size());
@@ -177,8 +179,8 @@ void WriteNpz(const RecordingSource& recording, const std::filesystem::path& fil
   Zip zip(file);
   AddSmallArrays(zip, recording);
   zip.Begin("images", element.type,
-            {static_cast<std::size_t>(recording.frame_count()), static_cast<std::size_t>(info.sonar.axes.range_bins),
-             info.sonar.axes.beam_azimuth_rad.size()},
+            {static_cast<std::size_t>(recording.frame_count()),
+             static_cast<std::size_t>(info.sonar.axes.range_bins), info.sonar.axes.beam_azimuth_rad.size()},
             element.bytes);
   for (int i = 0; i < recording.frame_count(); ++i) {
     const Frame frame = recording.ReadFrame(i);

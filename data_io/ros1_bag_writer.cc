@@ -1,6 +1,7 @@
 #include "data_io/ros1_bag_writer.h"
 
 #include <fmt/format.h>
+#include <rosbag/bag.h>
 
 #include <bit>
 #include <cmath>
@@ -9,8 +10,6 @@
 #include <limits>
 #include <string>
 #include <vector>
-
-#include <rosbag/bag.h>
 
 #include "data_io/ros1_message_text.h"
 #include "data_io/ros_messages.h"
@@ -106,9 +105,10 @@ enum class SampleType : std::uint32_t { kByte = 0, kShort = 2, kFloat = 8 };
 SampleType SampleTypeOf(const ImageScale& scale) {
   if (scale.quantity == Quantity::kPower) return SampleType::kFloat;
   if (scale.quantity != Quantity::kGrey) {
-    throw DataError("the recording's values are {}, expected grey or power: a ProjectedSonarImage says not "
-                    "what its numbers are",
-                    ToString(scale.quantity));
+    throw DataError(
+        "the recording's values are {}, expected grey or power: a ProjectedSonarImage says not "
+        "what its numbers are",
+        ToString(scale.quantity));
   }
   return scale.full_scale > 255.0 ? SampleType::kShort : SampleType::kByte;
 }

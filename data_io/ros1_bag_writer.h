@@ -2,7 +2,8 @@
 // definitions in them, so that `rosbag info`, `rosbag play` and rqt_bag know what they hold.
 //
 //   /sonar/image  marine_acoustic_msgs/ProjectedSonarImage, a message a frame, samples beam by beam
-//   /sonar/pose   geometry_msgs/PoseStamped, world_from_sonar of each frame that has one; the sonar's axes are
+//   /sonar/pose   geometry_msgs/PoseStamped, world_from_sonar of each frame that has one; the sonar's axes
+//   are
 //                 ours (X right, Y ahead, Z up), its frame "sonar", the world's "map"
 //
 // Beams have Z ahead and X up, as the message's definition says; ranges are centres of bins. Grey values are

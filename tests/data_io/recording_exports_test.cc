@@ -113,7 +113,8 @@ TEST_P(BagOfScale, OurReaderFindsTheSame) {
   EXPECT_FLOAT_EQ(static_cast<float>(read->info().sonar.frequency_hz), 1.2e6F);
   EXPECT_NEAR(read->info().sonar.azimuth_beam_width_deg, 1.0, 1e-5);
   EXPECT_NEAR(read->info().sonar.elevation_beam_width_deg, 20.0, 1e-5);
-  for (int i = 0; i < 3; ++i) ExpectSameImage(read->ReadFrame(i).image.value, recording.ReadFrame(i).image.value);
+  for (int i = 0; i < 3; ++i)
+    ExpectSameImage(read->ReadFrame(i).image.value, recording.ReadFrame(i).image.value);
   EXPECT_EQ(read->info().scale.quantity, recording.info().scale.quantity);
   EXPECT_NEAR(*read->frame_info(1).time_s, 100.75, 1e-6);
   EXPECT_NEAR(*read->frame_info(2).time_s, 101.75, 1e-6);  // without a time: when it was logged
@@ -159,7 +160,8 @@ TEST(Ros1BagWriterTest, RosReadsIt) {
     EXPECT_EQ(message.at("image").at("dtype"), 2);
     EXPECT_EQ(message.at("image").at("beam_count"), kBeams);
     const Json& beam = message.at("beam_directions").at(20);
-    EXPECT_NEAR(std::atan2(beam.at("y").get<double>(), beam.at("z").get<double>()), RadFromDeg(8.5 * 1.5), 1e-12);
+    EXPECT_NEAR(std::atan2(beam.at("y").get<double>(), beam.at("z").get<double>()), RadFromDeg(8.5 * 1.5),
+                1e-12);
     EXPECT_NEAR(message.at("ranges").at(0).get<double>(), 1.025, 1e-6);
     const Json& data = message.at("image").at("data");
     const std::size_t sample = 20 * kBins + 7;  // beam 20, bin 7: beam-major, as the definition says
@@ -205,7 +207,8 @@ TEST(NpzWriterTest, NumPyFindsTheSame) {
     EXPECT_EQ(arrays.at("time_s").at("values"), Json({100.25, 100.75, nullptr}));
     EXPECT_EQ(arrays.at("valid").at("dtype"), "bool");
     const Json& pose = arrays.at("world_from_sonar").at("values").at(1);
-    const Eigen::Vector3d ahead = recording.frame_info(1).world_from_sonar->rotation * Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d ahead =
+        recording.frame_info(1).world_from_sonar->rotation * Eigen::Vector3d::UnitY();
     for (int row = 0; row < 3; ++row) EXPECT_NEAR(pose.at(row).at(1).get<double>(), ahead[row], 1e-12);
     EXPECT_EQ(pose.at(0).at(3), 2.0);
     EXPECT_EQ(pose.at(3), Json({0.0, 0.0, 0.0, 1.0}));
@@ -235,8 +238,8 @@ TEST(FanPicturesTest, OurReaderFindsAxesAndGreyValues) {
   for (int i = 0; i < 3; ++i) {
     const Grid<float> was = recording.ReadFrame(i).image.value;
     const Grid<float> is = read->ReadFrame(i).image.value;
-    // Away from the edges; the picture rounds to a grey level and interpolates twice, over sixteen times finer
-    // pixels than the image changes in.
+    // Away from the edges; the picture rounds to a grey level and interpolates twice, over sixteen times
+    // finer pixels than the image changes in.
     for (int bin = 2; bin < kBins - 2; ++bin) {
       for (int beam = 2; beam < kBeams - 2; ++beam)
         ASSERT_NEAR(is(bin, beam), was(bin, beam) * 255.0 / 4095.0, 1.0) << i << " " << bin << " " << beam;
@@ -244,7 +247,8 @@ TEST(FanPicturesTest, OurReaderFindsAxesAndGreyValues) {
   }
 }
 
-// Frame by frame as FFmpeg decodes it: MPEG-4 loses some, so each frame must be that of its number, and near it.
+// Frame by frame as FFmpeg decodes it: MPEG-4 loses some, so each frame must be that of its number, and near
+// it.
 TEST(FanPicturesTest, VideosShowEachFrameInItsPlace) {
   const TempDir dir;
   const MemoryRecording recording = Recording();
