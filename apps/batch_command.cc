@@ -31,7 +31,8 @@ std::string Words(const BatchJob& job) {
   return words;
 }
 
-ExitStatus ListJobs(const BatchOptions& options, const BatchPlan& plan, const std::vector<LedgerState>& states) {
+ExitStatus ListJobs(const BatchOptions& options, const BatchPlan& plan,
+                    const std::vector<LedgerState>& states) {
   const Json summary = BatchSummaryJson(plan, states, options.out);
   if (options.common.json) {
     Json jobs = Json::array();
@@ -110,7 +111,8 @@ ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
     is_complete = runner.RunAll(
         [&](const BatchJob& job, const LedgerState& state) {
           progress.Advance();
-          if (state.event == LedgerState::Event::kFailed) PrintError(fmt::format("{}: {}", job.id, state.why));
+          if (state.event == LedgerState::Event::kFailed)
+            PrintError(fmt::format("{}: {}", job.id, state.why));
         },
         [&] { return interruption.asked(); });
   }
@@ -135,7 +137,8 @@ void SetupBatch(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));
   command
-      ->add_option("--threads", options->threads, "Threads of each job, 0 for the cores divided among the jobs")
+      ->add_option("--threads", options->threads,
+                   "Threads of each job, 0 for the cores divided among the jobs")
       ->type_name("N")
       ->check(CLI::Range(0, 1024).description(""));
   command->add_flag("--dry-run", options->dry_run, "List the jobs and what is done of them, and run none");

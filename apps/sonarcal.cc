@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   sonarcal::SetupFit(app);
   sonarcal::SetupBatch(app);
   sonarcal::SetupDocs(app);
+  sonarcal::SetupExplain(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
   sonarcal::SetupExport(app);

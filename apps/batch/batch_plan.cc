@@ -52,7 +52,8 @@ std::string WordOf(const JsonReader& value, const CLI::Option& option) {
 
 const CLI::Option& FindOption(const CLI::App& command, const std::string& name, const JsonReader& where) {
   if (std::find(kOwnOptions.begin(), kOwnOptions.end(), name) != kOwnOptions.end())
-    where.Fail(fmt::format("is an option that the batch sets itself, expected one of {} --help", command.get_name()));
+    where.Fail(fmt::format("is an option that the batch sets itself, expected one of {} --help",
+                           command.get_name()));
   for (const CLI::Option* option : command.get_options()) {
     if (!option->get_lnames().empty() && option->get_lnames().front() == name) return *option;
   }
@@ -96,7 +97,8 @@ std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options, cons
 }
 
 // Replaces "{out}" and "{option}" by what the job before has.
-std::string Filled(const std::string& text, const BatchJob& before, const fs::path& out, const JsonReader& where) {
+std::string Filled(const std::string& text, const BatchJob& before, const fs::path& out,
+                   const JsonReader& where) {
   std::string filled;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t open = text.find('{', at);
@@ -210,8 +212,10 @@ class Reader {
                             return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
                           });
     if (!is_plain)
-      json.Fail(fmt::format("is '{}', expected letters, digits, dots, dashes and underscores, as for a folder", name));
-    if (jobs_of_entry_.contains(name)) json.Fail(fmt::format("is '{}', which another entry has already", name));
+      json.Fail(fmt::format(
+          "is '{}', expected letters, digits, dots, dashes and underscores, as for a folder", name));
+    if (jobs_of_entry_.contains(name))
+      json.Fail(fmt::format("is '{}', which another entry has already", name));
     return name;
   }
 
@@ -229,7 +233,8 @@ class Reader {
       Chosen row;
       for (const PlannedOption& option : ReadOptions(item, command, /*lists=*/false)) {
         for (const PlannedOption& other : options) {
-          if (other.name == option.name) item.Fail(fmt::format("has '{}', which options have as well", other.name));
+          if (other.name == option.name)
+            item.Fail(fmt::format("has '{}', which options have as well", other.name));
         }
         row.emplace_back(option.name, option.values.front());
       }

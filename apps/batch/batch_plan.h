@@ -27,8 +27,8 @@ class App;
 namespace sonarcal {
 
 struct BatchJob {
-  std::string id;       // "tank/0003"
-  std::string command;  // "simulate"
+  std::string id;                              // "tank/0003"
+  std::string command;                         // "simulate"
   std::map<std::string, std::string> options;  // as they were resolved; "true" for flags
   std::vector<std::string> arguments;          // of the command line, after its command, without --out
   std::string after;                           // id of the job whose output it takes; empty for none

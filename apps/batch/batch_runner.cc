@@ -98,8 +98,9 @@ bool BatchRunner::TakeFoundOutput(const BatchJob& job) {
   if (!fs::exists(output)) return false;
   const LedgerState* state = StateOf(job);
   if (state == nullptr) {
-    throw DataError("{}: is there already, and the ledger does not know it: move it away, or take another --out",
-                    output.string());
+    throw DataError(
+        "{}: is there already, and the ledger does not know it: move it away, or take another --out",
+        output.string());
   }
   // Outputs appear whole, so that this one is; but what a comparison's thresholds said is lost.
   if (state->event == LedgerState::Event::kStarted && !job.options.contains("fail-above")) {
@@ -182,7 +183,8 @@ bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const Led
 LedgerState BatchRunner::RunOnly(const std::string& id) {
   const auto found =
       std::find_if(plan_.jobs.begin(), plan_.jobs.end(), [&](const BatchJob& job) { return job.id == id; });
-  if (found == plan_.jobs.end()) throw DataError("the plan has no job {}, expected one that --dry-run lists", id);
+  if (found == plan_.jobs.end())
+    throw DataError("the plan has no job {}, expected one that --dry-run lists", id);
   const BatchJob& job = *found;
   const JobLock lock(out_, id, /*wait=*/true);
   if (IsDone(job)) return *StateOf(job);

@@ -75,7 +75,9 @@ Json BatchSummaryJson(const BatchPlan& plan, const std::vector<LedgerState>& sta
     failed += is_failed ? 1 : 0;
     Json row = {{"job", job.id},
                 {"command", job.command},
-                {"state", is_done ? "done" : is_failed ? "failed" : "waiting"}};
+                {"state", is_done     ? "done"
+                          : is_failed ? "failed"
+                                      : "waiting"}};
     if (!job.after.empty()) row["after"] = job.after;
     if (is_done || is_failed) {
       row["status"] = state.status;

@@ -20,21 +20,24 @@ namespace fs = std::filesystem;
 constexpr int kCouldNotStart = 127;
 
 // Between fork and exec only what is safe in a program with threads.
-[[noreturn]] void Become(const char* program, char* const* arguments, const char* folder, int log, pid_t parent) {
+[[noreturn]] void Become(const char* program, char* const* arguments, const char* folder, int log,
+                         pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kCouldNotStart);  // it ended before the line above
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  if (chdir(folder) != 0 || dup2(log, STDOUT_FILENO) < 0 || dup2(log, STDERR_FILENO) < 0) _exit(kCouldNotStart);
+  if (chdir(folder) != 0 || dup2(log, STDOUT_FILENO) < 0 || dup2(log, STDERR_FILENO) < 0)
+    _exit(kCouldNotStart);
   execv(program, arguments);
   _exit(kCouldNotStart);
 }
 
 }  // namespace
 
-JobProcess::JobProcess(const std::vector<std::string>& arguments, const fs::path& folder, const fs::path& log) {
+JobProcess::JobProcess(const std::vector<std::string>& arguments, const fs::path& folder,
+                       const fs::path& log) {
   fs::create_directories(log.parent_path());
   const int descriptor = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor < 0) throw DataError("{}: {}", log.string(), std::strerror(errno));

@@ -13,9 +13,9 @@ namespace sonarcal {
 
 class JobProcess {
  public:
-  // Runs `sonarcal ARGUMENTS` in `folder`, its standard output and error going to `log`, whose folder is made.
-  // It is in a group of its own, so that Ctrl-C on a terminal reaches the batch alone. Throws DataError where
-  // it cannot be started.
+  // Runs `sonarcal ARGUMENTS` in `folder`, its standard output and error going to `log`, whose folder is
+  // made. It is in a group of its own, so that Ctrl-C on a terminal reaches the batch alone. Throws DataError
+  // where it cannot be started.
   JobProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
              const std::filesystem::path& log);
   ~JobProcess();  // kills it if it still runs, and waits for its end

@@ -56,7 +56,8 @@ std::string BashCompletion(const CLI::App& root) {
       if (option.is_argument) continue;
       options.insert(options.end(), option.names.begin(), option.names.end());
       if (!option.words.empty()) {
-        values += fmt::format("        {}) words={} ;;\n", fmt::join(option.names, "|"), Quoted(Joined(option.words)));
+        values += fmt::format("        {}) words={} ;;\n", fmt::join(option.names, "|"),
+                              Quoted(Joined(option.words)));
       } else if (!option.value.empty()) {
         with_files.push_back(fmt::format("{}", fmt::join(option.names, "|")));
       }
@@ -103,7 +104,8 @@ std::string ZshCompletion(const CLI::App& root) {
   std::string commands;
   std::string cases;
   for (const CLI::App* command : DocumentedCommands(root)) {
-    commands += fmt::format("    {}\n", Quoted(fmt::format("{}:{}", command->get_name(), command->get_description())));
+    commands += fmt::format("    {}\n",
+                            Quoted(fmt::format("{}:{}", command->get_name(), command->get_description())));
     cases += fmt::format("    {})\n      _arguments", command->get_name());
     for (const DocumentedOption& option : DocumentedOptions(*command)) {
       if (option.is_argument) continue;
@@ -147,8 +149,8 @@ std::string FishCompletion(const CLI::App& root) {
                         Quoted(command->get_description()));
     for (const DocumentedOption& option : DocumentedOptions(*command)) {
       if (option.is_argument) continue;
-      text += fmt::format("complete -c sonarcal -n '__fish_seen_subcommand_from {}' -l {}", command->get_name(),
-                          LongName(option).substr(2));
+      text += fmt::format("complete -c sonarcal -n '__fish_seen_subcommand_from {}' -l {}",
+                          command->get_name(), LongName(option).substr(2));
       if (option.names.size() > 1) text += fmt::format(" -s {}", option.names.front().substr(1));
       if (!option.words.empty()) {
         text += fmt::format(" -x -a {}", Quoted(Joined(option.words)));

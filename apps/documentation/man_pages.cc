@@ -28,8 +28,8 @@ std::string Roff(const std::string& text) {
 std::string Head(const std::string& name, const std::string& version, const std::string& description) {
   std::string upper = name;
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return fmt::format(".TH {} 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", Roff(upper), Roff(version),
-                     Roff(name), Roff(description));
+  return fmt::format(".TH {} 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", Roff(upper),
+                     Roff(version), Roff(name), Roff(description));
 }
 
 void AddOptions(const std::vector<DocumentedOption>& options, bool arguments, std::string& text) {
@@ -59,7 +59,8 @@ std::string ProgramManPage(const CLI::App& root, const std::string& version) {
   std::string text = Head("sonarcal", version, "makes a simulated imaging sonar agree with a real one");
   text += ".SH SYNOPSIS\n.B sonarcal\n.I COMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n";
   text += Roff(
-      "Renders what an imaging sonar should have seen of a scene, measures how far that is from what it did see, "
+      "Renders what an imaging sonar should have seen of a scene, measures how far that is from what it did "
+      "see, "
       "and fits the simulator's physical parameters until the two agree as well as the data allow.");
   text += "\n.SH COMMANDS\n";
   for (const CLI::App* command : DocumentedCommands(root)) {

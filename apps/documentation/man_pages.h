@@ -9,7 +9,8 @@ class App;
 
 namespace sonarcal {
 
-// roff (man macros) of "sonarcal.1": what the program is, its commands, exit statuses. `version` as in --version.
+// roff (man macros) of "sonarcal.1": what the program is, its commands, exit statuses. `version` as in
+// --version.
 std::string ProgramManPage(const CLI::App& root, const std::string& version);
 
 // roff of "sonarcal-NAME.1": usage, arguments and options with their defaults.

@@ -22,11 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using ::testing::UnorderedElementsAre;
 using testing::Outcome;
 using testing::Quoted;
 using testing::ReadJsonFile;
 using testing::RunSonarcal;
+using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
 
 // Each job's events, in the order of the ledger.
@@ -53,8 +53,8 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-// Every output of a batch by its path, with one name for the batch's folder; but for what has hashes of inputs
-// that name it.
+// Every output of a batch by its path, with one name for the batch's folder; but for what has hashes of
+// inputs that name it.
 std::map<std::string, std::string> OutputsOf(const fs::path& out, const std::vector<std::string>& entries) {
   const std::set<std::string> leave_out = {"provenance.json", "report.html"};
   std::map<std::string, std::string> outputs;
@@ -90,8 +90,8 @@ class BatchTest : public ::testing::Test {
   void KillAfter(const std::string& out, int done) const {
     const pid_t process = fork();
     if (process == 0) {
-      execl(SONARCAL_BINARY, "sonarcal", "batch", (world_ / "plan.json").c_str(), "--out", (world_ / out).c_str(),
-            "--quiet", nullptr);
+      execl(SONARCAL_BINARY, "sonarcal", "batch", (world_ / "plan.json").c_str(), "--out",
+            (world_ / out).c_str(), "--quiet", nullptr);
       _exit(127);
     }
     for (int i = 0; i < 6000; ++i) {
@@ -139,7 +139,8 @@ TEST_F(BatchTest, RunsEveryCombinationAndTheComparisonsAfterThem) {
   EXPECT_THAT(line, HasSubstr("job,command,state,status,wall_s,"));
   const auto columns = std::count(line.begin(), line.end(), ',');
   int rows = 0;
-  for (; std::getline(csv, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns) << line;
+  for (; std::getline(csv, line); ++rows)
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns) << line;
   EXPECT_EQ(rows, 12);
 
   // A simulation by hand with the same options is the same.
@@ -172,7 +173,8 @@ TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
     const auto outputs = OutputsOf(world_ / out, {"sim", "judged"});
     const auto expected = OutputsOf(world_ / "whole", {"sim", "judged"});
     ASSERT_EQ(outputs.size(), expected.size());
-    for (const auto& [file, bytes] : expected) EXPECT_TRUE(outputs.contains(file) && outputs.at(file) == bytes) << file;
+    for (const auto& [file, bytes] : expected)
+      EXPECT_TRUE(outputs.contains(file) && outputs.at(file) == bytes) << file;
     // And once more: there is nothing left to do.
     const std::string ledger = testing::ReadFile(world_ / out / "ledger.jsonl");
     ASSERT_EQ(RunSonarcal(Batch(out)).status, 0);
@@ -182,8 +184,8 @@ TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
 
 TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {
   WritePlan("192x400");
-  const std::string command =
-      fmt::format("timeout -s INT 1 {} {} >/dev/null 2>{}", SONARCAL_BINARY, Batch("out"), Quoted(world_ / "err"));
+  const std::string command = fmt::format("timeout -s INT 1 {} {} >/dev/null 2>{}", SONARCAL_BINARY,
+                                          Batch("out"), Quoted(world_ / "err"));
   const int status = std::system(("bash -c \"" + command + "; exit \\$?\"").c_str());
   if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "the batch was done within a second";
   EXPECT_THAT(testing::ReadFile(world_ / "err"), HasSubstr("interrupted: what is done lies in"));
@@ -197,8 +199,8 @@ TEST_F(BatchTest, AClusterThatLosesAWorkerEndsTheSame) {
     GTEST_SKIP() << "needs python3-distributed";
   WritePlan("192x400");
   ASSERT_EQ(RunSonarcal(Batch("whole")).status, 0);
-  EXPECT_EQ(std::system(fmt::format("{} {} {} {} {} 2>&1", SONARCAL_PYTHON, SONARCAL_DASK_TEST, SONARCAL_BINARY,
-                                    SONARCAL_DASK_BATCH, Quoted(world_ / "."))
+  EXPECT_EQ(std::system(fmt::format("{} {} {} {} {} 2>&1", SONARCAL_PYTHON, SONARCAL_DASK_TEST,
+                                    SONARCAL_BINARY, SONARCAL_DASK_BATCH, Quoted(world_ / "."))
                             .c_str()),
             0);
 }
@@ -273,7 +275,8 @@ TEST_F(BatchTest, MistakesInAPlanAreSaidWithFileAndLine) {
   const std::pair<std::string, std::string> mistakes[] = {
       {R"({"format": "sonarcal-batch/2", "entries": []})", "sonarcal-batch/1"},
       {R"({"format": "sonarcal-batch/1", "entries": []})", "expected at least one entry"},
-      {entry(R"("options": {"sonnar": "x"})"), "plan.json:2: 'entries[0].options.sonnar' is no option of simulate"},
+      {entry(R"("options": {"sonnar": "x"})"),
+       "plan.json:2: 'entries[0].options.sonnar' is no option of simulate"},
       {entry(R"("options": {"out": "x"})"), "is an option that the batch sets itself"},
       {entry(R"("options": {"noise": "yes"})"), "noise"},
       {entry(R"("options": {"seed": true})"), "expected a value of --seed"},
@@ -284,7 +287,8 @@ TEST_F(BatchTest, MistakesInAPlanAreSaidWithFileAndLine) {
       {entry(R"("optoins": {})"), "unknown key"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "reproduce"}]})",
        "expected one of simulate, compare, fit"},
-      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "../a", "command": "fit"}]})", "as for a folder"},
+      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "../a", "command": "fit"}]})",
+       "as for a folder"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "fit"}, {"name": "a", "command": "fit"}]})",
        "another entry has already"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "simulate"},
