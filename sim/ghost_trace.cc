@@ -324,13 +324,7 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
       beam.elevation_width_deg > 0.0 ? beam.elevation_width_deg : sonar.elevation_beam_width_deg;
   const ElevationResponse elevation(beam.elevation_pattern, RadFromDeg(width_deg), beam.elevation_taper);
   const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(elevation));
-  if (main_lobe_deg < options.elevation_span_deg) {
-    // Rows crowd less about the horizon of a narrower fan: not as many fewer as it is narrower.
-    constexpr double kOfRows = 0.75;
-    const double share = main_lobe_deg / options.elevation_span_deg;
-    options.rows = std::max(1, static_cast<int>(std::lround(options.rows * std::pow(share, kOfRows))));
-    options.elevation_span_deg = main_lobe_deg;
-  }
+  options.elevation_span_deg = std::min(options.elevation_span_deg, main_lobe_deg);
   const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
   const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));
   options.azimuth_margin_deg =

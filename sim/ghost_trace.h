@@ -85,9 +85,9 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
                                       const ParameterSet& parameters);
 
 // Rays that look for ghosts beside a fan of these: half of the columns and two thirds of the rows for equal
-// angles, but as far aside as the transmitter sends; and in elevation no further than the main lobe of the
-// beam's pattern, over fewer rows. What they find is shared between the columns of the fan itself. A ghost
-// costs three rays where an echo costs one, and is seldom as strong.
+// angles, but as far aside as the transmitter sends, and in elevation no further than the main lobe of the
+// beam's pattern. What they find is shared between the columns of the fan itself. A ghost costs three rays
+// where an echo costs one, and is seldom as strong.
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam);
 
 // Azimuths from the outer edge of a fan's first column to that of its last.
