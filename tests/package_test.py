@@ -17,10 +17,12 @@ def output_of(*command):
 
 def needed_packages(program):
     """Debian packages of the libraries that a program asks for by itself."""
+    folder = output_of("dpkg-architecture", "-qDEB_HOST_MULTIARCH").strip()
     sonames = re.findall(r"NEEDED\s+(\S+)", output_of("objdump", "-p", program))
     packages = set()
     for soname in sonames:
-        owner = subprocess.run(["dpkg", "-S", f"*/{soname}"], stdout=subprocess.PIPE, text=True, check=False).stdout
+        search = ["dpkg", "-S", f"*/{folder}/{soname}"]
+        owner = subprocess.run(search, stdout=subprocess.PIPE, text=True, check=False).stdout
         if owner:
             packages.add(owner.split(":")[0])
     return packages

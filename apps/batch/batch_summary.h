@@ -16,8 +16,9 @@ namespace sonarcal {
 // {"format": "sonarcal-batch-summary/1", "jobs": [{"job", "command", "state": "done" | "failed" | "waiting",
 //   "status", "wall_s", "why", "options": {...}, "figures": {...}}], "done": n, "failed": n, "waiting": n}
 //
-// Figures are the numbers of `macro` in a comparison's metrics.json, and of a fit cost_initial, cost_final,
-// iterations, and the numbers of `macro` in metrics_after. `states` go with the plan's jobs.
+// Figures are the ratios and intensity errors of `macro` in a comparison's metrics.json, and of a fit
+// cost_initial, cost_final, iterations, and those of `macro` in metrics_after. `states` go with the plan's
+// jobs.
 nlohmann::ordered_json BatchSummaryJson(const BatchPlan& plan, const std::vector<LedgerState>& states,
                                         const std::filesystem::path& out);
 

@@ -50,16 +50,19 @@ def children_of(process):
 
 
 def kill_a_busy_worker(workers, deadline_s):
-    """Kills the first worker that is seen with a job running (a process of its process); its processes as well."""
+    """Kills the first worker that is seen to begin a job (a process of its process); its processes as well."""
+    old = None  # what ran already, and may be at its end
     end = time.monotonic() + deadline_s
     while time.monotonic() < end:
+        running = set()
         for worker in workers:
             try:
                 children = children_of(worker)
                 jobs = [job for child in children for job in children_of(child)]
             except OSError:
                 continue
-            if jobs:
+            running.update(jobs)
+            if old is not None and set(jobs) - old:
                 os.kill(worker, signal.SIGKILL)
                 for child in children:
                     try:
@@ -67,6 +70,7 @@ def kill_a_busy_worker(workers, deadline_s):
                     except ProcessLookupError:
                         pass
                 return worker
+        old = running if old is None else old
         time.sleep(0.005)
     return None
 
