@@ -15,6 +15,7 @@ void SetupSimulate(CLI::App& app);    // apps/simulate_command.h
 void SetupRays(CLI::App& app);        // apps/rays_command.h
 void SetupCompare(CLI::App& app);     // apps/compare_command.h
 void SetupFit(CLI::App& app);         // apps/fit_command.h
+void SetupView(CLI::App& app);        // apps/view_command.h
 void SetupInspect(CLI::App& app);     // apps/inspect_command.h
 void SetupConvert(CLI::App& app);     // apps/convert_command.h
 void SetupPoses(CLI::App& app);       // apps/poses_command.h

@@ -18,12 +18,12 @@
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
 #include "apps/simulate_resume.h"
+#include "apps/simulation_setup.h"
 #include "data_io/fan_image.h"
 #include "data_io/image_io.h"
 #include "data_io/json_writer.h"
 #include "data_io/parameters_io.h"
 #include "data_io/recording_io.h"
-#include "sim/acoustic_fan.h"
 
 namespace sonarcal {
 namespace {
@@ -32,17 +32,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr JsonWords<EchoModel, 3> kModels = {
     {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
-
-// Three half-power widths hold the main lobe of every pattern and the side lobes over -35 dB of a Hann-shaded
-// array's.
-constexpr double kMarginInBeamWidths = 3.0;
-
-double MarginDeg(const SimulateOptions& options, const SonarModel& sonar, const ParameterSet& parameters) {
-  if (options.margin_deg) return *options.margin_deg;
-  if (parameters.model == EchoModel::kPaper) return 0.0;
-  return kMarginInBeamWidths * (parameters.beam.azimuth_width_deg > 0.0 ? parameters.beam.azimuth_width_deg
-                                                                        : sonar.azimuth_beam_width_deg);
-}
 
 bool IsRandom(const SimulateOptions& options, EchoModel model) {
   return options.noise || model == EchoModel::kCoherent;
@@ -191,14 +180,12 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   const WaterChoice water = ChooseWater(parameters, choice.water);
   std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
 
-  SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters.model);
-  if (parameters.model == EchoModel::kAcoustic && options.rays.rays.empty())
-    simulation.fan = AcousticFanOptions(choice.sonar, parameters);
+  SimulationOptions simulation =
+      SimulationFor(options.rays, choice.sonar, water.water, parameters, options.margin_deg);
   simulation.bits = options.bits;
   simulation.noise = IsRandom(options, parameters.model);
   simulation.frozen_speckle = options.frozen_speckle;
   simulation.ghost_order = options.ghost_order;
-  simulation.fan.azimuth_margin_deg = MarginDeg(options, choice.sonar, parameters);
   simulation.seed = options.seed;
   Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
   const std::string scene_digest = SceneDigest(scene);

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   sonarcal::SetupRays(app);
   sonarcal::SetupCompare(app);
   sonarcal::SetupFit(app);
+  sonarcal::SetupView(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
   sonarcal::SetupPoses(app);

@@ -1,5 +1,6 @@
 #include "calib/fit.h"
 
+#include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -24,6 +26,19 @@ constexpr double kRoughTolerance = 1e-5;
 constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to tell valleys apart
 constexpr double kLikelihoodTolerance = 1e-2;
+
+// Ends a solve where somebody wants it ended.
+class StopCallback final : public ceres::IterationCallback {
+ public:
+  explicit StopCallback(const std::function<bool()>& stop) : stop_(stop) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return stop_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<bool()>& stop_;
+};
 
 // The state of a fit while it runs: what is still free, and why the rest is not.
 class Fitter {
@@ -174,8 +189,11 @@ class Fitter {
     solver.logging_type = ceres::SILENT;
     // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
     solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    std::optional<StopCallback> stop;
+    if (options_.stop) solver.callbacks.push_back(&stop.emplace(options_.stop));
     ceres::Solver::Summary summary;
     ceres::Solve(solver, problem.get(), &summary);
+    if (options_.stop && options_.stop()) throw FitStopped();
     report_.iterations += static_cast<int>(summary.iterations.size());
     report_.termination = summary.message;
     if (!summary.IsSolutionUsable()) return false;

@@ -2,9 +2,16 @@
 #pragma once
 
 #include <functional>
+#include <stdexcept>
 #include <string>
 
 namespace sonarcal {
+
+// A fit that was stopped by who asked for it. There is nothing to be had of it.
+class FitStopped : public std::runtime_error {
+ public:
+  FitStopped() : std::runtime_error("the fit was stopped") {}
+};
 
 struct FitOptions {
   int max_iterations = 100;          // of each solve
@@ -17,6 +24,8 @@ struct FitOptions {
   bool rough = false;        // end after the starts, with values but no sigmas: for a round among others
   bool down_weight = false;  // let pixels that the scene does not explain count less (acoustic model)
   std::function<void(const std::string&)> progress;  // told what is being done, one line at a time
+  // Asked after each step of a solver; once it says so, the fit ends by throwing FitStopped.
+  std::function<bool()> stop = {};
 
   // Throws DataError naming field, value and limit.
   void Check() const;
