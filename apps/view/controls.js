@@ -29,7 +29,11 @@ function setValueAt(state, path, value) {
   if (path[1] === 'mirror') delete state.parameters.mirror[path[2]];
 }
 
-export const short = (value, digits = 6) => String(Number(value.toPrecision(digits)));
+export function short(value, digits = 6) {
+  const rounded = Number(value.toPrecision(digits));
+  const size = Math.abs(rounded);
+  return size > 0 && (size < 1e-3 || size >= 1e6) ? rounded.toExponential().replace('+', '') : String(rounded);
+}
 
 const make = (tag, attributes = {}, ...children) => {
   const element = document.createElement(tag);
@@ -44,6 +48,7 @@ export {make};
 
 const units = {deg: '\u00b0', C: '\u00b0C', '1': ''};
 const unitText = (unit) => (unit in units ? units[unit] : unit);
+const unitWord = (unit) => unitText(unit).replace(/ re .*/, '');  // the bounds say it whole
 
 // A slider's place of a value and back.
 class Scale {
@@ -98,7 +103,7 @@ class Row {
     const unit = unitText(control.unit);
     const label = make('label', {for: id}, control.label);
     this.element = make('div', {class: control.words ? 'row words' : 'row'}, label, this.number,
-                        make('span', {class: 'unit'}, unit));
+                        make('span', {class: 'unit'}, unitWord(control.unit)));
     this.element.dataset.name = control.name;
     if (control.model) this.element.dataset.model = control.model;
     this.fault = make('p', {class: 'fault', hidden: true, id: `${id}-fault`});
@@ -160,12 +165,17 @@ class Row {
         ((value >= lower && value <= upper) || (value === 0 && zero)) && (!whole || Number.isInteger(value));
     if (!accepted) {
       if (done) {
+        // What was taken of it on the way was not meant.
+        if (this.before) this.set(this.before.value, true);
+        this.before = null;
         const kind = whole ? 'a whole number' : 'a number';
         this.complain(`'${text}': expected ${kind} from ${short(lower)} to ${short(upper)}` +
                       `${zero ? `, or 0 (${zero})` : ''}.`);
       }
       return;
     }
+    if (!done) this.before = this.before || {value: this.drawn.value};
+    else this.before = null;
     this.typing = !done;
     this.set(value, done);
     this.typing = false;
@@ -184,6 +194,8 @@ class Row {
   show(state) {
     const own = valueAt(state, this.control.path);
     const value = own === undefined || own === null ? this.start : own;
+    if (this.drawn && this.drawn.value === value) return;
+    this.drawn = {value};
     if (this.control.words) {
       this.number.value = value;
       return;

@@ -5,6 +5,9 @@
 
 const kNotCompared = 'Regions appear once the image was compared with a recording.';
 
+// A colour as a picture holds it, its bytes from the lowest on.
+const pack = (r, g, b) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+
 export class Images {
   constructor(root, session) {
     this.session = session;
@@ -54,33 +57,38 @@ export class Images {
     return view.lookup;
   }
 
-  // What a sample looks like, as [red, green, blue], by its index.
-  colourOf(show) {
+  // What each sample looks like: red, green, blue and 255 in the bytes of one number.
+  coloursOf(show) {
     const {simulated, recorded, regions} = this;
-    const scale = this.colours[this.part('colours').value];
+    const {alike, regions: regionColours} = this.session;
+    const packAll = (colours) => new Uint32Array(colours.map(([r, g, b]) => pack(r, g, b)));
     const greyOf = (image) => {
       const factor = 255 / image.fullScale;
       return factor === 1 ? image.values : image.values.map((value) => Math.round(value * factor));
     };
     if (show === 'blink') show = this.second ? 'simulated' : 'real';
-    if (show === 'simulated' || !recorded) {
-      const grey = greyOf(simulated);
-      return (i) => scale[grey[i]];
+    const out = new Uint32Array(simulated.values.length);
+    if (show === 'simulated' || show === 'real' || !recorded) {
+      const image = show === 'real' && recorded ? recorded : simulated;
+      const scale = packAll(this.colours[this.part('colours').value]);
+      const grey = greyOf(image);
+      const shown = new Uint32Array(grey.length);
+      for (let i = 0; i < grey.length; ++i) shown[i] = scale[grey[i]];
+      return shown;
+    }
+    if (show === 'regions') {
+      const colours = packAll(regionColours);
+      return out.map((_, i) => colours[regions ? regions.values[i] & 3 : 0]);
     }
     const real = greyOf(recorded);
-    if (show === 'real') return (i) => scale[real[i]];
-    if (show === 'regions') {
-      if (!regions) return () => this.session.regions[0];
-      return (i) => this.session.regions[regions.values[i] & 3];
-    }
     const made = greyOf(simulated);
-    if (show === 'overlay') return (i) => [made[i], (real[i] + made[i]) / 2, real[i]];
-    return (i) => {
+    if (show === 'overlay') return out.map((_, i) => pack(made[i], (real[i] + made[i]) / 2, real[i]));
+    return out.map((_, i) => {
       const d = (made[i] - real[i]) / 255 / kDifferenceShown;
-      const end = this.session.regions[d < 0 ? 1 : 2];
+      const end = regionColours[d < 0 ? 1 : 2];
       const t = Math.min(1, Math.abs(d));
-      return end.map((c) => this.session.alike + t * (c - this.session.alike));
-    };
+      return pack(...end.map((c) => Math.round(alike + t * (c - alike))));
+    });
   }
 
   // Recorded and simulated have one shape, or only the simulated one is shown.
@@ -94,7 +102,8 @@ export class Images {
     const {show} = this;
     const alone = show !== 'simulated' && show !== 'real' && !this.comparable;
     const shown = show === 'real' && this.recorded ? this.recorded : this.simulated;
-    const colour = this.colourOf(alone ? 'simulated' : show);
+    const colours = this.coloursOf(alone ? 'simulated' : show);
+    const [, realEdge, simulatedEdge] = this.session.regions.map((c) => pack(...c));
     const outlined = this.part('outline').checked && this.regions && this.comparable ? this.regions.values : null;
     for (const view of this.views) {
       const lookup = this.lookupOf(view, shown);
@@ -105,22 +114,16 @@ export class Images {
         canvas.height = height;
       }
       const picture = context.createImageData(width, height);
-      const pixels = picture.data;
+      const pixels = new Uint32Array(picture.data.buffer);
       for (let i = 0; i < index.length; ++i) {
         const sample = index[i];
         if (sample < 0) continue;  // stays transparent
-        let rgb = colour(sample);
-        if (outlined) {
-          const beside = index[i + 1] >= 0 ? outlined[index[i + 1]] : 0;
-          const below = index[i + width] >= 0 ? outlined[index[i + width]] : 0;
-          const edge = (outlined[sample] ^ beside) | (outlined[sample] ^ below);
-          if (edge & 3) rgb = this.session.regions[edge & 1 ? 1 : 2];
-        }
-        const at = 4 * i;
-        pixels[at] = rgb[0];
-        pixels[at + 1] = rgb[1];
-        pixels[at + 2] = rgb[2];
-        pixels[at + 3] = 255;
+        pixels[i] = colours[sample];
+        if (!outlined) continue;
+        const beside = index[i + 1] >= 0 ? outlined[index[i + 1]] : 0;
+        const below = index[i + width] >= 0 ? outlined[index[i + width]] : 0;
+        const edge = (outlined[sample] ^ beside) | (outlined[sample] ^ below);
+        if (edge & 3) pixels[i] = edge & 1 ? realEdge : simulatedEdge;
       }
       context.putImageData(picture, 0, 0);
       this.drawCursor(view);
@@ -137,15 +140,12 @@ export class Images {
   texture() {
     const {bins, beams, values, fullScale} = this.simulated;
     const scale = this.colours[this.part('colours').value];
-    const bytes = new Uint8Array(4 * values.length);
-    for (let i = 0; i < values.length; ++i) {
-      const grey = Math.round((values[i] * 255) / fullScale);
-      const colour = scale[grey];
-      bytes[4 * i] = colour[0];
-      bytes[4 * i + 1] = colour[1];
-      bytes[4 * i + 2] = colour[2];
-      bytes[4 * i + 3] = 70 + Math.round((185 * grey) / 255);
-    }
+    const seen = new Uint32Array(scale.map(([r, g, b], grey) =>
+        ((pack(r, g, b) & 0xffffff) | ((40 + Math.round(215 * Math.sqrt(grey / 255))) << 24)) >>> 0));
+    const colours = new Uint32Array(values.length);
+    const factor = 255 / fullScale;
+    for (let i = 0; i < values.length; ++i) colours[i] = seen[Math.round(values[i] * factor)];
+    const bytes = new Uint8Array(colours.buffer);
     return {bytes, bins, beams};
   }
 
@@ -171,7 +171,7 @@ export class Images {
     const out = this.part('readout');
     const shown = this.show === 'real' && recorded ? recorded : simulated;
     if (cursor < 0 || cursor >= shown.values.length) {
-      out.textContent = 'Point at a picture, or focus it and use the arrow keys, to read its values.';
+      out.textContent = 'Point at a picture, or use the arrow keys in it, to read its values.';
       return;
     }
     const {beams, bins, axes} = shown;

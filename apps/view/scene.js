@@ -54,7 +54,8 @@ export class World {
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x7788a0, 0.75));
     const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
     lamp.position.set(-0.4, 0.5, 1);
-    this.camera.add(lamp);
+    lamp.target.position.set(0, 0, -1);
+    this.camera.add(lamp, lamp.target);
     this.scene.add(this.camera);
     this.orbit = new THREE.OrbitControls(this.camera, canvas);
     this.orbit.screenSpacePanning = true;
@@ -179,8 +180,9 @@ export class World {
     });
     const geometry = geometryOf(positions, {uv: {values: places, size: 2}});
     geometry.setIndex(faces);
+    // Over everything else: a sonar's echoes hide in no floor.
     this.sheet = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({transparent: true, side: THREE.DoubleSide,
-                                                                        depthWrite: false}));
+                                                                        depthTest: false}));
     this.sheet.visible = this.showsImage !== false;
     this.sonar.add(this.wedge, this.sheet);
   }
@@ -189,7 +191,7 @@ export class World {
     if (!this.texture || this.texture.image.width !== beams || this.texture.image.height !== bins) {
       if (this.texture) this.texture.dispose();
       this.texture = new THREE.DataTexture(bytes, beams, bins, THREE.RGBAFormat);
-      this.texture.magFilter = THREE.LinearFilter;
+      this.texture.magFilter = this.texture.minFilter = THREE.LinearFilter;
     }
     this.texture.image.data = bytes;
     this.texture.needsUpdate = true;
@@ -230,7 +232,7 @@ export class World {
     } else {
       const middle = this.centre.clone().add(at).multiplyScalar(0.5);
       this.orbit.target.copy(middle);
-      this.camera.position.copy(middle).add(new THREE.Vector3(-0.42, -0.62, 0.5).multiplyScalar(this.size));
+      this.camera.position.copy(middle).add(new THREE.Vector3(-0.3, -0.46, 0.42).multiplyScalar(this.size));
     }
     this.orbit.update();
     this.draw();

@@ -49,14 +49,13 @@ export class Latest {
     this.wanted = true;
     if (this.busy) return;
     this.busy = true;
-    while (this.wanted) {
-      this.wanted = false;
-      await this.run();
+    try {
+      while (this.wanted) {
+        this.wanted = false;
+        await this.run();
+      }
+    } finally {
+      this.busy = false;
     }
-    this.busy = false;
-  }
-
-  get idle() {
-    return !this.busy;
   }
 }

@@ -8,6 +8,7 @@ import {kMaterialColours, World} from './scene.js';
 
 const kMostUndo = 200;
 const kFollowMs = 1000;  // over which images are counted
+const kCompareMs = 700;  // between two comparisons while a slider moves
 
 const byId = (id) => document.getElementById(id);
 const copy = (value) => JSON.parse(JSON.stringify(value));
@@ -26,6 +27,7 @@ let images;
 let world = null;
 let recordedFrame = -1;
 let firstFigures = null;
+let lastCompared = 0;
 const client = Math.random().toString(36).slice(2);
 const times = [];
 
@@ -115,7 +117,8 @@ const drawing = new Latest(async () => {
   }
   showRate(answer.json);
   view.shown = sequence;
-  if (session.recorded) comparing.want();
+  // A hand on a slider wants images first, and figures now and then.
+  if (session.recorded && (!drawing.wanted || performance.now() - lastCompared > kCompareMs)) comparing.want();
 });
 
 function showRate({milliseconds, traced}) {
@@ -129,6 +132,7 @@ function showRate({milliseconds, traced}) {
 
 const comparing = new Latest(async () => {
   const sequence = view.shown;
+  lastCompared = performance.now();
   const answer = await ask('/api/compare', {...view.state, client, sequence});
   if (answer.status !== 200) {
     byId('compared').textContent = answer.json.error;
@@ -198,17 +202,12 @@ function buildPose() {
     const fixed = (value) => Number(value.toFixed(key in kAngles ? 2 : 3));
     slider.addEventListener('input', () => movePose(key, fixed(Number(slider.value)), false));
     slider.addEventListener('change', () => movePose(key, fixed(Number(slider.value)), true));
-    const typed = (isDone) => {
+    number.addEventListener('change', () => {
       const value = Number(number.value);
-      const bound = limits || [-1e5, 1e5];
-      if (number.value.trim() === '' || !(value >= bound[0] && value <= bound[1])) {
-        if (isDone) complain(`${label}: '${number.value}', expected a number from ${bound[0]} to ${bound[1]}.`);
-        return;
-      }
-      movePose(key, value, isDone);
-    };
-    number.addEventListener('input', () => typed(false));
-    number.addEventListener('change', () => typed(true));
+      const [low, high] = limits || [-1e5, 1e5];
+      if (number.value.trim() !== '' && value >= low && value <= high) movePose(key, value, true);
+      else complain(`${label}: '${number.value}', expected a number from ${low} to ${high}.`);
+    });
     byId('pose').append(make('div', {class: 'row'}, make('label', {for: number.id}, label), number,
                              make('span', {class: 'unit'}, unit), slider));
   }
@@ -220,7 +219,7 @@ function showPose() {
     const number = byId(`pose-${key}`);
     const slider = number.parentElement.querySelector('input[type="range"]');
     const value = partOfPose(pose, key);
-    if (document.activeElement !== number || Number(number.value) !== value) number.value = short(value, 7);
+    if (document.activeElement !== number || Number(number.value) !== value) number.value = short(value, 6);
     slider.min = String(Math.min(Number(slider.min), value));
     slider.max = String(Math.max(Number(slider.max), value));
     slider.value = String(value);
@@ -337,7 +336,8 @@ function describe() {
   byId('what').textContent = `${session.sonar.name} in ${tail(session.scene)}`;
   byId('what').title = session.scene;
   document.title = `${tail(session.scene)} \u2013 sonarcal view`;
-  byId('recorded').textContent = recorded ? `Recorded: ${recorded.name}` : 'No recording beside it';
+  byId('recorded').textContent = recorded ? `Recorded: ${tail(recorded.name)}` : 'No recording beside it';
+  byId('recorded').title = recorded ? recorded.name : '';
   byId('recorded').classList.toggle('synthetic', Boolean(recorded && recorded.synthetic));
   document.body.classList.toggle('alone', !recorded);
   byId('frame').max = String(session.frames.length - 1);

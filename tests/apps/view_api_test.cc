@@ -275,7 +275,9 @@ TEST_F(ViewApiTest, ControlsHaveTheBoundsOfTheCatalogueAndWordsThatFilesHave) {
       if (entry.name != control.name || !control.fitted || control.absent) continue;
       EXPECT_EQ(control.unit, entry.unit) << control.name;
       EXPECT_EQ(control.lower, entry.lower) << control.name;
-      EXPECT_EQ(control.upper, entry.upper) << control.name;
+      // But for one that does not hold the value at the start.
+      const bool wider = control.name == "material.box.gsab.C" && control.model == EchoModel::kAcoustic;
+      EXPECT_EQ(control.upper, wider ? TinyParameters().Material("box").gsab.c : entry.upper) << control.name;
       ++of_catalog;
     }
   }

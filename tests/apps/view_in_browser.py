@@ -258,7 +258,7 @@ class Visitor:
         self.choose("simulated")
 
     def change_the_model(self):
-        Select(self.find("#model")).select_by_value("acoustic")
+        Select(self.find("#model")).select_by_visible_text("acoustic")
         self.settle()
         self.row("receiver.gain_db")
         hidden = self.page.find_elements(By.CSS_SELECTOR, '.row[data-name="jitter.sigma_range_m"]')[0]
