@@ -189,6 +189,7 @@ class Visitor:
         number.send_keys(Keys.CONTROL, "a")
         number.send_keys(str(value), Keys.TAB)
         self.check(not fault.is_displayed(), "a fault stays after it was mended")
+        self.settle()
 
     def move_the_sonar(self):
         before = self.values()
