@@ -48,15 +48,28 @@ std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
   return axes;
 }
 
-FitConfig ResolveConfig(const FitCommandOptions& options, const ParameterSet& initial) {
+FitConfig ResolveConfig(const FitCommandOptions& options, const ParameterSet& initial, const Scene& scene) {
   FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
   if (!options.free.empty()) config.free = options.free;
   if (!config.free) {
-    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault() : AcousticFreeByDefault(initial);
+    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault()
+                                                     : AcousticFreeByDefault(initial, scene.material_names);
   }
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out;
   return config;
+}
+
+void WarnOfMirrors(const FitCommandOptions& options, const ParameterSet& initial, const Scene& scene) {
+  if (initial.model == EchoModel::kPaper && !initial.mirrors.empty()) {
+    PrintNote(options.common, "warning: the paper's model shows no ghosts of the parameters' mirrors");
+    return;
+  }
+  const std::vector<std::string>& materials = scene.material_names;
+  for (const auto& [name, mirror] : initial.mirrors) {
+    if (std::find(materials.begin(), materials.end(), name) == materials.end())
+      PrintNote(options.common, fmt::format("warning: the mirror '{}' is no material of the scene", name));
+  }
 }
 
 Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config, const RecordingFit& fit) {
@@ -186,8 +199,8 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   return report;
 }
 
-RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& recording, const FitConfig& config,
-                 const ParameterSet& initial) {
+RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& recording, const Scene& scene,
+                 const FitConfig& config, const ParameterSet& initial) {
   FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
   fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
   fit_options.object_material = options.object;
@@ -200,8 +213,7 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
   fit_options.on_note = [&](const std::string& sentence) { PrintNote(options.common, sentence); };
   Progress progress("Tracing", recording.frame_count(), options.common);
   fit_options.on_trace = [&](int frames_done, int) { progress.Update(frames_done); };
-  return FitRecording(recording, ReadSceneFile(options.scene, options.scene_format, options.common), initial,
-                      fit_options);
+  return FitRecording(recording, scene, initial, fit_options);
 }
 
 }  // namespace
@@ -215,17 +227,12 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ReadParameters(options.params);
-  if (!initial.mirrors.empty()) {
-    PrintNote(options.common,
-              fmt::format(
-                  "warning: {}: its mirrors stay as they are and their echoes are not in the fitted images: "
-                  "ghosts are simulated, not fitted",
-                  options.params.string()));
-  }
-  const FitConfig config = ResolveConfig(options, initial);
   const auto recording = OpenRecording(options.real);
+  const Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
+  const FitConfig config = ResolveConfig(options, initial, scene);
+  WarnOfMirrors(options, initial, scene);
   RunOutput output(options.out);
-  const RecordingFit fit = Fit(options, *recording, config, initial);
+  const RecordingFit fit = Fit(options, *recording, scene, config, initial);
 
   Provenance provenance{.command = "fit",
                         .configuration = ConfigurationJson(options, config, fit),
@@ -286,10 +293,12 @@ void SetupFit(CLI::App& app) {
            "Frames the fit does not see, counted from 0 (default: the last third)", "N,N");
   add_list(
       "--free", options->free,
-      "What is fitted: materials, noise, psf, pose, mount, display, jitter, source_level, or names with * "
-      "(default: "
-      "materials, with the paper model display.db_max and the range and azimuth errors, with the acoustic "
-      "model receiver.noise_db and, where it is not given, pulse.length_m)",
+      "What is fitted: materials, noise, psf, mirrors, pose, mount, display, jitter, source_level, or names "
+      "with * (default: materials, with the paper model display.db_max and the range and azimuth errors, "
+      "with "
+      "the acoustic model receiver.noise_db, mirrors and, where they are not given, pulse.length_m and "
+      "beside "
+      "mirrors beam.transmit_end_deg)",
       "NAME,NAME");
   add_list("--fixed", options->fixed, "What is not, though it is among the free (default: nothing)",
            "NAME,NAME");

@@ -11,10 +11,10 @@
 #include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
+#include "calib/mirror_start.h"
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
-#include "sim/acoustic_fan.h"
 #include "sim/acoustic_image.h"
 #include "sim/power_response.h"
 
@@ -22,9 +22,6 @@ namespace sonarcal {
 namespace {
 
 constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
-
-// A pinhole sees less than 180 degrees.
-constexpr double kWidestFrustumDeg = 120.0;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
@@ -85,47 +82,6 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
   }
 }
 
-// One display is fitted: frames made with other settings would be taken for other echoes.
-void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
-  std::vector<int> frames = split.used;
-  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
-  const FrameInfo first = recording.frame_info(frames.front());
-  for (const int index : frames) {
-    const FrameInfo frame = recording.frame_info(index);
-    const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
-    if (mismatch.empty()) continue;
-    throw DataError(
-        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
-        "out with "
-        "'convert --frames A:B'",
-        recording.info().source, mismatch, first.name, frame.name);
-  }
-}
-
-// Of the rays that the acoustic model wants, as many as are asked for. Its images, where they are not
-// expected ones, are speckled samples.
-SimulationOptions AcousticSimulation(const FitRecordingOptions& of, const SonarModel& sonar,
-                                     const Water& water, ParameterSet parameters) {
-  const RayOptions& rays = of.rays;
-  SimulationOptions options = rays.For(sonar, water, EchoModel::kAcoustic);
-  const RayFanOptions asked = options.fan;
-  options.noise = true;
-  // Rays for whatever pattern is tried.
-  if (std::count(of.choose.begin(), of.choose.end(), ChoiceAxis::kElevation) > 0)
-    parameters.beam.elevation_pattern = ElevationPattern::kCosine;
-  options.fan = AcousticFanOptions(sonar, parameters);
-  if (!rays.rays.empty()) {
-    options.fan.sampling = asked.sampling;
-    options.fan.cols = asked.cols;
-    options.fan.rows = asked.rows;
-    if (asked.sampling == Sampling::kFrustum) {
-      options.fan.row_crowding = 1.0;
-      options.fan.elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg);
-    }
-  }
-  return options;
-}
-
 std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::vector<TimedPose>& poses,
                                        const FitRecordingOptions& options) {
   std::vector<EchoHistogram> echoes;
@@ -181,13 +137,6 @@ std::map<int, Mask> RegionsAround(const std::string& material, const std::vector
   return regions;
 }
 
-// 1 for the pixels that hold a measurement and are to be looked at; empty: all.
-std::vector<std::uint8_t> UsedPixels(const RecordingInfo& info, const FitRecordingOptions& options) {
-  const std::optional<Mask> use = Both(info.valid, options.pixels);
-  if (!use) return {};
-  return {use->values().begin(), use->values().end()};
-}
-
 FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
                    const ImageGeometry& geometry, const std::vector<std::string>& materials,
                    const std::vector<int>& used, const FitRecordingOptions& options,
@@ -197,7 +146,7 @@ FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHisto
     frames.push_back({.index = index,
                       .echoes = echoes[index],
                       .measured = MeasuredForFit(recording.ReadFrame(index).image),
-                      .use = UsedPixels(recording.info(), options)});
+                      .use = ValidPixels(recording.info(), options.pixels)});
   }
   return FitPaperModel(frames, geometry, materials, initial, options.config, options.fit);
 }
@@ -223,7 +172,7 @@ ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
       frames.push_back({.index = index,
                         .world_from_sonar = poses[index].world_from_sonar,
                         .image = recording.ReadFrame(index).image,
-                        .use = UsedPixels(recording.info(), options)});
+                        .use = ValidPixels(recording.info(), options.pixels)});
     }
     return frames;
   };
@@ -241,7 +190,7 @@ std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
                       .recorded = RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = UsedPixels(recording.info(), options)});
+                      .use = ValidPixels(recording.info(), options.pixels)});
   }
   return frames;
 }
@@ -271,8 +220,8 @@ std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simul
 std::vector<double> EchoesExpected(const Simulator& simulator, const ParameterSet& parameters,
                                    const Pose& world_from_sonar) {
   const AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  const ScatterMap scatter =
-      MakeScatterMap(simulator.TraceEchoes(world_from_sonar), simulator.fan(), geometry, parameters);
+  const ScatterMap scatter = simulator.Scatter(simulator.TraceEchoes(world_from_sonar), parameters,
+                                               simulator.TraceGhosts(world_from_sonar, parameters));
   const PolarImage power = ExpectedPower(scatter, geometry, parameters);
   const Grid<double> noise = NoiseFloorPower(geometry, parameters);
   std::vector<double> echoes(noise.size());
@@ -282,6 +231,35 @@ std::vector<double> EchoesExpected(const Simulator& simulator, const ParameterSe
 }
 
 }  // namespace
+
+void CheckSettings(const RecordingSource& recording, const FrameSplit& split) {
+  std::vector<int> frames = split.used;
+  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
+  const FrameInfo first = recording.frame_info(frames.front());
+  for (const int index : frames) {
+    const FrameInfo frame = recording.frame_info(index);
+    const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
+    if (mismatch.empty()) continue;
+    throw DataError(
+        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
+        "out with "
+        "'convert --frames A:B'",
+        recording.info().source, mismatch, first.name, frame.name);
+  }
+}
+
+SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
+                                     const ParameterSet& parameters) {
+  SimulationOptions options = rays.For(sonar, water, parameters);
+  options.noise = true;
+  return options;
+}
+
+std::vector<std::uint8_t> ValidPixels(const RecordingInfo& info, const std::optional<Mask>& pixels) {
+  const std::optional<Mask> use = Both(info.valid, pixels);
+  if (!use) return {};
+  return {use->values().begin(), use->values().end()};
+}
 
 std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
   DisplayParameters<double>& display = parameters.display;
@@ -310,9 +288,15 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   ParameterSet start = initial;
   CheckRayWeight(options.rays.weight, initial.model);
   const bool acoustic = initial.model == EchoModel::kAcoustic;
-  if (acoustic) say(TakeDisplay(recording.info().scale, start));
+  if (acoustic) {
+    say(TakeDisplay(recording.info().scale, start));
+    start = WithMirrorStart(start, options.config, scene.material_names, sonar);
+  }
+  ParameterSet rays_for = start;  // whatever pattern is tried
+  if (std::count(options.choose.begin(), options.choose.end(), ChoiceAxis::kElevation) > 0)
+    rays_for.beam.elevation_pattern = ElevationPattern::kCosine;
   const Simulator simulator(scene, sonar,
-                            acoustic ? AcousticSimulation(options, sonar, water.water, start)
+                            acoustic ? AcousticSimulation(options.rays, sonar, water.water, rays_for)
                                      : options.rays.For(sonar, water.water));
   if (const std::string caveat = AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
       !caveat.empty()) {
@@ -359,7 +343,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     }
     expected_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from) {
       return [&](int frame) {
-        return simulator.RenderExpected(simulator.TraceEchoes(from[frame].world_from_sonar), parameters);
+        const Pose& pose = from[frame].world_from_sonar;
+        return simulator.RenderExpected(simulator.TraceEchoes(pose), parameters,
+                                        simulator.TraceGhosts(pose, parameters));
       };
     };
   } else {
@@ -394,8 +380,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
       return ExpectedRecording(
           recording,
           [&](int frame) {
-            return simulator.RenderEchoes(simulator.TraceEchoes(from[frame].world_from_sonar), parameters,
-                                          frame);
+            const Pose& pose = from[frame].world_from_sonar;
+            return simulator.RenderEchoes(simulator.TraceEchoes(pose), parameters, frame,
+                                          simulator.TraceGhosts(pose, parameters));
           },
           "a speckled sample");
     };
@@ -403,7 +390,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     result.sample_after = CompareRecordings(recording, sample_by(result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
     result.still = TellStillPoses(
-        recording, fitted, simulator.absorption_db_per_m(), UsedPixels(recording.info(), options), &report,
+        recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
+        &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
   }
   if (options.pictures) {

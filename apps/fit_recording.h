@@ -76,6 +76,18 @@ struct RecordingFit {
 // to say of that, or nothing.
 std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 
+// Of the rays that the acoustic model wants, as many as are asked for; images that are not expected ones are
+// speckled samples.
+SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
+                                     const ParameterSet& parameters);
+
+// Throws DataError where frames of the split were made with other settings than the rest, and would be taken
+// for other echoes.
+void CheckSettings(const RecordingSource& recording, const FrameSplit& split);
+
+// Pixels of a recording that hold a measurement, 1 or 0; empty: all.
+std::vector<std::uint8_t> ValidPixels(const RecordingInfo& info, const std::optional<Mask>& pixels = {});
+
 // Needs a pose with every frame. Throws DataError where the recording, the scene or the parameters can't be
 // used for a fit; an end without a usable solution is no error but `fit.usable`, and is not judged.
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,

@@ -129,7 +129,7 @@ ExitStatus RunGallery(const GalleryOptions& options) {
   const SonarChoice choice = ChooseSonar(options.sonar);
   const WaterChoice water = ChooseWater(parameters, choice.water);
   if (!water.note.empty()) PrintNote(options.common, water.note);
-  const SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters.model);
+  const SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters);
 
   HtmlReport report("Gallery",
                     fmt::format("{}, {} model, noise-free", choice.sonar.name, ToString(parameters.model)));

@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +12,7 @@
 #include "data_io/parameters_io.h"
 #include "data_io/printable.h"
 #include "data_io/types/error.h"
+#include "sim/acoustic_fan.h"
 #include "sim/paper_fan.h"
 
 namespace sonarcal {
@@ -27,6 +29,7 @@ constexpr JsonWords<AbsorptionFormula, 2> kAbsorptions = {
      {"francois-garrison", AbsorptionFormula::kFrancoisGarrison}}};
 
 constexpr RayGridSize kFrustumRays = {1500, 1200};  // the paper's
+constexpr double kWidestFrustumDeg = 120.0;         // in elevation
 
 // Other models want columns that stand alike, and have rays of their own (sim/acoustic_fan.h); where `beams`
 // are asked of them by name, these.
@@ -78,6 +81,25 @@ SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, E
   options.trace.normals = normals;
   options.absorption = absorption;
   options.water = water;
+  return options;
+}
+
+SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water,
+                                  const ParameterSet& parameters) const {
+  SimulationOptions options = For(sonar, water, parameters.model);
+  if (parameters.model == EchoModel::kPaper) return options;
+  const RayFanOptions asked = options.fan;
+  options.fan = AcousticFanOptions(sonar, parameters);
+  if (!rays.empty()) {
+    options.fan.cols = asked.cols;
+    options.fan.rows = asked.rows;
+  }
+  if (sampling == Sampling::kFrustum) {
+    options.fan = {.cols = asked.cols,
+                   .rows = asked.rows,
+                   .elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg),
+                   .azimuth_margin_deg = options.fan.azimuth_margin_deg};
+  }
   return options;
 }
 

@@ -43,6 +43,10 @@ struct RayOptions {
   // paper's. Throws UsageError for a wrong `rays`.
   SimulationOptions For(const SonarModel& sonar, const Water& water,
                         EchoModel model = EchoModel::kPaper) const;
+
+  // The same for these parameters and their model. Of other models than the paper's the fan reaches as far as
+  // the beam hears (sim/acoustic_fan.h), however many rays are asked for; a pinhole's as far as it can.
+  SimulationOptions For(const SonarModel& sonar, const Water& water, const ParameterSet& parameters) const;
 };
 
 // Adds --sampling, --rays, --ray-weight, --normals, --absorption and --threads.

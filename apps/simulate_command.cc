@@ -18,7 +18,6 @@
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
 #include "apps/simulate_resume.h"
-#include "apps/simulation_setup.h"
 #include "data_io/fan_image.h"
 #include "data_io/image_io.h"
 #include "data_io/json_writer.h"
@@ -180,12 +179,12 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   const WaterChoice water = ChooseWater(parameters, choice.water);
   std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
 
-  SimulationOptions simulation =
-      SimulationFor(options.rays, choice.sonar, water.water, parameters, options.margin_deg);
+  SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters);
   simulation.bits = options.bits;
   simulation.noise = IsRandom(options, parameters.model);
   simulation.frozen_speckle = options.frozen_speckle;
   simulation.ghost_order = options.ghost_order;
+  if (options.margin_deg) simulation.fan.azimuth_margin_deg = *options.margin_deg;
   simulation.seed = options.seed;
   Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
   const std::string scene_digest = SceneDigest(scene);

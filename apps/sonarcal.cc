@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   sonarcal::SetupCompare(app);
   sonarcal::SetupFit(app);
   sonarcal::SetupView(app);
+  sonarcal::SetupExplain(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
   sonarcal::SetupPoses(app);

@@ -21,15 +21,18 @@ constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
 constexpr std::size_t kAtOnce = 64;  // pixels: their sums stay in the nearest cache
 constexpr double kMostGrowth = 3.0;  // of an echo, by a move that a slope can speak for; nepers of power
 
+GsabParameters<ceres::Jet<double, kCurveTerms - 1>> AsDuals(const GsabParameters<double>& g) {
+  using Dual = ceres::Jet<double, kCurveTerms - 1>;
+  return {Dual(g.a, 0), Dual(g.b_deg, 1), Dual(g.c, 2), Dual(g.d, 3), Dual(g.e, 4), Dual(g.f_deg, 5)};
+}
+
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
   using Dual = ceres::Jet<double, kCurveTerms - 1>;
   const std::vector<double>& nodes_deg = CoarseIncidenceDeg();
   std::vector<double> table(names.size() * nodes_deg.size() * kCurveStride, 0.0);
   double* at = table.data();
   for (const std::string& name : names) {
-    const GsabParameters<double>& g = parameters.materials.at(name).gsab;
-    const GsabParameters<Dual> gsab = {Dual(g.a, 0), Dual(g.b_deg, 1), Dual(g.c, 2),
-                                       Dual(g.d, 3), Dual(g.e, 4),     Dual(g.f_deg, 5)};
+    const GsabParameters<Dual> gsab = AsDuals(parameters.materials.at(name).gsab);
     for (const double node_deg : nodes_deg) {
       const Dual power = GsabPower(gsab, node_deg);
       at[0] = power.a;
@@ -38,6 +41,40 @@ std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::ve
     }
   }
   return table;
+}
+
+// The same of each material's two parts, one after the other (sim/ghost_echoes.h). The slow part's node is
+// the angle of a mean cosine.
+std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vector<std::string>& names) {
+  using Dual = ceres::Jet<double, kCurveTerms - 1>;
+  const std::vector<double>& nodes_deg = CoarseIncidenceDeg();
+  std::vector<double> table(names.size() * kCurveParts * nodes_deg.size() * kCurveStride, 0.0);
+  double* at = table.data();
+  const auto put = [&](const Dual& power) {
+    at[0] = power.a;
+    std::copy(power.v.begin(), power.v.end(), at + 1);
+    at += kCurveStride;
+  };
+  for (const std::string& name : names) {
+    const GsabParameters<Dual> gsab = AsDuals(parameters.materials.at(name).gsab);
+    for (const double node_deg : nodes_deg) put(GsabPeaksPower(gsab, node_deg));
+    for (const double node_deg : nodes_deg) {
+      put(node_deg < 90.0 ? GsabSlowPower(gsab, std::cos(RadFromDeg(node_deg))) : Dual(0.0));
+    }
+  }
+  return table;
+}
+
+// What is left of the power of each way's echoes by its reflections.
+std::vector<double> PassedByWays(const ParameterSet& parameters, const std::vector<std::string>& names,
+                                 const std::vector<GhostWay>& ways) {
+  std::vector<double> passed;
+  for (const GhostWay& way : ways) {
+    double loss_db = 0.0;
+    for (const std::uint16_t mirror : way) loss_db += parameters.mirrors.at(names[mirror]).loss_db;
+    passed.push_back(PowerFromDb(-loss_db));
+  }
+  return passed;
 }
 
 }  // namespace
@@ -52,11 +89,13 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
       beams_(state.sonar.axes.beam_count()),
       materials_(state.material_names.size()),
       curves_(TabulateCurves(state.parameters, state.material_names)),
+      passed_(PassedByWays(state.parameters, state.material_names, echoes.ghosts.ways)),
       noise_(state.parameters.receiver, state.sonar.axes, state.absorption_db_per_m),
       looks_(state.parameters.receiver.looks),
       clips_(state.clips),
       lowest_(PowerFromDisplay(state.parameters.display, 0.0)),
       highest_(PowerFromDisplay(state.parameters.display, 1.0)) {
+  if (!passed_.empty()) parts_ = TabulateParts(state.parameters, state.material_names);
   for (const int entry : active) {
     columns_.push_back(PlanColumn(state, entry));
     if (columns_.back().of != Of::kCurve) continue;
@@ -81,12 +120,13 @@ AcousticEvaluation::Column AcousticEvaluation::PlanColumn(const AcousticState& s
     const auto found = std::find_if(echoes_.slopes.begin(), echoes_.slopes.end(),
                                     [entry](const EchoSlope& slope) { return slope.entry == entry; });
     if (found == echoes_.slopes.end()) return {};
-    return {Of::kGeometry, static_cast<std::size_t>(found - echoes_.slopes.begin())};
+    return {.of = Of::kGeometry, .geometry = static_cast<std::size_t>(found - echoes_.slopes.begin())};
   }
-  if (of.group == ParameterGroup::kGsab) return {Of::kCurve};
-  if (of.group == ParameterGroup::kReceiver && of.index == 1) return {Of::kNoise, 0};
-  if (of.group == ParameterGroup::kReceiver && of.index == 2) return {Of::kNoiseSlope, 0};
-  return {Of::kLevel, 0};  // gain and source level
+  if (of.group == ParameterGroup::kGsab) return {.of = Of::kCurve};
+  if (of.group == ParameterGroup::kMirror) return {.of = Of::kMirror, .mirror = of.mirror};
+  if (of.group == ParameterGroup::kReceiver && of.index == 1) return {.of = Of::kNoise};
+  if (of.group == ParameterGroup::kReceiver && of.index == 2) return {.of = Of::kNoiseSlope};
+  return {.of = Of::kLevel};  // gain and source level
 }
 
 bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& sums) const {
@@ -98,7 +138,12 @@ bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& 
   sums.of_echo.resize(pixels.size());
   sums.of_noise.resize(pixels.size());
   pixel_math::SumCurves(echoes_.at_point, pixels, curves_, sums.curves.data());
-  std::vector<double> scratch(moved_.empty() ? 0 : stride);
+  sums.ghosts.assign(pixels.size() * passed_.size(), 0.0);
+  if (!passed_.empty()) {
+    pixel_math::AddGhosts(echoes_.ghosts.pixels, pixels, parts_, passed_, sums.curves.data(),
+                          sums.ghosts.data());
+  }
+  Scratch scratch;
   bool valid = true;
   int bin = pixels.empty() ? 0 : static_cast<int>(pixels.front()) / beams_;
   std::size_t end_of_bin = static_cast<std::size_t>(bin + 1) * beams_;
@@ -123,9 +168,11 @@ bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& 
 }
 
 // Adds to a pixel's sums what beam, pulse and pose have moved, and leaves what more of it would add.
-void AcousticEvaluation::MoveGeometry(std::size_t pixel, std::size_t i, std::vector<double>& scratch,
+void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratch& scratch,
                                       Sums& sums) const {
-  const std::span<double> curves(&sums.curves[i * scratch.size()], scratch.size());
+  const std::size_t stride = materials_ * kCurveStride;
+  const std::span<double> curves(&sums.curves[i * stride], stride);
+  const std::span<double> ghosts(sums.ghosts.data() + i * passed_.size(), passed_.size());
   const std::span<double> slopes(&sums.slopes[i * moved_.size()], moved_.size());
   double grown = 0.0;  // by poses, in nepers
   for (std::size_t g = 0; g < moved_.size(); ++g) {
@@ -135,13 +182,20 @@ void AcousticEvaluation::MoveGeometry(std::size_t pixel, std::size_t i, std::vec
       grown += moved_[g] * slope.logarithm[pixel];
       continue;
     }
-    std::fill(scratch.begin(), scratch.end(), 0.0);
-    AddCurves(slope.echoes, pixel, curves_, scratch);
-    slopes[g] = AllMaterials(scratch.data());
-    for (std::size_t k = 0; k < curves.size(); ++k) curves[k] += moved_[g] * scratch[k];
+    scratch.curves.assign(stride, 0.0);
+    scratch.ghosts.assign(passed_.size(), 0.0);
+    if (!slope.echoes.start.empty()) AddCurves(slope.echoes, pixel, curves_, scratch.curves);
+    if (!slope.ghosts.start.empty()) {
+      pixel_math::AddGhosts(slope.ghosts, {&pixel, 1}, parts_, passed_, scratch.curves.data(),
+                            scratch.ghosts.data());
+    }
+    slopes[g] = AllMaterials(scratch.curves.data());
+    for (std::size_t k = 0; k < curves.size(); ++k) curves[k] += moved_[g] * scratch.curves[k];
+    for (std::size_t k = 0; k < ghosts.size(); ++k) ghosts[k] += moved_[g] * scratch.ghosts[k];
   }
   const double factor = grown == 0.0 ? 1.0 : std::exp(std::clamp(grown, -kMostGrowth, kMostGrowth));
   for (double& value : curves) value *= factor;
+  for (double& value : ghosts) value *= factor;
   const double power = AllMaterials(curves.data());
   for (std::size_t g = 0; g < moved_.size(); ++g) {
     const EchoSlope& slope = echoes_.slopes[g];
@@ -175,6 +229,16 @@ void AcousticEvaluation::FillJacobian(std::span<const std::uint32_t> pixels, con
           return sums.of_echo[i] * sums.slopes[i * moved_.size() + columns_[k].geometry];
         });
         break;
+      case Of::kMirror: {
+        std::vector<double> times;  // that each way is reflected by it
+        for (const GhostWay& way : echoes_.ghosts.ways)
+          times.push_back(static_cast<double>(std::count(way.begin(), way.end(), columns_[k].mirror)));
+        fill([&](std::size_t i) {
+          const double* of_way = sums.ghosts.data() + i * times.size();
+          return -kNeperPerDb * sums.of_echo[i] * std::inner_product(times.begin(), times.end(), of_way, 0.0);
+        });
+        break;
+      }
       case Of::kLevel:
         fill([&](std::size_t i) { return kNeperPerDb * sums.of_echo[i] * sums.power[i]; });
         break;

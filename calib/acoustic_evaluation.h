@@ -2,7 +2,7 @@
 // likelihood of what was recorded there. This is where a fit of the acoustic model spends its time.
 //
 // Curves are tabulated once for all pixels, with their derivatives; a pixel then sums its few incidence
-// nodes, material by material.
+// nodes, material by material, and those of its ghosts, way by way.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@
 #include "calib/power_likelihood.h"
 #include "data_io/types/parameters.h"
 #include "data_io/types/sonar_model.h"
+#include "sim/ghost_echoes.h"
 #include "sim/physics/receiver.h"
 #include "sim/pixel_echoes.h"
 
@@ -33,11 +34,13 @@ struct RecordedFrame {
 struct EchoSlope {
   int entry = 0;  // of the catalog
   PixelEchoes echoes = {};
+  PixelEchoes ghosts = {};            // laid out as GhostEchoes::pixels of the frame; empty: none
   std::vector<float> logarithm = {};  // d ln(power) by pixel; empty: by echoes
 };
 
 struct FrameEchoes {
   PixelEchoes at_point;
+  GhostEchoes ghosts = {};
   std::vector<EchoSlope> slopes = {};
 };
 
@@ -66,10 +69,11 @@ class AcousticEvaluation final : public FrameEvaluation {
 
  private:
   // What a column of the Jacobian is of.
-  enum class Of { kCurve, kLevel, kNoise, kNoiseSlope, kGeometry, kNothing };
+  enum class Of { kCurve, kLevel, kNoise, kNoiseSlope, kGeometry, kMirror, kNothing };
   struct Column {
     Of of = Of::kNothing;
     std::size_t geometry = 0;  // among a pixel's slopes
+    int mirror = 0;            // a material
   };
   struct CurveColumn {
     std::size_t column = 0;
@@ -78,6 +82,7 @@ class AcousticEvaluation final : public FrameEvaluation {
   // Pixels that count, one after the other.
   struct Sums {
     std::vector<double> curves;  // kCurveStride for each material of each pixel
+    std::vector<double> ghosts;  // power of each pixel, by way
     std::vector<double> slopes;  // of each pixel, by geometric parameter
     std::vector<double> power;   // all materials together
     std::vector<double> mean;
@@ -88,7 +93,12 @@ class AcousticEvaluation final : public FrameEvaluation {
   Column PlanColumn(const AcousticState& state, int entry) const;
   // False where a mean is not a positive number.
   bool SumEchoes(std::span<const std::uint32_t> pixels, Sums& sums) const;
-  void MoveGeometry(std::size_t pixel, std::size_t i, std::vector<double>& scratch, Sums& sums) const;
+  // What moving by geometric parameters adds to one pixel's sums.
+  struct Scratch {
+    std::vector<double> curves;
+    std::vector<double> ghosts;
+  };
+  void MoveGeometry(std::uint32_t pixel, std::size_t i, Scratch& scratch, Sums& sums) const;
   void FillLikelihood(std::span<const std::uint32_t> pixels, const std::vector<double>& mean,
                       std::size_t first_pixel, PixelTerms& terms) const;
   void FillJacobian(std::span<const std::uint32_t> pixels, const Sums& sums, std::size_t first_pixel,
@@ -113,6 +123,8 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::vector<Column> columns_;
   std::vector<CurveColumn> curve_columns_;
   std::vector<double> curves_;   // kCurveStride for each node of each material
+  std::vector<double> parts_;    // and of each part of each, for ghosts
+  std::vector<double> passed_;   // of power by the mirrors of each way
   std::vector<double> moved_;    // of each geometric parameter, from the point
   std::vector<double> gain_;     // by bin
   std::vector<double> range_m_;  // by bin

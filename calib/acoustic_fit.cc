@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "calib/joint_steps.h"
+#include "calib/mirror_start.h"
 #include "calib/pose_ambiguity.h"
 #include "calib/pose_refinement.h"
 #include "calib/problem_builder.h"
@@ -24,11 +26,8 @@ constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
 constexpr double kShrink = 0.1;  // of the reach, after a move that was taken back
 
-// Times that poses and radiometry are refined in turn by likelihood, after the first, at most; and the fall
-// of cost for each free entry of a pose, in nats, that calls for another turn. Half a nat is what noise moves
-// one parameter by.
-constexpr int kPoseRepeats = 6;
-constexpr double kPoseFall = 0.05;
+// How far, in parts of what a round may move, the last solve may move poses that joint steps have settled.
+constexpr double kHeld = 0.02;
 
 // Times that frames go to better poses beside those reached, at most, and by how much better they are.
 constexpr int kMovesToBetter = 3;
@@ -59,13 +58,22 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   return near;
 }
 
+FitConfig WithDefaults(FitConfig config, const ParameterSet& initial,
+                       const std::vector<std::string>& material_names) {
+  if (!config.free) config.free = AcousticFreeByDefault(initial, material_names);
+  return config;
+}
+
 // The steps of a fit, one after the other.
 class AcousticFitter {
  public:
   AcousticFitter(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
                  const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
-      : options_(options), config_(given), model_(simulator, frames, initial), catalog_(model_.catalog()) {
-    if (!config_.free) config_.free = AcousticFreeByDefault(initial);
+      : options_(options),
+        config_(WithDefaults(given, initial, simulator.caster().material_names())),
+        model_(simulator, frames,
+               WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar())),
+        catalog_(model_.catalog()) {
     free_ = ApplyFitConfigWithPriors(model_.initial_values(), config_, catalog_);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       if (!free_[i]) continue;
@@ -85,7 +93,7 @@ class AcousticFitter {
     ShareRepeats();
     FitRadiometryFirst();
     RefinePosesWithRadiometry();
-    FitInRounds();
+    FitGeometry();
     GoToBetterPoses();
     if (!geometric_.empty()) Refit(false);
     WeighDown();
@@ -143,34 +151,60 @@ class AcousticFitter {
     cost_initial_ = fit_.report.cost_initial;
   }
 
-  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones. The nearest
-  // stage comes again as long as it gains more than noise does.
+  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones.
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
-    const std::vector<PoseStage> stages = PoseStages(model_.grain());
-    for (const PoseStage& stage : stages) RefineStage(stage);
-    for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
-      if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
+    for (const PoseStage& stage : PoseStages(model_.grain())) RefineStage(stage);
+  }
+
+  void RefineStage(const PoseStage& stage) {
+    if (!fit_.usable) return;
+    RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
+    model_.Linearise(fit_.values, {});
+    RefitRadiometry();
+  }
+
+  void RefitRadiometry() {
+    if (radiometric_.empty()) return;
+    fit_ = Fit(model_, fit_.values, RadiometryOnly(), again_);
+    iterations_ += fit_.report.iterations;
+  }
+
+  void FitGeometry() {
+    if (poses_.empty()) {
+      FitInRounds();
+    } else {
+      FitJointly();
     }
   }
 
-  // Returns by how much the poses alone lowered their cost.
-  double RefineStage(const PoseStage& stage) {
-    if (!fit_.usable) return 0.0;
-    const double fall = RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
-    model_.Linearise(fit_.values, {});
-    if (radiometric_.empty()) return fall;
-    fit_ = Fit(model_, fit_.values, RadiometryOnly(), again_);
-    iterations_ += fit_.report.iterations;
-    return fall;
+  // What poses are free hang together with, by steps that are each traced.
+  void FitJointly() {
+    if (!fit_.usable) return;
+    std::vector<int> active = geometric_;
+    active.insert(active.end(), radiometric_.begin(), radiometric_.end());
+    std::sort(active.begin(), active.end());
+    const auto settle = [this](ParameterValues& values) {
+      fit_.values = values;
+      RefitRadiometry();
+      values = fit_.values;
+    };
+    ParameterValues values = fit_.values;
+    settled_ =
+        TakeJointSteps(model_, catalog_, active, {.least = NoiseOfCost()}, settle, values, options_.progress);
+    fit_.values = values;
+    near_ = Near(config_, model_, geometric_, values, kHeld);
   }
+
+  // What noise moves a parameter by lowers the cost by half a nat, counted in grains.
+  double NoiseOfCost() const { return 0.5 * model_.grain().bins * model_.grain().beams; }
 
   // Everything together about an ever better point. A point that proves worse, once traced, is taken back,
   // and the next one lies nearer; one that is neither better nor worse by what noise does to it ends the
   // rounds.
   void FitInRounds() {
     settled_ = geometric_.empty();
-    const double noise = 0.5 * model_.grain().bins * model_.grain().beams;
+    const double noise = NoiseOfCost();
     double scale = 1.0;
     ParameterValues best;
     double best_cost = std::numeric_limits<double>::infinity();
@@ -203,6 +237,7 @@ class AcousticFitter {
     for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
       Say("weighing down what the scene does not explain");
       model_.DownWeight(fit_.values);
+      if (!poses_.empty()) FitJointly();
       Refit(false);
     }
   }
@@ -217,7 +252,7 @@ class AcousticFitter {
       Say(fmt::format("{} frame{} to a better pose", moved, moved == 1 ? " goes" : "s go"));
       model_.Linearise(fit_.values, {});
       RefineStage(PoseStages(model_.grain()).back());
-      FitInRounds();
+      FitJointly();
     }
   }
 
@@ -255,8 +290,8 @@ class AcousticFitter {
     if (cost_initial_) report.cost_initial = *cost_initial_;
     report.iterations = iterations_;
     if (!settled_) {
-      report.termination +=
-          fmt::format("; beam, pulse or poses still moved after {} rounds of tracing", kRounds);
+      report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
+                                        poses_.empty() ? kRounds : JointStepOptions{}.steps);
     }
     return result;
   }
@@ -294,9 +329,11 @@ class AcousticFitter {
 
 }  // namespace
 
-std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial) {
+std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
+                                               const std::vector<std::string>& material_names) {
   std::vector<std::string> free = {"materials", "receiver.noise_db"};
   if (!(initial.pulse.length_m > 0.0)) free.emplace_back("pulse.length_m");
+  for (std::string& name : MirrorsFreeByDefault(initial, material_names)) free.push_back(std::move(name));
   return free;
 }
 

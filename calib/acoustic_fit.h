@@ -18,10 +18,11 @@
 
 namespace sonarcal {
 
-// What a fit of the acoustic model frees where nobody says: curves and noise floor, and the pulse where its
-// length is not given, as a level per area hangs on it. The gauge: gain and source level stay, so that the
-// materials carry the level; the beam stays as the sonar's own.
-std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial);
+// What a fit of the acoustic model frees where nobody says: curves and noise floor, the pulse where its
+// length is not given, as a level per area hangs on it, and what MirrorsFreeByDefault says. The gauge: gain
+// and source level stay, so that the materials carry the level; the beam stays as the sonar's own.
+std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
+                                               const std::vector<std::string>& material_names);
 
 // Level of the noise floor in the darkest fifth of the recorded pixels, dB: where a fit starts.
 double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);
@@ -36,7 +37,8 @@ struct AcousticFit {
   bool usable = false;
 };
 
-// `initial` must name a noise level. Throws DataError as FitPaperModel does.
+// `initial` must name a noise level; of mirrors it is completed as WithMirrorStart says. Throws DataError as
+// FitPaperModel does.
 AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
                              const ParameterSet& initial, const FitConfig& config,
                              const FitOptions& options = {});

@@ -14,6 +14,7 @@
 #include "data_io/types/units.h"
 #include "sim/acoustic_image.h"
 #include "sim/beam_and_pulse.h"
+#include "sim/ghost_power.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal {
@@ -24,6 +25,10 @@ double DifferenceStep(const CatalogEntry& entry, double value, const PolarAxes& 
   constexpr double kOfWidth = 0.03;
   return entry.group == ParameterGroup::kPose ? PoseDifference(axes, entry.index) : kOfWidth * value;
 }
+
+// How much further aside than what is sent ghosts are traced, so that more of it needs no other trace.
+constexpr double kTransmitReach = 1.3;
+constexpr double kTransmitGridDeg = 5.0;  // the fan of rays for ghosts changes by so much
 
 }  // namespace
 
@@ -58,7 +63,8 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
       initial_(WithResponse(simulator.sonar(), initial)),
       weights_(frames.size()),
       repeat_shares_(frames.size()),
-      shown_(material_names_.size(), false) {
+      shown_(material_names_.size(), false),
+      reflected_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
   CheckTapers(initial_.receiver, beams());
   for (const std::string& name : material_names_) initial_.materials[name] = initial.Material(name);
@@ -70,7 +76,8 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
                       pixel_count());
     }
   }
-  catalog_ = BuildAcousticCatalog(material_names_, simulator.sonar(), indices);
+  catalog_ = BuildAcousticCatalog(material_names_, simulator.sonar(), indices,
+                                  ReflectingMaterials(material_names_, initial_));
   for (const CatalogEntry& entry : catalog_) {
     if (entry.group != ParameterGroup::kPose) {
       initial_values_.push_back(AcousticSlot(initial_, material_names_, entry));
@@ -84,6 +91,11 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
   for (const FrameEchoes& of : echoes_) {
     for (const PixelEchoes::Entry& entry : of.at_point.entries)
       shown_[entry.node / CoarseIncidenceDeg().size()] = true;
+    for (const PixelEchoes::Entry& entry : of.ghosts.pixels.entries)
+      shown_[entry.node / CoarseIncidenceDeg().size() / kCurveParts % material_names_.size()] = true;
+    for (const GhostWay& way : of.ghosts.ways) {
+      for (const std::uint16_t mirror : way) reflected_[mirror] = true;
+    }
   }
 }
 
@@ -128,7 +140,23 @@ PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, c
   const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
   const EchoList echoes =
       Trace(simulator_.caster(), fan, world_from_sonar, sonar().axes, simulator_.options().trace);
-  return ExpectedPower(MakeScatterMap(echoes, fan, geometry, parameters), geometry, parameters);
+  ScatterMap scatter = MakeScatterMap(echoes, fan, geometry, parameters);
+  const int thin =
+      std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
+  const GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);
+  if (!ghosts.echoes.empty()) AddGhosts(ghosts, geometry, parameters, scatter);
+  return ExpectedPower(scatter, geometry, parameters);
+}
+
+GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
+                                       const std::vector<int>& geometric) const {
+  ParameterSet parameters = Parameters(values);
+  const bool transmit_moves = std::any_of(geometric.begin(), geometric.end(), [&](int entry) {
+    return catalog_[entry].group == ParameterGroup::kTransmit;
+  });
+  double& end_deg = parameters.beam.transmit_end_deg;
+  if (transmit_moves) end_deg = kTransmitGridDeg * std::ceil(kTransmitReach * end_deg / kTransmitGridDeg);
+  return simulator_.TraceGhosts(PoseOf(frame, values), parameters);
 }
 
 RayFan AcousticFrameModel::ThinnedFan(int factor) const {
@@ -142,6 +170,8 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
                                             const std::vector<int>& geometric) const {
   const EchoPower at_pose = EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
   FrameEchoes echoes{.at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
+  const GhostList ghosts = GhostsOf(frame, values, geometric);
+  if (!ghosts.echoes.empty()) echoes.ghosts = GatherGhostEchoes(simulator_, ghosts, Parameters(values));
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
     const double step = DifferenceStep(entry, values[index], sonar().axes);
@@ -154,14 +184,21 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
       echoes.slopes.push_back({.entry = index, .logarithm = LogarithmSlope(frame, above, below, 2.0 * step)});
       continue;
     }
+    echoes.slopes.push_back({.entry = index});
+    if (!ghosts.echoes.empty()) {
+      const auto gather = [&](const ParameterValues& at) {
+        return GatherGhostEchoes(simulator_, ghosts, Parameters(at)).pixels;
+      };
+      echoes.slopes.back().ghosts = Difference(gather(above), gather(below), 1.0 / (2.0 * step));
+    }
+    if (entry.group == ParameterGroup::kTransmit) continue;
     // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
     const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
     const auto gather = [&](const ParameterValues& at) {
       return arrives_alike ? ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
                            : GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
     };
-    echoes.slopes.push_back(
-        {.entry = index, .echoes = Difference(gather(above), gather(below), 1.0 / (2.0 * step))});
+    echoes.slopes.back().echoes = Difference(gather(above), gather(below), 1.0 / (2.0 * step));
   }
   return echoes;
 }

@@ -7,7 +7,8 @@
 //
 // Backscatter curves and receiver are exact. What decides where an echo arrives (beam, pulse, pose) enters by
 // the gathered echoes and their differences about a point, the model being linear in it near there:
-// `Linearise` moves the point, and traces and gathers again.
+// `Linearise` moves the point, and traces and gathers again. Ghosts by the mirrors of the parameters are part
+// of S: exact in their losses, too, and gathered from one trace a point (sim/ghost_echoes.h).
 #pragma once
 
 #include <cstdint>
@@ -52,6 +53,7 @@ class AcousticFrameModel final : public FrameModel {
     return frames_[frame].use.empty() || frames_[frame].use[pixel] != 0;
   }
   bool ShowsMaterial(int material) const override { return shown_[material]; }
+  bool ShowsMirror(int material) const override { return reflected_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
   Grain grain() const override;
   int first_of_pose(int frame) const override;
@@ -62,7 +64,8 @@ class AcousticFrameModel final : public FrameModel {
   const Simulator& simulator() const { return simulator_; }
   const SonarModel& sonar() const { return simulator_.sonar(); }
   const AcousticFrame& frame(int frame) const { return frames_[frame]; }
-  // What the sonar should hear from a pose on average: traces a fan of rays, and is linear in nothing.
+  // What the sonar should hear from a pose on average: traces a fan of rays, and ghosts by one thinned as
+  // much, and is linear in nothing.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const RayFan& fan) const;
   // The simulator's fan with fewer rows and columns by this factor.
@@ -111,6 +114,8 @@ class AcousticFrameModel final : public FrameModel {
   // Difference of the logarithms of what a frame's two poses hear of the scene, over `difference`.
   std::vector<float> LogarithmSlope(int frame, const ParameterValues& above, const ParameterValues& below,
                                     double difference) const;
+  // What a frame's mirrors show of the scene, as far aside as a transmitter that moves may come to send.
+  GhostList GhostsOf(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
   FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
 
   const Simulator& simulator_;
@@ -123,7 +128,8 @@ class AcousticFrameModel final : public FrameModel {
   std::vector<FrameEchoes> echoes_;
   std::vector<std::vector<float>> weights_;
   std::vector<std::vector<float>> repeat_shares_;
-  std::vector<bool> shown_;
+  std::vector<bool> shown_;      // by material: whether any frame has an echo of it
+  std::vector<bool> reflected_;  // or a ghost by way of it
 };
 
 }  // namespace sonarcal

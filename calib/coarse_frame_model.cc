@@ -54,46 +54,55 @@ CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const PixelBl
   tbb::parallel_for(0, fine.frame_count(), [&](int frame) { frames_[frame] = Gather(frame); });
 }
 
-CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame) const {
-  const PixelEchoes& fine = fine_.echoes(frame).at_point;
-  CoarseFrame coarse;
-  PixelEchoes& echoes = coarse.echoes.at_point;
-  echoes.materials = fine.materials;
-  echoes.start = {0};
+PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const PixelEchoes& fine) const {
+  PixelEchoes echoes{.materials = fine.materials, .start = {0}, .entries = {}};
   std::vector<double> by_node(static_cast<std::size_t>(fine.materials) * CoarseIncidenceDeg().size(), 0.0);
   std::vector<std::uint32_t> nodes;
-  for (int first_bin = 0; first_bin < fine_.range_bins(); first_bin += block_.bins) {
-    for (int first_beam = 0; first_beam < fine_.beams(); first_beam += block_.beams) {
-      nodes.clear();
-      double power = 0.0;
-      double weight = 0.0;
-      int counted = 0;
-      for (int bin = first_bin; bin < std::min(first_bin + block_.bins, fine_.range_bins()); ++bin) {
-        for (int beam = first_beam; beam < std::min(first_beam + block_.beams, fine_.beams()); ++beam) {
-          const std::size_t pixel = static_cast<std::size_t>(bin) * fine_.beams() + beam;
-          if (!fine_.Counts(frame, pixel)) continue;
-          ++counted;
-          weight += fine_.Weight(frame, pixel);
-          power += fine_.frame(frame).recorded[pixel].power;
-          for (std::uint32_t e = fine.start[pixel]; e < fine.start[pixel + 1]; ++e) {
-            const PixelEchoes::Entry& entry = fine.entries[e];
-            if (by_node[entry.node] == 0.0) nodes.push_back(entry.node);
-            by_node[entry.node] += gain_of_centre_[bin] * entry.weight;
-          }
-        }
+  ForBlocks([&](const auto& for_pixels) {
+    nodes.clear();
+    int counted = 0;
+    for_pixels([&](int bin, std::size_t pixel) {
+      if (!fine_.Counts(frame, pixel)) return;
+      ++counted;
+      for (std::uint32_t e = fine.start[pixel]; e < fine.start[pixel + 1]; ++e) {
+        const PixelEchoes::Entry& entry = fine.entries[e];
+        if (by_node[entry.node] == 0.0) nodes.push_back(entry.node);
+        by_node[entry.node] += gain_of_centre_[bin] * entry.weight;
       }
-      std::sort(nodes.begin(), nodes.end());
-      for (const std::uint32_t node : nodes) {
-        if (by_node[node] > 0.0)
-          echoes.entries.push_back({node, static_cast<float>(by_node[node] / counted)});
-        by_node[node] = 0.0;
-      }
-      echoes.start.push_back(static_cast<std::uint32_t>(echoes.entries.size()));
-      coarse.power.push_back({.power = counted > 0 ? power / counted : 0.0});
-      coarse.use.push_back(counted > 0 ? 1 : 0);
-      coarse.weight.push_back(static_cast<float>(weight / (block_.bins * block_.beams)));
+    });
+    std::sort(nodes.begin(), nodes.end());
+    for (const std::uint32_t node : nodes) {
+      if (by_node[node] > 0.0) echoes.entries.push_back({node, static_cast<float>(by_node[node] / counted)});
+      by_node[node] = 0.0;
     }
+    echoes.start.push_back(static_cast<std::uint32_t>(echoes.entries.size()));
+  });
+  return echoes;
+}
+
+CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame) const {
+  const FrameEchoes& fine = fine_.echoes(frame);
+  CoarseFrame coarse;
+  coarse.echoes.at_point = BlockEchoes(frame, fine.at_point);
+  if (!fine.ghosts.empty()) {
+    coarse.echoes.ghosts = {.ways = fine.ghosts.ways,
+                            .materials = fine.ghosts.materials,
+                            .pixels = BlockEchoes(frame, fine.ghosts.pixels)};
   }
+  ForBlocks([&](const auto& for_pixels) {
+    double power = 0.0;
+    double weight = 0.0;
+    int counted = 0;
+    for_pixels([&](int, std::size_t pixel) {
+      if (!fine_.Counts(frame, pixel)) return;
+      ++counted;
+      weight += fine_.Weight(frame, pixel);
+      power += fine_.frame(frame).recorded[pixel].power;
+    });
+    coarse.power.push_back({.power = counted > 0 ? power / counted : 0.0});
+    coarse.use.push_back(counted > 0 ? 1 : 0);
+    coarse.weight.push_back(static_cast<float>(weight / (block_.bins * block_.beams)));
+  });
   return coarse;
 }
 

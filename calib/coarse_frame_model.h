@@ -7,6 +7,7 @@
 // clipped pixel has the power at which it was clipped. Geometry stays at the point of the fine model.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -36,6 +37,7 @@ class CoarseFrameModel final : public FrameModel {
   int beams() const override { return sonar_.axes.beam_count(); }
   bool Counts(int frame, std::size_t pixel) const override { return frames_[frame].use[pixel] != 0; }
   bool ShowsMaterial(int material) const override { return fine_.ShowsMaterial(material); }
+  bool ShowsMirror(int material) const override { return fine_.ShowsMirror(material); }
   const std::vector<std::string>& material_names() const override { return fine_.material_names(); }
   int first_of_pose(int frame) const override { return fine_.first_of_pose(frame); }
   bool IsLikelihood() const override { return true; }
@@ -50,6 +52,24 @@ class CoarseFrameModel final : public FrameModel {
     std::vector<float> weight;
   };
   CoarseFrame Gather(int frame) const;
+  // Entries of a block's pixels that count, node by node, as a mean over those pixels.
+  PixelEchoes BlockEchoes(int frame, const PixelEchoes& fine) const;
+
+  // Calls act(for_pixels) for each block in its order; for_pixels(visit) calls visit(bin, pixel) for each of
+  // the block's fine pixels.
+  template <typename Act>
+  void ForBlocks(const Act& act) const {
+    for (int first_bin = 0; first_bin < fine_.range_bins(); first_bin += block_.bins) {
+      for (int first_beam = 0; first_beam < fine_.beams(); first_beam += block_.beams) {
+        act([&](const auto& visit) {
+          for (int bin = first_bin; bin < std::min(first_bin + block_.bins, fine_.range_bins()); ++bin) {
+            for (int beam = first_beam; beam < std::min(first_beam + block_.beams, fine_.beams()); ++beam)
+              visit(bin, static_cast<std::size_t>(bin) * fine_.beams() + beam);
+          }
+        });
+      }
+    }
+  }
 
   const AcousticFrameModel& fine_;
   PixelBlock block_;

@@ -59,7 +59,7 @@ class Fitter {
   }
 
   ModelFit Run() {
-    FreezeUnseenMaterials();
+    FreezeUnseen();
     const auto start = std::chrono::steady_clock::now();
     // A single start from where an earlier fit ended needs no trial.
     if (options_.rough || options_.starts > 1 || options_.search_level) SolveFromSeveralStarts();
@@ -112,7 +112,7 @@ class Fitter {
     report_.unidentifiable_directions.push_back(why);
   }
 
-  void FreezeUnseenMaterials() {
+  void FreezeUnseen() {
     std::vector<bool> said(model_.material_names().size(), false);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       const int material = catalog_[i].material;
@@ -123,6 +123,13 @@ class Fitter {
             fmt::format("material.{}: no echo of it in the frames used", model_.material_names()[material]));
         said[material] = true;
       }
+    }
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      const int mirror = catalog_[i].mirror;
+      if (mirror < 0 || status_[i] != ParameterStatus::kFree || model_.ShowsMirror(mirror)) continue;
+      status_[i] = ParameterStatus::kUnidentifiable;
+      report_.unidentifiable_directions.push_back(
+          fmt::format("{}: no ghost by way of it in the frames used", catalog_[i].name));
     }
   }
 
@@ -356,7 +363,8 @@ class Fitter {
     if (acoustic) {
       report_.gauge.emplace_back(
           "every free parameter has a prior about the value given, one surprising step wide: a factor of ten "
-          "for powers, of e for widths, 1 for D; a configuration (--config) may give others");
+          "for powers, of e for widths, 1 for D, 10 dB for losses of mirrors; a configuration (--config) may "
+          "give others");
     }
   }
 

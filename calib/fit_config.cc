@@ -19,6 +19,7 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == "source_level") return entry.group == ParameterGroup::kSourceLevel;
   if (pattern == "noise") return entry.name.starts_with("receiver.noise");
   if (pattern == "psf") return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse;
+  if (pattern == "mirrors") return entry.group == ParameterGroup::kMirror;
   if (pattern == "pose") return entry.group == ParameterGroup::kPose && entry.frame != kMountFrame;
   if (pattern == "mount") return entry.group == ParameterGroup::kPose && entry.frame == kMountFrame;
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
@@ -37,7 +38,8 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
   std::string names;
   for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
   throw DataError(
-      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, pose, mount, display, "
+      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, mirrors, pose, mount, "
+      "display, "
       "jitter, source_level), or a name or pattern among {}",
       pattern, names);
 }

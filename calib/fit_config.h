@@ -11,10 +11,10 @@
 //    "held_out": [2, 5]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
-// noise, psf (beam and pulse), pose (each frame's), mount, display, jitter, source_level. `fixed` wins over
-// `free`. A prior is a value and its sigma, in the parameter's unit, or nothing at all; it counts where the
-// model's fit is a likelihood, and there every parameter has one (parameter_catalog.h) unless it is given
-// here.
+// noise, psf (beam and pulse), mirrors (every loss), pose (each frame's), mount, display, jitter,
+// source_level. `fixed` wins over `free`. A prior is a value and its sigma, in the parameter's unit, or
+// nothing at all; it counts where the model's fit is a likelihood, and there every parameter has one
+// (parameter_catalog.h) unless it is given here.
 #pragma once
 
 #include <filesystem>

@@ -50,7 +50,8 @@ class FrameModel {
   virtual int range_bins() const = 0;
   virtual int beams() const = 0;
   virtual bool Counts(int frame, std::size_t pixel) const = 0;
-  virtual bool ShowsMaterial(int material) const = 0;  // in any frame
+  virtual bool ShowsMaterial(int material) const = 0;                // in any frame
+  virtual bool ShowsMirror(int /*material*/) const { return true; }  // a ghost by way of it, in any frame
   virtual const std::vector<std::string>& material_names() const = 0;
 
   // Over how many pixels beam and pulse spread an echo, by their half-power widths: so far apart, speckle is

@@ -61,24 +61,14 @@ double LogLikelihood(const std::vector<GreyFrame>& frames, const std::vector<std
   return nats;
 }
 
-}  // namespace
-
-double BlockedLikelihood::Pixels() const {
-  return std::accumulate(pixels.begin(), pixels.end(), 0.0);
-}
-
-double BlockedLikelihood::PerPixel() const {
-  return std::accumulate(nats.begin(), nats.end(), 0.0) / std::max(1.0, Pixels());
-}
-
-BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
-                                 const std::vector<std::vector<double>>& mean_power,
-                                 const ParameterSet& parameters, int block_bins, int block_beams) {
+// Sums of log_chance_of(frame)(level, pixel) over the pixels that count, by block.
+template <typename LogChanceOf>
+BlockedLikelihood InBlocks(const std::vector<GreyFrame>& frames, int block_bins, int block_beams,
+                           const LogChanceOf& log_chance_of) {
   SONARCAL_CHECK(block_bins > 0 && block_beams > 0, "blocks of {} x {} pixels", block_bins, block_beams);
   BlockedLikelihood all;
   std::vector<std::size_t> first_block(frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    CheckSizes(frames[f], mean_power[f]);
     const int bins = frames[f].image.axes.range_bins;
     const int beams = frames[f].image.axes.beam_count();
     const int down = (bins + block_bins - 1) / block_bins;
@@ -91,8 +81,7 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
       all.nats.resize(all.nats.size() + static_cast<std::size_t>(down) * across, 0.0);
       all.pixels.resize(all.nats.size(), 0.0);
     }
-    const GreyLevels levels = LevelsOf(parameters, frames[f].image);
-    const int full_scale = FullScale(frames[f].image);
+    const auto log_chance = log_chance_of(f);
     // A band of blocks has one thread, so that any number of them gives the same sums.
     tbb::parallel_for(0, down, [&](int band) {
       for (int bin = band * block_bins; bin < std::min((band + 1) * block_bins, bins); ++bin) {
@@ -101,14 +90,96 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
           if (!Counts(frames[f], pixel)) continue;
           const std::size_t block =
               first_block[f] + static_cast<std::size_t>(band) * across + beam / block_beams;
-          const int level = static_cast<int>(std::lround(frames[f].image.value(bin, beam)));
-          all.nats[block] += LogChance(levels, full_scale, level, mean_power[f][pixel]);
+          all.nats[block] +=
+              log_chance(static_cast<int>(std::lround(frames[f].image.value(bin, beam))), pixel);
           all.pixels[block] += 1.0;
         }
       }
     });
   }
   return all;
+}
+
+}  // namespace
+
+std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
+                                     const DisplayParameters<double>& display) {
+  std::vector<AcousticFrame> result;
+  result.reserve(frames.size());
+  for (const GreyFrame& frame : frames) {
+    result.push_back({.index = frame.index,
+                      .world_from_sonar = frame.world_from_sonar,
+                      .recorded = RecordedPowers(frame.image, display),
+                      .use = frame.use});
+  }
+  return result;
+}
+
+std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model) {
+  std::vector<std::vector<double>> means;
+  means.reserve(model.frame_count());
+  for (int frame = 0; frame < model.frame_count(); ++frame)
+    means.push_back(model.MeanPower(frame, model.initial_values()));
+  return means;
+}
+
+double BlockedLikelihood::Pixels() const {
+  return std::accumulate(pixels.begin(), pixels.end(), 0.0);
+}
+
+double BlockedLikelihood::PerPixel() const {
+  return std::accumulate(nats.begin(), nats.end(), 0.0) / std::max(1.0, Pixels());
+}
+
+BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
+                                 const std::vector<std::vector<double>>& mean_power,
+                                 const ParameterSet& parameters, int block_bins, int block_beams) {
+  for (std::size_t f = 0; f < frames.size(); ++f) CheckSizes(frames[f], mean_power[f]);
+  return InBlocks(frames, block_bins, block_beams, [&](std::size_t f) {
+    return [levels = LevelsOf(parameters, frames[f].image), full_scale = FullScale(frames[f].image),
+            &mean = mean_power[f]](int level, std::size_t pixel) {
+      return LogChance(levels, full_scale, level, mean[pixel]);
+    };
+  });
+}
+
+NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
+                                const std::vector<std::vector<double>>& expected_grey) {
+  constexpr double kOfMedian = 1.4826;  // of a normal law's absolute deviation
+  std::vector<double> off;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const auto values = frames[f].image.value.values();
+    for (std::size_t pixel = 0; pixel < values.size(); ++pixel) {
+      if (Counts(frames[f], pixel)) off.push_back(values[pixel] - expected_grey[f][pixel]);
+    }
+  }
+  if (off.empty()) throw DataError("fit: no pixels");
+  const auto median = [&] {
+    const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+    std::nth_element(off.begin(), middle, off.end());
+    return *middle;
+  };
+  NormalGreyLaw law{.offset = median()};
+  for (double& value : off) value = std::abs(value - law.offset);
+  law.sigma = std::max(kOfMedian * median(), 0.5);  // a level holds what rounds to it
+  return law;
+}
+
+BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
+                                 const std::vector<std::vector<double>>& expected_grey,
+                                 const NormalGreyLaw& law, int block_bins, int block_beams) {
+  return InBlocks(frames, block_bins, block_beams, [&](std::size_t f) {
+    return [&law, full_scale = FullScale(frames[f].image), &expected = expected_grey[f]](int level,
+                                                                                         std::size_t pixel) {
+      const double middle = expected[pixel] + law.offset;
+      const auto below = [&](double grey) {
+        return 0.5 * std::erfc((middle - grey) / (law.sigma * std::sqrt(2.0)));
+      };
+      const double lower = level <= 0 ? 0.0 : below(level - 0.5);
+      const double upper = level >= full_scale ? 1.0 : below(level + 0.5);
+      return std::log((1.0 - kAnything) * std::max(upper - lower, 0.0) + kAnything / (full_scale + 1.0));
+    };
+  });
 }
 
 LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelihood& b) {

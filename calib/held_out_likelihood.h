@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calib/frame_model.h"
+#include "calib/acoustic_frame_model.h"
 #include "data_io/types/image.h"
 #include "data_io/types/parameters.h"
 #include "data_io/types/pose.h"
@@ -29,6 +29,13 @@ struct GreyFrame {
   std::vector<std::uint8_t> use = {};  // 1 for the pixels that count; empty: all
 };
 
+// The same frames as a fit of the acoustic model takes them, their powers through this display.
+std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
+                                     const DisplayParameters<double>& display);
+
+// Mean power of every pixel by a model's initial values, by frame.
+std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model);
+
 struct BlockedLikelihood {
   std::vector<double> nats;    // log-likelihood, by block
   std::vector<double> pixels;  // by block
@@ -43,6 +50,23 @@ struct BlockedLikelihood {
 BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& mean_power,
                                  const ParameterSet& parameters, int block_bins, int block_beams);
+
+// A law of grey levels that knows of no speckle: normal about what is expected and a constant, with one
+// spread everywhere.
+struct NormalGreyLaw {
+  double offset = 0.0;  // grey levels
+  double sigma = 1.0;
+};
+
+// The law of frames about expected grey values (by frame, range_bins x beams), by medians: a few pixels that
+// nothing explains do not decide it.
+NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
+                                const std::vector<std::vector<double>>& expected_grey);
+
+// The same as above by that law; values are clipped where the image's are.
+BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
+                                 const std::vector<std::vector<double>>& expected_grey,
+                                 const NormalGreyLaw& law, int block_bins, int block_beams);
 
 // What one model has over another, nats a pixel.
 struct LikelihoodDifference {

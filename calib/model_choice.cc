@@ -10,6 +10,7 @@
 
 #include "calib/background_display.h"
 #include "calib/fit_starts.h"
+#include "calib/mirror_start.h"
 #include "calib/model_variants.h"
 #include "calib/problem_builder.h"
 #include "data_io/types/error.h"
@@ -31,27 +32,6 @@ struct Candidate {
   BlockedLikelihood likelihood;                // of the frames held out
 };
 
-std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
-                                     const DisplayParameters<double>& display) {
-  std::vector<AcousticFrame> result;
-  result.reserve(frames.size());
-  for (const GreyFrame& frame : frames) {
-    result.push_back({.index = frame.index,
-                      .world_from_sonar = frame.world_from_sonar,
-                      .recorded = RecordedPowers(frame.image, display),
-                      .use = frame.use});
-  }
-  return result;
-}
-
-std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model) {
-  std::vector<std::vector<double>> means;
-  means.reserve(model.frame_count());
-  for (int frame = 0; frame < model.frame_count(); ++frame)
-    means.push_back(model.MeanPower(frame, model.initial_values()));
-  return means;
-}
-
 class Chooser {
  public:
   Chooser(const Simulator& simulator, const std::vector<GreyFrame>& used,
@@ -59,6 +39,7 @@ class Chooser {
       : simulator_(simulator), used_(used), held_out_(held_out), options_(options) {}
 
   ModelChoice Run(const ParameterSet& initial, const FitConfig& config) {
+    mirrors_ = ReflectingMaterials(simulator_.caster().material_names(), initial);
     const FitOptions few = Few(options_.first_iterations, options_.fit.starts, true);
     Say("choice of a model: fitting the one given");
     std::optional<Candidate> first = FitAndJudge(initial, initial, config, few);
@@ -95,7 +76,7 @@ class Chooser {
   std::vector<CatalogEntry> Catalog() const {
     std::vector<int> indices;
     for (const GreyFrame& frame : used_) indices.push_back(frame.index);
-    return BuildAcousticCatalog(simulator_.caster().material_names(), simulator_.sonar(), indices);
+    return BuildAcousticCatalog(simulator_.caster().material_names(), simulator_.sonar(), indices, mirrors_);
   }
 
   bool IsFree(const FitConfig& config, const std::string& name) const {
@@ -318,6 +299,7 @@ class Chooser {
   const std::vector<GreyFrame>& held_out_;
   const ModelChoiceOptions& options_;
   Candidate best_;
+  std::vector<char> mirrors_;  // materials that reflect, 1 or 0
   std::optional<BlockPixels> block_;
 };
 
@@ -351,8 +333,10 @@ ModelChoice ChooseModel(const Simulator& simulator, const std::vector<GreyFrame>
   if (!complete.receiver.noise_db) {
     complete.receiver.noise_db = NoiseStartDb(FramesFor(used, initial.display), initial.receiver.looks);
   }
+  const std::vector<std::string>& materials = simulator.caster().material_names();
   FitConfig of = config;
-  if (!of.free) of.free = AcousticFreeByDefault(initial);
+  if (!of.free) of.free = AcousticFreeByDefault(initial, materials);
+  complete = WithMirrorStart(complete, of, materials, simulator.sonar());
   return Chooser(simulator, used, held_out, options).Run(complete, of);
 }
 

@@ -20,6 +20,9 @@ constexpr double kPowerStep = std::numbers::ln10;
 constexpr double kWidthStep = 1.0;
 constexpr double kExponentStep = 1.0;
 constexpr double kLevelStepDb = 20.0;
+// 10 dB in the loss of a reflection; beyond 60 dB a mirror's ghosts are below anything else that is heard.
+constexpr double kLossStepDb = 10.0;
+constexpr double kMostLossDb = 60.0;
 
 CatalogEntry GsabEntry(const std::string& material, int material_idx, int index) {
   const ParameterTraits& traits = kGsabTraits[index];
@@ -80,6 +83,34 @@ void Narrow(const Limits& limits, CatalogEntry& entry) {
   entry.upper = limits.upper;
 }
 
+// How far aside a transmitter sends: to the outer beams, and no further than rays for ghosts go.
+CatalogEntry TransmitEntry(const SonarModel& sonar) {
+  constexpr double kFurthestDeg = 60.0;
+  constexpr double kStepDeg = 20.0;
+  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
+  const double edge_deg = DegFromRad(std::max(-edges_rad.front(), edges_rad.back()));
+  return {.name = "beam.transmit_end_deg",
+          .unit = "deg",
+          .group = ParameterGroup::kTransmit,
+          .lower = edge_deg + 1.0,
+          .upper = edge_deg + kFurthestDeg,
+          .typical_step = kStepDeg};
+}
+
+void AddMirrors(const std::vector<std::string>& material_names, const std::vector<char>& mirrors,
+                std::vector<CatalogEntry>& catalog) {
+  for (std::size_t material = 0; material < mirrors.size(); ++material) {
+    if (mirrors[material] == 0) continue;
+    catalog.push_back({.name = fmt::format("mirror.{}.loss_db", material_names[material]),
+                       .unit = "dB",
+                       .group = ParameterGroup::kMirror,
+                       .mirror = static_cast<int>(material),
+                       .lower = 0.0,
+                       .upper = kMostLossDb,
+                       .typical_step = kLossStepDb});
+  }
+}
+
 void AddPose(const std::string& name, int frame, std::vector<CatalogEntry>& catalog) {
   for (int index = 0; index < kPoseSteps; ++index) {
     const bool angle = index >= 3;
@@ -131,7 +162,8 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
 }
 
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
-                                               const SonarModel& sonar, const std::vector<int>& frames) {
+                                               const SonarModel& sonar, const std::vector<int>& frames,
+                                               const std::vector<char>& mirrors) {
   std::vector<CatalogEntry> catalog = {SourceLevelEntry()};
   constexpr std::array<const char*, 2> kLevels = {"receiver.gain_db", "receiver.noise_db"};
   for (std::size_t index = 0; index < kLevels.size(); ++index) {
@@ -162,6 +194,10 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
   for (auto& entry : catalog) {
     if (entry.group == ParameterGroup::kGsab) Narrow(kAcousticGsabBounds[entry.index], entry);
   }
+  if (std::count(mirrors.begin(), mirrors.end(), 1) > 0) {
+    catalog.push_back(TransmitEntry(sonar));
+    AddMirrors(material_names, mirrors, catalog);
+  }
   AddPoses(frames, catalog);
   return catalog;
 }
@@ -177,6 +213,10 @@ double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& m
       return entry.index == 0 ? parameters.beam.azimuth_width_deg : parameters.beam.elevation_width_deg;
     case ParameterGroup::kPulse:
       return parameters.pulse.length_m;
+    case ParameterGroup::kTransmit:
+      return parameters.beam.transmit_end_deg;
+    case ParameterGroup::kMirror:
+      return parameters.mirrors.at(material_names[entry.mirror]).loss_db;
     case ParameterGroup::kGsab: {
       GsabParameters<double>& g = parameters.materials.at(material_names[entry.material]).gsab;
       const std::array<double*, 6> members = {&g.a, &g.b_deg, &g.c, &g.d, &g.e, &g.f_deg};

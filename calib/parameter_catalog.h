@@ -3,7 +3,8 @@
 // Names are those of `fit.json`: source_level_db, display.db_min, display.db_max,
 // material.<name>.gsab.{A,B_deg,C,D,E,F_deg}; of the paper's model jitter.{sigma_range_m,sigma_azimuth_deg,
 // reference_range_m}; of the acoustic model receiver.{gain_db,noise_db,noise_slope_db_per_m},
-// beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m, pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,
+// beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m, where there are mirrors mirror.<name>.loss_db
+// and beam.transmit_end_deg, pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,
 // yaw_deg}, and pose.mount.* for an offset behind every recorded pose (in the sonar's frame; none is zero).
 //
 // A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
@@ -25,7 +26,18 @@
 
 namespace sonarcal {
 
-enum class ParameterGroup { kSourceLevel, kDisplay, kGsab, kJitter, kReceiver, kBeam, kPulse, kPose };
+enum class ParameterGroup {
+  kSourceLevel,
+  kDisplay,
+  kGsab,
+  kJitter,
+  kReceiver,
+  kBeam,
+  kPulse,
+  kTransmit,
+  kMirror,
+  kPose,
+};
 
 // The pose entry of an offset that all frames share.
 inline constexpr int kMountFrame = -1;
@@ -41,6 +53,7 @@ struct CatalogEntry {
   std::string unit;
   ParameterGroup group = ParameterGroup::kSourceLevel;
   int material = -1;  // index into the scene's material names, kGsab only
+  int mirror = -1;    // likewise, kMirror only
   int index = 0;      // member of its group
   int frame = -1;     // position among the fit's frames, or kMountFrame; kPose only
   double lower = 0.0;
@@ -75,19 +88,21 @@ using ParameterValues = std::vector<double>;
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
 // Every parameter of the acoustic model that a fit may move, for a sonar with these bins and beams and frames
-// of these indices in the recording.
+// of these indices in the recording. `mirrors`: 1 for the materials that reflect, 0 for the others; empty:
+// none does.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
-                                               const SonarModel& sonar, const std::vector<int>& frames);
+                                               const SonarModel& sonar, const std::vector<int>& frames,
+                                               const std::vector<char>& mirrors = {});
 
-// Beam, pulse and pose: what decides where an echo arrives, and can't be changed without tracing or gathering
-// again.
+// Beam, pulse and pose: what decides where an echo arrives; and how far aside is sent, which decides whether
+// it does. None of them can be changed without tracing or gathering again.
 inline bool IsGeometric(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse ||
-         entry.group == ParameterGroup::kPose;
+         entry.group == ParameterGroup::kTransmit || entry.group == ParameterGroup::kPose;
 }
 
-// The place of a parameter of the acoustic model, but for poses. Materials must have entries of their own,
-// and the receiver a noise level.
+// The place of a parameter of the acoustic model, but for poses. Materials and mirrors must have entries of
+// their own, and the receiver a noise level.
 double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
                      const CatalogEntry& entry);
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 
+#include "sim/ghost_echoes.h"
 #include "sim/pixel_echoes.h"
 
 namespace sonarcal::pixel_math {
@@ -18,6 +19,11 @@ namespace sonarcal::pixel_math {
 // sums: pixels x materials x kCurveStride, set whole.
 void SumCurves(const PixelEchoes& echoes, std::span<const std::uint32_t> pixels,
                std::span<const double> curves, double* sums);
+
+// Adds to `sums` what ghosts bring, and to `by_way` (pixels x ways) the power of each way: `parts` holds
+// kCurveStride values for each node of each part of each material, `passed` a factor for each way.
+void AddGhosts(const PixelEchoes& ghosts, std::span<const std::uint32_t> pixels,
+               std::span<const double> parts, std::span<const double> passed, double* sums, double* by_way);
 
 // PowerLikelihood of pixels that are not clipped. power, mean > 0.
 void Likelihood(const double* power, const double* mean, int count, double looks, double* residual,

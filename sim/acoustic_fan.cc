@@ -13,7 +13,9 @@ constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no sid
 constexpr double kMostElevationDeg = 176.0;
 constexpr double kRowDeg = 0.08;  // on average; crowded, a sixth of that at the horizon
 constexpr double kCrowding = 6.0;
-constexpr double kMarginWidths = 3.0;  // of azimuth
+// Of azimuth: they hold the main lobe of every pattern and the side lobes over -35 dB of a Hann-shaded
+// array's.
+constexpr double kMarginWidths = 3.0;
 constexpr double kMostMarginDeg = 20.0;
 constexpr double kColumnsPerWidth = 4.0;
 constexpr int kFewestColumnsPerBeam = 2;

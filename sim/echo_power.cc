@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -12,17 +13,11 @@
 namespace sonarcal {
 namespace {
 
-struct Share {
-  std::uint32_t cell;
-  std::uint32_t node;
-  float power;
-};
-
 // What each echo gives to the cells and nodes around it.
-std::vector<Share> Shares(const EchoList& echoes, const PolarAxes& axes, const EchoPowerOptions& options,
-                          int rows) {
+std::vector<EchoShare> Shares(const EchoList& echoes, const PolarAxes& axes, const EchoPowerOptions& options,
+                              int rows) {
   const double step_m = axes.range_bin_m() / options.range_steps;
-  std::vector<Share> shares;
+  std::vector<EchoShare> shares;
   shares.reserve(4 * echoes.size());
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const double range_m = echoes.range_m[echo];
@@ -51,26 +46,17 @@ std::vector<Share> Shares(const EchoList& echoes, const PolarAxes& axes, const E
 
 }  // namespace
 
-EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,
-                          const EchoPowerOptions& options) {
-  SONARCAL_CHECK(options.range_steps >= 1, "{} rows a range bin", options.range_steps);
-  EchoPower gathered;
-  gathered.range_steps = options.range_steps;
-  gathered.rows = axes.range_bins * options.range_steps;
-  gathered.cols = echoes.cols;
-  gathered.materials = static_cast<int>(echoes.material_names.size());
-  for (int col = 0; col < fan.cols(); ++col) gathered.column_azimuth_rad.push_back(fan.AzimuthRad(col));
-
+EchoPower SumShares(EchoPower frame, const std::vector<EchoShare>& shares) {
+  EchoPower gathered = std::move(frame);
   // Counting sort by cell, then by node within a cell.
-  const std::vector<Share> shares = Shares(echoes, axes, options, gathered.rows);
   const std::size_t cell_count = static_cast<std::size_t>(gathered.rows) * gathered.cols;
   std::vector<std::uint32_t> start(cell_count + 1, 0);
-  for (const Share& share : shares) ++start[share.cell + 1];
+  for (const EchoShare& share : shares) ++start[share.cell + 1];
   for (std::size_t cell = 0; cell < cell_count; ++cell) start[cell + 1] += start[cell];
   std::vector<EchoPower::Entry> sorted(shares.size());
   {
     std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
-    for (const Share& share : shares) sorted[next[share.cell]++] = {share.node, share.power};
+    for (const EchoShare& share : shares) sorted[next[share.cell]++] = {share.node, share.power};
   }
   for (std::size_t cell = 0; cell < cell_count; ++cell) {
     const auto begin = sorted.begin() + start[cell];
@@ -95,6 +81,19 @@ EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const Polar
   }
   gathered.entries.shrink_to_fit();
   return gathered;
+}
+
+EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,
+                          const EchoPowerOptions& options) {
+  SONARCAL_CHECK(options.range_steps >= 1, "{} rows a range bin", options.range_steps);
+  EchoPower frame;
+  frame.range_steps = options.range_steps;
+  frame.rows = axes.range_bins * options.range_steps;
+  frame.cols = echoes.cols;
+  frame.materials = static_cast<int>(echoes.material_names.size());
+  for (int col = 0; col < fan.cols(); ++col) frame.column_azimuth_rad.push_back(fan.AzimuthRad(col));
+  const std::vector<EchoShare> shares = Shares(echoes, axes, options, frame.rows);
+  return SumShares(std::move(frame), shares);
 }
 
 }  // namespace sonarcal

@@ -45,6 +45,16 @@ struct EchoPowerOptions {
   int range_steps = 4;                                                 // at least 4 a pulse length
 };
 
+// What one echo gives to a node of one cell, row * cols + col.
+struct EchoShare {
+  std::uint32_t cell;
+  std::uint32_t node;
+  float power;
+};
+
+// Sums shares by cell and node; the rest of `frame`, all but cells and entries, is kept.
+EchoPower SumShares(EchoPower frame, const std::vector<EchoShare>& shares);
+
 EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,
                           const EchoPowerOptions& options);
 

@@ -19,24 +19,6 @@ namespace {
 
 constexpr double kLeastInCommon = 1e-6;
 
-// Where a value lies among increasing positions: index and fraction of the way to the next. Half a step
-// beyond either end still counts as the end.
-struct Between {
-  int index = 0;
-  double fraction = 0.0;
-};
-
-std::optional<Between> Place(const std::vector<double>& positions, double value) {
-  const int last = static_cast<int>(positions.size()) - 1;
-  if (last < 1) return std::nullopt;
-  const auto above = std::upper_bound(positions.begin() + 1, positions.end() - 1, value);
-  const int index = static_cast<int>(above - positions.begin()) - 1;
-  const double fraction = (value - positions[index]) / (*above - positions[index]);
-  // Rounding of single precision apart.
-  if (fraction < -0.5001 || fraction > 1.5001) return std::nullopt;
-  return Between{index, std::clamp(fraction, 0.0, 1.0)};
-}
-
 }  // namespace
 
 GhostPower::GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
@@ -54,27 +36,38 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
   }
 }
 
-// What a leg does to the power of an echo that goes out or comes back by it.
+// What a leg does to the power of an echo that goes out or comes back by it, reflections apart.
 double GhostPower::OfLeg(const GhostLeg& leg) const {
   const double spreading_m = leg.spreading_m;
-  double loss_db = TransmissionLossDb(spreading_m, absorption_db_per_m_) +
-                   absorption_db_per_m_ * (leg.length_m - spreading_m);
+  const double loss_db = TransmissionLossDb(spreading_m, absorption_db_per_m_) +
+                         absorption_db_per_m_ * (leg.length_m - spreading_m);
+  return PowerFromDb(-loss_db) * std::sqrt(elevation_.Power(leg.elevation_rad));
+}
+
+double GhostPower::MirrorLossDb(const GhostLeg& leg) const {
+  double loss_db = 0.0;
   for (const std::uint16_t mirror : leg.mirror) {
     if (mirror != kNoMirror) loss_db += loss_db_[mirror];
   }
-  return PowerFromDb(-loss_db) * std::sqrt(elevation_.Power(leg.elevation_rad));
+  return loss_db;
+}
+
+double GhostPower::UnitOneWay(const GhostEcho& echo) const {
+  const double area_m2 =
+      PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad));
+  const double of_leg = OfLeg(echo.leg);
+  return of_leg * (echo.both_ways ? OfLeg(echo.other) : of_leg) * area_m2;
 }
 
 double GhostPower::OneWay(const GhostEcho& echo) const {
   const GsabParameters<double>& gsab = materials_[echo.material];
   const double incidence_deg = DegFromRad(double{echo.leg.incidence_rad});
-  const double of_leg = OfLeg(echo.leg);
-  const double area_m2 =
-      PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad));
-  if (!echo.both_ways) return level_ * of_leg * of_leg * GsabPower(gsab, incidence_deg) * area_m2;
-  return level_ * of_leg * OfLeg(echo.other) * area_m2 *
-         GsabBetweenPower(gsab, incidence_deg, DegFromRad(double{echo.other.incidence_rad}),
-                          DegFromRad(double{echo.tilt_rad}));
+  const double scattered =
+      echo.both_ways ? GsabBetweenPower(gsab, incidence_deg, DegFromRad(double{echo.other.incidence_rad}),
+                                        DegFromRad(double{echo.tilt_rad}))
+                     : GsabPower(gsab, incidence_deg);
+  return level_ * PowerFromDb(-MirrorLossDb(echo.leg) - MirrorLossDb(echo.other)) * scattered *
+         UnitOneWay(echo);
 }
 
 double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
@@ -82,11 +75,23 @@ double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
   return power < kLeastInCommon ? 0.0 : power;
 }
 
+std::optional<ArrivalGrid::Between> ArrivalGrid::Place(double azimuth_rad) const {
+  const int last = static_cast<int>(columns_.size()) - 1;
+  if (last < 1) return std::nullopt;
+  const auto above = std::upper_bound(columns_.begin() + 1, columns_.end() - 1, azimuth_rad);
+  const int index = static_cast<int>(above - columns_.begin()) - 1;
+  const double fraction = (azimuth_rad - columns_[index]) / (*above - columns_[index]);
+  // Rounding of single precision apart.
+  if (fraction < -0.5001 || fraction > 1.5001) return std::nullopt;
+  return Between{index, std::clamp(fraction, 0.0, 1.0)};
+}
+
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter) {
   const GhostPower power(ghosts.material_names, geometry, parameters);
   const PolarAxes& axes = geometry.sonar.axes;
-  const double step_m = axes.range_bin_m() / scatter.range_steps;
+  const ArrivalGrid grid(scatter.column_azimuth_rad, axes.range_min_m,
+                         axes.range_bin_m() / scatter.range_steps, scatter.power.rows());
   // What costs time on all cores; sums in the order of the list, the same on any number of threads.
   std::vector<double> one_way(ghosts.echoes.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, one_way.size(), 4096), [&](const auto& range) {
@@ -94,17 +99,8 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
   });
   for (std::size_t i = 0; i < one_way.size(); ++i) {
     power.ForEachArrival(ghosts.echoes[i], one_way[i], [&](const GhostArrival& arrival) {
-      const auto column = Place(scatter.column_azimuth_rad, arrival.azimuth_rad);
-      if (!column) return;
-      const double position = (arrival.range_m - axes.range_min_m) / step_m - 0.5;
-      const int row = static_cast<int>(std::floor(position));
-      const double along = position - row;
-      for (const int down : {0, 1}) {
-        if (row + down < 0 || row + down >= scatter.power.rows()) continue;
-        const double of_row = arrival.power * (down == 0 ? 1.0 - along : along);
-        scatter.power(row + down, column->index) += (1.0 - column->fraction) * of_row;
-        scatter.power(row + down, column->index + 1) += column->fraction * of_row;
-      }
+      grid.ForEachCell(arrival,
+                       [&](int row, int column, double of_cell) { scatter.power(row, column) += of_cell; });
     });
   }
 }

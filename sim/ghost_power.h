@@ -18,6 +18,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ class GhostPower {
 
   // Of one way, out by `leg` and back by `other`.
   double OneWay(const GhostEcho& echo) const;
+
+  // The same where source level, gain, losses and backscatter are one: what the geometry alone does.
+  double UnitOneWay(const GhostEcho& echo) const;
 
   // Calls take(GhostArrival) for each: one, or three where the echo goes both ways.
   template <typename Take>
@@ -70,6 +74,7 @@ class GhostPower {
 
  private:
   double OfLeg(const GhostLeg& leg) const;
+  double MirrorLossDb(const GhostLeg& leg) const;
   // 0 where next to nothing.
   double InCommon(double azimuth_rad, double middle_rad) const;
 
@@ -80,6 +85,44 @@ class GhostPower {
   TransmitPattern transmit_;
   std::vector<GsabParameters<double>> materials_;
   std::vector<double> loss_db_;  // of a reflection by each material; infinity where it is no mirror
+};
+
+// Where an arrival lies among the columns of a fan and fine rows of range: shared between the two nearest of
+// either. Outside of them it is not heard; half a step beyond either end still counts as the end.
+class ArrivalGrid {
+ public:
+  // `column_azimuth_rad` must outlive it.
+  ArrivalGrid(const std::vector<double>& column_azimuth_rad, double range_min_m, double step_m, int rows)
+      : columns_(column_azimuth_rad), range_min_m_(range_min_m), step_m_(step_m), rows_(rows) {}
+
+  // Calls take(row, column, power) for up to four cells.
+  template <typename Take>
+  void ForEachCell(const GhostArrival& arrival, Take&& take) const {
+    const auto column = Place(arrival.azimuth_rad);
+    if (!column) return;
+    const double position = (arrival.range_m - range_min_m_) / step_m_ - 0.5;
+    const int row = static_cast<int>(std::floor(position));
+    const double along = position - row;
+    for (const int down : {0, 1}) {
+      if (row + down < 0 || row + down >= rows_) continue;
+      const double of_row = arrival.power * (down == 0 ? 1.0 - along : along);
+      take(row + down, column->index, (1.0 - column->fraction) * of_row);
+      take(row + down, column->index + 1, column->fraction * of_row);
+    }
+  }
+
+ private:
+  // Index and fraction of the way to the next.
+  struct Between {
+    int index = 0;
+    double fraction = 0.0;
+  };
+  std::optional<Between> Place(double azimuth_rad) const;
+
+  const std::vector<double>& columns_;
+  double range_min_m_;
+  double step_m_;
+  int rows_;
 };
 
 // Adds the list to a map. What arrives between two columns or rows is shared between them; outside of them

@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "data_io/types/error.h"
 #include "sim/row_math.h"
@@ -51,8 +52,12 @@ class NodeLines {
       if (power_.size() < end) power_.resize(end);
       std::fill(power_.begin() + static_cast<std::ptrdiff_t>(end - columns_),
                 power_.begin() + static_cast<std::ptrdiff_t>(end), 0.0);
+      reach_.resize(nodes_.size());
+      reach_.back() = {column, column};
     }
     power_[static_cast<std::size_t>(slot) * columns_ + column] += power;
+    reach_[slot].first = std::min(reach_[slot].first, column);
+    reach_[slot].second = std::max(reach_[slot].second, column);
   }
   // Nodes that occur, in their order.
   std::vector<std::uint32_t> Sorted() const {
@@ -61,8 +66,12 @@ class NodeLines {
     return sorted;
   }
   double Through(const ResponseWindow& window, std::uint32_t node) const {
-    const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + window.first];
-    return row_math::Dot(window.weight.data(), line, static_cast<int>(window.weight.size()));
+    const auto [first_column, last_column] = reach_[slot_[node]];
+    const int first = std::max(first_column, window.first);
+    const int last = std::min(last_column, window.first + static_cast<int>(window.weight.size()) - 1);
+    if (last < first) return 0.0;
+    const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + first];
+    return row_math::Dot(window.weight.data() + (first - window.first), line, last - first + 1);
   }
 
  private:
@@ -70,6 +79,7 @@ class NodeLines {
   std::vector<int> slot_;  // by node, -1 where it does not occur
   std::vector<std::uint32_t> nodes_;
   std::vector<double> power_;
+  std::vector<std::pair<int, int>> reach_;  // first and last column of each line that holds anything
 };
 
 }  // namespace
@@ -85,7 +95,8 @@ const std::vector<double>& CoarseIncidenceDeg() {
   return kNodes;
 }
 
-PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response) {
+PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,
+                              double negligible_share) {
   const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
   const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
   const std::size_t nodes = static_cast<std::size_t>(echoes.materials) * coarse_count;
@@ -120,7 +131,7 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
         const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
         auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
         for (std::size_t i = 0; i < present.size(); ++i) {
-          if (weights[i] > kNegligibleShare * total)
+          if (weights[i] > negligible_share * total)
             pixel.push_back({present[i], static_cast<float>(weights[i])});
         }
       }

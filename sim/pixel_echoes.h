@@ -38,7 +38,8 @@ struct PixelEchoes {
   std::vector<Entry> entries;
 };
 
-PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response);
+PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,
+                              double negligible_share = kNegligibleShare);
 
 // The same from a pose: traces the simulator's fan, gathers its echoes by the elevation response, and sends
 // them through beam and pulse of the parameters; and the two steps of it one by one.

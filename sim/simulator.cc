@@ -48,22 +48,29 @@ struct Simulator::Mirrors {
 };
 
 // Null where the scene has no mirror.
-std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSet& parameters) const {
+std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSet& parameters,
+                                                               int thin) const {
   if (parameters.mirrors.empty()) return nullptr;
   const std::vector<char> reflects = ReflectingMaterials(caster_->material_names(), parameters);
   if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
   const std::scoped_lock lock(mirrors_mutex_);
   const double end_deg = parameters.beam.transmit_end_deg;
-  if (!mirrors_ || mirrors_->reflects != reflects || mirrors_->transmit_end_deg != end_deg) {
-    mirrors_ = std::make_shared<const Mirrors>(
+  std::shared_ptr<const Mirrors>& mirrors = mirrors_[thin];
+  if (!mirrors || mirrors->reflects != reflects || mirrors->transmit_end_deg != end_deg) {
+    RayFanOptions rays = options_.fan;
+    rays.cols = std::max(1, rays.cols / thin);
+    rays.rows = std::max(1, rays.rows / thin);
+    mirrors = std::make_shared<const Mirrors>(
         Mirrors{reflects, end_deg, MirrorSurface(caster_->scene(), reflects),
-                RayFan(sonar_, GhostFanOptions(options_.fan, sonar_, parameters.beam))});
+                RayFan(sonar_, GhostFanOptions(rays, sonar_, parameters.beam))});
   }
-  return mirrors_;
+  return mirrors;
 }
 
-GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters) const {
-  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters);
+GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                 int thin) const {
+  SONARCAL_CHECK(thin >= 1, "rays thinned {} times", thin);
+  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters, thin);
   if (!mirrors) return {};
   const auto [left_rad, right_rad] = AzimuthsRad(fan_);
   return sonarcal::TraceGhosts(*caster_, mirrors->surface, mirrors->fan, world_from_sonar,

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -56,8 +57,8 @@ class Simulator {
 
   // The ghosts of a pose by the materials that the parameters call mirrors; where the scene has none of them
   // no ray is cast and the list is empty. Which mirrors there are alone counts: their losses may change
-  // without tracing again.
-  GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters) const;
+  // without tracing again. `thin`: by so many times fewer rows and columns of rays.
+  GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters, int thin = 1) const;
 
   // The image of a pose by the model that the parameters name, in whole grey levels.
   PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
@@ -87,7 +88,7 @@ class Simulator {
 
  private:
   struct Mirrors;
-  std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters) const;
+  std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters, int thin = 1) const;
   PaperImageOptions PaperOptions(int frame_idx) const;
   void RefuseMargin() const;
 
@@ -97,7 +98,8 @@ class Simulator {
   RayFan fan_;
   double absorption_db_per_m_;
   mutable std::mutex mirrors_mutex_;
-  mutable std::shared_ptr<const Mirrors> mirrors_;  // of the materials last asked for
+  mutable std::map<int, std::shared_ptr<const Mirrors>>
+      mirrors_;  // by `thin`, of the materials last asked for
 };
 
 }  // namespace sonarcal

@@ -225,6 +225,12 @@ void HtmlReport::Add(const std::vector<LineChart>& charts, std::string_view capt
          EscapeHtml(caption));
 }
 
+void HtmlReport::Add(const Waterfall& waterfall, std::string_view caption) {
+  waterfalls_.push_back({++figure_count_, waterfall});
+  Append(body_, "<figure class=\"charts\">\n{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n",
+         WaterfallHtml(waterfall), figure_count_, EscapeHtml(caption));
+}
+
 void HtmlReport::Add(const FrameViewer& viewer) {
   Append(body_, "<figure class=\"viewers\">{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n",
          FrameViewerHtml(viewer, ++viewer_count_), ++figure_count_, EscapeHtml(viewer.caption));

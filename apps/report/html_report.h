@@ -21,6 +21,7 @@
 
 #include "apps/report/frame_viewer.h"
 #include "apps/report/line_chart.h"
+#include "apps/report/waterfall.h"
 
 namespace sonarcal {
 
@@ -99,6 +100,7 @@ class HtmlReport {
   void Add(const PictureRow& row);
   void Add(const std::vector<LineChart>& charts, std::string_view caption);  // one numbered figure
   void Add(const FrameViewer& viewer);
+  void Add(const Waterfall& waterfall, std::string_view caption);
   void Code(std::string_view text);
   // Folded away until asked for: a configuration, a log.
   void Details(std::string_view summary, std::string_view text);
@@ -113,12 +115,17 @@ class HtmlReport {
     std::string caption;
     std::vector<LineChart> charts;
   };
+  struct WaterfallFigure {
+    int number = 0;
+    Waterfall waterfall;
+  };
   const std::string& title() const { return title_; }
   const std::string& subtitle() const { return subtitle_; }
   const std::vector<std::string>& synthetic_callouts() const { return synthetic_callouts_; }
   const std::vector<KeyFigure>& key_figures() const { return key_figures_; }
   const std::vector<Table>& tables() const { return tables_; }
   const std::vector<ChartFigure>& chart_figures() const { return chart_figures_; }
+  const std::vector<WaterfallFigure>& waterfalls() const { return waterfalls_; }
 
   std::string Html() const;
 
@@ -144,6 +151,7 @@ class HtmlReport {
   std::vector<KeyFigure> key_figures_;
   std::vector<Table> tables_;
   std::vector<ChartFigure> chart_figures_;
+  std::vector<WaterfallFigure> waterfalls_;
   int figure_count_ = 0;
   int viewer_count_ = 0;
 };

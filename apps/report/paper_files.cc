@@ -42,7 +42,8 @@ void WritePaperFiles(const HtmlReport& report, const std::filesystem::path& fold
     WriteFileWhole(folder / "tables" / (stem + ".tex"), LatexTable(report.tables()[i]));
     WriteFileWhole(folder / "tables" / (stem + ".csv"), CsvTable(report.tables()[i]));
   }
-  if (!report.chart_figures().empty()) std::filesystem::create_directories(folder / "figures");
+  if (!report.chart_figures().empty() || !report.waterfalls().empty())
+    std::filesystem::create_directories(folder / "figures");
   for (const HtmlReport::ChartFigure& figure : report.chart_figures()) {
     for (std::size_t i = 0; i < figure.charts.size(); ++i) {
       const std::string name = figure.charts.size() == 1
@@ -50,6 +51,10 @@ void WritePaperFiles(const HtmlReport& report, const std::filesystem::path& fold
                                    : fmt::format("figure_{}_{}.svg", figure.number, i + 1);
       WriteFileWhole(folder / "figures" / name, LineChartSvg(figure.charts[i]));
     }
+  }
+  for (const HtmlReport::WaterfallFigure& figure : report.waterfalls()) {
+    WriteFileWhole(folder / "figures" / fmt::format("figure_{}.svg", figure.number),
+                   WaterfallSvg(figure.waterfall));
   }
 }
 

@@ -311,7 +311,8 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   if (!options.rays.sampling) options.rays.sampling = Sampling::kBeams;
   options.object_material = setup.object;
   const bool acoustic = state.parameters.model == EchoModel::kAcoustic;
-  options.config.free = acoustic ? AcousticFreeByDefault(state.parameters) : PaperFreeByDefault();
+  options.config.free = acoustic ? AcousticFreeByDefault(state.parameters, session_.scene().material_names)
+                                 : PaperFreeByDefault();
   options.fit.down_weight = acoustic;
   options.fit.threads = setup.rays.threads;
   fit_.Start({.real = session_.RecordingOf(state),

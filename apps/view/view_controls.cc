@@ -22,6 +22,7 @@ using Json = nlohmann::ordered_json;
 // A slider reaches this many surprising steps (calib/parameter_catalog.h) to either side of where it starts.
 constexpr double kStepsToEitherSide = 3.0;
 constexpr double kLevelStepDb = 20.0;
+constexpr double kMirrorLossDb = 6.0;  // of a mirror that is switched on
 
 constexpr std::array<std::pair<const char*, const char*>, 6> kGsabLabels = {
     {{"A", "A, specular amplitude"},
@@ -141,7 +142,8 @@ class Builder {
       : input_(input),
         start_({{"parameters", ParametersJson(input.parameters)}}),
         paper_(BuildCatalog(input.material_names)),
-        acoustic_(BuildAcousticCatalog(input.material_names, input.sonar, {})) {
+        acoustic_(BuildAcousticCatalog(input.material_names, input.sonar, {},
+                                       std::vector<char>(input.material_names.size(), 1))) {
     start_["parameters"]["water"] = WaterJson(input.water);
   }
 
@@ -289,17 +291,16 @@ class Builder {
   }
 
   void AddMirror(const std::string& material) {
-    ViewControl control{.name = fmt::format("mirror.{}.loss_db", material),
+    const std::string name = fmt::format("mirror.{}.loss_db", material);
+    ViewControl control{.name = name,
                         .path = {"parameters", "mirror", material, "loss_db"},
                         .group = kMirrors,
                         .label = fmt::format("Loss at '{}'", material),
-                        .unit = "dB",
                         .model = kAcoustic,
-                        .lower = 0.0,
-                        .upper = 200.0,
-                        .absent = 6.0};
-    Settle(StartOf(control.path).value_or(6.0), kLevelStepDb, control);
-    controls_.push_back(std::move(control));
+                        .absent = kMirrorLossDb,
+                        .fitted = true};
+    const double start_db = StartOf(control.path).value_or(kMirrorLossDb);
+    AddOfCatalog(*Find(kAcoustic, name), start_db, std::move(control));
   }
 
   void AddSonar() {

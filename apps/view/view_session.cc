@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "apps/simulate_recording.h"
-#include "apps/simulation_setup.h"
 #include "apps/view/view_recording.h"
 #include "data_io/types/error.h"
 #include "sim/ghost_power.h"
@@ -116,8 +115,8 @@ std::shared_ptr<const Simulator> ViewSession::SimulatorFor(const ViewState& stat
   const SonarModel sonar = Changed(setup_.sonar, state.sonar);
   CheckRayWeight(setup_.rays.weight, state.parameters.model);
   SimulationOptions options =
-      SimulationFor(setup_.rays, sonar, ChooseWater(state.parameters, setup_.water).water, state.parameters,
-                    setup_.margin_deg);
+      setup_.rays.For(sonar, ChooseWater(state.parameters, setup_.water).water, state.parameters);
+  if (setup_.margin_deg) options.fan.azimuth_margin_deg = *setup_.margin_deg;
   options.bits = bits_;
   options.noise = state.noise;
   options.seed = state.seed;

@@ -40,15 +40,26 @@ inline constexpr std::array<ParameterTraits, 6> kGsabTraits = {{
 // Below this a surface is taken to be silent; it keeps the logarithm finite at 90 degrees.
 inline constexpr double kGsabFloor = 1e-12;
 
+// The two peaks, of facets tilted so far from the normal; and the slow part, at this cosine of incidence.
+template <typename T>
+T GsabPeaksPower(const GsabParameters<T>& p, double tilt_deg) {
+  using std::exp;
+  const double square = tilt_deg * tilt_deg;
+  return p.a * exp(T(-0.5 * square) / (p.b_deg * p.b_deg)) +
+         p.e * exp(T(-0.5 * square) / (p.f_deg * p.f_deg));
+}
+
+template <typename T>
+T GsabSlowPower(const GsabParameters<T>& p, double cosine) {
+  using std::pow;
+  return p.c * pow(T(cosine), p.d);
+}
+
 template <typename T>
 T GsabPower(const GsabParameters<T>& p, double incidence_deg) {
-  using std::exp;
-  using std::pow;
-  const double square = incidence_deg * incidence_deg;
-  T power =
-      p.a * exp(T(-0.5 * square) / (p.b_deg * p.b_deg)) + p.e * exp(T(-0.5 * square) / (p.f_deg * p.f_deg));
+  T power = GsabPeaksPower(p, incidence_deg);
   const double cosine = std::cos(RadFromDeg(incidence_deg));
-  if (cosine > std::numeric_limits<double>::epsilon()) power += p.c * pow(T(cosine), p.d);
+  if (cosine > std::numeric_limits<double>::epsilon()) power += GsabSlowPower(p, cosine);
   return power;
 }
 
@@ -60,13 +71,9 @@ T GsabPower(const GsabParameters<T>& p, double incidence_deg) {
 // backscatters.
 template <typename T>
 T GsabBetweenPower(const GsabParameters<T>& p, double incidence_deg, double other_deg, double tilt_deg) {
-  using std::exp;
-  using std::pow;
-  const double square = tilt_deg * tilt_deg;
-  T power =
-      p.a * exp(T(-0.5 * square) / (p.b_deg * p.b_deg)) + p.e * exp(T(-0.5 * square) / (p.f_deg * p.f_deg));
+  T power = GsabPeaksPower(p, tilt_deg);
   const double cosines = std::cos(RadFromDeg(incidence_deg)) * std::cos(RadFromDeg(other_deg));
-  if (cosines > std::numeric_limits<double>::epsilon()) power += p.c * pow(T(std::sqrt(cosines)), p.d);
+  if (cosines > std::numeric_limits<double>::epsilon()) power += GsabSlowPower(p, std::sqrt(cosines));
   return power;
 }
 

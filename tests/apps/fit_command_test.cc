@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "apps/fit_recording.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
@@ -83,18 +85,6 @@ TEST_F(FitCommand, FramesOfDifferentSettingsAreNotFittedTogether) {
   EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("gain_db is 18 and 24 in frame_0000.png and frame_0002.png"));
   EXPECT_EQ(RunSonarcal(Arguments("--held-out 0,1,3")).status, 1) << "nor judged";
-}
-
-TEST_F(FitCommand, ThatMirrorsAreNotFittedIsSaid) {
-  ParameterSet start = StartingParameters();
-  start.mirrors["floor"].loss_db = 6.0;
-  WriteParameters(world_ / "mirrors.json", start);
-  const Outcome outcome =
-      RunSonarcal("fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
-                  Quoted(world_ / "mirrors.json") + " --out " + Quoted(world_ / "out") +
-                  " --rays 96x200 --starts 1 --free display.db_max");
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("ghosts are simulated, not fitted"));
 }
 
 TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
@@ -217,6 +207,37 @@ TEST_F(FitCommand, AModelIsChosenByTheFramesHeldOut) {
   const Outcome paper = RunSonarcal(arguments + " --choose looks");
   EXPECT_EQ(paper.status, 1);
   EXPECT_THAT(paper.err, HasSubstr("'paper', but only of 'acoustic'"));
+}
+
+TEST_F(FitCommand, LossesOfMirrorsAreFittedByDefault) {
+  ParameterSet truth = TinyAcoustic();
+  truth.receiver.noise_db = 105.0;
+  truth.display = {.db_min = 90.0, .db_max = 160.0};
+  truth.mirrors["floor"].loss_db = 3.0;
+  truth.beam.transmit_even_deg = 15.0;
+  truth.beam.transmit_end_deg = 20.0;
+  WriteParameters(world_.params(), truth);
+  real_ = world_.WriteSimulated("ghosts", true);
+  ParameterSet start = truth;
+  start.mirrors["floor"].loss_db = 10.0;
+  start.mirrors["ceiling"].loss_db = 10.0;
+  WriteParameters(world_ / "start.json", start);
+  const Outcome outcome = RunSonarcal("fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) +
+                                      " --params " + Quoted(world_ / "start.json") + " --out " +
+                                      Quoted(world_ / "out") + " --rays 96x200 --starts 1 --held-out 1");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("the mirror 'ceiling' is no material of the scene"));
+  EXPECT_THAT(outcome.out, HasSubstr("mirror.floor.loss_db"));
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
+  const auto loss = std::find_if(json["parameters"].begin(), json["parameters"].end(),
+                                 [](const nlohmann::json& p) { return p["name"] == "mirror.floor.loss_db"; });
+  ASSERT_NE(loss, json["parameters"].end());
+  EXPECT_EQ((*loss)["status"], "free");
+  EXPECT_EQ((*loss)["unit"], "dB");
+  const double fitted = (*loss)["value"];
+  EXPECT_NEAR(fitted, 3.0, 3.5 * (*loss)["sigma"].get<double>());
+  EXPECT_EQ(ReadParameters(world_ / "out/params.json").mirrors.at("floor").loss_db, fitted);
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("mirror.floor.loss_db"));
 }
 
 TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {

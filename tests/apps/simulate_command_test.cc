@@ -1,7 +1,10 @@
 #include "apps/simulate_command.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <numeric>
 
 #include "apps/simulate_recording.h"
 #include "data_io/image_io.h"
@@ -10,6 +13,7 @@
 #include "data_io/pose_io.h"
 #include "data_io/scene_io.h"
 #include "data_io/types/error.h"
+#include "sim/acoustic_fan.h"
 #include "sim/sonar_presets.h"
 #include "tests/apps/tiny_world.h"
 
@@ -116,6 +120,33 @@ TEST(RayOptions, DefaultBeamsAreThePapers) {
   EXPECT_EQ(papers_own.rows, 1200);
   EXPECT_FALSE(papers_own.stagger);
   EXPECT_EQ(RayOptions().For(sonar, {}, EchoModel::kCoherent).fan.sampling, Sampling::kFrustum);
+  EXPECT_EQ(RayOptions().For(sonar, {}, ParameterSet{}).fan.rows, 330);
+}
+
+TEST(RayOptions, OtherModelsReachAsFarAsTheirBeam) {
+  const SonarModel& sonar = FindSonarPreset("p900-45").sonar;
+  for (const EchoModel model : {EchoModel::kAcoustic, EchoModel::kCoherent}) {
+    ParameterSet parameters;
+    parameters.model = model;
+    const RayFanOptions wanted = AcousticFanOptions(sonar, parameters);
+    RayOptions rays;
+    EXPECT_EQ(rays.For(sonar, {}, parameters).fan.rows, wanted.rows);
+    rays.rays = "256x300";
+    const RayFanOptions few = rays.For(sonar, {}, parameters).fan;
+    EXPECT_EQ(few.sampling, Sampling::kBeams);
+    EXPECT_EQ(few.cols, 256);
+    EXPECT_EQ(few.rows, 300);
+    EXPECT_EQ(few.elevation_span_deg, wanted.elevation_span_deg);
+    EXPECT_EQ(few.azimuth_margin_deg, wanted.azimuth_margin_deg);
+    EXPECT_EQ(few.row_crowding, wanted.row_crowding);
+    rays.sampling = Sampling::kFrustum;
+    const RayFanOptions pinhole = rays.For(sonar, {}, parameters).fan;
+    EXPECT_EQ(pinhole.sampling, Sampling::kFrustum);
+    EXPECT_EQ(pinhole.rows, 300);
+    EXPECT_EQ(pinhole.elevation_span_deg, 120.0);
+    EXPECT_EQ(pinhole.row_crowding, 1.0);
+    RayFan(sonar, pinhole);  // that is a fan
+  }
 }
 
 TEST(SimulateCommand, FansAndRangesLieBesideTheFrames) {
@@ -227,7 +258,28 @@ TEST(SimulateCommand, BothModelsAndAPresetWork) {
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["model"], "acoustic");
   EXPECT_EQ(json["frames"], 4);
-  EXPECT_EQ(json["rays_cast"], 4 * 256 * 100);
+  // 3 degrees beyond either outer beam, in columns of 45 / 255 degrees.
+  EXPECT_EQ(json["rays_cast"], 4 * (256 + 2 * 17) * 100);
+}
+
+// A beam hears far beside its half-power elevation, the floor below most of all: fewer rays see it too.
+TEST(SimulateCommand, FewRaysReachAsFarAsManyDo) {
+  const TinyWorld world;
+  for (const std::string model : {"acoustic", "coherent"}) {
+    const auto mean = [&](const std::string& name, const std::string& rays) {
+      const Outcome outcome = RunSonarcal(
+          fmt::format("simulate --scene {} --sonar {} --params {} --poses {} {} -q --model {} --out {}",
+                      Quoted(world.scene()), Quoted(world.sonar()), Quoted(world.params()),
+                      Quoted(world.poses()), rays, model, Quoted(world / name)));
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      const Grid<float> image = OpenRecording(world / name)->ReadFrame(0).image.value;
+      return std::accumulate(image.values().begin(), image.values().end(), 0.0) /
+             static_cast<double>(image.size());
+    };
+    const double of_many = mean(model + "_many", "");
+    EXPECT_GT(of_many, 10.0) << model;
+    EXPECT_NEAR(mean(model + "_few", "--rays 48x400"), of_many, model == "acoustic" ? 0.3 : 2.0) << model;
+  }
 }
 
 TEST(SimulateCommand, TheCoherentModelIsADrawThatTheSeedDecides) {

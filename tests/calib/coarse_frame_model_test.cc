@@ -34,6 +34,7 @@ class CoarseFrameModelTest : public ::testing::Test {
 // A block's mean is that of its pixels, but for noise that time-varied gain bends within the block.
 TEST_F(CoarseFrameModelTest, ABlocksMeanIsThatOfItsPixels) {
   ParameterSet truth = testing::SmallTankAcousticTruth();
+  truth.mirrors["floor"].loss_db = 4.0;
   for (const TimeVariedGain law : {TimeVariedGain::kNone, TimeVariedGain::k40LogR}) {
     truth.receiver.time_varied_gain = law;
     std::vector<AcousticFrame> frames = Frames(truth);

@@ -126,6 +126,28 @@ TEST_F(SmallTankModels, AcousticDerivativesEqualCentralDifferences) {
                                [](const CatalogEntry& entry) { return IsGeometric(entry) ? 1e-2 : 1e-4; });
 }
 
+TEST_F(SmallTankModels, DerivativesOfGhostsEqualCentralDifferences) {
+  const std::vector<AcousticFrame> frames = OddFrames(simulator_);
+  ParameterSet truth = AcousticTruth();
+  truth.receiver.noise_db = 100.0;
+  truth.mirrors["floor"].loss_db = 3.0;
+  truth.mirrors["box"].loss_db = 6.0;
+  truth.beam.transmit_even_deg = 10.0;
+  truth.beam.transmit_end_deg = 30.0;
+  AcousticFrameModel model(simulator_, frames, truth);
+  std::vector<int> active;
+  std::vector<int> geometric;
+  for (const int entry : AllOf(model)) {
+    const CatalogEntry& of = model.catalog()[entry];
+    if (of.group == ParameterGroup::kPose && of.frame > 0) continue;  // each traces ghosts anew
+    active.push_back(entry);
+    if (IsGeometric(of)) geometric.push_back(entry);
+  }
+  model.Linearise(model.initial_values(), geometric);
+  ExpectDerivativesOfResiduals(model, model.initial_values(), active,
+                               [](const CatalogEntry& entry) { return IsGeometric(entry) ? 1e-2 : 1e-4; });
+}
+
 TEST_F(SmallTankModels, CeresIsToldTheSumsOverAllPixels) {
   const std::vector<AcousticFrame> frames = OddFrames(simulator_);
   const AcousticFrameModel model(simulator_, frames, AcousticTruth());

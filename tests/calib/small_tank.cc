@@ -31,6 +31,13 @@ Scene SmallTank() {
   return scene;
 }
 
+Scene SmallTankWithWall() {
+  Scene scene = SmallTank();
+  AddQuad(scene, "wall", {-3, 1.2F, 0}, {6, 0, 0}, {0, 0, 2});
+  AddQuad(scene, "board", {-3, 60, -40}, {6, 0, 0}, {0, 0, 2});
+  return scene;
+}
+
 SonarModel SmallSonar() {
   SonarModel sonar{.name = "small sonar",
                    .frequency_hz = 900e3,

@@ -10,6 +10,8 @@
 namespace sonarcal::testing {
 
 Scene SmallTank();
+// The same with a wall behind the box, of its own material, and a board far outside what any pose sees.
+Scene SmallTankWithWall();
 SonarModel SmallSonar();
 std::vector<Pose> SmallTankPoses();
 

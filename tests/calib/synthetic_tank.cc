@@ -1,10 +1,13 @@
 #include "tests/calib/synthetic_tank.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "data_io/open_recording.h"
 #include "data_io/scene_io.h"
 #include "sim/acoustic_fan.h"
+#include "sim/physics/display.h"
 
 namespace sonarcal::testing {
 namespace {
@@ -69,7 +72,27 @@ ParameterSet SyntheticTank::TrueParameters() const {
   parameters.beam.elevation_width_deg = cell["elevation_half_power_deg"];
   parameters.pulse.length_m = cell["range_half_power_m"];
   parameters.receiver.noise_db = TrueNoiseDb();
+  if (!truth.at("multipath").get<bool>()) return parameters;
+  for (const auto& [name, pressure] : truth.at("reflection_pressure").items())
+    parameters.mirrors[name].loss_db = -20.0 * std::log10(std::abs(pressure.get<double>()));
+  // "flat to 24 deg, cosine amplitude roll-off to zero at 45 deg"
+  parameters.beam.transmit_even_deg = 24.0;
+  parameters.beam.transmit_end_deg = 45.0;
   return parameters;
+}
+
+double SpeckleFloorOf(double power, const DisplayParameters<double>& display) {
+  constexpr int kDraws = 400;
+  std::vector<double> shown;
+  double mean = 0.0;
+  for (int k = 0; k < kDraws; ++k) {
+    const double draw = -power * std::log1p(-(k + 0.5) / kDraws);
+    shown.push_back(std::clamp(DisplayValue(display, draw), 0.0, 1.0));
+    mean += shown.back() / kDraws;
+  }
+  double floor = 0.0;
+  for (const double value : shown) floor += std::abs(value - mean) / kDraws;
+  return floor;
 }
 
 }  // namespace sonarcal::testing

@@ -23,7 +23,7 @@ struct SyntheticTank {
   Pose TruePose(int frame) const;
   GsabParameters<double> TrueCurve(const std::string& material) const;
   double TrueNoiseDb() const { return truth["noise_level_db"]; }
-  // With the true curves, floor, beam and pulse.
+  // With the true curves, floor, beam and pulse, and mirrors where the recording has ghosts.
   ParameterSet TrueParameters() const;
 
   std::unique_ptr<RecordingSource> recording;
@@ -33,5 +33,8 @@ struct SyntheticTank {
   ParameterSet known;
   Simulator simulator;
 };
+
+// What the level shown differs by on average from its mean, single-look speckle about this power, 0..1.
+double SpeckleFloorOf(double power, const DisplayParameters<double>& display);
 
 }  // namespace sonarcal::testing

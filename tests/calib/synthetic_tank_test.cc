@@ -9,7 +9,6 @@
 
 #include "calib/acoustic_fit.h"
 #include "sim/acoustic_image.h"
-#include "sim/physics/display.h"
 #include "sim/physics/gsab.h"
 #include "tests/support/recordings.h"
 
@@ -33,21 +32,6 @@ void ExpectCurve(const SyntheticTank& tank, const std::string& material, const G
         << material << " at " << deg;
   }
   EXPECT_GT(covered, 0);
-}
-
-// What the level shown differs by on average from its mean, single-look speckle about this power.
-double SpeckleFloorOf(double power, const DisplayParameters<double>& display) {
-  constexpr int kDraws = 400;
-  std::vector<double> shown;
-  double mean = 0.0;
-  for (int k = 0; k < kDraws; ++k) {
-    const double draw = -power * std::log1p(-(k + 0.5) / kDraws);
-    shown.push_back(std::clamp(DisplayValue(display, draw), 0.0, 1.0));
-    mean += shown.back() / kDraws;
-  }
-  double floor = 0.0;
-  for (const double value : shown) floor += std::abs(value - mean) / kDraws;
-  return floor;
 }
 
 TEST(SyntheticTank, CurvesAndNoiseComeBackAndHeldOutFramesAgreeAsSpeckleAllows) {
@@ -85,7 +69,7 @@ TEST(SyntheticTank, CurvesAndNoiseComeBackAndHeldOutFramesAgreeAsSpeckleAllows) 
         ExpectedPower(MakeScatterMap(echoes, tank.simulator.fan(), geometry, truth), geometry, truth);
     const PolarImage expected = tank.simulator.RenderExpected(echoes, fit.parameters);
     for (std::size_t i = 0; i < power.value.size(); ++i) {
-      floor += SpeckleFloorOf(power.value.values()[i], truth.display);
+      floor += testing::SpeckleFloorOf(power.value.values()[i], truth.display);
       error += std::abs(frame.image.value.values()[i] / frame.image.scale.full_scale -
                         expected.value.values()[i] / expected.scale.full_scale);
     }

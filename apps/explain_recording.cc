@@ -1,0 +1,269 @@
+#include "apps/explain_recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apps/fit_recording.h"
+#include "apps/simulate_recording.h"
+#include "calib/acoustic_fit.h"
+#include "data_io/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/recording_io.h"
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+#include "sim/echo_causes.h"
+#include "sim/physics/display.h"
+
+namespace sonarcal {
+namespace {
+
+void CheckExplainable(const RecordingSource& recording, const ParameterSet& given) {
+  if (given.model != EchoModel::kAcoustic) {
+    throw DataError("the parameters name the model '{}', but only 'acoustic' can be explained",
+                    ToString(given.model));
+  }
+  const RecordingInfo& info = recording.info();
+  if (info.scale.quantity != Quantity::kGrey) {
+    throw DataError("{}: the images hold {}, expected grey levels", info.source,
+                    ToString(info.scale.quantity));
+  }
+  if (recording.frame_count() < 2) {
+    throw DataError(
+        "{}: one frame; what a part is worth shows on frames that were not fitted, so at least two "
+        "are needed",
+        info.source);
+  }
+}
+
+std::vector<GreyFrame> Read(const RecordingSource& recording, const std::vector<TimedPose>& poses,
+                            const std::vector<int>& indices) {
+  std::vector<GreyFrame> frames;
+  for (const int index : indices) {
+    frames.push_back({.index = index,
+                      .world_from_sonar = poses[index].world_from_sonar,
+                      .image = recording.ReadFrame(index).image,
+                      .use = ValidPixels(recording.info())});
+  }
+  return frames;
+}
+
+// Images as a recording with the frames held out alone.
+MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<GreyFrame>& frames,
+                            const std::vector<PolarImage>* images) {
+  RecordingInfo info = recorded.info();
+  if (images != nullptr) {
+    info.source = "expected";
+    info.synthetic = true;
+  }
+  std::vector<Frame> all;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    Frame frame{recorded.frame_info(frames[f].index), images != nullptr ? (*images)[f] : frames[f].image};
+    frame.image.scale = info.scale;
+    all.push_back(std::move(frame));
+  }
+  return {std::move(info), std::move(all)};
+}
+
+// Mean absolute difference over the pixels that count, of full scale.
+double MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
+                      const std::vector<GreyFrame>& frames) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (std::size_t i = 0; i < a[f].value.size(); ++i) {
+      if (!frames[f].use.empty() && frames[f].use[i] == 0) continue;
+      sum += std::abs(a[f].value.values()[i] - b[f].value.values()[i]) / a[f].scale.full_scale;
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+// Mean of `value` over boxes of 2 x half + 1 pixels, cut off at the image's edge.
+Grid<double> BoxMean(const Grid<double>& value, int half_bins, int half_beams) {
+  const int rows = value.rows();
+  const int cols = value.cols();
+  Grid<double> integral(rows + 1, cols + 1);
+  for (int row = 0; row < rows; ++row) {
+    double line = 0.0;
+    for (int col = 0; col < cols; ++col) {
+      line += value(row, col);
+      integral(row + 1, col + 1) = integral(row, col + 1) + line;
+    }
+  }
+  Grid<double> mean(rows, cols);
+  for (int row = 0; row < rows; ++row) {
+    const int top = std::max(0, row - half_bins);
+    const int bottom = std::min(rows, row + half_bins + 1);
+    for (int col = 0; col < cols; ++col) {
+      const int left = std::max(0, col - half_beams);
+      const int right = std::min(cols, col + half_beams + 1);
+      const double sum =
+          integral(bottom, right) - integral(top, right) - integral(bottom, left) + integral(top, left);
+      mean(row, col) = sum / ((bottom - top) * (right - left));
+    }
+  }
+  return mean;
+}
+
+class RecordingExplainer {
+ public:
+  RecordingExplainer(const RecordingSource& recording, const Scene& scene, const ParameterSet& given,
+                     const ExplainRecordingOptions& options)
+      : recording_(recording), options_(options), given_(given) {
+    CheckExplainable(recording, given);
+    const SonarModel& sonar = recording.info().sonar;
+    FitConfig config{.held_out = options.held_out};
+    result_.split = SplitFrames(config, recording.frame_count());
+    CheckSettings(recording, result_.split);
+    const std::vector<TimedPose> poses = PosesOfRecording(recording);
+    used_ = Read(recording, poses, result_.split.used);
+    held_out_ = Read(recording, poses, result_.split.held_out);
+    const WaterChoice water = ChooseWater(given, recording.info().water);
+    Say(water.note);
+    Say(TakeDisplay(recording.info().scale, given_));
+    explain_ = {.simulation = AcousticSimulation(options.rays, sonar, water.water, given_),
+                .fit = options.fit,
+                .poses = options.poses,
+                .on_step = options.on_step};
+    result_.rays = {explain_.simulation.fan.cols, explain_.simulation.fan.rows};
+    result_.explanation = Explain(scene, sonar, used_, held_out_, given_, explain_);
+    simulator_.emplace(scene, sonar, explain_.simulation);
+  }
+
+  ExplainedRecording Run() {
+    for (const ExplainedStep& step : result_.explanation.steps) result_.figures.push_back(FiguresOf(step));
+    result_.cause_names = {"not bright", "not explained"};
+    for (std::size_t f = 0; f < held_out_.size(); ++f) result_.maps.push_back(MapOf(f));
+    CountShares();
+    return std::move(result_);
+  }
+
+ private:
+  void Say(const std::string& sentence) const {
+    if (options_.on_note && !sentence.empty()) options_.on_note(sentence);
+  }
+
+  // A speckled draw of a step's model in each of the frames held out.
+  std::vector<PolarImage> Drawn(const ExplainedStep& step) const {
+    std::vector<PolarImage> images;
+    for (std::size_t f = 0; f < held_out_.size(); ++f) {
+      const Pose& pose = step.poses_held_out[f];
+      images.push_back(simulator_->RenderEchoes(simulator_->TraceEchoes(pose), step.parameters,
+                                                held_out_[f].index,
+                                                simulator_->TraceGhosts(pose, step.parameters)));
+      const double factor = held_out_[f].image.scale.full_scale / images.back().scale.full_scale;
+      for (float& value : images.back().value.values()) value = static_cast<float>(value * factor);
+      images.back().scale = held_out_[f].image.scale;
+    }
+    return images;
+  }
+
+  StepFigures FiguresOf(const ExplainedStep& step) {
+    std::vector<PolarImage> recorded;
+    for (const GreyFrame& frame : held_out_) recorded.push_back(frame.image);
+    const std::vector<PolarImage> expected = ExpectedGrey(step, held_out_);
+    StepFigures figures{.intensity_error = MeanDifference(recorded, expected, held_out_)};
+    std::vector<PolarImage> shown = expected;
+    if (step.knows_speckle) {
+      shown = Drawn(step);
+      std::vector<PolarImage> as_recorded = expected;
+      result_.floor_error = MeanDifference(shown, as_recorded, held_out_);
+    }
+    const CompareRecordingsOptions judge{
+        .compare = options_.comparison, .as_displayed = true, .noise_floor = false};
+    const MemoryRecording real = AsRecording(recording_, held_out_, nullptr);
+    const MemoryRecording simulated = AsRecording(recording_, held_out_, &shown);
+    const ViewSummary& micro = CompareRecordings(real, simulated, judge).aggregate.micro.polar;
+    figures.iou = micro.At("iou").value;
+    figures.ns_over_nr = micro.At("ns_over_nr").value;
+    return figures;
+  }
+
+  std::uint8_t NameIndex(const EchoCause& cause) {
+    const auto found = std::find(result_.cause_names.begin(), result_.cause_names.end(), cause.name);
+    const auto index = static_cast<std::uint8_t>(found - result_.cause_names.begin());
+    if (found == result_.cause_names.end()) {
+      SONARCAL_CHECK(result_.cause_names.size() < 256, "{} causes", result_.cause_names.size());
+      result_.cause_names.push_back(cause.name);
+    }
+    return index;
+  }
+
+  CauseMap MapOf(std::size_t f) {
+    constexpr double kHalfWidths = 1.5;
+    const ExplainedStep& last = result_.explanation.steps.back();
+    const GreyFrame& frame = held_out_[f];
+    const EchoCauses causes = CausesOf(*simulator_, last.poses_held_out[f], last.parameters);
+    const Grid<int> largest = causes.Largest();
+    const PolarAxes& axes = frame.image.axes;
+    const std::vector<RecordedPower> powers = RecordedPowers(frame.image, given_.display);
+    Grid<double> recorded(axes.range_bins, axes.beam_count());
+    Grid<double> expected(axes.range_bins, axes.beam_count());
+    for (std::size_t i = 0; i < recorded.size(); ++i) {
+      recorded.values()[i] = powers[i].power;
+      for (const EchoCause& cause : causes.causes) expected.values()[i] += cause.power.values()[i];
+    }
+    const auto half = [&](double width, double spacing) {
+      return static_cast<int>(std::lround(kHalfWidths * std::max(1.0, width / spacing)));
+    };
+    const ParameterSet complete = WithResponse(simulator_->sonar(), last.parameters);
+    const int half_bins = half(complete.pulse.length_m, axes.range_bin_m());
+    const int half_beams = half(complete.beam.azimuth_width_deg, DegFromRad(axes.beam_spacing_rad()));
+    const Grid<double> recorded_about = BoxMean(recorded, half_bins, half_beams);
+    const Grid<double> expected_about = BoxMean(expected, half_bins, half_beams);
+    std::vector<std::uint8_t> names;
+    for (const EchoCause& cause : causes.causes) names.push_back(NameIndex(cause));
+    CauseMap map{.index = frame.index,
+                 .cause = Grid<std::uint8_t>(axes.range_bins, axes.beam_count()),
+                 .lobe_of = Grid<int>(axes.range_bins, axes.beam_count()),
+                 .recorded = frame.image};
+    for (std::size_t i = 0; i < recorded.size(); ++i) {
+      map.lobe_of.values()[i] = -1;
+      const double noise = causes.causes.front().power.values()[i];
+      const bool counts = frame.use.empty() || frame.use[i] != 0;
+      if (!counts || !(recorded_about.values()[i] > kBrightRatio * noise)) continue;
+      if (recorded_about.values()[i] > kUnexplainedRatio * expected_about.values()[i]) {
+        map.cause.values()[i] = kUnexplained;
+        continue;
+      }
+      const int cause = largest.values()[i];
+      map.cause.values()[i] = names[cause];
+      if (causes.causes[cause].kind == CauseKind::kAzimuthLobe)
+        map.lobe_of.values()[i] = causes.lobe_of.values()[i];
+    }
+    return map;
+  }
+
+  void CountShares() {
+    result_.cause_shares.assign(result_.cause_names.size(), 0.0);
+    double bright = 0.0;
+    for (const CauseMap& map : result_.maps) {
+      for (const std::uint8_t cause : map.cause.values()) {
+        if (cause == kNotBright) continue;
+        result_.cause_shares[cause] += 1.0;
+        bright += 1.0;
+      }
+    }
+    for (double& share : result_.cause_shares) share = bright > 0.0 ? share / bright : 0.0;
+  }
+
+  const RecordingSource& recording_;
+  const ExplainRecordingOptions& options_;
+  ParameterSet given_;
+  ExplainOptions explain_;
+  std::vector<GreyFrame> used_;
+  std::vector<GreyFrame> held_out_;
+  std::optional<Simulator> simulator_;
+  ExplainedRecording result_;
+};
+
+}  // namespace
+
+ExplainedRecording ExplainRecording(const RecordingSource& recording, const Scene& scene,
+                                    const ParameterSet& given, const ExplainRecordingOptions& options) {
+  return RecordingExplainer(recording, scene, given, options).Run();
+}
+
+}  // namespace sonarcal

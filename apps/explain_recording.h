@@ -1,0 +1,71 @@
+// What each part of the acoustic model is worth for a recording (calib/explanation.h), in the figures that
+// `compare` has, and what the bright cells of the frames held out come from (sim/echo_causes.h).
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/compare_recordings.h"
+#include "apps/ray_options.h"
+#include "calib/explanation.h"
+#include "calib/fit_config.h"
+#include "data_io/types/recording.h"
+#include "data_io/types/scene.h"
+
+namespace sonarcal {
+
+struct ExplainRecordingOptions {
+  RayOptions rays{Sampling::kBeams};
+  std::optional<std::vector<int>> held_out = {};  // absent: the last third
+  FitOptions fit = {};
+  CompareOptions comparison = {};
+  bool poses = false;
+  std::function<void(const std::string& sentence)> on_note = {};
+  std::function<void(ExplainedPart)> on_step = {};
+};
+
+// A step's agreement with the frames held out, of the expected image; from `speckle` on, occupancy of a draw.
+struct StepFigures {
+  std::optional<double> intensity_error =
+      {};                          // mean absolute difference over the whole polar image, of full scale
+  std::optional<double> iou = {};  // pooled over frames
+  std::optional<double> ns_over_nr = {};
+};
+
+// What the recorded cells of a frame come from, as indices into ExplainedRecording::cause_names.
+struct CauseMap {
+  int index = 0;             // of the frame
+  Grid<std::uint8_t> cause;  // range_bins x beams
+  Grid<int> lobe_of;         // EchoCauses::lobe_of where `cause` is a side lobe in azimuth, else -1
+  PolarImage recorded;
+};
+
+struct ExplainedRecording {
+  RayGridSize rays;
+  FrameSplit split;
+  Explanation explanation;
+  std::vector<StepFigures> figures;  // by step
+  // What a draw of the last step's model itself differs from its expected image by: no model does better.
+  std::optional<double> floor_error = {};
+  // The first two are kNotBright and kUnexplained.
+  std::vector<std::string> cause_names;
+  std::vector<CauseMap> maps;        // of the frames held out
+  std::vector<double> cause_shares;  // of the bright cells of all maps, by name; the first is 0
+};
+
+inline constexpr std::uint8_t kNotBright = 0;
+inline constexpr std::uint8_t kUnexplained = 1;
+
+// Bright is a pixel about which, over three widths of beam and pulse, the recorded power is on average twice
+// the noise floor; unexplained one of these about which it is `kUnexplainedRatio` times what is expected. All
+// others have the cause that gives most of what is expected there.
+inline constexpr double kBrightRatio = 2.0;
+inline constexpr double kUnexplainedRatio = 3.0;
+
+// Throws DataError where the recording, the scene or the parameters can't be used.
+ExplainedRecording ExplainRecording(const RecordingSource& recording, const Scene& scene,
+                                    const ParameterSet& given, const ExplainRecordingOptions& options);
+
+}  // namespace sonarcal

@@ -1,0 +1,308 @@
+#include "apps/report/explain_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/report/cause_pictures.h"
+#include "apps/report/fit_section.h"
+#include "apps/report/html_text.h"
+#include "data_io/image_io.h"
+#include "data_io/picture.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json NumberOrNull(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+std::string Text(const std::optional<double>& value, int decimals) {
+  return value ? FormatNumber(*value, decimals) : "none";
+}
+
+std::string_view WhatOf(ExplainedPart part) {
+  switch (part) {
+    case ExplainedPart::kStart:
+      return "one curve for all, beams of one spacing, a pulse of one bin, nothing where no echo is";
+    case ExplainedPart::kResponse:
+      return "the beams' pattern in azimuth and the pulse";
+    case ExplainedPart::kElevation:
+      return "the beam's pattern in elevation, side lobes and all";
+    case ExplainedPart::kNoise:
+      return "a noise floor";
+    case ExplainedPart::kMaterials:
+      return "a backscatter curve for each material";
+    case ExplainedPart::kGhosts:
+      return "echoes by way of mirrors, their losses fitted";
+    case ExplainedPart::kSpeckle:
+      return "grey values vary as speckle does";
+    case ExplainedPart::kPoses:
+      return "the pose of every frame";
+  }
+  return "";
+}
+
+WaterfallMood MoodOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kStart:
+      return WaterfallMood::kStart;
+    case Verdict::kWorthIt:
+      return WaterfallMood::kBetter;
+    case Verdict::kNoMore:
+      return WaterfallMood::kSame;
+    case Verdict::kWorse:
+      return WaterfallMood::kWorse;
+  }
+  return WaterfallMood::kSame;
+}
+
+// Names by falling share, those of none left out.
+std::vector<std::pair<double, std::string>> Shares(const ExplainedRecording& explained) {
+  std::vector<std::pair<double, std::string>> shares;
+  for (std::size_t name = 1; name < explained.cause_names.size(); ++name) {
+    if (explained.cause_shares[name] > 0.0)
+      shares.emplace_back(explained.cause_shares[name], explained.cause_names[name]);
+  }
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  return shares;
+}
+
+Table StepTable(const ExplainedRecording& explained) {
+  Table table{
+      .caption = "Each part added to those above it, fitted again, and judged on frames that no fit saw",
+      .columns = {{"Added"},
+                  {"Intensity error", "of full scale"},
+                  {"IoU"},
+                  {"Ns/Nr"},
+                  {"Gain, held out", "nats a pixel"},
+                  {"AIC", "change"},
+                  {"BIC", "change"},
+                  {"Fitted", "values"},
+                  {"Verdict", {}, false}},
+      .rows = {}};
+  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const ExplainedStep& step = steps[i];
+    const StepFigures& figures = explained.figures[i];
+    const bool first = i == 0;
+    table.rows.push_back(
+        {.cells = {
+             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.iou, 3),
+             Text(figures.ns_over_nr, 3),
+             first
+                 ? "–"
+                 : fmt::format("{} ± {}", FormatNumber(step.gain.mean, 4), FormatNumber(step.gain.sigma, 4)),
+             first ? "–" : FormatNumber(step.aic_change, 0), first ? "–" : FormatNumber(step.bic_change, 0),
+             fmt::format("{}", step.determined), std::string(ToString(step.verdict))}});
+  }
+  table.notes.push_back(fmt::format(
+      "Worth it: likelier on the frames held out by more than two standard errors, and BIC falls. Both "
+      "criteria count {:.0f} independent cells in the frames used, not {:.0f} pixels: speckle is alike over "
+      "{:.1f} "
+      "of them.",
+      explained.explanation.pixels_used / explained.explanation.pixels_a_cell,
+      explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
+  table.notes.emplace_back(
+      "Intensity error: mean absolute difference of grey values over the whole polar image. Until speckle is "
+      "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
+      "draw. Fitted values: those that the data determine.");
+  return table;
+}
+
+}  // namespace
+
+std::string_view TitleOf(ExplainedPart part) {
+  switch (part) {
+    case ExplainedPart::kStart:
+      return "plain echoes";
+    case ExplainedPart::kResponse:
+      return "+ beam and pulse";
+    case ExplainedPart::kElevation:
+      return "+ elevation pattern";
+    case ExplainedPart::kNoise:
+      return "+ noise floor";
+    case ExplainedPart::kMaterials:
+      return "+ materials";
+    case ExplainedPart::kGhosts:
+      return "+ ghosts";
+    case ExplainedPart::kSpeckle:
+      return "+ speckle";
+    case ExplainedPart::kPoses:
+      return "+ poses";
+  }
+  return "";
+}
+
+std::string CauseSentence(const ExplainedRecording& explained) {
+  constexpr double kFew = 0.005;
+  std::string sentence;
+  double rest = 0.0;
+  for (const auto& [share, name] : Shares(explained)) {
+    if (share < kFew) {
+      rest += share;
+      continue;
+    }
+    sentence += fmt::format("{}{:.0f} % {}", sentence.empty() ? "" : ", ", 100.0 * share, name);
+  }
+  if (sentence.empty()) return "no cell is bright";
+  if (rest > 0.0) sentence += fmt::format(", {:.1f} % others", 100.0 * rest);
+  return "of the bright cells: " + sentence;
+}
+
+void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained) {
+  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
+  Waterfall waterfall{.title = "What is left unexplained after each part is added",
+                      .unit = "mean absolute error of grey values, of full scale",
+                      .floor = explained.floor_error,
+                      .floor_label = "speckle alone:"};
+  std::string alt;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double error = explained.figures[i].intensity_error.value_or(0.0);
+    waterfall.rows.push_back({.label = std::string(TitleOf(steps[i].part)),
+                              .value = error,
+                              .mood = MoodOf(steps[i].verdict),
+                              .word = i == 0 ? std::string() : std::string(ToString(steps[i].verdict))});
+    alt += fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", TitleOf(steps[i].part), error);
+  }
+  waterfall.alt = alt;
+  report.Section("What each part is worth");
+  report.Add(waterfall,
+             fmt::format("Frames {}, which no fit saw. Blue: what is left; pale green: what a part "
+                         "took away; red: what it added. The dashed line is what speckle leaves of "
+                         "the last model's own draws: none is below it.",
+                         FrameList(explained.split.held_out)));
+  report.Add(StepTable(explained));
+  for (const ExplainedStep& step : steps) {
+    report.Paragraph(fmt::format("{}: {}.", TitleOf(step.part), WhatOf(step.part)));
+  }
+  if (!explained.explanation.left_out.empty()) {
+    report.Callout(CalloutKind::kLimit, "Left out", "These parts were not added.");
+    report.List(explained.explanation.left_out);
+  }
+}
+
+void AddCauses(HtmlReport& report, const ExplainedRecording& explained) {
+  report.Section("What the bright cells come from");
+  std::string sentence = CauseSentence(explained);
+  if (!sentence.empty()) sentence.front() = static_cast<char>(std::toupper(sentence.front()));
+  report.Paragraph(sentence + ".");
+  PictureRow row{.caption =
+                     "Recorded (left) and what each bright cell comes from by the last model (right); "
+                     "nearest range at the top. A cell is bright where the recorded power about it is "
+                     "twice the noise floor, and not explained where it is three times what is expected.",
+                 .pictures = {},
+                 .columns = 2,
+                 .legend = CauseLegend(explained.maps, explained.cause_names)};
+  constexpr std::size_t kMost = 4;
+  for (std::size_t i = 0; i < std::min(kMost, explained.maps.size()); ++i) {
+    const CauseMap& map = explained.maps[i];
+    row.pictures.push_back({.png = EncodePng(StretchPolar(Colorize(map.recorded))),
+                            .caption = fmt::format("Frame {}, recorded", map.index)});
+    row.pictures.push_back({.png = EncodePng(CausePicture(map.cause)),
+                            .caption = fmt::format("Frame {}, causes", map.index),
+                            .crisp = true});
+  }
+  report.Add(row);
+  Table table{.caption = "Shares of the bright cells of the frames held out",
+              .columns = {{"Cause"}, {"Share", "%"}},
+              .rows = {}};
+  for (const auto& [share, name] : Shares(explained))
+    table.rows.push_back({{name, FormatNumber(100.0 * share, 1)}});
+  if (!table.rows.empty()) report.Add(table);
+}
+
+Json ExplanationJson(const ExplainedRecording& explained) {
+  const Explanation& of = explained.explanation;
+  Json steps = Json::array();
+  for (std::size_t i = 0; i < of.steps.size(); ++i) {
+    const ExplainedStep& step = of.steps[i];
+    const StepFigures& figures = explained.figures[i];
+    Json fitted = Json::array();
+    for (const FittedParameter& p : step.fitted) {
+      fitted.push_back({{"name", p.name},
+                        {"value", p.value},
+                        {"sigma", NumberOrNull(p.sigma)},
+                        {"unit", p.unit},
+                        {"status", ToString(p.status)}});
+    }
+    const bool first = i == 0;
+    const auto change = [&](double value) { return first ? Json(nullptr) : Json(value); };
+    steps.push_back({{"part", ToString(step.part)},
+                     {"what", WhatOf(step.part)},
+                     {"verdict", ToString(step.verdict)},
+                     {"intensity_error", NumberOrNull(figures.intensity_error)},
+                     {"iou", NumberOrNull(figures.iou)},
+                     {"ns_over_nr", NumberOrNull(figures.ns_over_nr)},
+                     {"held_out_nats_per_pixel", step.held_out.PerPixel()},
+                     {"used_nats_per_pixel", step.nats_used},
+                     {"gain_nats_per_pixel", change(step.gain.mean)},
+                     {"gain_sigma", change(step.gain.sigma)},
+                     {"aic_change", change(step.aic_change)},
+                     {"bic_change", change(step.bic_change)},
+                     {"determined_values", step.determined},
+                     {"fitted", fitted}});
+  }
+  Json frames = Json::array();
+  for (const CauseMap& map : explained.maps) {
+    std::vector<double> count(explained.cause_names.size(), 0.0);
+    double bright = 0.0;
+    for (const std::uint8_t cause : map.cause.values()) {
+      if (cause == kNotBright) continue;
+      count[cause] += 1.0;
+      bright += 1.0;
+    }
+    Json shares = Json::object();
+    for (std::size_t name = 1; name < count.size(); ++name)
+      shares[explained.cause_names[name]] = bright > 0.0 ? count[name] / bright : 0.0;
+    frames.push_back({{"index", map.index},
+                      {"file", fmt::format("causes_{:04}.png", map.index)},
+                      {"lobe_of_beam", fmt::format("lobes_{:04}.png", map.index)},
+                      {"picture", fmt::format("causes_{:04}_picture.png", map.index)},
+                      {"bright_cells", bright},
+                      {"shares", shares}});
+  }
+  return {{"format", "sonar-explanation/1"},
+          {"frames_used", explained.split.used},
+          {"frames_held_out", explained.split.held_out},
+          {"steps", steps},
+          {"left_out", of.left_out},
+          {"speckle_floor_error", NumberOrNull(explained.floor_error)},
+          {"pixels_used", of.pixels_used},
+          {"pixels_a_cell", of.pixels_a_cell},
+          {"causes",
+           {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
+}
+
+std::string ExplanationText(const ExplainedRecording& explained) {
+  std::string text = fmt::format("fitted to frames {}, judged on frames {}, which no fit saw\n",
+                                 FrameList(explained.split.used), FrameList(explained.split.held_out));
+  text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added", "intensity", "IoU",
+                      "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
+  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const ExplainedStep& step = steps[i];
+    const StepFigures& figures = explained.figures[i];
+    const std::string gain =
+        i == 0 ? std::string("-") : fmt::format("{:+.4f} +- {:.4f}", step.gain.mean, step.gain.sigma);
+    const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", step.bic_change);
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(step.part),
+                        Text(figures.intensity_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
+                        gain, bic, i == 0 ? "" : ToString(step.verdict));
+  }
+  if (explained.floor_error)
+    text +=
+        fmt::format("  {:<20}  {:>9.4f}  that no model is below\n", "speckle alone", *explained.floor_error);
+  for (const std::string& sentence : explained.explanation.left_out)
+    text += fmt::format("  left out: {}\n", sentence);
+  return text + CauseSentence(explained) + "\n";
+}
+
+}  // namespace sonarcal

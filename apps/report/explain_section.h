@@ -1,0 +1,33 @@
+// An explained recording (apps/explain_recording.h) as sections of a report, and in words.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/explain_recording.h"
+#include "apps/report/html_report.h"
+
+namespace sonarcal {
+
+// What a step adds, for people: "beam and pulse".
+std::string_view TitleOf(ExplainedPart part);
+
+// The waterfall, its table, and what was left out. Adds a section.
+void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained);
+
+// Where the bright cells come from: shares in words, maps. Adds a section.
+void AddCauses(HtmlReport& report, const ExplainedRecording& explained);
+
+// "of the bright cells 71 % show floor, 12 % ghost by wall, ...": causes by their share, those below half a
+// percent together.
+std::string CauseSentence(const ExplainedRecording& explained);
+
+// The object of explain.json.
+nlohmann::ordered_json ExplanationJson(const ExplainedRecording& explained);
+
+// For a terminal.
+std::string ExplanationText(const ExplainedRecording& explained);
+
+}  // namespace sonarcal

@@ -1,0 +1,344 @@
+#include "calib/explanation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "calib/mirror_start.h"
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+#include "sim/acoustic_image.h"
+#include "sim/beam_and_pulse.h"
+#include "sim/physics/display.h"
+
+namespace sonarcal {
+namespace {
+
+// Area under the autocorrelation of speckle's power, in half-power widths of a Gaussian response:
+// sqrt(pi / (2 ln 2)).
+constexpr double kCellWidths = 1.5053;
+
+constexpr const char* kWholeScene = "scene";  // the one material of the first steps
+
+Scene OfOneMaterial(Scene scene) {
+  scene.material_names = {kWholeScene};
+  std::fill(scene.triangle_material.begin(), scene.triangle_material.end(), std::uint16_t{0});
+  return scene;
+}
+
+// Rays within the half-power elevation beam alone.
+SimulationOptions WithinElevationBeam(SimulationOptions options, double width_deg) {
+  if (!(width_deg > 0.0)) return options;
+  const double share = std::min(1.0, width_deg / options.fan.elevation_span_deg);
+  options.fan.elevation_span_deg *= share;
+  options.fan.row_crowding = 1.0;
+  options.fan.rows = std::max(32, static_cast<int>(std::lround(options.fan.rows * std::sqrt(share))));
+  return options;
+}
+
+// Power images of what a step expects, as grey values of full scale; those of the display, or their mean over
+// speckle.
+PolarImage Shown(const std::vector<double>& mean_power, const PolarAxes& axes, const ParameterSet& parameters,
+                 double full_scale, bool knows_speckle) {
+  PolarImage power{
+      axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(axes.range_bins, axes.beam_count())};
+  std::transform(mean_power.begin(), mean_power.end(), power.value.values().begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return knows_speckle ? ExpectedDisplay(power, parameters, full_scale)
+                       : DisplayPower(power, parameters, full_scale);
+}
+
+std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& mean_power,
+                                        const std::vector<GreyFrame>& frames,
+                                        const ParameterSet& parameters) {
+  std::vector<std::vector<double>> grey;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const PolarImage& image = frames[f].image;
+    const PolarImage shown = Shown(mean_power[f], image.axes, parameters, image.scale.full_scale, false);
+    grey.emplace_back(shown.value.values().begin(), shown.value.values().end());
+  }
+  return grey;
+}
+
+class Explainer {
+ public:
+  Explainer(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
+            const std::vector<GreyFrame>& held_out, const ParameterSet& given, const ExplainOptions& options)
+      : sonar_(sonar), used_(used), held_out_(held_out), given_(given), options_(options) {
+    complete_ = WithResponse(sonar, given);
+    narrow_.emplace(OfOneMaterial(scene), sonar,
+                    WithinElevationBeam(options.simulation, complete_.beam.elevation_width_deg));
+    one_.emplace(OfOneMaterial(scene), sonar, options.simulation);
+    all_.emplace(scene, sonar, options.simulation);
+    if (!given_.receiver.noise_db) {
+      given_.receiver.noise_db = NoiseStartDb(FramesFor(used, given.display), given.receiver.looks);
+    }
+    fit_options_ = options.fit;
+    fit_options_.starts = 1;
+    fit_options_.down_weight = false;  // all pixels judge, so all are fitted
+  }
+
+  Explanation Run() {
+    ParameterSet p = Plain();
+    Step(ExplainedPart::kStart, *narrow_, p, {"materials"});
+    p = Last();
+    const BeamParameters no_elevation = p.beam;
+    p.beam = complete_.beam;
+    p.beam.elevation_pattern = no_elevation.elevation_pattern;
+    p.beam.elevation_width_deg = no_elevation.elevation_width_deg;
+    p.pulse = given_.pulse;
+    std::vector<std::string> free = {"materials"};
+    if (!(given_.pulse.length_m > 0.0)) free.emplace_back("pulse.length_m");
+    Step(ExplainedPart::kResponse, *narrow_, p, free);
+    p = Last();
+    p.beam = complete_.beam;
+    Step(ExplainedPart::kElevation, *one_, p, {"materials"});
+    p = Last();
+    p.receiver = given_.receiver;
+    free = {"materials", "receiver.noise_db"};
+    Step(ExplainedPart::kNoise, *one_, p, free);
+    Step(ExplainedPart::kMaterials, *all_, OwnCurves(), free);
+    AddGhosts(free);
+    AddSpeckle();
+    if (options_.poses) AddPoses(free);
+    Judge();
+    return std::move(result_);
+  }
+
+ private:
+  // Plain echoes, and blackness where there are none.
+  ParameterSet Plain() const {
+    ParameterSet p = given_;
+    const auto fallback = given_.materials.find("default");
+    p.materials = {{kWholeScene, fallback != given_.materials.end() ? fallback->second
+                                                                    : given_.materials.begin()->second}};
+    p.mirrors.clear();
+    p.beam = {.azimuth_width_deg = DegFromRad(sonar_.axes.beam_spacing_rad()),
+              .elevation_width_deg = 1e4,  // as good as none: the rays end where the beam does
+              .azimuth_pattern = AzimuthPattern::kGaussian,
+              .elevation_pattern = ElevationPattern::kGaussian};
+    p.pulse.length_m = sonar_.axes.range_bin_m();
+    const double full_scale = used_.front().image.scale.full_scale;
+    ReceiverParameters black;
+    black.gain_db = given_.receiver.gain_db;
+    black.looks = given_.receiver.looks;
+    black.time_varied_gain = given_.receiver.time_varied_gain;
+    black.noise_after_gain_db = DbFromPower(PowerFromDisplay(given_.display, 0.5 / full_scale));
+    black.noise_db = *black.noise_after_gain_db - 100.0;
+    p.receiver = black;
+    return p;
+  }
+
+  const ParameterSet& Last() const { return result_.steps.back().parameters; }
+
+  // Each material's own curve, from those given where they are, else from what the whole scene has.
+  ParameterSet OwnCurves() const {
+    ParameterSet p = Last();
+    const MaterialParameters whole = p.materials.at(kWholeScene);
+    p.materials.clear();
+    for (const std::string& name : all_->caster().material_names()) {
+      const auto given = given_.materials.find(name);
+      p.materials[name] = given != given_.materials.end() ? given->second : whole;
+    }
+    return p;
+  }
+
+  void AddGhosts(std::vector<std::string>& free) {
+    const std::vector<std::string> mirrors = MirrorsFreeByDefault(given_, all_->caster().material_names());
+    if (mirrors.empty()) {
+      result_.left_out.emplace_back("ghosts: the parameters name no material of the scene as a mirror");
+      return;
+    }
+    free.insert(free.end(), mirrors.begin(), mirrors.end());
+    ParameterSet p = Last();
+    p.mirrors = given_.mirrors;
+    p.beam.transmit_even_deg = given_.beam.transmit_even_deg;
+    p.beam.transmit_end_deg = given_.beam.transmit_end_deg;
+    Step(ExplainedPart::kGhosts, *all_, p, free);
+  }
+
+  // The law of grey values changes, and nothing is fitted but its looks.
+  void AddSpeckle() {
+    if (options_.on_step) options_.on_step(ExplainedPart::kSpeckle);
+    ExplainedStep step = result_.steps.back();
+    step.part = ExplainedPart::kSpeckle;
+    step.knows_speckle = true;
+    step.parameters.receiver.looks = BestLooks(used_, mean_used_, step.parameters);
+    step.determined += 1;
+    step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
+    step.held_out = Likelihood(step, held_out_, step.mean_held_out);
+    result_.steps.push_back(std::move(step));
+  }
+
+  void AddPoses(std::vector<std::string> free) {
+    free.emplace_back("pose");
+    Step(ExplainedPart::kPoses, *all_, Last(), free);
+  }
+
+  void Step(ExplainedPart part, const Simulator& simulator, const ParameterSet& start,
+            const std::vector<std::string>& free) {
+    if (options_.on_step) options_.on_step(part);
+    const bool moves = part == ExplainedPart::kPoses;
+    FitConfig config{.free = free, .pose_prior = options_.pose_prior};
+    fit_options_.search_level = part == ExplainedPart::kStart;
+    std::vector<AcousticFrame> used = FramesFor(used_, start.display);
+    AcousticFit fit = FitAcousticModel(simulator, used, start, config, fit_options_);
+    if (!fit.usable) {
+      throw DataError("explain: the fit of '{}' ended without a usable solution ({})", ToString(part),
+                      fit.report.termination);
+    }
+    ExplainedStep step{.part = part, .parameters = std::move(fit.parameters)};
+    for (const FittedParameter& parameter : fit.report.parameters) {
+      if (parameter.status == ParameterStatus::kFixed) continue;
+      step.fitted.push_back(parameter);
+      if (parameter.status != ParameterStatus::kUnidentifiable) ++step.determined;
+    }
+    step.knows_speckle = moves;
+    for (std::size_t f = 0; f < used.size(); ++f) used[f].world_from_sonar = fit.world_from_sonar[f];
+    std::vector<AcousticFrame> held_out = FramesFor(held_out_, start.display);
+    if (moves) {
+      const std::vector<Pose> poses =
+          FitPosesOnly(simulator, held_out, step.parameters, options_.pose_prior, fit_options_.progress);
+      for (std::size_t f = 0; f < held_out.size(); ++f) held_out[f].world_from_sonar = poses[f];
+    }
+    const AcousticFrameModel seen(simulator, used, step.parameters);
+    mean_used_ = MeanPowers(seen);
+    grain_ = seen.grain();
+    const AcousticFrameModel unseen(simulator, held_out, step.parameters);
+    step.mean_held_out = MeanPowers(unseen);
+    for (const AcousticFrame& frame : held_out) step.poses_held_out.push_back(frame.world_from_sonar);
+    if (!step.knows_speckle) {
+      step.grey = FindNormalGreyLaw(used_, GreyOf(mean_used_, used_, step.parameters));
+      step.determined += 2;  // its offset and spread
+    }
+    step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
+    step.held_out = Likelihood(step, held_out_, step.mean_held_out);
+    result_.steps.push_back(std::move(step));
+  }
+
+  // In blocks of one size for all steps, that of beam and pulse as given.
+  BlockedLikelihood Likelihood(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
+                               const std::vector<std::vector<double>>& mean_power) const {
+    const PolarAxes& axes = sonar_.axes;
+    const ParameterSet& of = complete_;
+    const int bins =
+        BlockAlong(options_.fit.block_bins, of.pulse.length_m / axes.range_bin_m(), axes.range_bins);
+    const int beams =
+        BlockAlong(options_.fit.block_beams, of.beam.azimuth_width_deg / DegFromRad(axes.beam_spacing_rad()),
+                   axes.beam_count());
+    if (step.knows_speckle) return GreyLikelihood(frames, mean_power, step.parameters, bins, beams);
+    return GreyLikelihood(frames, GreyOf(mean_power, frames, step.parameters), step.grey, bins, beams);
+  }
+
+  static int BlockAlong(int least, double widths, int extent) {
+    constexpr double kWidths = 8.0;
+    constexpr int kFewest = 4;
+    return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kFewest));
+  }
+
+  void Judge() {
+    result_.pixels_used = Likelihood(result_.steps.back(), used_, mean_used_).Pixels();
+    result_.pixels_a_cell =
+        std::max(1.0, kCellWidths * grain_.bins) * std::max(1.0, kCellWidths * grain_.beams);
+    const double cells = result_.pixels_used / result_.pixels_a_cell;
+    for (std::size_t i = 1; i < result_.steps.size(); ++i) {
+      ExplainedStep& step = result_.steps[i];
+      const ExplainedStep& before = result_.steps[i - 1];
+      step.gain = Difference(step.held_out, before.held_out);
+      const double nats = cells * (step.nats_used - before.nats_used);
+      const int values = step.determined - before.determined;
+      step.aic_change = 2.0 * values - 2.0 * nats;
+      step.bic_change = values * std::log(cells) - 2.0 * nats;
+      const double least = options_.tie_sigmas * step.gain.sigma;
+      if (step.gain.mean < -least) {
+        step.verdict = Verdict::kWorse;
+      } else {
+        step.verdict = step.gain.mean > least && step.bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
+      }
+    }
+  }
+
+  const SonarModel& sonar_;
+  const std::vector<GreyFrame>& used_;
+  const std::vector<GreyFrame>& held_out_;
+  ParameterSet given_;
+  ParameterSet complete_;  // with beam and pulse as they are
+  const ExplainOptions& options_;
+  FitOptions fit_options_;
+  std::optional<Simulator> narrow_;  // of one material, within the elevation beam
+  std::optional<Simulator> one_;     // of one material
+  std::optional<Simulator> all_;
+  std::vector<std::vector<double>> mean_used_;  // of the last step
+  FrameModel::Grain grain_;
+  Explanation result_;
+};
+
+}  // namespace
+
+std::string_view ToString(ExplainedPart part) {
+  switch (part) {
+    case ExplainedPart::kStart:
+      return "start";
+    case ExplainedPart::kResponse:
+      return "response";
+    case ExplainedPart::kElevation:
+      return "elevation";
+    case ExplainedPart::kNoise:
+      return "noise";
+    case ExplainedPart::kMaterials:
+      return "materials";
+    case ExplainedPart::kGhosts:
+      return "ghosts";
+    case ExplainedPart::kSpeckle:
+      return "speckle";
+    case ExplainedPart::kPoses:
+      return "poses";
+  }
+  return "";
+}
+
+std::string_view ToString(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kStart:
+      return "start";
+    case Verdict::kWorthIt:
+      return "worth it";
+    case Verdict::kNoMore:
+      return "no more than noise";
+    case Verdict::kWorse:
+      return "worse";
+  }
+  return "";
+}
+
+Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
+                    const std::vector<GreyFrame>& held_out, const ParameterSet& given,
+                    const ExplainOptions& options) {
+  if (used.empty()) throw DataError("explain: no frames");
+  if (held_out.empty())
+    throw DataError("explain: no frame is held out, and what a part is worth shows only there");
+  if (given.materials.empty()) throw DataError("explain: the parameters name no material");
+  return Explainer(scene, sonar, used, held_out, given, options).Run();
+}
+
+std::vector<PolarImage> ExpectedGrey(const ExplainedStep& step, const std::vector<GreyFrame>& held_out) {
+  std::vector<PolarImage> images;
+  for (std::size_t f = 0; f < held_out.size(); ++f) {
+    const PolarImage& recorded = held_out[f].image;
+    images.push_back(Shown(step.mean_held_out[f], recorded.axes, step.parameters, recorded.scale.full_scale,
+                           step.knows_speckle));
+    if (step.knows_speckle) continue;
+    for (float& value : images.back().value.values()) {
+      value = std::clamp(static_cast<float>(value + step.grey.offset), 0.0F,
+                         static_cast<float>(recorded.scale.full_scale));
+    }
+  }
+  return images;
+}
+
+}  // namespace sonarcal

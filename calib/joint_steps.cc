@@ -1,0 +1,131 @@
+#include "calib/joint_steps.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "calib/fit_options.h"
+#include "calib/problem_builder.h"
+
+namespace sonarcal {
+namespace {
+
+// Of the damping. Edges that move by more than pulse and beam are wide are linear in nothing: from a whole
+// step of Gauss and Newton to a short one downhill.
+constexpr double kLeastDamping = 1e-3;
+constexpr int kTries = 7;
+constexpr double kHarder = 8.0;
+
+class Stepper {
+ public:
+  Stepper(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog, const std::vector<int>& active)
+      : model_(model), catalog_(catalog), active_(active) {
+    for (const int entry : active) {
+      if (IsGeometric(catalog[entry])) geometric_.push_back(entry);
+    }
+  }
+
+  // Traces, for the cost alone.
+  double CostAbout(const ParameterValues& values) {
+    model_.Linearise(values, {});
+    double cost = CostAt(model_, values, model_.frame_count());
+    for (const int entry : active_) cost += 0.5 * std::pow(FromPrior(entry, values), 2);
+    return cost;
+  }
+
+  // Traces, for slopes too.
+  void Linearise(const ParameterValues& values) { model_.Linearise(values, geometric_); }
+
+  // A step down from the point that the model is linear about; nothing where no damping makes one.
+  struct Found {
+    ParameterValues values;
+    double cost = 0.0;
+  };
+  std::optional<Found> Step(const ParameterValues& values, double cost) {
+    const NormalEquations equations =
+        Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
+    Eigen::MatrixXd information = equations.information;
+    information.diagonal() += equations.prior;
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(equations.prior.size());
+    for (const NormalEquations::Block& block : equations.blocks) gradient += block.score;
+    for (std::size_t k = 0; k < active_.size(); ++k) {
+      const auto& prior = catalog_[active_[k]].prior;
+      if (prior) gradient(static_cast<Eigen::Index>(k)) += FromPrior(active_[k], values) / prior->sigma;
+    }
+    for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
+      Eigen::MatrixXd damped = information;
+      damped.diagonal() *= 1.0 + damping_;
+      Found trial{.values = Moved(values, -damped.ldlt().solve(gradient)), .cost = 0.0};
+      trial.cost = CostAbout(trial.values);
+      if (!(trial.cost < cost)) continue;
+      damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
+      return trial;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // In sigmas of the prior.
+  double FromPrior(int entry, const ParameterValues& values) const {
+    const CatalogEntry& of = catalog_[entry];
+    return of.prior ? (of.CoordinateFromValue(values[entry]) - of.prior->coordinate) / of.prior->sigma : 0.0;
+  }
+
+  ParameterValues Moved(const ParameterValues& values, const Eigen::VectorXd& by) const {
+    ParameterValues moved = values;
+    for (std::size_t k = 0; k < active_.size(); ++k) {
+      const CatalogEntry& of = catalog_[active_[k]];
+      const double value = of.ValueFromCoordinate(of.CoordinateFromValue(values[active_[k]]) +
+                                                  by(static_cast<Eigen::Index>(k)));
+      moved[active_[k]] = std::clamp(value, of.lower, of.upper);
+    }
+    return moved;
+  }
+
+  AcousticFrameModel& model_;
+  const std::vector<CatalogEntry>& catalog_;
+  const std::vector<int>& active_;
+  std::vector<int> geometric_;
+  double damping_ = kLeastDamping;
+};
+
+}  // namespace
+
+bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                    const std::vector<int>& active, const JointStepOptions& options,
+                    const std::function<void(ParameterValues&)>& settle, ParameterValues& values,
+                    const std::function<void(const std::string&)>& progress) {
+  Stepper stepper(model, catalog, active);
+  double cost = stepper.CostAbout(values);
+  for (int step = 0; step < options.steps; ++step) {
+    stepper.Linearise(values);
+    const auto found = stepper.Step(values, cost);
+    if (!found) {
+      if (progress) progress(fmt::format("step {} of poses and curves: none leads down", step + 1));
+      stepper.Linearise(values);
+      return true;
+    }
+    const double before = cost;
+    values = found->values;
+    cost = found->cost;
+    if (settle) {
+      settle(values);
+      cost = stepper.CostAbout(values);
+    }
+    if (progress) {
+      progress(fmt::format("step {} of poses and curves: cost down by {:.4g} to {:.1f}", step + 1,
+                           before - cost, cost));
+    }
+    if (before - cost < options.least) {
+      stepper.Linearise(values);
+      return true;
+    }
+  }
+  stepper.Linearise(values);
+  return false;
+}
+
+}  // namespace sonarcal

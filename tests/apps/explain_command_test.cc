@@ -1,0 +1,128 @@
+#include "apps/explain_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "data_io/image_io.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/recording_io.h"
+#include "tests/apps/html_check.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOneSentence;
+using testing::Outcome;
+using testing::Quoted;
+using testing::RunSonarcal;
+using testing::TinyWorld;
+
+// The tiny world as the acoustic model has it, with a floor that reflects.
+ParameterSet Truth() {
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.model = EchoModel::kAcoustic;
+  for (auto& [name, material] : parameters.materials) {
+    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
+  }
+  parameters.receiver.noise_db = 110.0;
+  parameters.display = {.db_min = 95.0, .db_max = 160.0};
+  parameters.pulse.length_m = 0.1;
+  parameters.mirrors["floor"].loss_db = 3.0;
+  parameters.beam.transmit_even_deg = 15.0;
+  parameters.beam.transmit_end_deg = 20.0;
+  return parameters;
+}
+
+class ExplainCommand : public ::testing::Test {
+ protected:
+  ExplainCommand() {
+    WriteParameters(world_.params(), Truth());
+    real_ = world_.WriteSimulated("real", true);
+  }
+
+  std::string Arguments(const std::string& extra = "") const {
+    return "explain --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
+           Quoted(world_.params()) + " --out " + Quoted(world_ / "out") +
+           " --rays 96x200 --max-iterations 20 " + extra;
+  }
+
+  TinyWorld world_;
+  std::filesystem::path real_;
+};
+
+TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
+  const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("fitting: + ghosts"));
+  EXPECT_THAT(outcome.out, HasSubstr("judged on frames 1 and 3, which no fit saw"));
+  EXPECT_THAT(outcome.out, HasSubstr("of the bright cells"));
+
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/explain.json");
+  EXPECT_EQ(json["format"], "sonar-explanation/1");
+  std::vector<std::string> parts;
+  for (const nlohmann::json& step : json["steps"]) {
+    parts.push_back(step["part"]);
+    for (const char* key : {"intensity_error", "iou", "ns_over_nr", "held_out_nats_per_pixel"})
+      EXPECT_TRUE(step[key].is_number()) << parts.back() << " " << key;
+    EXPECT_EQ(step["gain_nats_per_pixel"].is_null(), parts.size() == 1) << parts.back();
+  }
+  EXPECT_EQ(parts, (std::vector<std::string>{"start", "response", "elevation", "noise", "materials", "ghosts",
+                                             "speckle"}));
+  // Expected images are nearer to the recorded in the end than to begin with, and not below their own
+  // speckle.
+  const double last = json["steps"].back()["intensity_error"];
+  EXPECT_LT(last, json["steps"][0]["intensity_error"].get<double>());
+  EXPECT_GT(last, 0.8 * json["speckle_floor_error"].get<double>());
+
+  const std::vector<std::string> names = json["causes"]["names"];
+  for (const nlohmann::json& frame : json["causes"]["frames"]) {
+    const std::string file = frame["file"];
+    const ImageFile image(world_ / "out" / file);
+    EXPECT_EQ(image.header().rows, 60);
+    EXPECT_EQ(image.header().cols, 24);
+    double sum = 0.0;
+    for (const auto& [name, share] : frame["shares"].items()) {
+      EXPECT_THAT(names, ::testing::Contains(name));
+      sum += share.get<double>();
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-9);
+    EXPECT_TRUE(std::filesystem::exists(world_ / "out" / frame["picture"].get<std::string>()));
+  }
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"not bright", "not explained", "noise", "floor", "box"}));
+
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  for (const char* part : {"class=\"chart waterfall\"", "What each part is worth", "worth it", "+ ghosts",
+                           "What the bright cells come from", "synthetic"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_TRUE(std::filesystem::exists(world_ / "out/figures/figure_1.svg"));
+  EXPECT_TRUE(std::filesystem::exists(world_ / "out/provenance.json"));
+  EXPECT_TRUE(ReadParameters(world_ / "out/params.json").mirrors.contains("floor"));
+}
+
+TEST_F(ExplainCommand, MistakesCostOneSentence) {
+  const auto expect_failure = [&](const std::string& arguments, const std::string& part) {
+    const Outcome outcome = RunSonarcal(arguments + " -q");
+    EXPECT_EQ(outcome.status, 1) << arguments;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+    EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
+  };
+  expect_failure(Arguments("--held-out 9"), "held-out frame 9");
+  const auto recording = OpenRecording(real_);
+  WriteRecording(MemoryRecording(recording->info(), {recording->ReadFrame(0)}), world_ / "one");
+  real_ = world_ / "one";
+  expect_failure(Arguments(), "at least two are needed");
+  WriteParameters(world_.params(), testing::TinyParameters());
+  expect_failure(Arguments(), "only 'acoustic' can be explained");
+  EXPECT_EQ(RunSonarcal("explain --real " + Quoted(real_)).status, 2);
+}
+
+}  // namespace
+}  // namespace sonarcal

@@ -1,0 +1,64 @@
+// Pitch and the slope of the floor's curve over range hang together: poses that look too low, with curves
+// fitted to them, lie in a valley. The recording is SYNTHETIC, made by another kind of simulation.
+#include "calib/joint_steps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calib/acoustic_fit.h"
+#include "calib/fit.h"
+#include "calib/pose_step.h"
+#include "calib/problem_builder.h"
+#include "tests/calib/synthetic_tank.h"
+#include "tests/support/recordings.h"
+
+namespace sonarcal {
+namespace {
+
+TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
+  constexpr double kTooLowDeg = -0.4;
+  const testing::SyntheticTank tank(folder);
+  std::vector<AcousticFrame> frames = tank.Frames({0, 1, 3});
+  PoseStep low = PoseStep::Zero();
+  low(4) = kTooLowDeg;
+  for (AcousticFrame& frame : frames) frame.world_from_sonar = MovePose(tank.TruePose(frame.index), low);
+  ParameterSet initial = tank.known;
+  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  AcousticFrameModel model(tank.simulator, frames, initial);
+
+  FitConfig config{.free = std::vector<std::string>{"materials", "noise", "pose"},
+                   .pose_prior = {.position_m = 0.02, .angle_deg = 1.0}};
+  std::vector<CatalogEntry> catalog = model.catalog();
+  const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
+  std::vector<int> active;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (free[i]) active.push_back(static_cast<int>(i));
+  }
+  FitConfig curves = config;
+  curves.fixed = {"pose.*"};
+  FitOptions options;
+  options.starts = 1;
+  options.rough = true;
+  const auto settle = [&](ParameterValues& values) { values = Fit(model, values, curves, options).values; };
+
+  ParameterValues values = model.initial_values();
+  settle(values);
+  settle(values);
+  const double cost = CostAt(model, values, model.frame_count());
+  TakeJointSteps(model, catalog, active, {.steps = 6, .least = 5.0}, settle, values);
+  EXPECT_LT(CostAt(model, values, model.frame_count()), cost - 50.0);
+
+  double mean_deg = 0.0;
+  for (int frame = 0; frame < model.frame_count(); ++frame) {
+    const PoseStep off = StepBetween(tank.TruePose(model.frame_index(frame)), model.PoseOf(frame, values));
+    mean_deg += off(4) / model.frame_count();
+    EXPECT_LT(off.head<3>().norm(), 0.01) << "metres, of frame " << model.frame_index(frame);
+  }
+  // What three such frames tell of the pitch that they share has a sigma of 0.08 degrees.
+  EXPECT_NEAR(mean_deg, 0.0, 0.2);
+}
+
+}  // namespace
+}  // namespace sonarcal

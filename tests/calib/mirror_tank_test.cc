@@ -1,0 +1,101 @@
+// Losses of floor, walls and surface, curves and noise fitted together to a SYNTHETIC recording of a tank
+// with ghosts, made by another kind of simulation, against its truth.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "calib/acoustic_fit.h"
+#include "sim/physics/gsab.h"
+#include "tests/calib/synthetic_tank.h"
+#include "tests/support/recordings.h"
+
+namespace sonarcal {
+namespace {
+
+using testing::SyntheticTank;
+
+// Angles that the truth says are covered: by at least this many pixels a bin of five degrees.
+constexpr int kCovered = 90;
+
+// Share of the covered angles at which the true curve lies in the fitted one's 95 % band.
+double ShareInBand(const SyntheticTank& tank, const FitReport& report, const std::string& material) {
+  const nlohmann::json& pixels = tank.truth.at("incidence_coverage").at("pixels").at(material);
+  const auto curve = std::find_if(report.curves.begin(), report.curves.end(),
+                                  [&](const FittedCurve& of) { return of.material == material; });
+  EXPECT_NE(curve, report.curves.end()) << material;
+  if (curve == report.curves.end()) return 0.0;
+  int covered = 0;
+  int in_band = 0;
+  for (std::size_t i = 0; i < curve->incidence_deg.size(); ++i) {
+    const double deg = curve->incidence_deg[i];
+    const auto bin = std::min(static_cast<std::size_t>(deg / 5.0), pixels.size() - 1);
+    if (pixels[bin].get<int>() < kCovered) continue;
+    ++covered;
+    const double off_db = curve->backscatter_db[i] - GsabDb(tank.TrueCurve(material), deg);
+    if (std::abs(off_db) <= 1.96 * curve->sigma_db[i]) ++in_band;
+    if (static_cast<int>(deg) % 5 == 2) {
+      std::cout << fmt::format("  {} at {:.0f} deg: {:+.2f} dB off, sigma {:.2f}\n", material, deg, off_db,
+                               curve->sigma_db[i]);
+    }
+  }
+  return static_cast<double>(in_band) / covered;
+}
+
+TEST(SyntheticTankGhosts, LossesCurvesAndNoiseComeBackTogether) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_ghosts");
+  const SyntheticTank tank(folder);
+  const ParameterSet truth = tank.TrueParameters();
+  const std::vector<AcousticFrame> frames = tank.Frames({0, 1, 3, 4, 5, 7});
+  ParameterSet initial = tank.known;
+  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  for (const char* mirror : {"floor", "wall", "surface"}) initial.mirrors[mirror].loss_db = 6.0;
+  FitOptions options;
+  options.starts = 1;
+  options.down_weight = true;  // as the command does
+  options.progress = [](const std::string& line) { std::cout << "  " << line << "\n"; };
+  const AcousticFit fit = FitAcousticModel(tank.simulator, frames, initial, {}, options);
+  ASSERT_TRUE(fit.usable) << fit.report.termination;
+  for (const FittedParameter& p : fit.report.parameters) {
+    if (p.status == ParameterStatus::kFixed) continue;
+    std::cout << fmt::format("  {} {:.4g} sigma {:.2g} status {}\n", p.name, p.value, p.sigma.value_or(-1.0),
+                             static_cast<int>(p.status));
+  }
+  for (const auto& [name, mirror] : truth.mirrors) {
+    const FittedParameter* loss = fit.report.Find("mirror." + name + ".loss_db");
+    ASSERT_NE(loss, nullptr);
+    EXPECT_NEAR(loss->value, mirror.loss_db, 1.5) << name;
+  }
+  EXPECT_NEAR(fit.parameters.receiver.noise_db.value(), tank.TrueNoiseDb(), 0.3);
+  for (const char* material : {"floor", "mockup"}) {
+    const double share = ShareInBand(tank, fit.report, material);
+    std::cout << fmt::format("  {}: {:.2f} of the covered angles in the 95 % band\n", material, share);
+    EXPECT_GE(share, 0.95) << material;
+  }
+
+  // Held out: the error of the expected image beside what speckle alone makes of the true one's.
+  double error = 0.0;
+  double floor = 0.0;
+  for (const int index : {2, 6}) {
+    const Frame frame = tank.recording->ReadFrame(index);
+    const Pose& pose = frame.info.world_from_sonar.value();
+    const EchoList echoes = tank.simulator.TraceEchoes(pose);
+    const AcousticGeometry geometry{tank.simulator.sonar(), tank.simulator.absorption_db_per_m()};
+    const ScatterMap scatter = tank.simulator.Scatter(echoes, truth, tank.simulator.TraceGhosts(pose, truth));
+    const PolarImage power = ExpectedPower(scatter, geometry, truth);
+    const PolarImage expected = tank.simulator.RenderExpected(
+        echoes, fit.parameters, tank.simulator.TraceGhosts(pose, fit.parameters));
+    for (std::size_t i = 0; i < power.value.size(); ++i) {
+      floor += testing::SpeckleFloorOf(power.value.values()[i], truth.display);
+      error += std::abs(frame.image.value.values()[i] / frame.image.scale.full_scale -
+                        expected.value.values()[i] / expected.scale.full_scale);
+    }
+  }
+  std::cout << fmt::format("  held-out error over floor {:.4f}\n", error / floor);
+  EXPECT_LT(error, 1.15 * floor);
+  EXPECT_GT(error, 0.97 * floor) << "below what speckle allows: the floor is wrong";
+}
+
+}  // namespace
+}  // namespace sonarcal
