@@ -62,6 +62,7 @@ std::string UsageMistake(const CLI::App& root, const ChosenCommand& chosen, cons
   if (chosen.app != &root) return error.what();
   std::string commands;
   for (const CLI::App* command : root.get_subcommands({})) {
+    if (command->get_group().empty()) continue;  // hidden
     commands += (commands.empty() ? "" : ", ") + command->get_name();
   }
   const std::string expected = commands.empty() ? "" : ", expected one of " + commands;

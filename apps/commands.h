@@ -16,9 +16,12 @@ void SetupRays(CLI::App& app);        // apps/rays_command.h
 void SetupCompare(CLI::App& app);     // apps/compare_command.h
 void SetupFit(CLI::App& app);         // apps/fit_command.h
 void SetupView(CLI::App& app);        // apps/view_command.h
+void SetupBatch(CLI::App& app);       // apps/batch_command.h
+void SetupDocs(CLI::App& app);        // hidden: apps/documentation_command.cc
 void SetupExplain(CLI::App& app);     // apps/explain_command.h
 void SetupInspect(CLI::App& app);     // apps/inspect_command.h
 void SetupConvert(CLI::App& app);     // apps/convert_command.h
+void SetupExport(CLI::App& app);      // apps/export_command.h
 void SetupPoses(CLI::App& app);       // apps/poses_command.h
 void SetupRecordings(CLI::App& app);  // apps/recordings_command.h
 

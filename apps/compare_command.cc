@@ -135,57 +135,80 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
   return report;
 }
 
+// The frames that are asked for; empty: all.
+std::vector<int> AskedFrames(const std::string& range, const RecordingSource& real,
+                             const RecordingSource& simulated) {
+  std::vector<int> frames;
+  if (range.empty()) return frames;
+  const FrameRange asked = ParseFrameRange(range, std::min(real.frame_count(), simulated.frame_count()));
+  for (int frame = asked.begin; frame < asked.end; ++frame) frames.push_back(frame);
+  return frames;
+}
+
 }  // namespace
 
-ExitStatus RunCompare(const CompareCommandOptions& options) {
-  const std::vector<Threshold> thresholds = ParseThresholds(options.fail_above);
-  const auto real = OpenRecording(options.real);
-  const auto simulated = OpenRecording(options.simulated);
-  CompareRecordingsOptions compare{.compare = options.comparison.For(real->info().sonar.axes),
-                                   .as_displayed = options.as_displayed};
+Comparison MeasureComparison(const CompareCommandOptions& options, const RecordingSource& real,
+                             const RecordingSource& simulated, const std::filesystem::path& pictures,
+                             const std::function<void(int, int)>& progress) {
+  Comparison comparison{.options = {.compare = options.comparison.For(real.info().sonar.axes),
+                                    .as_displayed = options.as_displayed},
+                        .frames = {},
+                        .metrics = {}};
+  CompareRecordingsOptions& compare = comparison.options;
   compare.compare.sweep = SweepOf(options);
   compare.compare.Check();
-  if (!options.frames.empty()) {
-    const int common = std::min(real->frame_count(), simulated->frame_count());
-    const FrameRange range = ParseFrameRange(options.frames, common);
-    for (int frame = range.begin; frame < range.end; ++frame) compare.frames.push_back(frame);
-  }
-
-  const std::vector<int> frames = FramesToCompare(*real, *simulated, compare.frames);
+  compare.frames = AskedFrames(options.frames, real, simulated);
+  comparison.frames = FramesToCompare(real, simulated, compare.frames);
+  const int frames_in_all = static_cast<int>(comparison.frames.size());
   // Read before the work begins, so that a wrong one costs no time.
   std::string earlier;
   if (!options.against.empty()) earlier = ReadFileBytes(options.against, kMaxEarlierBytes);
   std::optional<ParameterSet> parameters;
   if (!options.params.empty()) parameters = ReadParameters(options.params);
 
-  RunOutput output(options.out);
-  FrameGatherer gatherer(options, *real, *simulated, frames, output.staging());
-  MetricsReport metrics;
-  {
-    Progress progress("Comparing", static_cast<int>(frames.size()), options.common, "frames");
-    compare.progress = [&](int frames_done) { progress.Update(frames_done); };
-    metrics = CompareRecordings(*real, *simulated, compare,
-                                [&](const PolarImage& recorded, const PolarImage& rendered,
-                                    const FrameMetrics& frame) { gatherer.Add(recorded, rendered, frame); });
+  if (progress) {
+    progress(0, frames_in_all);
+    compare.progress = [&](int frames_done) { progress(frames_done, frames_in_all); };
   }
+  FrameGatherer gatherer(options, real, simulated, comparison.frames, pictures);
+  MetricsReport& metrics = comparison.metrics;
+  metrics = CompareRecordings(real, simulated, compare,
+                              [&](const PolarImage& recorded, const PolarImage& rendered,
+                                  const FrameMetrics& frame) { gatherer.Add(recorded, rendered, frame); });
+  compare.progress = {};
   gatherer.MoveInto(metrics);
   if (parameters) {
-    metrics.noise_floor.drawn = DrawFloor(*simulated, frames, *parameters, metrics.options);
+    metrics.noise_floor.drawn = DrawFloor(simulated, comparison.frames, *parameters, metrics.options);
   }
-  std::optional<Against> against;
-  if (!options.against.empty()) against = CompareAgainst(metrics, earlier, options.against.string());
+  if (!options.against.empty()) metrics.against = CompareAgainst(metrics, earlier, options.against.string());
+  return comparison;
+}
 
-  const ShownFrames shown =
-      ShowFrames(*real, *simulated, compare, metrics, TellingFrames(metrics), metrics.frames.size());
+ExitStatus RunCompare(const CompareCommandOptions& options) {
+  const std::vector<Threshold> thresholds = ParseThresholds(options.fail_above);
+  const auto real = OpenRecording(options.real);
+  const auto simulated = OpenRecording(options.simulated);
+  RunOutput output(options.out);
+  std::optional<Progress> progress;
+  Comparison comparison = MeasureComparison(
+      options, *real, *simulated, output.staging(), [&](int frames_done, int frames_in_all) {
+        if (!progress) progress.emplace("Comparing", frames_in_all, options.common, "frames");
+        progress->Update(frames_done);
+      });
+  progress.reset();
+  MetricsReport& metrics = comparison.metrics;
+
+  const ShownFrames shown = ShowFrames(*real, *simulated, comparison.options, metrics, TellingFrames(metrics),
+                                       metrics.frames.size());
 
   std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
   for (const std::filesystem::path& file :
        {options.against, options.scene, options.params, options.comparison.object.background_params}) {
     if (!file.empty()) inputs.push_back(file);
   }
-  const Provenance provenance{
-      .command = "compare", .configuration = ConfigurationJson(options, frames), .inputs = std::move(inputs)};
-  metrics.against = std::move(against);
+  const Provenance provenance{.command = "compare",
+                              .configuration = ConfigurationJson(options, comparison.frames),
+                              .inputs = std::move(inputs)};
   WriteFileWhole(output / "metrics.json", MetricsJson(metrics));
   WriteFileWhole(output / "residuals.csv", ResidualsCsv(AllResiduals(metrics)));
   if (options.sweep_csv) WriteFileWhole(output / "threshold_sweep.csv", metrics.sweep.value().Csv());
@@ -212,10 +235,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   return passed.empty() ? ExitStatus::kDone : ExitStatus::kThreshold;
 }
 
-void SetupCompare(CLI::App& app) {
-  auto options = std::make_shared<CompareCommandOptions>();
-  CLI::App* command =
-      AddCommand(app, "compare", "Measures how well a simulated recording agrees with a real one");
+void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
   command->add_option("--real", options->real, "Recording of the sonar")->type_name("REC")->required();
   command->add_option("--sim", options->simulated, "Recording of the simulation, frames in the same order")
       ->type_name("REC")
@@ -264,6 +284,13 @@ void SetupCompare(CLI::App& app) {
                    "End with status 4 where a figure of metrics.json is above a value, such as "
                    "intensity_error.polar=0.1 or against.worse=0")
       ->type_name("NAME=VALUE");
+}
+
+void SetupCompare(CLI::App& app) {
+  auto options = std::make_shared<CompareCommandOptions>();
+  CLI::App* command =
+      AddCommand(app, "compare", "Measures how well a simulated recording agrees with a real one");
+  AddCompareOptions(command, options.get());
   OnRun(command, options->common, [options] { return RunCompare(*options); });
 }
 

@@ -8,10 +8,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/compare_recordings.h"
 #include "apps/comparison_options.h"
 #include "apps/scene_option.h"
 
@@ -35,6 +37,22 @@ struct CompareCommandOptions {
   std::filesystem::path params;         // for a floor drawn from its speckle; empty: none
   std::vector<std::string> fail_above;  // "intensity_error.polar=0.1", see apps/threshold_check.h
 };
+
+// A comparison and how it was made.
+struct Comparison {
+  CompareRecordingsOptions options;
+  std::vector<int> frames;
+  MetricsReport metrics;
+};
+
+// Everything that `compare` measures, and nothing written but pictures: of up to options.pictures frames,
+// into `pictures`. Reads the files that the options name but neither recording. Throws as CompareRecordings.
+Comparison MeasureComparison(const CompareCommandOptions& options, const RecordingSource& real,
+                             const RecordingSource& simulated, const std::filesystem::path& pictures,
+                             const std::function<void(int frames_done, int frames_in_all)>& progress = {});
+
+// What the command line may say of the options.
+void AddCompareOptions(CLI::App* command, CompareCommandOptions* options);
 
 ExitStatus RunCompare(const CompareCommandOptions& options);
 

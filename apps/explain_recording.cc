@@ -113,6 +113,7 @@ class RecordingExplainer {
                      const ExplainRecordingOptions& options)
       : recording_(recording), options_(options), given_(given) {
     CheckExplainable(recording, given);
+    CheckRayWeight(options.rays.weight, given.model);
     const SonarModel& sonar = recording.info().sonar;
     FitConfig config{.held_out = options.held_out};
     result_.split = SplitFrames(config, recording.frame_count());

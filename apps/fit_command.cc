@@ -48,30 +48,6 @@ std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
   return axes;
 }
 
-FitConfig ResolveConfig(const FitCommandOptions& options, const ParameterSet& initial, const Scene& scene) {
-  FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
-  if (!options.free.empty()) config.free = options.free;
-  if (!config.free) {
-    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault()
-                                                     : AcousticFreeByDefault(initial, scene.material_names);
-  }
-  if (!options.fixed.empty()) config.fixed = options.fixed;
-  if (!options.held_out.empty()) config.held_out = options.held_out;
-  return config;
-}
-
-void WarnOfMirrors(const FitCommandOptions& options, const ParameterSet& initial, const Scene& scene) {
-  if (initial.model == EchoModel::kPaper && !initial.mirrors.empty()) {
-    PrintNote(options.common, "warning: the paper's model shows no ghosts of the parameters' mirrors");
-    return;
-  }
-  const std::vector<std::string>& materials = scene.material_names;
-  for (const auto& [name, mirror] : initial.mirrors) {
-    if (std::find(materials.begin(), materials.end(), name) == materials.end())
-      PrintNote(options.common, fmt::format("warning: the mirror '{}' is no material of the scene", name));
-  }
-}
-
 Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config, const RecordingFit& fit) {
   Json bounds = Json::object();
   for (const auto& [name, limits] : config.bounds) bounds[name] = {limits.first, limits.second};
@@ -101,23 +77,6 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
   json.update(RayOptionsJson(options.rays, fit.rays));
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
-}
-
-std::string FitJson(const RecordingFit& fit) {
-  std::string extra;
-  if (fit.fit.usable) {
-    extra = fmt::format(R"("metrics_before": {}, "metrics_after": {})", MetricsJson(fit.before),
-                        MetricsJson(fit.after));
-    if (fit.sample_before && fit.sample_after) {
-      extra += fmt::format(R"(, "sample_metrics_before": {}, "sample_metrics_after": {})",
-                           MetricsJson(*fit.sample_before), MetricsJson(*fit.sample_after));
-    }
-    if (!fit.still.empty()) extra += ", " + StillMembers(fit.still);
-  }
-  if (fit.choice) {
-    extra += fmt::format(R"({}"model_choice": {})", extra.empty() ? "" : ", ", ModelChoiceJson(*fit.choice));
-  }
-  return FitReportJson(fit.fit.report, extra);
 }
 
 std::string FigureText(const Statistic& statistic) {
@@ -199,8 +158,36 @@ HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const 
   return report;
 }
 
-RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& recording, const Scene& scene,
-                 const FitConfig& config, const ParameterSet& initial) {
+}  // namespace
+
+FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet& initial,
+                           const Scene& scene) {
+  FitConfig config = options.config.empty() ? FitConfig() : ReadFitConfig(options.config);
+  if (!options.free.empty()) config.free = options.free;
+  if (!config.free) {
+    config.free = initial.model == EchoModel::kPaper ? PaperFreeByDefault()
+                                                     : AcousticFreeByDefault(initial, scene.material_names);
+  }
+  if (!options.fixed.empty()) config.fixed = options.fixed;
+  if (!options.held_out.empty()) config.held_out = options.held_out;
+  return config;
+}
+
+std::vector<std::string> FitCaveats(const ParameterSet& initial, const Scene& scene) {
+  if (initial.model == EchoModel::kPaper && !initial.mirrors.empty())
+    return {"warning: the paper's model shows no ghosts of the parameters' mirrors"};
+  std::vector<std::string> sentences;
+  const std::vector<std::string>& materials = scene.material_names;
+  for (const auto& [name, mirror] : initial.mirrors) {
+    if (std::find(materials.begin(), materials.end(), name) == materials.end())
+      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
+  }
+  return sentences;
+}
+
+RecordingFit FitAsAsked(const FitCommandOptions& options, const RecordingSource& recording,
+                        const Scene& scene, const FitConfig& config, const ParameterSet& initial,
+                        const FitListener& listener) {
   FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
   fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
   fit_options.object_material = options.object;
@@ -209,14 +196,29 @@ RecordingFit Fit(const FitCommandOptions& options, const RecordingSource& record
   fit_options.fit.starts = options.starts;
   fit_options.fit.threads = options.rays.threads;
   fit_options.fit.down_weight = !options.trust_all && initial.model == EchoModel::kAcoustic;
-  fit_options.fit.progress = [&](const std::string& line) { PrintNote(options.common, line); };
-  fit_options.on_note = [&](const std::string& sentence) { PrintNote(options.common, sentence); };
-  Progress progress("Tracing", recording.frame_count(), options.common);
-  fit_options.on_trace = [&](int frames_done, int) { progress.Update(frames_done); };
+  fit_options.fit.progress = listener.say;
+  fit_options.fit.stop = listener.stop;
+  fit_options.on_note = listener.say;
+  fit_options.on_trace = listener.on_trace;
   return FitRecording(recording, scene, initial, fit_options);
 }
 
-}  // namespace
+std::string FitJson(const RecordingFit& fit) {
+  std::string extra;
+  if (fit.fit.usable) {
+    extra = fmt::format(R"("metrics_before": {}, "metrics_after": {})", MetricsJson(fit.before),
+                        MetricsJson(fit.after));
+    if (fit.sample_before && fit.sample_after) {
+      extra += fmt::format(R"(, "sample_metrics_before": {}, "sample_metrics_after": {})",
+                           MetricsJson(*fit.sample_before), MetricsJson(*fit.sample_after));
+    }
+    if (!fit.still.empty()) extra += ", " + StillMembers(fit.still);
+  }
+  if (fit.choice) {
+    extra += fmt::format(R"({}"model_choice": {})", extra.empty() ? "" : ", ", ModelChoiceJson(*fit.choice));
+  }
+  return FitReportJson(fit.fit.report, extra);
+}
 
 ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.noise_only && !options.choose.empty())
@@ -229,10 +231,15 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   const ParameterSet initial = ReadParameters(options.params);
   const auto recording = OpenRecording(options.real);
   const Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
-  const FitConfig config = ResolveConfig(options, initial, scene);
-  WarnOfMirrors(options, initial, scene);
+  const FitConfig config = ResolveFitConfig(options, initial, scene);
+  for (const std::string& sentence : FitCaveats(initial, scene)) PrintNote(options.common, sentence);
   RunOutput output(options.out);
-  const RecordingFit fit = Fit(options, *recording, scene, config, initial);
+  Progress progress("Tracing", recording->frame_count(), options.common);
+  const RecordingFit fit =
+      FitAsAsked(options, *recording, scene, config, initial,
+                 {.say = [&](const std::string& sentence) { PrintNote(options.common, sentence); },
+                  .on_trace = [&](int frames_done, int) { progress.Update(frames_done); },
+                  .stop = {}});
 
   Provenance provenance{.command = "fit",
                         .configuration = ConfigurationJson(options, config, fit),
@@ -264,11 +271,7 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   return ExitStatus::kDone;
 }
 
-void SetupFit(CLI::App& app) {
-  auto options = std::make_shared<FitCommandOptions>();
-  CLI::App* command = AddCommand(
-      app, "fit",
-      "Fits the parameters of the model that --params names, paper or acoustic, to a recording with poses");
+void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
   command
       ->add_option("--real", options->real,
                    "Recording to fit to; each frame needs a pose, except with --noise-only or --still")
@@ -344,6 +347,14 @@ void SetupFit(CLI::App& app) {
                    "Material of the object: metrics look for it in a box around what the scene shows of it")
       ->type_name("MATERIAL");
   AddComparisonOptions(*command, options->comparison);
+}
+
+void SetupFit(CLI::App& app) {
+  auto options = std::make_shared<FitCommandOptions>();
+  CLI::App* command = AddCommand(
+      app, "fit",
+      "Fits the parameters of the model that --params names, paper or acoustic, to a recording with poses");
+  AddFitOptions(command, options.get());
   OnRun(command, options->common, [options] { return RunFit(*options); });
 }
 

@@ -6,12 +6,14 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/command.h"
 #include "apps/comparison_options.h"
+#include "apps/fit_recording.h"
 #include "apps/ray_options.h"
 #include "apps/scene_option.h"
 
@@ -46,6 +48,31 @@ struct FitCommandOptions {
   std::string object;  // material that the object is made of; empty: look in the whole image
   ComparisonOptions comparison;
 };
+
+// Who is told how far a fit is; each may be empty.
+struct FitListener {
+  std::function<void(const std::string& sentence)> say;  // what is being done, and what should not be missed
+  std::function<void(int frames_done, int frames_in_all)> on_trace;
+  std::function<bool()> stop;  // asked after each step of a solver; ends the fit by FitStopped
+};
+
+// What is free, by the options, their file and the model of the parameters to start from.
+FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet& initial, const Scene& scene);
+
+// The words of a fit that a user should not miss.
+std::vector<std::string> FitCaveats(const ParameterSet& initial, const Scene& scene);
+
+// The fit that the options ask for, but for --noise-only and --still; no file is read or written. Throws as
+// FitRecording.
+RecordingFit FitAsAsked(const FitCommandOptions& options, const RecordingSource& recording,
+                        const Scene& scene, const FitConfig& config, const ParameterSet& initial,
+                        const FitListener& listener);
+
+// The text of fit.json.
+std::string FitJson(const RecordingFit& fit);
+
+// What the command line may say of the options.
+void AddFitOptions(CLI::App* command, FitCommandOptions* options);
 
 ExitStatus RunFit(const FitCommandOptions& options);
 

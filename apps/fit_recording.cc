@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "apps/fit_frames.h"
 #include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
@@ -54,43 +55,6 @@ class ExpectedRecording final : public RecordingSource {
   RenderFrame render_;
   RecordingInfo info_;
 };
-
-void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
-                   const FitRecordingOptions& options) {
-  if (initial.model == EchoModel::kCoherent) {
-    throw DataError(
-        "the parameters name the model 'coherent', but only 'paper' and 'acoustic' can be fitted");
-  }
-  if (!options.choose.empty() && initial.model != EchoModel::kAcoustic) {
-    throw DataError("the parameters name the model '{}', but only of 'acoustic' forms can be chosen",
-                    ToString(initial.model));
-  }
-  const RecordingInfo& info = recording.info();
-  if (info.scale.quantity != Quantity::kGrey) {
-    throw DataError("{}: the images hold {}, expected grey levels", info.source,
-                    ToString(info.scale.quantity));
-  }
-  const std::optional<Compression>& compression = info.settings.compression;
-  const bool by_power = initial.display.law == DisplayLaw::kPower;
-  if (compression && initial.model == EchoModel::kAcoustic &&
-      by_power != (*compression == Compression::kPower)) {
-    throw DataError("{}: grey values go by {}, but the parameters' display.law is '{}', expected {}",
-                    info.source,
-                    *compression == Compression::kPower ? "a power of the amplitude" : "the logarithm",
-                    ToString(initial.display.law),
-                    *compression == Compression::kPower ? "'power'" : "'log' or 'soft_log'");
-  }
-}
-
-std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::vector<TimedPose>& poses,
-                                       const FitRecordingOptions& options) {
-  std::vector<EchoHistogram> echoes;
-  for (const TimedPose& pose : poses) {
-    echoes.push_back(GatherEchoes(simulator.TraceEchoes(pose.world_from_sonar), simulator.sonar().axes));
-    if (options.on_trace) options.on_trace(static_cast<int>(echoes.size()), static_cast<int>(poses.size()));
-  }
-  return echoes;
-}
 
 std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistogram>& echoes,
                                                     const std::vector<int>& frames,
@@ -141,26 +105,8 @@ FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHisto
                    const ImageGeometry& geometry, const std::vector<std::string>& materials,
                    const std::vector<int>& used, const FitRecordingOptions& options,
                    const ParameterSet& initial) {
-  std::vector<FitFrame> frames;
-  for (const int index : used) {
-    frames.push_back({.index = index,
-                      .echoes = echoes[index],
-                      .measured = MeasuredForFit(recording.ReadFrame(index).image),
-                      .use = ValidPixels(recording.info(), options.pixels)});
-  }
+  const std::vector<FitFrame> frames = PaperFrames(recording, echoes, used, options);
   return FitPaperModel(frames, geometry, materials, initial, options.config, options.fit);
-}
-
-PolarImage PaperImage(const EchoHistogram& echoes, const ImageGeometry& geometry,
-                      const PaperParameters<double>& parameters) {
-  const std::vector<double> values = ExpectedPaperImage(echoes, geometry, parameters);
-  PolarImage image{
-      geometry.axes,
-      {.quantity = Quantity::kGrey, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
-      Grid<float>(geometry.axes.range_bins, geometry.axes.beam_count())};
-  std::transform(values.begin(), values.end(), image.value.values().begin(),
-                 [](double value) { return static_cast<float>(value); });
-  return image;
 }
 
 ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
@@ -179,20 +125,6 @@ ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
   ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
   if (options.on_note) choice.fit.progress = options.on_note;
   return ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config, choice);
-}
-
-std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
-                                          const std::vector<TimedPose>& poses,
-                                          const std::vector<int>& indices, const FitRecordingOptions& options,
-                                          const DisplayParameters<double>& display) {
-  std::vector<AcousticFrame> frames;
-  for (const int index : indices) {
-    frames.push_back({.index = index,
-                      .world_from_sonar = poses[index].world_from_sonar,
-                      .recorded = RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = ValidPixels(recording.info(), options.pixels)});
-  }
-  return frames;
 }
 
 // Where every frame was taken from, as far as the fit moved poses: frames held out follow the mount offset,

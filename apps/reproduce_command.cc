@@ -146,10 +146,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
                              .seed = options.seed,
                              .threads = options.threads,
                              .quick = options.quick,
-                             .comparison = {}};
-  // A tank's floor shines as well as the mock-ups on it: they are told apart within a box around them.
-  tank.comparison.segmentation.method = SegmentationMethod::kOtsu;
-  tank.comparison.segmentation.largest_component_only = false;
+                             .comparison = TankRules()};
   tank.on_frame = [&](int done, int) { progress.Update(done); };
   tank.on_note = [&](const std::string& line) { note("tank: " + line); };
   Reproduction reproduction{.tank = CompareTank(tank), .bomb = {}, .bomb_absent = {}, .shown = {}};

@@ -60,32 +60,6 @@ void WriteGrey(const std::filesystem::path& file, const Grid<float>& value, doub
   WritePng(file, grey);
 }
 
-// The words of a run that a user should not miss.
-void PrintCaveats(const SimulateOptions& options, const Simulator& simulator, const ParameterSet& parameters,
-                  const std::string& water_note) {
-  if (!water_note.empty()) PrintNote(options.common, water_note);
-  const std::string caveat = AbsorptionCaveat(simulator.options().absorption, simulator.sonar().frequency_hz,
-                                              simulator.options().water);
-  if (!caveat.empty()) PrintNote(options.common, "warning: " + caveat);
-  const auto& names = simulator.caster().material_names();
-  for (const auto& [name, mirror] : parameters.mirrors) {
-    if (parameters.model == EchoModel::kPaper) {
-      PrintNote(options.common, "warning: the paper's model shows no ghosts of the parameters' mirrors");
-      break;
-    }
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      PrintNote(options.common, fmt::format("warning: the mirror '{}' is no material of the scene", name));
-    }
-  }
-  const auto& jitter = parameters.jitter;
-  if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
-      jitter.sigma_azimuth_deg == 0.0) {
-    PrintNote(options.common,
-              "warning: --noise changes nothing, as jitter.sigma_range_m and "
-              "jitter.sigma_azimuth_deg are both 0");
-  }
-}
-
 Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulator, EchoModel model) {
   const RayFanOptions& fan = simulator.options().fan;
   RayOptions rays = options.rays;
@@ -169,16 +143,12 @@ int WriteMissingFrames(const SimulatedRecording& recording, const FilesBeside& b
 
 }  // namespace
 
-ExitStatus RunSimulate(const SimulateOptions& options) {
-  const ThreadLimit threads(options.rays.threads);
-  ParameterSet parameters = ReadParameters(options.params);
+ResolvedSimulation ResolveSimulation(const SimulateOptions& options, const SonarChoice& choice,
+                                     ParameterSet parameters) {
   if (options.model) parameters.model = *options.model;
   CheckFrozenSpeckle(options, parameters.model);
   CheckRayWeight(options.rays.weight, parameters.model);
-  const SonarChoice choice = ChooseSonar(options.sonar);
   const WaterChoice water = ChooseWater(parameters, choice.water);
-  std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
-
   SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters);
   simulation.bits = options.bits;
   simulation.noise = IsRandom(options, parameters.model);
@@ -186,10 +156,47 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   simulation.ghost_order = options.ghost_order;
   if (options.margin_deg) simulation.fan.azimuth_margin_deg = *options.margin_deg;
   simulation.seed = options.seed;
+  return {.parameters = std::move(parameters), .simulation = simulation, .water_note = water.note};
+}
+
+std::vector<std::string> SimulationCaveats(const SimulateOptions& options, const Simulator& simulator,
+                                           const ResolvedSimulation& resolved) {
+  std::vector<std::string> sentences;
+  if (!resolved.water_note.empty()) sentences.push_back(resolved.water_note);
+  const std::string caveat = AbsorptionCaveat(simulator.options().absorption, simulator.sonar().frequency_hz,
+                                              simulator.options().water);
+  if (!caveat.empty()) sentences.push_back(fmt::format("warning: {}", caveat));
+  const ParameterSet& parameters = resolved.parameters;
+  const auto& names = simulator.caster().material_names();
+  for (const auto& [name, mirror] : parameters.mirrors) {
+    if (parameters.model == EchoModel::kPaper) {
+      sentences.emplace_back("warning: the paper's model shows no ghosts of the parameters' mirrors");
+      break;
+    }
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
+    }
+  }
+  const auto& jitter = parameters.jitter;
+  if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
+      jitter.sigma_azimuth_deg == 0.0) {
+    sentences.emplace_back(
+        "warning: --noise changes nothing, as jitter.sigma_range_m and jitter.sigma_azimuth_deg are both 0");
+  }
+  return sentences;
+}
+
+ExitStatus RunSimulate(const SimulateOptions& options) {
+  const ThreadLimit threads(options.rays.threads);
+  const SonarChoice choice = ChooseSonar(options.sonar);
+  const ResolvedSimulation resolved = ResolveSimulation(options, choice, ReadParameters(options.params));
+  const ParameterSet& parameters = resolved.parameters;
+  std::vector<TimedPose> poses = ReadPosesOrRecording(options.poses);
   Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
   const std::string scene_digest = SceneDigest(scene);
-  const Simulator simulator(std::move(scene), choice.sonar, simulation);
-  PrintCaveats(options, simulator, parameters, water.note);
+  const Simulator simulator(std::move(scene), choice.sonar, resolved.simulation);
+  for (const std::string& sentence : SimulationCaveats(options, simulator, resolved))
+    PrintNote(options.common, sentence);
 
   const Interruption interruption;  // before anything is aside that a run could go on with
   const FilesBeside beside(options, simulator);
@@ -238,10 +245,7 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   return ExitStatus::kDone;
 }
 
-void SetupSimulate(CLI::App& app) {
-  auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command =
-      AddCommand(app, "simulate", "Renders what a sonar would see of a scene, as a recording");
+void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
   AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
                   /*required=*/true);
   command
@@ -284,6 +288,13 @@ void SetupSimulate(CLI::App& app) {
                     "millimetres (depth_NNNN.png)");
   command->add_flag("--resume", options->resume,
                     "Go on with what an interrupted or killed run of the same command left in --out");
+}
+
+void SetupSimulate(CLI::App& app) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command =
+      AddCommand(app, "simulate", "Renders what a sonar would see of a scene, as a recording");
+  AddSimulateOptions(command, options.get());
   OnRun(command, options->common, [options] { return RunSimulate(*options); });
 }
 

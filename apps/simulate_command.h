@@ -16,10 +16,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/command.h"
 #include "apps/ray_options.h"
 #include "apps/scene_option.h"
+#include "apps/simulate_recording.h"
 #include "data_io/types/parameters.h"
 
 namespace sonarcal {
@@ -46,6 +48,24 @@ struct SimulateOptions {
   bool depth = false;
   bool resume = false;  // go on with what an interrupted run of the same command left in `out`
 };
+
+// What the options come to for a sonar and parameters.
+struct ResolvedSimulation {
+  ParameterSet parameters;  // their model that of the options, where those name one
+  SimulationOptions simulation;
+  std::string water_note;  // a sentence where the choice of water needs saying; else empty
+};
+
+// Throws UsageError for options that do not go together.
+ResolvedSimulation ResolveSimulation(const SimulateOptions& options, const SonarChoice& choice,
+                                     ParameterSet parameters);
+
+// The words of a run that a user should not miss.
+std::vector<std::string> SimulationCaveats(const SimulateOptions& options, const Simulator& simulator,
+                                           const ResolvedSimulation& resolved);
+
+// What the command line may say of the options.
+void AddSimulateOptions(CLI::App* command, SimulateOptions* options);
 
 ExitStatus RunSimulate(const SimulateOptions& options);
 

@@ -15,9 +15,12 @@ int main(int argc, char** argv) {
   sonarcal::SetupCompare(app);
   sonarcal::SetupFit(app);
   sonarcal::SetupView(app);
+  sonarcal::SetupBatch(app);
+  sonarcal::SetupDocs(app);
   sonarcal::SetupExplain(app);
   sonarcal::SetupInspect(app);
   sonarcal::SetupConvert(app);
+  sonarcal::SetupExport(app);
   sonarcal::SetupPoses(app);
   sonarcal::SetupRecordings(app);
   return sonarcal::RunApp(app, argc, argv);

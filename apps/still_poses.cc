@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/compare_recordings.h"
+#include "apps/fit_command.h"
 #include "apps/fit_recording.h"
 #include "apps/provenance.h"
 #include "apps/report/comparison_section.h"

@@ -6,17 +6,20 @@
 // "default" that stands for nothing), fit.json (`receiver.noise_db`, and the member `still`), report.html.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/fit_command.h"
+#include "apps/command.h"
 #include "calib/fit_report.h"
 #include "calib/still_frames.h"
 #include "data_io/types/recording.h"
 
 namespace sonarcal {
+
+struct FitCommandOptions;  // apps/fit_command.h
 
 struct StillPose {
   StillLevels levels;

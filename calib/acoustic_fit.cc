@@ -26,6 +26,12 @@ constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
 constexpr double kShrink = 0.1;  // of the reach, after a move that was taken back
 
+// Times that poses and radiometry are refined in turn by likelihood, after the first, at most; and the fall
+// of cost for each free entry of a pose, in nats, that calls for another turn. Half a nat is what noise moves
+// one parameter by.
+constexpr int kPoseRepeats = 3;
+constexpr double kPoseFall = 0.05;
+
 // How far, in parts of what a round may move, the last solve may move poses that joint steps have settled.
 constexpr double kHeld = 0.02;
 
@@ -151,17 +157,24 @@ class AcousticFitter {
     cost_initial_ = fit_.report.cost_initial;
   }
 
-  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones.
+  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones. The nearest
+  // stage, which looks along ridges too, comes again as long as it gains more than noise does.
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
-    for (const PoseStage& stage : PoseStages(model_.grain())) RefineStage(stage);
+    const std::vector<PoseStage> stages = PoseStages(model_.grain());
+    for (const PoseStage& stage : stages) RefineStage(stage);
+    for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
+      if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
+    }
   }
 
-  void RefineStage(const PoseStage& stage) {
-    if (!fit_.usable) return;
-    RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
+  // Returns by how much the poses alone lowered their cost.
+  double RefineStage(const PoseStage& stage) {
+    if (!fit_.usable) return 0.0;
+    const double fall = RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
     model_.Linearise(fit_.values, {});
     RefitRadiometry();
+    return fall;
   }
 
   void RefitRadiometry() {

@@ -27,7 +27,8 @@ LIBRARIES = {
     "Ceres": (r"ceres/", r"calib/.*"),
     "tinygltf": (r"tiny_gltf\.h", r"data_io/scene_io\.cc"),
     "assimp": (r"assimp/", r"data_io/cad_io\.cc"),
-    "librosbag": (r"ros(bag)?/", r"data_io/ros1_chunk\.cc"),
+    "librosbag": (r"ros(bag)?/", r"data_io/ros1_(chunk|bag_writer)\.cc"),
+    "libarchive": (r"archive(_entry)?\.h", r"data_io/npz_writer\.cc"),
     "SQLite": (r"sqlite3\.h", r"data_io/ros2_bag\.cc"),
     "yaml-cpp": (r"yaml-cpp/", r"data_io/yaml_reader\.cc"),
     "OpenCV": (r"opencv2?/", r".*\.cc"),  # never in a header

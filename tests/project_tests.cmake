@@ -29,3 +29,25 @@ add_test(NAME consumer
     -DGENERATOR=${CMAKE_GENERATOR} -DCXX=${CMAKE_CXX_COMPILER} -DFLAGS=${consumer_flags}
     -P ${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake)
 set_tests_properties(consumer PROPERTIES TIMEOUT 600)
+
+# The program as it is installed and described: its package, its manual pages and completion, its guide.
+if(SONARCAL_BUILD_APPS)
+  add_test(NAME documentation
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/documentation_test.py $<TARGET_FILE:sonarcal>)
+  add_test(NAME guide
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py ${PROJECT_SOURCE_DIR}/docs/guide
+      $<TARGET_FILE:sonarcal>)
+  set_tests_properties(guide PROPERTIES TIMEOUT 1200)
+  if(NOT SONARCAL_SANITIZE)
+    add_test(NAME package
+      COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/package_test.py ${PROJECT_BINARY_DIR}
+        ${CMAKE_CPACK_COMMAND})
+    set_tests_properties(package PROPERTIES TIMEOUT 600)
+  endif()
+  if(SONARCAL_DOXYGEN)
+    add_test(NAME api_reference
+      COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/api_reference_test.py ${SONARCAL_DOXYGEN}
+        ${PROJECT_BINARY_DIR}/Doxyfile)
+    set_tests_properties(api_reference PROPERTIES TIMEOUT 600)
+  endif()
+endif()

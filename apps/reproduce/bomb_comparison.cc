@@ -91,6 +91,11 @@ Mask Background(const PolarImage& image, const SegmentationOptions& segmentation
   return background;
 }
 
+DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
+                                              const SegmentationOptions& segmentation) {
+  return FitBackgroundDisplay(image, Background(image, segmentation), DisplayLaw::kSoftAmplitude).display;
+}
+
 // Of all echoes but the rarest 0.1 % at either end.
 IncidenceRange IncidenceOf(const EchoList& echoes) {
   std::vector<float> incidence = echoes.incidence_rad;
@@ -189,10 +194,7 @@ class Comparison {
     BombComparison::Fitted& fitted = bomb_.fitted;
     const SonarModel& sonar = recorded_->info().sonar;
     const PolarImage& image = frames_[0].image;
-    const DisplayParameters<double> display =
-        FitBackgroundDisplay(image, Background(image, options_.comparison.segmentation),
-                             DisplayLaw::kSoftAmplitude)
-            .display;
+    const DisplayParameters<double> display = DisplayOfBackground(image, options_.comparison.segmentation);
     TargetFitOptions options = BombFitOptions();
     options.threads = options_.threads;
     options.fit.progress = options_.on_note;
@@ -265,6 +267,21 @@ class Comparison {
 };
 
 }  // namespace
+
+KnownBomb PrepareBomb(const std::filesystem::path& folder, const SegmentationOptions& segmentation) {
+  const auto recorded = OpenAris3000Frames(folder);
+  RecordingInfo info = recorded->info();
+  info.sonar.elevation_beam_width_deg = kElevationSpanDeg;
+  std::vector<Frame> frames;
+  for (int i = 0; i < recorded->frame_count(); ++i) {
+    frames.push_back(recorded->ReadFrame(i));
+    frames.back().info.world_from_sonar = BombPose().WorldFromSonar();
+  }
+  const DisplayParameters<double> display = DisplayOfBackground(frames.at(0).image, segmentation);
+  ParameterSet initial = BombInitial(display, info.sonar);
+  return {std::make_unique<MemoryRecording>(std::move(info), std::move(frames)), MakeBomb(),
+          std::move(initial)};
+}
 
 BombComparison CompareBomb(const std::filesystem::path& folder, const BombComparisonOptions& options) {
   return Comparison(folder, options).Run();

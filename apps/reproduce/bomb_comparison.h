@@ -53,6 +53,18 @@ struct BombComparison {
   MetricsReport real_against_real;  // the first frame in place of a simulated one: same speckle, other noise
 };
 
+// The recorded frames as a fit of the acoustic model takes them: each with the pose that was found beforehand
+// (calib/bomb_fit.h), the outline as scene, and the parameters to start from.
+struct KnownBomb {
+  std::unique_ptr<MemoryRecording> recording;
+  Scene scene;
+  ParameterSet initial;
+};
+
+// `folder` as OpenAris3000Frames takes it; the display is read off what `segmentation` calls background.
+// Throws DataError.
+KnownBomb PrepareBomb(const std::filesystem::path& folder, const SegmentationOptions& segmentation = {});
+
 // `folder` as OpenAris3000Frames takes it. Throws DataError.
 BombComparison CompareBomb(const std::filesystem::path& folder, const BombComparisonOptions& options);
 

@@ -111,6 +111,14 @@ FitRecordingOptions ForAcoustic(FitRecordingOptions fit, bool quick) {
 
 }  // namespace
 
+// A tank's floor shines as well as the mock-ups on it: they are told apart within a box around them.
+CompareOptions TankRules() {
+  CompareOptions rules;
+  rules.segmentation.method = SegmentationMethod::kOtsu;
+  rules.segmentation.largest_component_only = false;
+  return rules;
+}
+
 TankComparison CompareTank(const TankComparisonOptions& options) {
   TankComparison tank;
   tank.scene = MakePaperTank(PaperTankOfPaper(options.size));

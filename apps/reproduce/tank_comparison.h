@@ -51,6 +51,9 @@ struct TankComparison {
   RayGridSize paper_rays;
 };
 
+// How the mock-ups are found.
+CompareOptions TankRules();
+
 // Throws DataError where a fit has no usable solution.
 TankComparison CompareTank(const TankComparisonOptions& options);
 

@@ -1,0 +1,137 @@
+#include "apps/batch/batch_ledger.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void FailOn(const fs::path& file) {
+  throw DataError("{}: {}", file.string(), std::strerror(errno));
+}
+
+// A file descriptor that is closed.
+class Descriptor {
+ public:
+  Descriptor(const fs::path& file, int flags) : number_(open(file.c_str(), flags | O_CLOEXEC, 0644)) {}
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+void LockWhole(int descriptor, const fs::path& file) {
+  while (flock(descriptor, LOCK_EX) != 0) {
+    if (errno != EINTR) FailOn(file);
+  }
+}
+
+LedgerState StateOf(const Json& line) {
+  const std::string event = line.at("event");
+  LedgerState state;
+  state.key = line.at("key");
+  if (event == "started") return state;
+  state.event = event == "done" ? LedgerState::Event::kDone : LedgerState::Event::kFailed;
+  state.status = line.at("status");
+  state.wall_s = line.at("wall_s");
+  state.why = line.value("why", "");
+  return state;
+}
+
+}  // namespace
+
+const std::map<std::string, LedgerState>& BatchLedger::Read() {
+  std::ifstream stream(file_, std::ios::binary);
+  if (!stream) return states_;
+  stream.seekg(static_cast<std::streamoff>(bytes_read_));
+  for (std::string line; std::getline(stream, line);) {
+    if (stream.eof()) break;  // cut off
+    bytes_read_ += line.size() + 1;
+    ++lines_read_;
+    try {
+      const Json json = Json::parse(line);
+      states_[json.at("job")] = StateOf(json);
+    } catch (const Json::exception&) {
+      throw DataError(
+          "{}:{}: is no line of a ledger, expected {{\"job\": ..., \"key\": ..., \"event\": ...}}",
+          file_.string(), lines_read_);
+    }
+  }
+  return states_;
+}
+
+void BatchLedger::Append(const std::string& line) const {
+  const Descriptor ledger(file_, O_RDWR | O_CREAT | O_APPEND);
+  if (ledger.number() < 0) FailOn(file_);
+  LockWhole(ledger.number(), file_);
+  struct stat status = {};
+  if (fstat(ledger.number(), &status) != 0) FailOn(file_);
+  // What a power failure left of a line is taken away before the next is written.
+  off_t whole = status.st_size;
+  for (char last = 0; whole > 0; --whole) {
+    if (pread(ledger.number(), &last, 1, whole - 1) != 1) FailOn(file_);
+    if (last == '\n') break;
+  }
+  if (whole != status.st_size && ftruncate(ledger.number(), whole) != 0) FailOn(file_);
+  const std::string text = line + '\n';
+  if (write(ledger.number(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) FailOn(file_);
+  if (fsync(ledger.number()) != 0) FailOn(file_);
+}
+
+void BatchLedger::Started(const std::string& job, const std::string& key) const {
+  Append(Json{{"job", job}, {"key", key}, {"event", "started"}}.dump());
+}
+
+void BatchLedger::Done(const std::string& job, const std::string& key, int status, double wall_s) const {
+  Append(Json{{"job", job}, {"key", key}, {"event", "done"}, {"status", status}, {"wall_s", wall_s}}.dump());
+}
+
+void BatchLedger::Failed(const std::string& job, const std::string& key, int status, double wall_s,
+                         const std::string& why) const {
+  const Json line = {{"job", job},       {"key", key},       {"event", "failed"},
+                     {"status", status}, {"wall_s", wall_s}, {"why", why}};
+  Append(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+JobLock::JobLock(const fs::path& folder, const std::string& job, bool wait) {
+  fs::path file = folder / "locks" / job;
+  file += ".lock";
+  fs::create_directories(file.parent_path());
+  descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) FailOn(file);
+  int locked = 0;
+  do {
+    locked = flock(descriptor_, LOCK_EX | (wait ? 0 : LOCK_NB));
+  } while (locked != 0 && errno == EINTR);
+  if (locked == 0) return;
+  const bool is_busy = errno == EWOULDBLOCK;
+  close(descriptor_);
+  descriptor_ = -1;
+  if (!is_busy) FailOn(file);
+}
+
+JobLock::~JobLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+}  // namespace sonarcal

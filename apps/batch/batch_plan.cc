@@ -1,0 +1,261 @@
+#include "apps/batch/batch_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "data_io/hash.h"
+#include "data_io/json_reader.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kFormat = "sonarcal-batch/1";
+constexpr std::array<std::string_view, 3> kCommands = {"simulate", "compare", "fit"};
+constexpr std::array<std::string_view, 5> kOwnOptions = {"out", "resume", "json", "quiet", "help"};
+constexpr std::size_t kMostJobs = 100'000;
+
+// An option of an entry, in the order in which the plan has them.
+struct PlannedOption {
+  std::string name;
+  std::vector<std::string> values;  // as words of a command line; of a flag "true" or "false"
+};
+using Chosen = std::vector<std::pair<std::string, std::string>>;
+
+// What `read` finds, or nothing where the value is of another kind.
+template <typename Read>
+auto IfOfThisKind(Read read) -> std::optional<decltype(read())> {
+  try {
+    return read();
+  } catch (const DataError&) {
+    return {};
+  }
+}
+
+// One value as a word of a command line.
+std::string WordOf(const JsonReader& value, const CLI::Option& option) {
+  if (option.get_items_expected_max() == 0) return value.Bool() ? "true" : "false";
+  if (const auto given = IfOfThisKind([&] { return value.Bool(); })) {
+    value.Fail(fmt::format("is {}, expected a value of --{}", *given, option.get_lnames().front()));
+  }
+  if (const auto number = IfOfThisKind([&] { return value.Number(); })) return fmt::format("{}", *number);
+  return value.String();
+}
+
+const CLI::Option& FindOption(const CLI::App& command, const std::string& name, const JsonReader& where) {
+  if (std::find(kOwnOptions.begin(), kOwnOptions.end(), name) != kOwnOptions.end())
+    where.Fail(fmt::format("is an option that the batch sets itself, expected one of {} --help",
+                           command.get_name()));
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_lnames().empty() && option->get_lnames().front() == name) return *option;
+  }
+  where.Fail(fmt::format("is no option of {}, expected one of {} --help, without dashes", command.get_name(),
+                         command.get_name()));
+}
+
+std::vector<PlannedOption> ReadOptions(const JsonReader& json, const CLI::App& command, bool lists) {
+  std::vector<PlannedOption> options;
+  for (const auto& [name, value] : json.Members()) {
+    PlannedOption option{.name = name, .values = {}};
+    const CLI::Option& known = FindOption(command, name, value);
+    if (value.is_array()) {
+      if (!lists) value.Fail("is a list, expected one value, as each row is one job");
+      for (const JsonReader& item : value.Items()) option.values.push_back(WordOf(item, known));
+      if (option.values.empty()) value.Fail("is an empty list, expected at least one value");
+    } else {
+      option.values.push_back(WordOf(value, known));
+    }
+    options.push_back(std::move(option));
+  }
+  return options;
+}
+
+// All combinations of the options' values, the last option running fastest.
+std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options, const JsonReader& where) {
+  std::vector<Chosen> combinations = {{}};
+  for (const PlannedOption& option : options) {
+    if (combinations.size() * option.values.size() > kMostJobs)
+      where.Fail(fmt::format("makes more than {} jobs", kMostJobs));
+    std::vector<Chosen> longer;
+    for (const Chosen& chosen : combinations) {
+      for (const std::string& value : option.values) {
+        longer.push_back(chosen);
+        longer.back().emplace_back(option.name, value);
+      }
+    }
+    combinations = std::move(longer);
+  }
+  return combinations;
+}
+
+// Replaces "{out}" and "{option}" by what the job before has.
+std::string Filled(const std::string& text, const BatchJob& before, const fs::path& out,
+                   const JsonReader& where) {
+  std::string filled;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t open = text.find('{', at);
+    filled += text.substr(at, open - at);
+    if (open == std::string::npos) break;
+    const std::size_t close = text.find('}', open);
+    const std::string word = text.substr(open + 1, close - open - 1);
+    const auto option = before.options.find(word);
+    if (close == std::string::npos || (word != "out" && option == before.options.end())) {
+      where.Fail(fmt::format("has '{}', expected {{out}} or an option of {} in braces", text, before.id));
+    }
+    filled += word == "out" ? (out / before.id).string() : option->second;
+    at = close + 1;
+  }
+  return filled;
+}
+
+std::vector<std::string> ArgumentsOf(const Chosen& chosen) {
+  std::vector<std::string> arguments;
+  for (const auto& [name, value] : chosen) {
+    if (value == "false") continue;
+    arguments.push_back("--" + name);
+    if (value != "true") arguments.push_back(value);
+  }
+  return arguments;
+}
+
+// What a job reads besides its arguments: the contents of the files that they name; of a recording's folder
+// its recording.json. For the batch's own outputs stands the key of the job before.
+std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& out,
+                  const std::string& key_before) {
+  std::string text = job.command + '\n' + key_before + '\n';
+  for (const std::string& argument : job.arguments) {
+    text += argument + '\n';
+    if (argument.starts_with(out.string() + '/')) continue;
+    fs::path path = folder / argument;
+    std::error_code error;
+    if (fs::is_directory(path, error)) path /= "recording.json";
+    if (fs::is_regular_file(path, error)) text += Sha256OfFile(path) + '\n';
+  }
+  return Sha256(text);
+}
+
+class Reader {
+ public:
+  Reader(const fs::path& file, const fs::path& out, const CLI::App& root)
+      : root_(root), out_(out), json_(JsonReader::FromFile(file)) {
+    plan_.folder = fs::absolute(file).parent_path();
+  }
+
+  BatchPlan Read() {
+    json_.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
+    const JsonReader entries = json_.At("entries");
+    for (const JsonReader& entry : entries.Items()) AddEntry(entry);
+    json_.Finish();
+    if (plan_.jobs.empty()) entries.Fail("is empty, expected at least one entry");
+    return std::move(plan_);
+  }
+
+ private:
+  void AddEntry(const JsonReader& entry) {
+    const std::string name = NameOf(entry.At("name"));
+    const CLI::App& command = CommandOf(entry.At("command"));
+    const std::vector<PlannedOption> options =
+        entry.Find("options") ? ReadOptions(*entry.Find("options"), command, /*lists=*/true)
+                              : std::vector<PlannedOption>{};
+    std::vector<Chosen> rows = {{}};
+    if (const auto list = entry.Find("rows")) rows = ReadRows(*list, command, options);
+    std::vector<std::string> before = {""};
+    if (const auto other = entry.Find("for_each")) {
+      const auto found = jobs_of_entry_.find(other->String());
+      if (found == jobs_of_entry_.end())
+        other->Fail(fmt::format("is '{}', expected the name of an entry before this one", other->String()));
+      before = found->second;
+    }
+    std::vector<std::string>& jobs = jobs_of_entry_[name];
+    for (const std::string& id_before : before) {
+      for (const Chosen& row : rows) {
+        for (Chosen& chosen : Combinations(options, entry)) {
+          chosen.insert(chosen.begin(), row.begin(), row.end());
+          const std::string id = fmt::format("{}/{:04}", name, jobs.size());
+          AddJob(id, command.get_name(), std::move(chosen), id_before, entry);
+          jobs.push_back(id);
+        }
+      }
+    }
+  }
+
+  void AddJob(const std::string& id, const std::string& command, Chosen chosen, const std::string& id_before,
+              const JsonReader& entry) {
+    if (plan_.jobs.size() == kMostJobs) entry.Fail(fmt::format("makes more than {} jobs", kMostJobs));
+    BatchJob job{.id = id, .command = command, .options = {}, .arguments = {}, .after = id_before, .key = {}};
+    std::string key_before;
+    if (!id_before.empty()) {
+      const BatchJob& before = plan_.jobs[index_of_job_.at(id_before)];
+      for (auto& [name, value] : chosen) value = Filled(value, before, out_, entry);
+      key_before = before.key;
+    }
+    job.options.insert(chosen.begin(), chosen.end());
+    job.arguments = ArgumentsOf(chosen);
+    job.key = KeyOf(job, plan_.folder, out_, key_before);
+    index_of_job_[id] = plan_.jobs.size();
+    plan_.jobs.push_back(std::move(job));
+  }
+
+  // A name becomes a folder.
+  std::string NameOf(const JsonReader& json) const {
+    const std::string& name = json.String();
+    const bool is_plain = !name.empty() && name.size() <= 100 && name.front() != '.' && name.front() != '-' &&
+                          std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                            return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+                          });
+    if (!is_plain)
+      json.Fail(fmt::format(
+          "is '{}', expected letters, digits, dots, dashes and underscores, as for a folder", name));
+    if (jobs_of_entry_.contains(name))
+      json.Fail(fmt::format("is '{}', which another entry has already", name));
+    return name;
+  }
+
+  const CLI::App& CommandOf(const JsonReader& json) const {
+    const std::string& name = json.String();
+    if (std::find(kCommands.begin(), kCommands.end(), name) == kCommands.end())
+      json.Fail(fmt::format("is '{}', expected one of {}", name, fmt::join(kCommands, ", ")));
+    return *root_.get_subcommand(name);
+  }
+
+  std::vector<Chosen> ReadRows(const JsonReader& json, const CLI::App& command,
+                               const std::vector<PlannedOption>& options) const {
+    std::vector<Chosen> rows;
+    for (const JsonReader& item : json.Items()) {
+      Chosen row;
+      for (const PlannedOption& option : ReadOptions(item, command, /*lists=*/false)) {
+        for (const PlannedOption& other : options) {
+          if (other.name == option.name)
+            item.Fail(fmt::format("has '{}', which options have as well", other.name));
+        }
+        row.emplace_back(option.name, option.values.front());
+      }
+      rows.push_back(std::move(row));
+    }
+    if (rows.empty()) json.Fail("is an empty list, expected at least one row");
+    return rows;
+  }
+
+  const CLI::App& root_;
+  const fs::path out_;
+  JsonReader json_;
+  BatchPlan plan_;
+  std::map<std::string, std::vector<std::string>> jobs_of_entry_;
+  std::map<std::string, std::size_t> index_of_job_;
+};
+
+}  // namespace
+
+BatchPlan ReadBatchPlan(const fs::path& file, const fs::path& out, const CLI::App& root) {
+  return Reader(file, out, root).Read();
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,74 @@
+// OceanSim's ImagingSonarSensor, which is configured by arguments in Python. Read at
+// github.com/umfieldrobotics/OceanSim 2809388: isaacsim/oceansim/sensors/ImagingSonarSensor.py,
+// utils/ImagingSonar_kernels.py, docs/subsections/running_example.md.
+//
+// A value there is reflectivity cos(incidence) exp(-attenuation range), summed over the points of a bin,
+// divided by the largest of the image (or, by default, of each range, which makes ranges incomparable), times
+// 0.5 + normal noise, plus Rayleigh noise that grows with the square of range.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "apps/export/even_fan.h"
+#include "apps/export/export_words.h"
+#include "apps/export/simulator_configs.h"
+#include "data_io/json_writer.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+
+ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& name) {
+  const ParameterSet& parameters = source.parameters;
+  const PolarAxes& axes = source.sonar.axes;
+  const EvenFan fan = EvenFanOf(source);
+  const auto laws = FitCosineLaws(parameters, 1.0);
+  constexpr double kMeanFactor = 0.5;
+  const double per_m_of_db_per_m = std::log(10.0) / 10.0;
+
+  const nlohmann::ordered_json arguments = {
+      {"ImagingSonarSensor",
+       {{"name", name},
+        {"min_range", axes.range_min_m},
+        {"max_range", axes.range_max_m},
+        {"range_res", axes.range_bin_m()},
+        {"hori_fov", fan.field_deg},
+        {"vert_fov", fan.elevation_deg},
+        {"angular_res", fan.spacing_deg()}}},
+      {"sonar_initialize", {{"normalizing_method", "all"}}},
+      {"make_sonar_data",
+       {{"attenuation", 2.0 * source.absorption_db_per_m * per_m_of_db_per_m},
+        {"gau_noise_param", kMeanFactor * SpeckleSpread(parameters)},
+        {"ray_noise_param", FloorOfFullScale(source) / std::sqrt(0.5 * kPi)},
+        {"central_peak", 0.0}}},
+      {"reflectivity", RelativeReflectivities(laws)}};
+
+  ExportedConfig config{.files = {{"", JsonText(arguments)}},
+                        .account = ExportAccount(source),
+                        .schema = "OceanSim 2809388, ImagingSonarSensor"};
+  ExportAccount& account = config.account;
+  AccountForBeams(fan, "hori_fov, angular_res", account);
+  account.Exported("sonar.range_min_m", "min_range");
+  account.Exported("sonar.range_max_m", "max_range");
+  account.Exported("sonar.range_bins", "range_res");
+  const std::string elevation = "a hard edge at our half-power width";
+  account.Approximated("sonar.elevation_beam_width_deg", "vert_fov", elevation);
+  account.Approximated("beam.elevation_width_deg", "vert_fov", elevation);
+  AccountForMaterials(laws, "reflectivity/{}",
+                      "; relative to the strongest material, as OceanSim divides by the brightest pixel",
+                      account);
+  account.Approximated("receiver.looks", "gau_noise_param",
+                       "speckle by a normal factor of the same relative spread, 1 / sqrt(looks)");
+  const std::string floor =
+      "the floor at the far end of the window, relative to full scale, as the mean of a Rayleigh law that "
+      "grows with the square of range";
+  account.Approximated("receiver.noise_db", "ray_noise_param", floor);
+  account.Approximated("receiver.noise_after_gain_db", "ray_noise_param", floor);
+  const std::string absorption =
+      "absorption on both ways as an exponential of range; spreading has no counterpart";
+  account.Approximated("absorption_db_per_m", "attenuation", absorption);
+  account.Approximated("water.", "attenuation", absorption);
+  AccountForTheRest("OceanSim", account);
+  return config;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,65 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/python/bindings.h"
+#include "apps/python/hooks.h"
+#include "apps/reproduce/reproduce_report.h"
+#include "data_io/parameters_io.h"
+
+namespace sonarcal::python {
+namespace {
+
+namespace py = pybind11;
+
+struct TankResult {
+  std::string metrics;
+  std::shared_ptr<RecordingSource> recording;
+  Scene scene;
+  std::string paper;  // params.json of the fitted models
+  std::string acoustic;
+};
+
+TankResult ReproduceTank(bool quick, std::uint64_t seed, int threads, py::object progress, py::object say) {
+  const Listener listener(std::move(progress), std::move(say));
+  const py::gil_scoped_release release;
+  const ThreadLimit limit(threads);
+  TankComparisonOptions options{.seed = seed, .threads = threads, .quick = quick, .comparison = TankRules()};
+  options.on_frame = [&](int done, int in_all) { listener.Progress("Recording", done, in_all); };
+  options.on_note = [&](const std::string& line) { listener.Say(line); };
+  Reproduction reproduction{.tank = CompareTank(options), .bomb = {}, .bomb_absent = {}, .shown = {}};
+  TankComparison& tank = reproduction.tank;
+  TankResult result{.metrics = ReproductionMetricsJson(reproduction),
+                    .recording = {},
+                    .scene = std::move(tank.scene),
+                    .paper = ParametersJson(tank.fit.fit.parameters).dump(),
+                    .acoustic = ParametersJson(tank.acoustic.fit.parameters).dump()};
+  result.recording = std::move(tank.recording);
+  return result;
+}
+
+}  // namespace
+
+void BindReproduce(py::module_& module) {
+  module.def(
+      "_reproduce_tank",
+      [](bool quick, std::uint64_t seed, int threads, py::object progress, py::object say) {
+        TankResult result = ReproduceTank(quick, seed, threads, std::move(progress), std::move(say));
+        return py::make_tuple(result.metrics, result.recording, std::move(result.scene), result.paper,
+                              result.acoustic);
+      },
+      py::arg("quick"), py::arg("seed"), py::arg("threads"), py::arg("progress"), py::arg("say"));
+  module.def(
+      "_known_bomb",
+      [](const std::filesystem::path& folder) {
+        KnownBomb bomb = PrepareBomb(folder);
+        return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)),
+                              std::move(bomb.scene), ParametersJson(bomb.initial).dump());
+      },
+      py::arg("folder"));
+}
+
+}  // namespace sonarcal::python

@@ -1,0 +1,192 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <exception>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/compare_command.h"
+#include "apps/fit_command.h"
+#include "apps/python/arrays.h"
+#include "apps/python/bindings.h"
+#include "apps/python/hooks.h"
+#include "apps/python/words.h"
+#include "apps/simulate_command.h"
+#include "data_io/parameters_io.h"
+#include "metrics/segmentation.h"
+
+namespace sonarcal::python {
+namespace {
+
+namespace py = pybind11;
+
+using Words = std::vector<std::string>;
+using Recording = std::shared_ptr<RecordingSource>;
+
+constexpr const char* kGiven = "the parameters given";  // for messages, where a command names a file
+
+std::vector<TimedPose> Timed(const std::vector<Pose>& poses,
+                             const std::vector<std::optional<double>>& times_s) {
+  std::vector<TimedPose> timed;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    timed.push_back({.time_s = i < times_s.size() ? times_s[i] : std::nullopt, .world_from_sonar = poses[i]});
+  return timed;
+}
+
+Recording Simulate(const Scene& scene, const SonarChoice& sonar, const std::string& params,
+                   const std::vector<Pose>& poses, const std::vector<std::optional<double>>& times_s,
+                   const std::string& scene_path, const Words& words, py::object progress, py::object say) {
+  const Listener listener(std::move(progress), std::move(say));
+  const py::gil_scoped_release release;
+  SimulateOptions options;
+  CLI::App command;
+  AddSimulateOptions(&command, &options);
+  ParseWords(command, words);
+  if (poses.empty()) throw DataError("poses: none, expected one or more");
+  const ThreadLimit threads(options.rays.threads);
+  const ResolvedSimulation resolved = ResolveSimulation(options, sonar, ParseParameters(params, kGiven));
+  const Simulator simulator(scene, sonar.sonar, resolved.simulation);
+  for (const std::string& sentence : SimulationCaveats(options, simulator, resolved)) listener.Say(sentence);
+  const int frames_in_all = static_cast<int>(poses.size());
+  return SimulateRecording(simulator, Timed(poses, times_s), resolved.parameters, scene_path,
+                           [&](int done) { listener.Progress("Simulating", done, frames_in_all); });
+}
+
+std::string Compare(const RecordingSource& real, const RecordingSource& simulated, const Words& words,
+                    py::object progress) {
+  const Listener listener(std::move(progress), py::none());
+  const py::gil_scoped_release release;
+  CompareCommandOptions options;
+  CLI::App command;
+  AddCompareOptions(&command, &options);
+  ParseWords(command, words);
+  options.pictures = 0;
+  options.common.quiet = true;
+  const Comparison comparison = MeasureComparison(options, real, simulated, {}, [&](int done, int in_all) {
+    listener.Progress("Comparing", done, in_all);
+  });
+  return MetricsJson(comparison.metrics);
+}
+
+struct Fitted {
+  bool usable = false;
+  std::string report;      // fit.json
+  std::string parameters;  // params.json; empty where not usable
+  std::vector<Pose> poses;
+};
+
+Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::string& params,
+           const Words& words, py::object progress, py::object say) {
+  const Listener listener(std::move(progress), std::move(say));
+  const py::gil_scoped_release release;
+  FitCommandOptions options;
+  CLI::App command;
+  AddFitOptions(&command, &options);
+  ParseWords(command, words);
+  const ThreadLimit threads(options.rays.threads);
+  const ParameterSet initial = ParseParameters(params, kGiven);
+  for (const std::string& sentence : FitCaveats(initial, scene)) listener.Say(sentence);
+  // Ceres is not written to be left by an exception: it is asked to stop, and the exception thrown after it.
+  std::exception_ptr thrown;
+  int iterations = 0;
+  const auto stop = [&] {
+    if (thrown) return true;
+    try {
+      listener.Progress("Fitting", ++iterations, 0);
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    return thrown != nullptr;
+  };
+  RecordingFit fit;
+  try {
+    fit = FitAsAsked(options, recording, scene, ResolveFitConfig(options, initial, scene), initial,
+                     {.say = [&](const std::string& sentence) { listener.Say(sentence); },
+                      .on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); },
+                      .stop = stop});
+  } catch (const FitStopped&) {
+    std::rethrow_exception(thrown);
+  }
+  Fitted fitted{.usable = fit.fit.usable, .report = FitJson(fit), .parameters = {}, .poses = {}};
+  if (fit.fit.usable) fitted.parameters = ParametersJson(fit.fit.parameters).dump();
+  for (const TimedPose& pose : fit.poses) fitted.poses.push_back(pose.world_from_sonar);
+  return fitted;
+}
+
+py::array SegmentImage(const PolarImage& image, const Words& words) {
+  Segmentation found;
+  {
+    const py::gil_scoped_release release;
+    ComparisonOptions options;
+    CLI::App command;
+    AddComparisonOptions(command, options);
+    ParseWords(command, words);
+    const CompareOptions compare = options.For(image.axes);
+    found = Segment(image, compare.segmentation, compare.region ? &*compare.region : nullptr);
+  }
+  const auto grid = std::make_shared<Mask>(std::move(found.object));
+  const py::capsule owner(new std::shared_ptr<Mask>(grid),
+                          [](void* held) { delete static_cast<std::shared_ptr<Mask>*>(held); });
+  return View(*grid, owner);
+}
+
+// The long names of a command's options, for a test that Python has them all.
+Words OptionNames(const std::string& command_name) {
+  CLI::App command;
+  SimulateOptions simulate;
+  CompareCommandOptions compare;
+  FitCommandOptions fit;
+  if (command_name == "simulate") {
+    AddSimulateOptions(&command, &simulate);
+  } else if (command_name == "compare") {
+    AddCompareOptions(&command, &compare);
+  } else if (command_name == "fit") {
+    AddFitOptions(&command, &fit);
+  } else {
+    throw UsageError("command '{}', expected simulate, compare or fit", command_name);
+  }
+  Words names;
+  for (const CLI::Option* option : command.get_options()) names.push_back(option->get_name());
+  return names;
+}
+
+}  // namespace
+
+void BindRuns(py::module_& module) {
+  module.def("_simulate", &Simulate, py::arg("scene"), py::arg("sonar"), py::arg("params"), py::arg("poses"),
+             py::arg("times_s"), py::arg("scene_path"), py::arg("words"), py::arg("progress"),
+             py::arg("say"));
+  module.def("_compare", &Compare, py::arg("real"), py::arg("simulated"), py::arg("words"),
+             py::arg("progress"));
+  module.def(
+      "_fit",
+      [](const RecordingSource& recording, const Scene& scene, const std::string& params, const Words& words,
+         py::object progress, py::object say) {
+        Fitted fitted = Fit(recording, scene, params, words, std::move(progress), std::move(say));
+        return py::make_tuple(fitted.usable, fitted.report, fitted.parameters, fitted.poses);
+      },
+      py::arg("recording"), py::arg("scene"), py::arg("params"), py::arg("words"), py::arg("progress"),
+      py::arg("say"));
+  module.def("_segment", &SegmentImage, py::arg("image"), py::arg("words"));
+  module.def(
+      "_parse_parameters",
+      [](const std::string& text, const std::string& name) {
+        return ParametersJson(ParseParameters(text, name)).dump();
+      },
+      py::arg("text"), py::arg("name"));
+  module.def(
+      "_read_parameters",
+      [](const std::filesystem::path& file) { return ParametersJson(ReadParameters(file)).dump(); },
+      py::arg("file"));
+  module.def(
+      "_write_parameters",
+      [](const std::filesystem::path& file, const std::string& text) {
+        WriteParameters(file, ParseParameters(text, kGiven));
+      },
+      py::arg("file"), py::arg("text"));
+  module.def("_option_names", &OptionNames, py::arg("command"));
+}
+
+}  // namespace sonarcal::python

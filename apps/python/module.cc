@@ -1,0 +1,48 @@
+// The extension module `_sonarcal` below the package `sonarcal`.
+#include <fmt/format.h>
+
+#include <exception>
+#include <filesystem>
+
+#include "apps/python/bindings.h"
+#include "data_io/types/error.h"
+
+namespace {
+
+namespace py = pybind11;
+
+// What the commands make one sentence of as well (apps/command.cc).
+void RegisterErrors(py::module_& module) {
+  static py::exception<sonarcal::DataError> data_error(module, "DataError", PyExc_ValueError);
+  static py::exception<sonarcal::UsageError> usage_error(module, "UsageError", PyExc_ValueError);
+  data_error.attr("__doc__") =
+      "Data or files are wrong: one sentence that names file, key or line, what was found and what was "
+      "expected.";
+  usage_error.attr("__doc__") = "An argument is wrong: one sentence, that of the command's own option.";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const sonarcal::DataError& error) {
+      data_error(error.what());
+    } catch (const sonarcal::UsageError& error) {
+      usage_error(error.what());
+    } catch (const std::filesystem::filesystem_error& error) {
+      const std::filesystem::path& path = error.path2().empty() ? error.path1() : error.path2();
+      data_error(fmt::format("{}: {}", path.string(), error.code().message()).c_str());
+    }
+  });
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_sonarcal, module) {
+  module.doc() = "The compiled part of sonarcal; import `sonarcal` instead.";
+  module.attr("__version__") = SONARCAL_VERSION;
+  RegisterErrors(module);
+  sonarcal::python::BindAxes(module);
+  sonarcal::python::BindScene(module);
+  sonarcal::python::BindRecording(module);
+  sonarcal::python::BindRuns(module);
+  sonarcal::python::BindResiduals(module);
+  sonarcal::python::BindReproduce(module);
+}

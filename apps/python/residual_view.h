@@ -1,0 +1,63 @@
+// A fit's residual and Jacobian at any parameters, frame by frame: for looking at, not for solving. The
+// models are those of calib/, and so are the formulas.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/fit_frames.h"
+#include "data_io/types/mask.h"
+
+namespace sonarcal::python {
+
+// What a frame says at given values. Residuals are in the fit's own unit: of the paper model the difference
+// expected - recorded in full scales, of the acoustic one that whose half square is the negative
+// log-likelihood of speckle.
+struct FrameResiduals {
+  PolarImage expected;  // on the recording's grey scale
+  PolarImage recorded;
+  Grid<double> residual;         // range_bins x beams; 0 where a pixel does not count
+  Mask counted;                  // pixels that a fit would count
+  std::vector<double> jacobian;  // d residual / d value, range_bins x beams x names, in the parameters' units
+  std::vector<std::string> names;
+};
+
+class ResidualView {
+ public:
+  // Traces the frames of these indices; empty: all. Throws DataError as FitRecording does.
+  ResidualView(std::shared_ptr<const RecordingSource> recording, const Scene& scene,
+               const ParameterSet& initial, std::vector<int> frames, const FitRecordingOptions& options);
+
+  // Every parameter of the model, in the order of `values`.
+  const std::vector<CatalogEntry>& catalog() const;
+  const ParameterValues& initial_values() const { return initial_values_; }
+  const std::vector<int>& frames() const { return frames_; }
+
+  // `frame` is its index in the recording; derivatives are by `names`. Where beam, pulse or poses are moved
+  // or asked for, the frames are traced again, as between the rounds of a fit. Throws DataError for values
+  // at which the model has none. Not for two threads at once.
+  FrameResiduals At(const ParameterValues& values, int frame, const std::vector<std::string>& names);
+
+ private:
+  const FrameModel& model() const;
+  std::vector<int> EntriesOf(const std::vector<std::string>& names) const;
+  PolarImage Expected(int position, const ParameterValues& values) const;
+
+  std::shared_ptr<const RecordingSource> recording_;
+  ParameterSet initial_;
+  std::vector<int> frames_;
+  std::unique_ptr<Simulator> simulator_;
+  std::optional<ImageGeometry> geometry_;
+  std::vector<EchoHistogram> echoes_;  // paper, by frame of the recording
+  std::vector<FitFrame> paper_frames_;
+  std::vector<AcousticFrame> acoustic_frames_;
+  std::unique_ptr<PaperFrameModel> paper_;  // one of the two
+  std::unique_ptr<AcousticFrameModel> acoustic_;
+  ParameterValues initial_values_;
+  ParameterValues point_;       // acoustic: geometry is taken about it
+  std::vector<int> geometric_;  // and differentiated by these
+};
+
+}  // namespace sonarcal::python

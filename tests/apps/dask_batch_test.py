@@ -1,0 +1,112 @@
+"""A batch on a cluster of two workers, one of which is killed in the middle of a job.
+
+    dask_batch_test.py SONARCAL DASK_BATCH FOLDER
+
+FOLDER has plan.json and `whole`, the same batch run by processes. Prints "ok" and ends with 0 where the cluster's
+outputs are those of `whole`, every job is done once, and the worker was killed while it had a job.
+"""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import distributed
+
+LEFT_OUT = {"provenance.json", "report.html"}  # which have hashes of inputs that name the folder
+
+
+def events_of(out):
+    """Each job's events."""
+    events = {}
+    ledger = out / "ledger.jsonl"
+    if not ledger.exists():
+        return events
+    for line in ledger.read_text().split("\n")[:-1]:
+        entry = json.loads(line)
+        events.setdefault(entry["job"], []).append(entry["event"])
+    return events
+
+
+def outputs_of(out):
+    """Every output file's bytes, by its path, with one name for the batch's folder."""
+    return {
+        str(path.relative_to(out)): path.read_bytes().replace(str(out).encode(), b"OUT")
+        for entry in ("sim", "judged")
+        for path in sorted((out / entry).rglob("*"))
+        if path.is_file() and path.name not in LEFT_OUT
+    }
+
+
+def children_of(process):
+    """Ids of a process's children, of its threads all."""
+    ids = []
+    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+        ids += [int(word) for word in (task / "children").read_text().split()]
+    return ids
+
+
+def kill_a_busy_worker(workers, deadline_s):
+    """Kills the first worker that is seen with a job running (a process of its process); its processes as well."""
+    end = time.monotonic() + deadline_s
+    while time.monotonic() < end:
+        for worker in workers:
+            try:
+                children = children_of(worker)
+                jobs = [job for child in children for job in children_of(child)]
+            except OSError:
+                continue
+            if jobs:
+                os.kill(worker, signal.SIGKILL)
+                for child in children:
+                    try:
+                        os.kill(child, signal.SIGKILL)
+                    except ProcessLookupError:
+                        pass
+                return worker
+        time.sleep(0.005)
+    return None
+
+
+def main():
+    """The test."""
+    sonarcal, dask_batch, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
+    out = folder / "cluster"
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        workers = [worker.process.process.pid for worker in cluster.workers.values()]
+        command = [sys.executable, dask_batch, str(folder / "plan.json"), "--out", str(out)]
+        command += ["--scheduler", cluster.scheduler_address, "--program", sonarcal]
+        with subprocess.Popen(command) as batch:
+            # Not before one job is done, so that it is the middle.
+            while not any("done" in events for events in events_of(out).values()) and batch.poll() is None:
+                time.sleep(0.005)
+            killed = kill_a_busy_worker(workers, 60)
+            status = batch.wait(timeout=300)
+    assert killed is not None, "no worker was seen with a job"
+    assert status == 0, f"dask_batch ended with {status}"
+    events = events_of(out)
+    assert len(events) == 12, events
+    for job, of_job in events.items():
+        assert of_job.count("done") == 1 and of_job[-1] == "done", (job, of_job)
+    begun_again = [job for job, of_job in events.items() if of_job.count("started") > 1]
+    assert len(begun_again) == 1, events
+    outputs, expected = outputs_of(out), outputs_of(folder / "whole")
+    assert len(expected) > 12 and outputs.keys() == expected.keys()
+    differing = [name for name, content in expected.items() if outputs[name] != content]
+    assert not differing, differing
+    assert json.loads((out / "summary.json").read_text())["done"] == 12
+    # Run again there is nothing to do.
+    ledger = (out / "ledger.jsonl").read_bytes()
+    again = [sys.executable, dask_batch, str(folder / "plan.json"), "--out", str(out), "--workers", "1"]
+    assert subprocess.run(again + ["--program", sonarcal], check=False).returncode == 0
+    assert (out / "ledger.jsonl").read_bytes() == ledger
+    print("ok: killed worker", killed, "with", begun_again)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,304 @@
+// Recordings as files of other tools: each read back by our own reader, where we have one, and by another's.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "data_io/bag_recording.h"
+#include "data_io/bag_trajectory.h"
+#include "data_io/fan_pictures.h"
+#include "data_io/image_io.h"
+#include "data_io/npz_writer.h"
+#include "data_io/open_recording.h"
+#include "data_io/ros1_bag_writer.h"
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TempDir;
+using Json = nlohmann::json;
+
+constexpr int kBins = 60;
+constexpr int kBeams = 24;
+
+PolarAxes Axes() {
+  PolarAxes axes{.range_min_m = 1.0, .range_max_m = 4.0, .range_bins = kBins, .beam_azimuth_rad = {}};
+  for (int beam = 0; beam < kBeams; ++beam) axes.beam_azimuth_rad.push_back(RadFromDeg((beam - 11.5) * 1.5));
+  return axes;
+}
+
+// Smooth, bright on the right and far away, and different in every frame.
+PolarImage Image(int frame, const ImageScale& scale) {
+  PolarImage image{Axes(), scale, Grid<float>(kBins, kBeams)};
+  for (int bin = 0; bin < kBins; ++bin) {
+    for (int beam = 0; beam < kBeams; ++beam) {
+      const double grey = 0.15 + 0.5 * bin / kBins + 0.2 * beam / kBeams + 0.1 * std::sin(0.2 * bin + frame);
+      image.value(bin, beam) = static_cast<float>(
+          scale.quantity == Quantity::kGrey ? std::round(grey * scale.full_scale) : grey * 1e-3);
+    }
+  }
+  return image;
+}
+
+// Three frames half a second apart, the last one without a time and a pose.
+MemoryRecording Recording(const ImageScale& scale = {}) {
+  RecordingInfo info;
+  info.source = "made up";
+  info.sonar = {.name = "made up",
+                .frequency_hz = 1.2e6,
+                .axes = Axes(),
+                .azimuth_beam_width_deg = 1.0,
+                .elevation_beam_width_deg = 20.0,
+                .sound_speed_m_per_s = 1480.0};
+  info.scale = scale;
+  info.water = Water{.temperature_c = 11.0};
+  std::vector<Frame> frames;
+  for (int i = 0; i < 3; ++i) {
+    Frame frame{{.name = fmt::format("frame {}", i), .time_s = {}, .world_from_sonar = {}}, Image(i, scale)};
+    if (i < 2) {
+      frame.info.time_s = 100.25 + 0.5 * i;
+      frame.info.world_from_sonar =
+          Pose{RotationFromYawPitchRoll(0.3 * i, -0.2, 0.1), Eigen::Vector3d(1.0 + i, -2.0, 0.5)};
+    }
+    frames.push_back(std::move(frame));
+  }
+  return {std::move(info), std::move(frames)};
+}
+
+ImageScale GreyUpTo(double full_scale) {
+  ImageScale scale;
+  scale.full_scale = full_scale;
+  return scale;
+}
+
+ImageScale Power() {
+  ImageScale scale;
+  scale.quantity = Quantity::kPower;
+  scale.full_scale = 1.0;
+  return scale;
+}
+
+Json RunPython(const std::string& script, const std::filesystem::path& file) {
+  const TempDir dir;
+  const std::string command = fmt::format("{} {}/{} '{}' >'{}'", SONARCAL_PYTHON, SONARCAL_SCRIPTS, script,
+                                          file.string(), (dir / "out").string());
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  return Json::parse(testing::ReadFile(dir / "out"));
+}
+
+void ExpectSameImage(const Grid<float>& a, const Grid<float>& b) {
+  ASSERT_EQ(a.rows(), b.rows());
+  ASSERT_EQ(a.cols(), b.cols());
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.values()[i], b.values()[i]) << i;
+}
+
+class BagOfScale : public ::testing::TestWithParam<double> {};  // full scale; 0: power
+
+TEST_P(BagOfScale, OurReaderFindsTheSame) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording(GetParam() == 0.0 ? Power() : GreyUpTo(GetParam()));
+  WriteRos1Bag(recording, dir / "out.bag");
+  const auto read = OpenBagRecording(dir / "out.bag", {.topic = "/sonar/image"});
+  ASSERT_EQ(read->frame_count(), 3);
+  EXPECT_TRUE(read->info().sonar.axes.Matches(recording.info().sonar.axes));
+  EXPECT_FLOAT_EQ(static_cast<float>(read->info().sonar.frequency_hz), 1.2e6F);
+  EXPECT_NEAR(read->info().sonar.azimuth_beam_width_deg, 1.0, 1e-5);
+  EXPECT_NEAR(read->info().sonar.elevation_beam_width_deg, 20.0, 1e-5);
+  for (int i = 0; i < 3; ++i)
+    ExpectSameImage(read->ReadFrame(i).image.value, recording.ReadFrame(i).image.value);
+  EXPECT_EQ(read->info().scale.quantity, recording.info().scale.quantity);
+  EXPECT_NEAR(*read->frame_info(1).time_s, 100.75, 1e-6);
+  EXPECT_NEAR(*read->frame_info(2).time_s, 101.75, 1e-6);  // without a time: when it was logged
+}
+INSTANTIATE_TEST_SUITE_P(Scales, BagOfScale, ::testing::Values(255.0, 4095.0, 65535.0, 0.0));
+
+TEST(Ros1BagWriterTest, PosesComeBack) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording();
+  WriteRos1Bag(recording, dir / "out.bag");
+  const std::vector<TrajectoryPose> poses = ReadBagTrajectory(dir / "out.bag", {.topic = "/sonar/pose"});
+  ASSERT_EQ(poses.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    const Pose expected = *recording.frame_info(i).world_from_sonar;
+    EXPECT_LT((poses[i].world_from_body.position_m - expected.position_m).norm(), 1e-12);
+    EXPECT_LT(poses[i].world_from_body.rotation.angularDistance(expected.rotation), 1e-7);
+  }
+}
+
+// By the definitions in the bag, which rosbag parses itself.
+TEST(Ros1BagWriterTest, RosReadsIt) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording(GreyUpTo(4095.0));
+  WriteRos1Bag(recording, dir / "out.bag");
+  const Json read = RunPython("read_bag.py", dir / "out.bag");
+  for (const auto& [topic, sums] : read.at("md5").items()) EXPECT_EQ(sums.at(0), sums.at(1)) << topic;
+  ASSERT_EQ(read.at("messages").size(), 5U);
+  int image_count = 0;
+  for (const Json& entry : read.at("messages")) {
+    const Json& message = entry.at("message");
+    if (entry.at("topic") == "/sonar/pose") {
+      EXPECT_EQ(entry.at("type"), "geometry_msgs/PoseStamped");
+      EXPECT_EQ(message.at("header").at("frame_id"), "map");
+      continue;
+    }
+    EXPECT_EQ(entry.at("type"), "marine_acoustic_msgs/ProjectedSonarImage");
+    const int frame = image_count++;
+    EXPECT_EQ(message.at("header").at("seq"), frame);
+    if (frame == 1) {
+      EXPECT_EQ(message.at("header").at("stamp"), Json({100, 750000000}));
+    }
+    EXPECT_EQ(message.at("ping_info").at("frequency"), 1.2e6);
+    EXPECT_EQ(message.at("image").at("dtype"), 2);
+    EXPECT_EQ(message.at("image").at("beam_count"), kBeams);
+    const Json& beam = message.at("beam_directions").at(20);
+    EXPECT_NEAR(std::atan2(beam.at("y").get<double>(), beam.at("z").get<double>()), RadFromDeg(8.5 * 1.5),
+                1e-12);
+    EXPECT_NEAR(message.at("ranges").at(0).get<double>(), 1.025, 1e-6);
+    const Json& data = message.at("image").at("data");
+    const std::size_t sample = 20 * kBins + 7;  // beam 20, bin 7: beam-major, as the definition says
+    const int value = data.at(2 * sample).get<int>() + 256 * data.at(2 * sample + 1).get<int>();
+    EXPECT_EQ(value, recording.ReadFrame(frame).image.value(7, 20));
+  }
+  EXPECT_EQ(image_count, 3);
+}
+
+TEST(Ros1BagWriterTest, RefusesWhatABagCannotSay) {
+  const TempDir dir;
+  ImageScale level;
+  level.quantity = Quantity::kDecibel;
+  EXPECT_THROW(WriteRos1Bag(Recording(level), dir / "level.bag"), DataError);
+  MemoryRecording early = Recording();
+  Frame frame = early.ReadFrame(0);
+  frame.info.time_s = -1.0;
+  EXPECT_THROW(WriteRos1Bag(MemoryRecording(early.info(), {frame}), dir / "early.bag"), DataError);
+  EXPECT_THROW(WriteRos1Bag(Recording(), dir / "absent" / "out.bag"), DataError);
+}
+
+TEST(NpzWriterTest, NumPyFindsTheSame) {
+  for (const ImageScale& scale : {GreyUpTo(255.0), GreyUpTo(4095.0), Power()}) {
+    const TempDir dir;
+    const MemoryRecording recording = Recording(scale);
+    WriteNpz(recording, dir / "out.npz");
+    const Json read = RunPython("read_npz.py", dir / "out.npz");
+    const Json& arrays = read.at("arrays");
+    const Json& images = arrays.at("images");
+    EXPECT_EQ(images.at("shape"), Json({3, kBins, kBeams}));
+    EXPECT_EQ(images.at("dtype"), scale.quantity == Quantity::kPower ? "float32"
+                                  : scale.full_scale > 255.0         ? "uint16"
+                                                                     : "uint8");
+    for (int i = 0; i < 3; ++i) {
+      const Grid<float> value = recording.ReadFrame(i).image.value;
+      for (int bin = 0; bin < kBins; ++bin) {
+        for (int beam = 0; beam < kBeams; ++beam)
+          ASSERT_EQ(images.at("values").at(i).at(bin).at(beam).get<float>(), value(bin, beam));
+      }
+    }
+    EXPECT_NEAR(arrays.at("range_m").at("values").at(0).get<double>(), 1.025, 1e-12);
+    EXPECT_NEAR(arrays.at("beam_azimuth_deg").at("values").at(23).get<double>(), 17.25, 1e-12);
+    EXPECT_EQ(arrays.at("time_s").at("values"), Json({100.25, 100.75, nullptr}));
+    EXPECT_EQ(arrays.at("valid").at("dtype"), "bool");
+    const Json& pose = arrays.at("world_from_sonar").at("values").at(1);
+    const Eigen::Vector3d ahead =
+        recording.frame_info(1).world_from_sonar->rotation * Eigen::Vector3d::UnitY();
+    for (int row = 0; row < 3; ++row) EXPECT_NEAR(pose.at(row).at(1).get<double>(), ahead[row], 1e-12);
+    EXPECT_EQ(pose.at(0).at(3), 2.0);
+    EXPECT_EQ(pose.at(3), Json({0.0, 0.0, 0.0, 1.0}));
+    EXPECT_TRUE(arrays.at("world_from_sonar").at("values").at(2).at(0).at(0).is_null());
+    EXPECT_EQ(read.at("recording").at("sonar").at("frequency_hz"), 1.2e6);
+    EXPECT_EQ(read.at("recording").at("water").at("temperature_c"), 11.0);
+  }
+}
+
+TEST(NpzWriterTest, TheSameRecordingGivesTheSameBytes) {
+  const TempDir dir;
+  WriteNpz(Recording(), dir / "a.npz");
+  WriteNpz(Recording(), dir / "b.npz");
+  EXPECT_EQ(testing::ReadFile(dir / "a.npz"), testing::ReadFile(dir / "b.npz"));
+}
+
+TEST(FanPicturesTest, OurReaderFindsAxesAndGreyValues) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording(GreyUpTo(4095.0));
+  const FanPainter painter(recording.info(), {.height_px = 400});
+  std::filesystem::create_directory(dir / "fans");
+  WriteFanPngs(recording, painter, dir / "fans");
+  const auto read = OpenRecording(dir / "fans");
+  ASSERT_EQ(read->frame_count(), 3);
+  EXPECT_TRUE(read->info().sonar.axes.Matches(Axes()));
+  EXPECT_EQ(read->info().sonar.frequency_hz, 1.2e6);
+  for (int i = 0; i < 3; ++i) {
+    const Grid<float> was = recording.ReadFrame(i).image.value;
+    const Grid<float> is = read->ReadFrame(i).image.value;
+    // Away from the edges; the picture rounds to a grey level and interpolates twice, over sixteen times
+    // finer pixels than the image changes in.
+    for (int bin = 2; bin < kBins - 2; ++bin) {
+      for (int beam = 2; beam < kBeams - 2; ++beam)
+        ASSERT_NEAR(is(bin, beam), was(bin, beam) * 255.0 / 4095.0, 1.0) << i << " " << bin << " " << beam;
+    }
+  }
+}
+
+// Frame by frame as FFmpeg decodes it: MPEG-4 loses some, so each frame must be that of its number, and near
+// it.
+TEST(FanPicturesTest, VideosShowEachFrameInItsPlace) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording();
+  const FanPainter painter(recording.info(), {.height_px = 240});
+  WriteFanVideo(recording, painter, RecordedFramesPerS(recording), dir / "out.mp4");
+  cv::VideoCapture video((dir / "out.mp4").string(), cv::CAP_FFMPEG);
+  ASSERT_TRUE(video.isOpened());
+  EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 2.0, 1e-6);
+  cv::Mat decoded;
+  int count = 0;
+  for (; video.read(decoded); ++count) {
+    ASSERT_EQ(decoded.rows, painter.rows());
+    ASSERT_EQ(decoded.cols, painter.cols());
+    std::vector<double> mean_difference;
+    for (int other = 0; other < 3; ++other) {
+      const Grid<std::uint8_t> painted = painter.Paint(recording.ReadFrame(other));
+      double sum = 0.0;
+      for (int row = 0; row < decoded.rows; ++row) {
+        for (int col = 0; col < decoded.cols; ++col)
+          sum += std::abs(static_cast<double>(decoded.at<cv::Vec3b>(row, col)[1]) - painted(row, col));
+      }
+      mean_difference.push_back(sum / (1.0 * decoded.rows * decoded.cols));
+    }
+    for (int other = 0; other < 3; ++other) {
+      if (other == count) {
+        EXPECT_LT(mean_difference[other], 2.0) << count;
+      } else {
+        EXPECT_GT(mean_difference[other], 2.0 * mean_difference[count]) << count << " " << other;
+      }
+    }
+  }
+  EXPECT_EQ(count, 3);
+}
+
+TEST(FanPicturesTest, RatesAreThoseOfTheTimes) {
+  EXPECT_DOUBLE_EQ(RecordedFramesPerS(Recording()), 2.0);
+  const MemoryRecording recording = Recording();
+  EXPECT_EQ(RecordedFramesPerS(MemoryRecording(recording.info(), {recording.ReadFrame(2)})), 0.0);
+}
+
+TEST(FanPicturesTest, OnlyGreyValuesHaveABrightness) {
+  EXPECT_THROW(FanPainter(Recording(Power()).info(), {}), DataError);
+}
+
+TEST(FanPicturesTest, AVideoThatCannotBeWrittenIsSaid) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording();
+  const FanPainter painter(recording.info(), {});
+  EXPECT_THROW(WriteFanVideo(recording, painter, 10.0, dir / "absent" / "out.mp4"), DataError);
+}
+
+}  // namespace
+}  // namespace sonarcal

@@ -1,0 +1,93 @@
+"""Manual pages and completion, as man and the shells take them.
+
+    documentation_test.py SONARCAL
+
+man -l --warnings must have nothing to say of any page, each command of --help has its page with all options that
+its --help lists, and bash offers these options, the commands, and the words of options that take one of a few.
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+SONARCAL = sys.argv[1]
+
+
+def output_of(*command, **more):
+    """Standard output of a command that must end well."""
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, **more).stdout
+
+
+def options_of_help(*command):
+    """Names that stand at the beginning of lines of --help."""
+    names = []
+    for line in output_of(SONARCAL, *command, "--help").splitlines():
+        found = re.match(r"  (-\w, )?(--[\w-]+)", line)
+        if found:
+            names.append(found.group(2))
+    return names
+
+
+def completed(folder, *words):
+    """What bash offers for the last word."""
+    script = (
+        f"source {folder}/sonarcal.bash; compopt() {{ :; }}; "
+        'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _sonarcal; printf "%s\\n" "${COMPREPLY[@]}"'
+    )
+    return output_of("bash", "-c", script, "bash", *words, cwd=folder).split()
+
+
+def check_pages(folder, commands):
+    """man has no complaint, and pages say what --help says."""
+    for name in ["sonarcal"] + [f"sonarcal-{command}" for command in commands]:
+        page = pathlib.Path(folder, f"{name}.1")
+        environment = dict(os.environ, MANROFFSEQ="", MANWIDTH="80", LC_ALL="C.UTF-8")
+        ended = subprocess.run(
+            ["man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", "-Z", str(page)],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False, env=environment,
+        )
+        assert ended.returncode == 0 and not ended.stderr, f"{page.name}: {ended.stderr}"
+        assert page.read_text(encoding="utf-8").count(".SH NAME") == 1
+    for command in commands:
+        text = pathlib.Path(folder, f"sonarcal-{command}.1").read_text(encoding="utf-8").replace("\\-", "-")
+        for option in options_of_help(command):
+            assert f"\\fB{option}\\fR" in text, f"sonarcal-{command}.1 does not say {option}"
+
+
+def check_bash(folder, commands):
+    """Commands, options, words and files."""
+    assert set(commands) <= set(completed(folder, "sonarcal", ""))
+    assert completed(folder, "sonarcal", "simu") == ["simulate"]
+    for command in commands:
+        offered = completed(folder, "sonarcal", command, "--")
+        missing = set(options_of_help(command)) - set(offered)
+        assert not missing, f"{command}: {missing} are not completed"
+    assert completed(folder, "sonarcal", "simulate", "--sampling", "") == ["frustum", "beams"]
+    assert completed(folder, "sonarcal", "export", "--to", "sto") == ["stonefish"]
+    assert completed(folder, "sonarcal", "fit", "--real", "sonarcal.b") == ["sonarcal.bash"]
+    assert not completed(folder, "sonarcal", "nonsense", "--")
+
+
+def main():
+    """The test."""
+    help_text = output_of(SONARCAL, "--help")
+    commands = re.findall(r"^  (\w+) +[A-Z]", help_text.split("Commands:")[1], re.MULTILINE)
+    assert len(commands) > 10 and "documentation" not in commands, commands
+    with tempfile.TemporaryDirectory() as folder:
+        output_of(SONARCAL, "documentation", "--out", folder)
+        check_pages(folder, commands)
+        check_bash(folder, commands)
+        for shell, script in (("zsh", "_sonarcal"), ("fish", "sonarcal.fish")):
+            if subprocess.run(["which", shell], stdout=subprocess.DEVNULL, check=False).returncode == 0:
+                subprocess.run([shell, "-n", f"{folder}/{script}"], check=True)
+        for command in commands:
+            for script in ("_sonarcal", "sonarcal.fish"):
+                assert command in pathlib.Path(folder, script).read_text(encoding="utf-8")
+    print("ok:", ", ".join(commands))
+
+
+if __name__ == "__main__":
+    main()
