@@ -15,6 +15,7 @@ void SetupSimulate(CLI::App& app);    // apps/simulate_command.h
 void SetupRays(CLI::App& app);        // apps/rays_command.h
 void SetupCompare(CLI::App& app);     // apps/compare_command.h
 void SetupFit(CLI::App& app);         // apps/fit_command.h
+void SetupView(CLI::App& app);        // apps/view_command.h
 void SetupBatch(CLI::App& app);       // apps/batch_command.h
 void SetupDocs(CLI::App& app);        // hidden: apps/documentation_command.cc
 void SetupExplain(CLI::App& app);     // apps/explain_command.h

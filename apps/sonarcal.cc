@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   sonarcal::SetupRays(app);
   sonarcal::SetupCompare(app);
   sonarcal::SetupFit(app);
+  sonarcal::SetupView(app);
   sonarcal::SetupBatch(app);
   sonarcal::SetupDocs(app);
   sonarcal::SetupExplain(app);

@@ -267,6 +267,10 @@ std::string MetricsSummaryJson(const MetricsReport& report) {
   return JsonText(SummaryJson(report));
 }
 
+std::string FrameMetricsJson(const FrameMetrics& frame, IntensityDomain domain) {
+  return FrameJson(frame, domain).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string MetricsJson(const MetricsReport& report) {
   // A document of all frames would hold ten times the memory of its text, so each frame's is written and
   // dropped.

@@ -61,6 +61,9 @@ struct MetricsReport {
   std::vector<std::string> notes;                      // one sentence each
 };
 
+// One of "frames", in a line.
+std::string FrameMetricsJson(const FrameMetrics& frame, IntensityDomain domain);
+
 // The text of metrics.json, ending with a newline.
 std::string MetricsJson(const MetricsReport& report);
 // The same without "frames", which may be many.

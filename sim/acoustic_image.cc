@@ -114,29 +114,39 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   std::vector<GsabParameters<double>> materials;
   for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
 
-  // Neighbours in a row of beams share their elevation.
-  float elevation_rad = std::numeric_limits<float>::quiet_NaN();
-  double elevation_power = 1.0;
-  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    if (echoes.elevation_rad[echo] != elevation_rad) {
-      elevation_rad = echoes.elevation_rad[echo];
-      elevation_power = elevation.Power(elevation_rad);
-    }
-    const double range_m = echoes.range_m[echo];
-    const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
-                            2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
-    const double incidence_rad = echoes.incidence_rad[echo];
-    const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
-    const double power = PowerFromDb(level_db) *
+  // Each by itself on all cores, then summed in the order of the rays: sums are the same on any number of
+  // them.
+  std::vector<double> powers(echoes.size());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, echoes.size(), 4096),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        // Neighbours in a row of beams share their elevation.
+        float elevation_rad = std::numeric_limits<float>::quiet_NaN();
+        double elevation_power = 1.0;
+        for (std::size_t echo = range.begin(); echo != range.end(); ++echo) {
+          if (echoes.elevation_rad[echo] != elevation_rad) {
+            elevation_rad = echoes.elevation_rad[echo];
+            elevation_power = elevation.Power(elevation_rad);
+          }
+          const double range_m = echoes.range_m[echo];
+          const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
+                                  2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
+          const double incidence_rad = echoes.incidence_rad[echo];
+          const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
+          powers[echo] = PowerFromDb(level_db) *
                          GsabPower(materials[echoes.material[echo]], DegFromRad(incidence_rad)) * area_m2 *
                          elevation_power;
+        }
+      });
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
     // Shared between the two nearest fine rows, so that the image changes smoothly with range.
-    const double position = (range_m - axes.range_min_m) / step_m - 0.5;
+    const double position = (double{echoes.range_m[echo]} - axes.range_min_m) / step_m - 0.5;
     const int row = static_cast<int>(std::floor(position));
     const double fraction = position - row;
-    if (row >= 0 && row < scatter.power.rows()) scatter.power(row, col) += (1.0 - fraction) * power;
-    if (row + 1 >= 0 && row + 1 < scatter.power.rows()) scatter.power(row + 1, col) += fraction * power;
+    if (row >= 0 && row < scatter.power.rows()) scatter.power(row, col) += (1.0 - fraction) * powers[echo];
+    if (row + 1 >= 0 && row + 1 < scatter.power.rows())
+      scatter.power(row + 1, col) += fraction * powers[echo];
   }
   return scatter;
 }

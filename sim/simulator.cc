@@ -24,9 +24,12 @@ void SimulationOptions::Check() const {
 }
 
 Simulator::Simulator(Scene scene, SonarModel sonar, SimulationOptions options)
+    : Simulator(std::make_shared<const RayCaster>(std::move(scene)), std::move(sonar), std::move(options)) {}
+
+Simulator::Simulator(std::shared_ptr<const RayCaster> caster, SonarModel sonar, SimulationOptions options)
     : sonar_(std::move(sonar)),
       options_(Checked(std::move(options))),
-      caster_(std::move(scene)),
+      caster_(std::move(caster)),
       fan_(sonar_, options_.fan),
       absorption_db_per_m_(AbsorptionDbPerM(options_.absorption, sonar_.frequency_hz, options_.water)) {
   if (!(sonar_.frequency_hz > 0.0)) {
@@ -49,7 +52,7 @@ struct Simulator::Mirrors {
 std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSet& parameters,
                                                                int thin) const {
   if (parameters.mirrors.empty()) return nullptr;
-  const std::vector<char> reflects = ReflectingMaterials(caster_.material_names(), parameters);
+  const std::vector<char> reflects = ReflectingMaterials(caster_->material_names(), parameters);
   if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
   const std::scoped_lock lock(mirrors_mutex_);
   const double end_deg = parameters.beam.transmit_end_deg;
@@ -61,7 +64,7 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
   if (!mirrors || mirrors->reflects != reflects || mirrors->transmit_end_deg != end_deg ||
       mirrors->elevation_span_deg != rays.elevation_span_deg) {
     mirrors = std::make_shared<const Mirrors>(Mirrors{reflects, end_deg, rays.elevation_span_deg,
-                                                      MirrorSurface(caster_.scene(), reflects),
+                                                      MirrorSurface(caster_->scene(), reflects),
                                                       RayFan(sonar_, rays)});
   }
   return mirrors;
@@ -73,7 +76,7 @@ GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSe
   const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters, thin);
   if (!mirrors) return {};
   const auto [left_rad, right_rad] = AzimuthsRad(fan_);
-  return sonarcal::TraceGhosts(caster_, mirrors->surface, mirrors->fan, world_from_sonar,
+  return sonarcal::TraceGhosts(*caster_, mirrors->surface, mirrors->fan, world_from_sonar,
                                {.order = options_.ghost_order,
                                 .range_min_m = sonar_.axes.range_min_m,
                                 .range_max_m = sonar_.axes.range_max_m,
@@ -90,15 +93,15 @@ ScatterMap Simulator::Scatter(const EchoList& echoes, const ParameterSet& parame
 }
 
 EchoList Simulator::TraceEchoes(const Pose& world_from_sonar) const {
-  return Trace(caster_, fan_, world_from_sonar, sonar_.axes, options_.trace);
+  return Trace(*caster_, fan_, world_from_sonar, sonar_.axes, options_.trace);
 }
 
 PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& parameters,
                              int frame_idx) const {
   if (parameters.model == EchoModel::kPaper && options_.trace.normals == NormalSource::kGeometric) {
     RefuseMargin();
-    PolarImage image = RenderPaperFrame(caster_, fan_, world_from_sonar, sonar_,
-                                        PaperParametersFor(parameters, caster_.material_names()),
+    PolarImage image = RenderPaperFrame(*caster_, fan_, world_from_sonar, sonar_,
+                                        PaperParametersFor(parameters, caster_->material_names()),
                                         absorption_db_per_m_, PaperOptions(frame_idx));
     QuantiseImage(image);
     return image;
@@ -110,7 +113,7 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx,
                         TraceGhosts(world_from_sonar, parameters));
   }
-  CoherentGeometry geometry{.caster = caster_,
+  CoherentGeometry geometry{.caster = *caster_,
                             .fan = fan_,
                             .sonar = sonar_,
                             .absorption_db_per_m = absorption_db_per_m_,

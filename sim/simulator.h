@@ -48,6 +48,8 @@ class Simulator {
  public:
   // Throws DataError for options, a scene or a sonar that cannot be used.
   Simulator(Scene scene, SonarModel sonar, SimulationOptions options);
+  // Of a scene that others trace as well, its structure built once.
+  Simulator(std::shared_ptr<const RayCaster> caster, SonarModel sonar, SimulationOptions options);
   ~Simulator();
 
   // The echoes of a pose: geometry only.
@@ -81,7 +83,7 @@ class Simulator {
   const SonarModel& sonar() const { return sonar_; }
   const SimulationOptions& options() const { return options_; }
   const RayFan& fan() const { return fan_; }
-  const RayCaster& caster() const { return caster_; }
+  const RayCaster& caster() const { return *caster_; }
   double absorption_db_per_m() const { return absorption_db_per_m_; }
 
  private:
@@ -92,7 +94,7 @@ class Simulator {
 
   SonarModel sonar_;
   SimulationOptions options_;
-  RayCaster caster_;
+  std::shared_ptr<const RayCaster> caster_;
   RayFan fan_;
   double absorption_db_per_m_;
   mutable std::mutex mirrors_mutex_;

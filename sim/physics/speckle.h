@@ -72,20 +72,34 @@ inline double DisplayedCdf(const DisplayParameters<double>& display, double look
   return SpeckleCdf(looks, PowerFromDisplay(display, value) / power, law);
 }
 
+// Powers at which a display goes from one of `steps` + 1 grey levels to the next.
+inline std::vector<double> GreyEdges(const DisplayParameters<double>& display, int steps) {
+  std::vector<double> edges;
+  for (int k = 0; k < steps; ++k) edges.push_back(PowerFromDisplay(display, (k + 0.5) / steps));
+  return edges;
+}
+
 // Mean of the displayed value, clipped to 0..1 and rounded to multiples of 1 / steps: the sum over grey
 // levels of the chance to lie above the edge between two.
+inline double MeanDisplayedGrey(const std::vector<double>& edges, double looks, double power,
+                                SpeckleLaw law = SpeckleLaw::kGamma) {
+  double mean = 0.0;
+  for (const double edge : edges) mean += 1.0 - SpeckleCdf(looks, edge / power, law);
+  return mean / static_cast<double>(edges.size());
+}
+
 inline double MeanDisplayedGrey(const DisplayParameters<double>& display, double looks, double power,
                                 int steps, SpeckleLaw law = SpeckleLaw::kGamma) {
-  double mean = 0.0;
-  for (int k = 0; k < steps; ++k) mean += 1.0 - DisplayedCdf(display, looks, power, (k + 0.5) / steps, law);
-  return mean / steps;
+  return MeanDisplayedGrey(GreyEdges(display, steps), looks, power, law);
 }
+
+// Of the midpoint rule by which the mean of values that are not rounded is found.
+inline constexpr int kMeanSteps = 1024;
 
 // Mean of the displayed value, clipped to 0..1 and not rounded: the limit of the above, within 1e-5.
 inline double MeanDisplayed(const DisplayParameters<double>& display, double looks, double power,
                             SpeckleLaw law = SpeckleLaw::kGamma) {
-  constexpr int kSteps = 1024;  // the midpoint rule
-  return MeanDisplayedGrey(display, looks, power, kSteps, law);
+  return MeanDisplayedGrey(display, looks, power, kMeanSteps, law);
 }
 
 // MeanDisplayed of many pixels: tabulated by level, every 0.1 dB, and interpolated; within 2e-5 of it.
@@ -100,8 +114,9 @@ class MeanDisplayTable {
         display.law == DisplayLaw::kPower ? 80.0 / display.exponent : display.db_max - display.db_min + 40.0;
     low_db_ = display.db_max - span_db;
     const int count = static_cast<int>(std::ceil((span_db + 40.0) / kStepDb)) + 1;
+    const std::vector<double> edges = GreyEdges(display, kMeanSteps);
     for (int i = 0; i < count; ++i) {
-      mean_.push_back(MeanDisplayed(display, looks, PowerOfLevel(low_db_ + i * kStepDb), law));
+      mean_.push_back(MeanDisplayedGrey(edges, looks, PowerOfLevel(low_db_ + i * kStepDb), law));
     }
   }
 

@@ -1,0 +1,237 @@
+// The two pictures, fan and polar, of the simulated and the recorded image: one of them, both in turn, on top
+// of each other, their difference or their object regions. Which sample a pixel shows is known to
+// frame_viewer.js, which draws the frames of reports by the same rule.
+/* global polarLookup, fanLookup, kBlinkMs, kDifferenceShown, kKeys */
+
+const kNotCompared = 'Regions appear once the image was compared with a recording.';
+
+// A colour as a picture holds it, its bytes from the lowest on.
+const pack = (r, g, b) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+
+export class Images {
+  constructor(root, session) {
+    this.session = session;
+    this.simulated = null;
+    this.recorded = null;
+    this.regions = null;  // {values, bins, beams}
+    this.second = false;  // of the two that blink
+    this.cursor = -1;     // a sample
+    this.still = window.matchMedia('(prefers-reduced-motion: reduce)');
+    this.part = (name) => root.querySelector(`[data-part="${name}"]`);
+    this.root = root;
+    this.views = ['fan', 'polar'].map((view) => {
+      const canvas = this.part(`${view}-canvas`);
+      return {view, canvas, context: canvas.getContext('2d', {willReadFrequently: true}), key: '', lookup: null};
+    });
+    this.colours = {...session.colours, grey: Array.from({length: 256}, (_, i) => [i, i, i])};
+    for (const view of this.views) this.listen(view);
+    for (const control of root.querySelectorAll('input[name="show"], select, input[type="checkbox"]')) {
+      control.addEventListener('change', () => this.draw());
+    }
+    setInterval(() => {
+      if (this.show !== 'blink' || this.still.matches || document.hidden || this.part('pause').checked) return;
+      this.second = !this.second;
+      this.draw();
+    }, kBlinkMs);
+  }
+
+  get show() {
+    return this.root.querySelector('input[name="show"]:checked').value;
+  }
+
+  set({simulated = this.simulated, recorded = this.recorded, regions = this.regions}) {
+    this.simulated = simulated;
+    this.recorded = recorded;
+    this.regions = regions;
+    this.draw();
+  }
+
+  lookupOf(view, image) {
+    const {axes, bins} = image;
+    const key = `${bins} ${axes.range_m} ${axes.azimuth_deg}`;
+    if (view.key !== key) {
+      view.lookup = (view.view === 'fan' ? fanLookup : polarLookup)(axes, bins);
+      view.key = key;
+      this.cursor = -1;
+    }
+    return view.lookup;
+  }
+
+  // What each sample looks like: red, green, blue and 255 in the bytes of one number.
+  coloursOf(show) {
+    const {simulated, recorded, regions} = this;
+    const {alike, regions: regionColours} = this.session;
+    const packAll = (colours) => new Uint32Array(colours.map(([r, g, b]) => pack(r, g, b)));
+    const greyOf = (image) => {
+      const factor = 255 / image.fullScale;
+      return factor === 1 ? image.values : image.values.map((value) => Math.round(value * factor));
+    };
+    if (show === 'blink') show = this.second ? 'simulated' : 'real';
+    const out = new Uint32Array(simulated.values.length);
+    if (show === 'simulated' || show === 'real' || !recorded) {
+      const image = show === 'real' && recorded ? recorded : simulated;
+      const scale = packAll(this.colours[this.part('colours').value]);
+      const grey = greyOf(image);
+      const shown = new Uint32Array(grey.length);
+      for (let i = 0; i < grey.length; ++i) shown[i] = scale[grey[i]];
+      return shown;
+    }
+    if (show === 'regions') {
+      const colours = packAll(regionColours);
+      return out.map((_, i) => colours[regions ? regions.values[i] & 3 : 0]);
+    }
+    const real = greyOf(recorded);
+    const made = greyOf(simulated);
+    if (show === 'overlay') return out.map((_, i) => pack(made[i], (real[i] + made[i]) / 2, real[i]));
+    return out.map((_, i) => {
+      const d = (made[i] - real[i]) / 255 / kDifferenceShown;
+      const end = regionColours[d < 0 ? 1 : 2];
+      const t = Math.min(1, Math.abs(d));
+      return pack(...end.map((c) => Math.round(alike + t * (c - alike))));
+    });
+  }
+
+  // Recorded and simulated have one shape, or only the simulated one is shown.
+  get comparable() {
+    const {recorded, simulated} = this;
+    return Boolean(recorded) && recorded.bins === simulated.bins && recorded.beams === simulated.beams;
+  }
+
+  draw() {
+    if (!this.simulated) return;
+    const {show} = this;
+    const alone = show !== 'simulated' && show !== 'real' && !this.comparable;
+    const shown = show === 'real' && this.recorded ? this.recorded : this.simulated;
+    const colours = this.coloursOf(alone ? 'simulated' : show);
+    const [, realEdge, simulatedEdge] = this.session.regions.map((c) => pack(...c));
+    const outlined = this.part('outline').checked && this.regions && this.comparable ? this.regions.values : null;
+    for (const view of this.views) {
+      const lookup = this.lookupOf(view, shown);
+      const {width, height, index} = lookup;
+      const {canvas, context} = view;
+      if (canvas.width !== width || canvas.height !== height) {
+        canvas.width = width;
+        canvas.height = height;
+      }
+      const picture = context.createImageData(width, height);
+      const pixels = new Uint32Array(picture.data.buffer);
+      for (let i = 0; i < index.length; ++i) {
+        const sample = index[i];
+        if (sample < 0) continue;  // stays transparent
+        pixels[i] = colours[sample];
+        if (!outlined) continue;
+        const beside = index[i + 1] >= 0 ? outlined[index[i + 1]] : 0;
+        const below = index[i + width] >= 0 ? outlined[index[i + width]] : 0;
+        const edge = (outlined[sample] ^ beside) | (outlined[sample] ^ below);
+        if (edge & 3) pixels[i] = edge & 1 ? realEdge : simulatedEdge;
+      }
+      context.putImageData(picture, 0, 0);
+      this.drawCursor(view);
+    }
+    let key = kKeys[show];
+    if (alone) key = 'The simulated image alone: it has other bins or beams than the recorded one.';
+    else if (show === 'regions' && !this.regions) key = kNotCompared;
+    this.part('key').textContent = key;
+    this.part('which').textContent = show !== 'blink' || alone ? '' : this.second ? 'Simulated.' : 'Recorded.';
+    this.read();
+  }
+
+  // The sample's colours for the fan in the 3D view: bins x beams, four bytes each, dark samples see-through.
+  texture() {
+    const {bins, beams, values, fullScale} = this.simulated;
+    const scale = this.colours[this.part('colours').value];
+    const seen = new Uint32Array(scale.map(([r, g, b], grey) =>
+        ((pack(r, g, b) & 0xffffff) | ((40 + Math.round(215 * Math.sqrt(grey / 255))) << 24)) >>> 0));
+    const colours = new Uint32Array(values.length);
+    const factor = 255 / fullScale;
+    for (let i = 0; i < values.length; ++i) colours[i] = seen[Math.round(values[i] * factor)];
+    const bytes = new Uint8Array(colours.buffer);
+    return {bytes, bins, beams};
+  }
+
+  drawCursor({context, lookup}) {
+    if (this.cursor < 0) return;
+    const pixels = [];
+    for (let i = 0; i < lookup.index.length; ++i) if (lookup.index[i] === this.cursor) pixels.push(i);
+    if (!pixels.length) return;
+    const at = pixels[pixels.length >> 1];
+    const x = (at % lookup.width) + 0.5;
+    const y = Math.floor(at / lookup.width) + 0.5;
+    for (const [line, style] of [[4, '#000'], [2, '#fff']]) {
+      context.lineWidth = line;
+      context.strokeStyle = style;
+      context.beginPath();
+      context.arc(x, y, 9, 0, 2 * Math.PI);
+      context.stroke();
+    }
+  }
+
+  read() {
+    const {simulated, recorded, cursor} = this;
+    const out = this.part('readout');
+    const shown = this.show === 'real' && recorded ? recorded : simulated;
+    if (cursor < 0 || cursor >= shown.values.length) {
+      out.textContent = 'Point at a picture, or use the arrow keys in it, to read its values.';
+      return;
+    }
+    const {beams, bins, axes} = shown;
+    const bin = Math.floor(cursor / beams);
+    const beam = cursor % beams;
+    const [nearest, farthest] = axes.range_m;
+    const number = (value, digits) => value.toFixed(digits).replace('-', '\u2212');
+    const range = nearest + ((bin + 0.5) * (farthest - nearest)) / bins;
+    let text = `${number(range, 3)} m, ${number(axes.azimuth_deg[beam], 2)}\u00b0 (bin ${bin}, beam ${beam}): `;
+    if (this.comparable) {
+      const difference = simulated.values[cursor] - recorded.values[cursor];
+      text += `recorded ${recorded.values[cursor]}, simulated ${simulated.values[cursor]}, difference ` +
+          number(difference, 0);
+    } else {
+      text += `${shown === simulated ? 'simulated' : 'recorded'} ${shown.values[cursor]}`;
+    }
+    out.textContent = `${text} of ${shown.fullScale}`;
+  }
+
+  move(view, right, down) {
+    const {beams, bins} = this.simulated;
+    if (this.cursor < 0) this.cursor = Math.floor(bins / 2) * beams + Math.floor(beams / 2);
+    const farther = view.view === 'fan' ? -down : down;
+    const bin = Math.min(bins - 1, Math.max(0, Math.floor(this.cursor / beams) + farther));
+    const beam = Math.min(beams - 1, Math.max(0, (this.cursor % beams) + right));
+    this.cursor = bin * beams + beam;
+    this.draw();
+  }
+
+  listen(view) {
+    const {canvas} = view;
+    const point = (event) => {
+      if (!view.lookup) return;
+      const box = canvas.getBoundingClientRect();
+      const x = Math.floor(((event.clientX - box.left) * canvas.width) / box.width);
+      const y = Math.floor(((event.clientY - box.top) * canvas.height) / box.height);
+      const inside = x >= 0 && y >= 0 && x < canvas.width && y < canvas.height;
+      this.cursor = inside ? view.lookup.index[y * canvas.width + x] : -1;
+      this.draw();
+    };
+    canvas.addEventListener('pointermove', point);
+    canvas.addEventListener('pointerdown', point);
+    canvas.addEventListener('pointerleave', () => {
+      this.cursor = -1;
+      this.draw();
+    });
+    const keys = {
+      ArrowLeft: () => this.move(view, -1, 0),
+      ArrowRight: () => this.move(view, 1, 0),
+      ArrowUp: () => this.move(view, 0, -1),
+      ArrowDown: () => this.move(view, 0, 1),
+      ' ': () => {
+        this.second = !this.second;
+        this.draw();
+      },
+    };
+    canvas.addEventListener('keydown', (event) => {
+      if (!this.simulated || !(event.key in keys) || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+}

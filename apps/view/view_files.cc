@@ -1,0 +1,93 @@
+#include "apps/view/view_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/simulate_recording.h"
+#include "data_io/json_fields.h"
+#include "data_io/json_writer.h"
+#include "data_io/parameters_io.h"
+#include "data_io/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string SonarText(const SonarModel& sonar, const Water& water) {
+  Json azimuth_deg = Json::array();
+  for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) azimuth_deg.push_back(DegFromRad(azimuth_rad));
+  return JsonText({{"sonar",
+                    {{"name", sonar.name},
+                     {"frequency_hz", sonar.frequency_hz},
+                     {"beam_azimuth_deg", std::move(azimuth_deg)},
+                     {"azimuth_beam_width_deg", sonar.azimuth_beam_width_deg},
+                     {"elevation_beam_width_deg", sonar.elevation_beam_width_deg},
+                     {"range_min_m", sonar.axes.range_min_m},
+                     {"range_max_m", sonar.axes.range_max_m},
+                     {"range_bins", sonar.axes.range_bins},
+                     {"sound_speed_m_per_s", sonar.sound_speed_m_per_s}}},
+                   {"water", WaterJson(water)}});
+}
+
+std::string PosesText(const std::vector<TimedPose>& poses) {
+  Json list = Json::array();
+  for (const TimedPose& pose : poses) {
+    Json item = Json::object();
+    if (pose.time_s) item["time_s"] = *pose.time_s;
+    item["world_from_sonar"] = PoseJson(pose.world_from_sonar);
+    list.push_back(std::move(item));
+  }
+  return JsonText({{"format", "sonar-poses/1"}, {"poses", std::move(list)}});
+}
+
+// As a shell takes it for one word.
+std::string Word(const std::string& text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,:";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string RayWords(const RayOptions& rays) {
+  const RayOptions plain;
+  std::string words;
+  if (rays.sampling) words += fmt::format(" --sampling {}", ToString(*rays.sampling));
+  if (!rays.rays.empty()) words += fmt::format(" --rays {}", rays.rays);
+  if (rays.weight != plain.weight) words += fmt::format(" --ray-weight {}", ToString(rays.weight));
+  if (rays.normals != plain.normals) words += fmt::format(" --normals {}", ToString(rays.normals));
+  if (rays.absorption != plain.absorption)
+    words += fmt::format(" --absorption {}", ToString(rays.absorption));
+  return words;
+}
+
+}  // namespace
+
+ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std::string& folder) {
+  const ViewSetup& setup = session.setup();
+  ParameterSet parameters = state.parameters;
+  const Water water = ChooseWater(parameters, setup.water).water;
+  parameters.water = water;  // a file that says which water it means
+  ViewFiles files;
+  files.text["params.json"] = JsonText(ParametersJson(parameters));
+  files.text["poses.json"] = PosesText(session.Poses(state));
+  const bool sonar_changed = state.sonar != SonarChanges();
+  if (sonar_changed) files.text["sonar.json"] = SonarText(Changed(setup.sonar, state.sonar), water);
+  const std::string in = folder.empty() ? "" : folder + "/";
+  files.command = fmt::format("sonarcal simulate --scene {}{} --sonar {} --params {} --poses {}{}",
+                              Word(setup.scene_path), setup.scene_words,
+                              Word(sonar_changed ? in + "sonar.json" : setup.sonar_argument),
+                              Word(in + "params.json"), Word(in + "poses.json"), RayWords(setup.rays));
+  if (setup.margin_deg) files.command += fmt::format(" --margin {}", *setup.margin_deg);
+  if (session.bits() != 8) files.command += fmt::format(" --bits {}", session.bits());
+  if (setup.ghost_order != 1) files.command += fmt::format(" --ghost-order {}", setup.ghost_order);
+  if (state.noise) files.command += fmt::format(" --noise --seed {}", state.seed);
+  files.command += fmt::format(" --out {}", Word(in + "sim"));
+  return files;
+}
+
+}  // namespace sonarcal

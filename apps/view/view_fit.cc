@@ -1,0 +1,158 @@
+#include "apps/view/view_fit.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <new>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/parameters_io.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLinesKept = 40;
+
+Json FiguresJson(const MetricsReport& report) {
+  const auto value = [](const Statistic& statistic) {
+    return statistic.value ? Json(*statistic.value) : Json(nullptr);
+  };
+  const Aggregate::Views& macro = report.aggregate.macro;
+  const IntensityDomain domain = report.options.intensity_domain;
+  return {{"intensity_error", value(macro.polar.Over(domain).mean_absolute)},
+          {"intensity_error_whole", value(macro.polar.Over(IntensityDomain::kWhole).mean_absolute)},
+          {"iou", value(macro.polar.At("iou"))}};
+}
+
+// {"parameters": {params.json}, "fitted": [{"name", "initial", "value", "sigma", "unit", "status"}],
+//  "left_open": [...], "frames_used", "frames_held_out", "judged_on_held_out", "before": FIGURES, "after":
+//  FIGURES}
+Json ResultJson(const RecordingFit& fit) {
+  const FitReport& report = fit.fit.report;
+  Json fitted = Json::array();
+  for (const FittedParameter& p : report.parameters) {
+    if (p.status == ParameterStatus::kFixed) continue;
+    fitted.push_back({{"name", p.name},
+                      {"initial", p.initial},
+                      {"value", p.value},
+                      {"sigma", p.sigma ? Json(*p.sigma) : Json(nullptr)},
+                      {"unit", p.unit},
+                      {"status", ToString(p.status)}});
+  }
+  return {{"parameters", ParametersJson(fit.fit.parameters)},
+          {"fitted", std::move(fitted)},
+          {"left_open", report.unidentifiable_directions},
+          {"frames_used", report.frames_used},
+          {"frames_held_out", report.frames_held_out},
+          {"judged_on_held_out", fit.judged_on_held_out},
+          {"before", FiguresJson(fit.before)},
+          {"after", FiguresJson(fit.after)}};
+}
+
+}  // namespace
+
+ViewFit::~ViewFit() {
+  Stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ViewFit::Start(ViewFitRequest request) {
+  const std::scoped_lock lock(mutex_);
+  if (phase_ == Phase::kRunning) throw DataError("a fit is running already: stop it, or wait for its end");
+  if (thread_.joinable()) thread_.join();  // it has ended: it holds no lock any more
+  stop_ = false;
+  phase_ = Phase::kRunning;
+  began_ = std::chrono::steady_clock::now();
+  traced_ = 0;
+  frames_ = request.real->frame_count();
+  lines_.clear();
+  error_.clear();
+  result_.clear();
+  thread_ = std::thread([this, request = std::move(request)]() mutable { Run(std::move(request)); });
+}
+
+void ViewFit::Say(const std::string& line) {
+  if (stop_) throw FitStopped();
+  const std::scoped_lock lock(mutex_);
+  lines_.push_back(line);
+  if (lines_.size() > kLinesKept) lines_.pop_front();
+}
+
+void ViewFit::End(Phase phase, const std::string& error) {
+  const std::scoped_lock lock(mutex_);
+  phase_ = phase;
+  error_ = error;
+  took_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+}
+
+void ViewFit::Run(ViewFitRequest request) {
+  FitRecordingOptions& options = request.options;
+  options.pictures = false;
+  options.fit.stop = [this] { return stop_.load(); };
+  options.fit.progress = [this](const std::string& line) { Say(line); };
+  options.on_note = [this](const std::string& sentence) { Say(sentence); };
+  options.on_trace = [this](int frames_done, int) {
+    if (stop_) throw FitStopped();
+    const std::scoped_lock lock(mutex_);
+    traced_ = frames_done;
+  };
+  try {
+    const RecordingFit fit = FitRecording(*request.real, request.scene, request.initial, options);
+    if (!fit.fit.usable) {
+      return End(Phase::kFailed,
+                 fmt::format("the fit ended without a usable solution ({})",
+                             fit.fit.report.termination.empty() ? "nothing could be told from the frames"
+                                                                : fit.fit.report.termination));
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      result_ = ResultJson(fit).dump();
+    }
+    End(Phase::kDone, {});
+  } catch (const FitStopped&) {
+    End(Phase::kStopped, {});
+  } catch (const std::bad_alloc&) {
+    End(Phase::kFailed, "not enough memory for this fit");
+  } catch (const std::exception& error) {
+    End(Phase::kFailed, error.what());
+  }
+}
+
+Json ViewFit::Status() const {
+  const std::scoped_lock lock(mutex_);
+  const char* word = "none";
+  switch (phase_) {
+    case Phase::kNone:
+      break;
+    case Phase::kRunning:
+      word = stop_ ? "stopping" : "running";
+      break;
+    case Phase::kDone:
+      word = "done";
+      break;
+    case Phase::kStopped:
+      word = "stopped";
+      break;
+    case Phase::kFailed:
+      word = "failed";
+      break;
+  }
+  const bool running = phase_ == Phase::kRunning;
+  const double elapsed_s =
+      running ? std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count() : took_s_;
+  Json json = {{"state", word},
+               {"elapsed_s", elapsed_s},
+               {"frames_traced", traced_},
+               {"frames", frames_},
+               {"lines", lines_}};
+  if (!error_.empty()) json["error"] = error_;
+  if (!result_.empty()) json["result"] = Json::parse(result_);
+  return json;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,20 @@
+// The files of the page, built into the program (apps/view/CMakeLists.txt); nothing is read from disk.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace sonarcal {
+
+struct PageFile {
+  std::string_view path;  // "/view.js"
+  std::string_view type;  // MIME
+  std::string_view bytes;
+};
+
+std::span<const PageFile> PageFiles();
+
+// Null where there is none of this path; "/" is the page itself.
+const PageFile* FindPageFile(std::string_view path);
+
+}  // namespace sonarcal

@@ -1,0 +1,249 @@
+#include "apps/view/view_session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+#include "apps/simulate_recording.h"
+#include "apps/view/view_recording.h"
+#include "data_io/types/error.h"
+#include "sim/ghost_power.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr std::size_t kMostClients = 64;
+
+// Bytes by which two things are told apart.
+class Key {
+ public:
+  template <typename T>
+  Key& operator<<(const T& value) requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    text_.append(bytes, sizeof(T));
+    return *this;
+  }
+
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+// Of everything that decides which echoes a pose gives.
+Key RaysKey(const SonarModel& sonar, const SimulationOptions& options) {
+  const RayFanOptions& fan = options.fan;
+  Key key;
+  key << sonar.axes.range_min_m << sonar.axes.range_max_m << sonar.axes.range_bins
+      << sonar.elevation_beam_width_deg << fan.sampling << fan.cols << fan.rows << fan.elevation_span_deg
+      << fan.azimuth_margin_deg << fan.row_crowding << fan.weight << fan.stagger << options.trace.normals
+      << options.trace.step;
+  for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) key << azimuth_rad;
+  return key;
+}
+
+std::string SimulatorKey(const SonarModel& sonar, const SimulationOptions& options) {
+  Key key = RaysKey(sonar, options);
+  const Water& water = options.water;
+  key << sonar.frequency_hz << sonar.azimuth_beam_width_deg << water.temperature_c << water.salinity_ppt
+      << water.ph << water.depth_m << options.noise << options.seed;
+  return key.text();
+}
+
+std::string PoseKey(const Pose& pose) {
+  Key key;
+  for (const double value : pose.position_m) key << value;
+  for (const double value : pose.rotation.coeffs()) key << value;
+  return key.text();
+}
+
+std::string MirrorKey(const ParameterSet& parameters) {
+  Key key;
+  key << parameters.beam.transmit_end_deg;
+  std::string text = key.text();
+  for (const auto& [name, mirror] : parameters.mirrors) text += name + '\n';
+  return text;
+}
+
+bool ShowSame(const ViewState& a, const ViewState& b) {
+  const auto moved_alike = [&] {
+    const auto of_a = a.poses.find(a.frame);
+    const auto of_b = b.poses.find(b.frame);
+    if ((of_a == a.poses.end()) != (of_b == b.poses.end())) return false;
+    return of_a == a.poses.end() || PoseKey(of_a->second) == PoseKey(of_b->second);
+  };
+  return a.parameters == b.parameters && a.sonar == b.sonar && a.frame == b.frame && a.noise == b.noise &&
+         a.seed == b.seed && moved_alike();
+}
+
+int BitsOf(const ViewSetup& setup) {
+  if (!setup.real) return 8;
+  const double full_scale = setup.real->info().scale.full_scale;
+  for (const int bits : {8, 12, 16}) {
+    if (full_scale == static_cast<double>((1 << bits) - 1)) return bits;
+  }
+  throw DataError("{}: full scale {:g}, expected 255, 4095 or 65535 to show a simulation beside it",
+                  setup.real->info().source, full_scale);
+}
+
+double Seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+// Echoes and ghosts of one pose by one fan of rays.
+struct ViewSession::Traced {
+  std::string rays_and_pose;
+  EchoList echoes;
+  std::optional<std::string> mirrors;  // that the ghosts are by; absent: none were traced
+  GhostList ghosts;
+};
+
+ViewSession::ViewSession(ViewSetup setup) : setup_(std::move(setup)), bits_(BitsOf(setup_)) {
+  SONARCAL_CHECK(!setup_.poses.empty(), "a view without poses");
+  caster_ = std::make_shared<const RayCaster>(std::move(setup_.scene));
+}
+
+ViewSession::~ViewSession() = default;
+
+std::shared_ptr<const Simulator> ViewSession::SimulatorFor(const ViewState& state) {
+  const SonarModel sonar = Changed(setup_.sonar, state.sonar);
+  CheckRayWeight(setup_.rays.weight, state.parameters.model);
+  SimulationOptions options =
+      setup_.rays.For(sonar, ChooseWater(state.parameters, setup_.water).water, state.parameters);
+  if (setup_.margin_deg) options.fan.azimuth_margin_deg = *setup_.margin_deg;
+  options.bits = bits_;
+  options.noise = state.noise;
+  options.seed = state.seed;
+  options.ghost_order = setup_.ghost_order;
+  std::string key = SimulatorKey(sonar, options);
+  if (!simulator_ || key != simulator_key_) {
+    simulator_ = std::make_shared<const Simulator>(caster_, sonar, options);
+    simulator_key_ = std::move(key);
+  }
+  return simulator_;
+}
+
+const ViewSession::Traced& ViewSession::TraceFor(const Simulator& simulator, const ViewState& state,
+                                                 const Pose& pose, ViewImage& image) {
+  const auto start = std::chrono::steady_clock::now();
+  std::string key = RaysKey(simulator.sonar(), simulator.options()).text() + PoseKey(pose);
+  if (!traced_ || traced_->rays_and_pose != key) {
+    traced_ = std::make_unique<Traced>(Traced{
+        .rays_and_pose = std::move(key), .echoes = simulator.TraceEchoes(pose), .mirrors = {}, .ghosts = {}});
+    image.traced = true;
+  }
+  if (state.parameters.model == EchoModel::kAcoustic) {
+    std::string mirrors = MirrorKey(state.parameters);
+    if (traced_->mirrors != mirrors) {
+      traced_->ghosts = simulator.TraceGhosts(pose, state.parameters);
+      traced_->mirrors = std::move(mirrors);
+      image.traced = image.traced || !state.parameters.mirrors.empty();
+    }
+  }
+  image.trace_s = Seconds(std::chrono::steady_clock::now() - start);
+  return *traced_;
+}
+
+ViewImage ViewSession::RenderNow(const ViewState& state) {
+  if (last_state_ && ShowSame(*last_state_, state)) return last_;
+  if (state.parameters.model == EchoModel::kCoherent) {
+    throw DataError("the model 'coherent' is too slow to follow a slider, expected 'paper' or 'acoustic'");
+  }
+  const std::shared_ptr<const Simulator> simulator = SimulatorFor(state);
+  const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
+  ViewImage rendered;
+  const auto start = std::chrono::steady_clock::now();
+  if (state.parameters.model == EchoModel::kPaper && setup_.rays.normals == NormalSource::kGeometric) {
+    rendered.image = simulator->Render(pose, state.parameters, state.frame);
+    rendered.traced = true;
+    rendered.trace_s = Seconds(std::chrono::steady_clock::now() - start);
+  } else {
+    const Traced& traced = TraceFor(*simulator, state, pose, rendered);
+    rendered.image =
+        simulator->RenderEchoes(traced.echoes, state.parameters, state.frame,
+                                state.parameters.model == EchoModel::kAcoustic ? traced.ghosts : GhostList{});
+    rendered.shade_s = Seconds(std::chrono::steady_clock::now() - start) - rendered.trace_s;
+  }
+  last_state_ = state;
+  last_ = rendered;
+  return rendered;
+}
+
+bool ViewSession::IsOvertaken(const ViewState& state) {
+  if (state.client.empty()) return false;
+  const std::scoped_lock lock(newest_mutex_);
+  const auto found = newest_.find(state.client);
+  return found != newest_.end() && found->second > state.sequence;
+}
+
+std::optional<ViewImage> ViewSession::Render(const ViewState& state) {
+  if (!state.client.empty()) {
+    const std::scoped_lock lock(newest_mutex_);
+    if (newest_.size() >= kMostClients && newest_.find(state.client) == newest_.end()) newest_.clear();
+    std::int64_t& newest = newest_[state.client];
+    newest = std::max(newest, state.sequence);
+  }
+  const std::scoped_lock lock(render_mutex_);
+  if (IsOvertaken(state)) return std::nullopt;
+  return RenderNow(state);
+}
+
+Frame ViewSession::Recorded(int frame) const {
+  SONARCAL_CHECK(setup_.real != nullptr, "no recording to show");
+  return setup_.real->ReadFrame(frame);
+}
+
+ViewComparison ViewSession::Compare(const ViewState& state) {
+  Frame simulated;
+  RecordingInfo info;
+  {
+    const std::scoped_lock lock(render_mutex_);
+    simulated.image = RenderNow(state).image;
+    info = SimulatedRecordingInfo(*SimulatorFor(state), state.parameters, setup_.scene_path);
+  }
+  Frame recorded = Recorded(state.frame);
+  simulated.info = {.name = recorded.info.name, .time_s = recorded.info.time_s, .world_from_sonar = {}};
+  std::vector<Frame> of_real;
+  of_real.push_back(std::move(recorded));
+  std::vector<Frame> of_simulation;
+  of_simulation.push_back(std::move(simulated));
+  ViewComparison comparison;
+  MetricsReport report =
+      CompareRecordings(MemoryRecording(setup_.real->info(), std::move(of_real)),
+                        MemoryRecording(std::move(info), std::move(of_simulation)),
+                        {.compare = setup_.compare, .as_displayed = true, .noise_floor = false},
+                        [&](const PolarImage&, const PolarImage&, const FrameMetrics& metrics) {
+                          comparison.metrics.masks = metrics.masks;
+                        });
+  std::optional<FrameMasks> masks = std::move(comparison.metrics.masks);
+  comparison.metrics = std::move(report.frames.at(0));
+  comparison.metrics.masks = std::move(masks);
+  comparison.metrics.index = state.frame;
+  comparison.notes = std::move(report.notes);
+  return comparison;
+}
+
+std::vector<TimedPose> ViewSession::Poses(const ViewState& state) const {
+  std::vector<TimedPose> poses = setup_.poses;
+  for (const auto& [frame, pose] : state.poses)
+    poses.at(static_cast<std::size_t>(frame)).world_from_sonar = pose;
+  return poses;
+}
+
+std::shared_ptr<const RecordingSource> ViewSession::RecordingOf(const ViewState& state) const {
+  SONARCAL_CHECK(setup_.real != nullptr, "no recording to fit to");
+  std::vector<std::optional<Pose>> poses(setup_.poses.size());
+  for (std::size_t i = 0; setup_.poses_given && i < poses.size(); ++i) {
+    poses[i] = setup_.poses[i].world_from_sonar;
+  }
+  for (const auto& [frame, pose] : state.poses) poses.at(static_cast<std::size_t>(frame)) = pose;
+  return std::make_shared<const ReposedRecording>(setup_.real, std::move(poses));
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,45 @@
+// `sonarcal view`: a page on this machine that shows a scene, a sonar in it and what it would see, and
+// follows every parameter as it is moved; beside a recording where there is one (docs/view.md).
+//
+// Written, where asked for by the page: params.json, poses.json, sonar.json where the sonar was changed, and
+// provenance.json, into `out`.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/command.h"
+#include "apps/comparison_options.h"
+#include "apps/ray_options.h"
+#include "apps/scene_option.h"
+#include "apps/view/view_session.h"
+
+namespace sonarcal {
+
+struct ViewOptions {
+  CommonOptions common;
+  std::filesystem::path scene;
+  SceneFormat scene_format;
+  std::string sonar;             // name of a preset, or file; empty: that of `real`
+  std::filesystem::path params;  // empty: those of apps/scenes_command.h
+  std::filesystem::path poses;   // recording, or file of poses; empty: those of `real`, or one of its own
+  std::filesystem::path real;    // empty for none
+  std::filesystem::path out;     // empty: the page's files can be downloaded, not written
+  std::optional<EchoModel> model;
+  RayOptions rays;
+  std::optional<double> margin_deg;
+  int ghost_order = 1;
+  std::string object;
+  ComparisonOptions comparison;
+  int port = 8765;  // 0: any free one
+  bool open = false;
+};
+
+// What the page starts from. Throws UsageError or DataError where the options do not go together.
+ViewSetup SetUpView(const ViewOptions& options);
+
+// Ends when the user interrupts it.
+ExitStatus RunView(const ViewOptions& options);
+
+}  // namespace sonarcal

@@ -1,0 +1,426 @@
+// What the page of `sonarcal view` gets, without a socket: images that are those of `simulate` to the bit,
+// and figures that are those of `compare`.
+#include "apps/view/view_api.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <set>
+#include <thread>
+
+#include "apps/compare_command.h"
+#include "apps/view/view_controls.h"
+#include "apps/view/view_mesh.h"
+#include "apps/view_command.h"
+#include "calib/parameter_catalog.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters_io.h"
+#include "data_io/scene_io.h"
+#include "data_io/types/error.h"
+#include "data_io/types/units.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Quoted;
+using testing::ReadJsonFile;
+using testing::RunSonarcal;
+using testing::TinyParameters;
+using testing::TinyWorld;
+
+struct Framed {
+  Json json;
+  std::string data;
+};
+
+Framed ReadFramed(const ViewAnswer& answer) {
+  EXPECT_EQ(answer.status, 200) << answer.body;
+  std::uint32_t length = 0;
+  std::memcpy(&length, answer.body.data(), 4);
+  return {Json::parse(answer.body.substr(4, length)), answer.body.substr(4 + length)};
+}
+
+// Grey values as a recording's frame has them.
+std::vector<float> GreyOf(const Framed& framed) {
+  const int bytes = framed.json["bytes"];
+  std::vector<float> values;
+  for (std::size_t i = 0; i < framed.data.size(); i += bytes) {
+    const auto at = [&](std::size_t k) { return static_cast<unsigned char>(framed.data[k]); };
+    values.push_back(static_cast<float>(bytes == 2 ? at(i) + 256 * at(i + 1) : at(i)));
+  }
+  return values;
+}
+
+std::vector<float> FrameOf(const std::filesystem::path& recording, int frame) {
+  const PolarImage image = OpenRecording(recording)->ReadFrame(frame).image;
+  return {image.value.values().begin(), image.value.values().end()};
+}
+
+// The tiny world on view, beside a noisy recording of it.
+class ViewApiTest : public ::testing::Test {
+ protected:
+  ViewOptions Options() const {
+    ViewOptions options;
+    options.common = {.json = false, .quiet = true};
+    options.scene = world_.scene();
+    options.params = world_.params();
+    options.real = world_ / "real";
+    options.out = world_ / "kept";
+    options.rays.sampling = Sampling::kBeams;
+    options.rays.rays = "96x200";
+    return options;
+  }
+
+  void SetUp() override {
+    world_.WriteSimulated("real", true);
+    session_ = std::make_unique<ViewSession>(SetUpView(Options()));
+    api_ = std::make_unique<ViewApi>(*session_, Options().out);
+  }
+
+  Json State() const { return {{"parameters", Json::parse(ParametersJson(TinyParameters()).dump())}}; }
+
+  ViewAnswer Post(const std::string& path, const Json& body) {
+    return api_->Answer("POST", path, body.dump());
+  }
+
+  // What the files that the page writes make `simulate` render.
+  std::vector<float> Simulated(const Json& state, int frame) {
+    const ViewAnswer saved = Post("/api/save", state);
+    EXPECT_EQ(saved.status, 200) << saved.body;
+    const std::string command = Json::parse(saved.body)["command"];
+    EXPECT_TRUE(command.starts_with("sonarcal simulate "));
+    const auto outcome = RunSonarcal(command.substr(9) + " -q");
+    EXPECT_EQ(outcome.status, 0) << command << '\n' << outcome.err;
+    return FrameOf(world_ / "kept" / "sim", frame);
+  }
+
+  TinyWorld world_;
+  std::unique_ptr<ViewSession> session_;
+  std::unique_ptr<ViewApi> api_;
+};
+
+TEST_F(ViewApiTest, ImagesAreThoseOfSimulateToTheBit) {
+  const auto plain = world_.WriteSimulated("plain");
+  for (int frame = 0; frame < session_->frame_count(); ++frame) {
+    Json state = State();
+    state["frame"] = frame;
+    EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), FrameOf(plain, frame)) << frame;
+  }
+}
+
+TEST_F(ViewApiTest, MovedControlsMakeTheImageThatTheSavedFilesMake) {
+  Json state = State();
+  const std::vector<float> before = GreyOf(ReadFramed(Post("/api/render", state)));
+  state["parameters"]["materials"]["box"]["gsab"]["A"] = 71.23;
+  state["parameters"]["water"] = {{"temperature_c", 8}, {"salinity_ppt", 35}, {"ph", 8.1}, {"depth_m", 3}};
+  const std::vector<float> shaded = GreyOf(ReadFramed(Post("/api/render", state)));
+  EXPECT_NE(shaded, before);
+  EXPECT_EQ(shaded, Simulated(state, 0));
+
+  state["noise"] = true;
+  state["seed"] = 7;
+  state["frame"] = 2;
+  state["poses"]["2"] = {
+      {"position_m", {0.1, -2.2, 1.4}}, {"yaw_deg", 3.5}, {"pitch_deg", -31.0}, {"roll_deg", 2.0}};
+  const std::vector<float> noisy = GreyOf(ReadFramed(Post("/api/render", state)));
+  EXPECT_EQ(noisy, Simulated(state, 2));
+  state["seed"] = 8;
+  EXPECT_NE(GreyOf(ReadFramed(Post("/api/render", state))), noisy);
+}
+
+TEST_F(ViewApiTest, TheAcousticModelToo) {
+  Json state = State();
+  state["parameters"]["model"] = "acoustic";
+  state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
+  state["parameters"]["receiver"]["noise_db"] = 70;
+  state["parameters"]["mirror"]["floor"]["loss_db"] = 3;
+  const std::vector<float> expected = GreyOf(ReadFramed(Post("/api/render", state)));
+  EXPECT_EQ(expected, Simulated(state, 0));
+  state["noise"] = true;
+  state["parameters"]["beam"]["azimuth_width_deg"] = 2.2;
+  EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0));
+}
+
+TEST_F(ViewApiTest, ASonarThatWasChangedToo) {
+  ViewOptions options = Options();
+  options.real.clear();
+  options.sonar = world_.sonar().string();
+  options.poses = world_.poses();
+  options.rays = {};
+  session_ = std::make_unique<ViewSession>(SetUpView(options));
+  api_ = std::make_unique<ViewApi>(*session_, options.out);
+  Json state = State();
+  state["sonar"] = {
+      {"range_max_m", 5.5}, {"range_bins", 77}, {"field_of_view_deg", 40}, {"frequency_hz", 5e5}};
+  const Framed framed = ReadFramed(Post("/api/render", state));
+  EXPECT_EQ(framed.json["bins"], 77);
+  EXPECT_EQ(framed.json["axes"]["range_m"][1], 5.5);
+  const std::vector<double> azimuth_deg = framed.json["axes"]["azimuth_deg"];
+  EXPECT_NEAR((azimuth_deg.back() - azimuth_deg.front()) * 24.0 / 23.0, 40.0, 1e-9);
+  EXPECT_EQ(GreyOf(framed), Simulated(state, 0));
+}
+
+TEST_F(ViewApiTest, MaterialsAreShadedWithoutARay) {
+  Json state = State();
+  state["parameters"]["model"] = "acoustic";
+  state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
+  Post("/api/render", state);
+  const std::int64_t cast = session_->rays_cast();
+  state["parameters"]["materials"]["floor"]["gsab"]["C"] = 3.0;
+  const Framed shaded = ReadFramed(Post("/api/render", state));
+  EXPECT_EQ(session_->rays_cast(), cast);
+  EXPECT_EQ(shaded.json["traced"], false);
+  state["frame"] = 1;
+  EXPECT_EQ(ReadFramed(Post("/api/render", state)).json["traced"], true);
+  EXPECT_GT(session_->rays_cast(), cast);
+}
+
+TEST_F(ViewApiTest, AnOvertakenRequestIsNotRendered) {
+  Json state = State();
+  state["client"] = "page";
+  state["sequence"] = 5;
+  EXPECT_EQ(Post("/api/render", state).status, 200);
+  state["sequence"] = 4;
+  EXPECT_EQ(Post("/api/render", state).status, 204);
+  state["client"] = "another page";
+  EXPECT_EQ(Post("/api/render", state).status, 200);
+}
+
+TEST_F(ViewApiTest, FiguresAreThoseOfCompare) {
+  const auto plain = world_.WriteSimulated("plain");
+  const auto outcome =
+      RunSonarcal(fmt::format("compare --real {} --sim {} --as-displayed --pictures 0 --out {} -q",
+                              Quoted(world_ / "real"), Quoted(plain), Quoted(world_ / "compared")));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json metrics = ReadJsonFile(world_ / "compared" / "metrics.json");
+  for (int frame = 0; frame < session_->frame_count(); ++frame) {
+    Json state = State();
+    state["frame"] = frame;
+    const Framed framed = ReadFramed(Post("/api/compare", state));
+    for (const auto& [key, value] : metrics["frames"][frame].items())
+      EXPECT_EQ(framed.json[key], value) << key;
+    std::int64_t simulated = 0;
+    for (const char region : framed.data) simulated += (region & 2) != 0 ? 1 : 0;
+    EXPECT_EQ(framed.json["ns"], simulated);
+  }
+}
+
+TEST_F(ViewApiTest, RecordedFramesAsTheyAre) {
+  for (const int frame : {0, 3}) {
+    const Framed framed = ReadFramed(Post("/api/recorded", {{"frame", frame}}));
+    EXPECT_EQ(framed.json["full_scale"], 4095);
+    EXPECT_EQ(GreyOf(framed), FrameOf(world_ / "real", frame));
+  }
+}
+
+// Every number and word that params.json holds has a control.
+TEST_F(ViewApiTest, EveryParameterHasAControl) {
+  const Json session = Json::parse(api_->Answer("GET", "/api/session", {}).body);
+  std::set<std::vector<std::string>> paths;
+  for (const Json& control : session["controls"])
+    paths.insert(control["path"].get<std::vector<std::string>>());
+  ParameterSet full = TinyParameters();
+  full.water = Water{};
+  full.receiver.noise_db = 1.0;
+  full.receiver.noise_after_gain_db = 1.0;
+  for (const char* material : {"floor", "box"}) full.mirrors[material].loss_db = 3.0;
+  int count = 0;
+  const std::function<void(const Json&, std::vector<std::string>)> walk = [&](const Json& node,
+                                                                              std::vector<std::string> path) {
+    for (const auto& [key, value] : node.items()) {
+      std::vector<std::string> below = path;
+      below.push_back(key);
+      if (value.is_object()) {
+        walk(value, below);
+      } else if (!value.is_array() && key != "format" && key != "model") {
+        EXPECT_TRUE(paths.contains(below)) << fmt::format("{}", fmt::join(below, "."));
+        ++count;
+      }
+    }
+  };
+  walk(Json::parse(ParametersJson(full).dump()), {"parameters"});
+  EXPECT_GT(count, 40);
+}
+
+TEST_F(ViewApiTest, ControlsHaveTheBoundsOfTheCatalogueAndWordsThatFilesHave) {
+  const ViewSetup& setup = session_->setup();
+  const std::vector<std::string>& materials = session_->scene().material_names;
+  const auto controls = ViewControls({.parameters = setup.parameters,
+                                      .sonar = setup.sonar,
+                                      .water = setup.water,
+                                      .material_names = materials});
+  const std::vector<CatalogEntry> paper = BuildCatalog(materials);
+  const std::vector<CatalogEntry> acoustic = BuildAcousticCatalog(materials, setup.sonar, {});
+  int of_catalog = 0;
+  int words = 0;
+  for (const ViewControl& control : controls) {
+    for (const std::string& word : control.words) {
+      Json json = State()["parameters"];
+      json[control.path[1]][control.path[2]] = word;
+      EXPECT_NO_THROW(ParseParameters(json.dump(), "words")) << control.name << ' ' << word;
+      ++words;
+    }
+    if (!control.words.empty()) continue;
+    EXPECT_LT(control.slider_lower, control.slider_upper) << control.name;
+    EXPECT_GE(control.slider_lower, control.lower) << control.name;
+    EXPECT_LE(control.slider_upper, control.upper) << control.name;
+    EXPECT_FALSE(control.unit.empty()) << control.name;
+    for (const CatalogEntry& entry : control.model == EchoModel::kAcoustic ? acoustic : paper) {
+      if (entry.name != control.name || !control.fitted || control.absent) continue;
+      EXPECT_EQ(control.unit, entry.unit) << control.name;
+      EXPECT_EQ(control.lower, entry.lower) << control.name;
+      // But for one that does not hold the value at the start.
+      const bool wider = control.name == "material.box.gsab.C" && control.model == EchoModel::kAcoustic;
+      EXPECT_EQ(control.upper, wider ? TinyParameters().Material("box").gsab.c : entry.upper) << control.name;
+      ++of_catalog;
+    }
+  }
+  EXPECT_EQ(words, 4 + 2 + 4 + 2 + 3);
+  EXPECT_GE(of_catalog, 2 * 2 * 6 + 6);
+}
+
+TEST_F(ViewApiTest, RequestsThatAreNoneCostOneSentence) {
+  const auto refused = [&](const std::string& path, const std::string& body, int status,
+                           const std::string& what) {
+    const ViewAnswer answer = api_->Answer("POST", path, body);
+    EXPECT_EQ(answer.status, status) << body << '\n' << answer.body;
+    const std::string sentence = Json::parse(answer.body)["error"];
+    EXPECT_THAT(sentence, HasSubstr(what));
+    EXPECT_EQ(sentence.find('\n'), std::string::npos);
+  };
+  refused("/api/render", "{", 400, "request:1");
+  refused("/api/render", "{}", 400, "'parameters'");
+  refused("/api/render", "[]", 400, "expected");
+  refused("/api/render", std::string(100'000, '['), 400, "request:1");
+  for (const auto& [key, value, what] : std::vector<std::tuple<std::string, Json, std::string>>{
+           {"surprise", 1, "unknown key 'surprise'"},
+           {"frame", 4, "'frame'"},
+           {"frame", -1, "'frame'"},
+           {"seed", 0.5, "'seed'"},
+           {"noise", "yes", "'noise'"},
+           {"parameters", 7, "'parameters'"},
+           {"sonar", {{"range_bins", 1e9}}, "range_bins"},
+           {"sonar", {{"beams", 1}}, "beams"},
+           {"poses", {{"9", 1}}, "'9'"},
+           {"poses", {{"0", {{"position_m", {1, 2}}}}}, "position_m"}}) {
+    Json state = State();
+    state[key] = value;
+    refused("/api/render", state.dump(), 400, what);
+  }
+  Json state = State();
+  state["parameters"]["materials"]["floor"]["gsab"]["A"] = -1;
+  refused("/api/render", state.dump(), 400, "materials.floor.gsab.A");
+  state = State();
+  state["sonar"] = {{"range_min_m", 4.5}};
+  refused("/api/render", state.dump(), 422, "range_max_m is 4.5, expected more than range_min_m, 4.5");
+  state = State();
+  state["parameters"]["model"] = "coherent";
+  refused("/api/render", state.dump(), 422, "coherent");
+  refused("/api/recorded", R"({"frame": 4})", 400, "'frame'");
+  refused("/api/nothing", "{}", 404, "nothing is there");
+  EXPECT_EQ(api_->Answer("GET", "/api/render", {}).status, 404);
+}
+
+TEST_F(ViewApiTest, WithoutARecordingOrAFolderItSaysSo) {
+  ViewOptions options = Options();
+  options.real.clear();
+  options.sonar = world_.sonar().string();
+  ViewSession session(SetUpView(options));
+  EXPECT_EQ(session.frame_count(), 1);
+  EXPECT_FALSE(session.setup().poses_given);
+  ViewApi api(session, {});
+  for (const auto& [path, what] : {std::pair{"/api/recorded", "--real"},
+                                   {"/api/compare", "--real"},
+                                   {"/api/fit/start", "--real"},
+                                   {"/api/save", "--out"}}) {
+    const ViewAnswer answer = api.Answer("POST", path, State().dump());
+    EXPECT_EQ(answer.status, 422) << path;
+    EXPECT_THAT(answer.body, HasSubstr(what));
+  }
+  // The place of its own choice sees something.
+  const std::vector<float> values = GreyOf(ReadFramed(api.Answer("POST", "/api/render", State().dump())));
+  EXPECT_GT(*std::max_element(values.begin(), values.end()), 0.0f);
+  options.sonar.clear();
+  EXPECT_THROW(SetUpView(options), UsageError);
+}
+
+TEST_F(ViewApiTest, TheMeshIsTheScene) {
+  const Scene& scene = session_->scene();
+  const Framed framed = ReadFramed(api_->Answer("GET", "/api/scene", {}));
+  ASSERT_EQ(framed.data.size(), 12 * scene.vertices_m.size() + 14 * scene.triangles.size());
+  for (std::size_t i = 0; i < scene.vertices_m.size(); ++i) {
+    EXPECT_EQ(std::memcmp(&framed.data[12 * i], scene.vertices_m[i].data(), 12), 0);
+  }
+  const char* triangles = &framed.data[12 * scene.vertices_m.size()];
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    EXPECT_EQ(std::memcmp(triangles + 12 * i, scene.triangles[i].data(), 12), 0);
+  }
+  const char* materials = triangles + 12 * scene.triangles.size();
+  EXPECT_EQ(std::memcmp(materials, scene.triangle_material.data(), 2 * scene.triangles.size()), 0);
+  EXPECT_EQ(framed.json["material_names"].get<std::vector<std::string>>(), scene.material_names);
+  // Of a larger one, a share.
+  const Framed few = ReadFramed({200, "", MeshFrame(scene, 5)});
+  EXPECT_EQ(scene.triangles.size(), 12U);
+  EXPECT_EQ(few.json["triangles"], 4);
+  EXPECT_EQ(few.json["triangles_in_scene"], 12);
+}
+
+Json WaitForFit(ViewApi& api) {
+  for (int i = 0; i < 6000; ++i) {
+    Json status = Json::parse(api.Answer("GET", "/api/fit", {}).body);
+    if (status["state"] != "running" && status["state"] != "stopping") return status;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return {{"state", "never ended"}};
+}
+
+TEST_F(ViewApiTest, AFitIsThatOfTheCommand) {
+  EXPECT_EQ(Json::parse(api_->Answer("GET", "/api/fit", {}).body)["state"], "none");
+  Json state = State();
+  state["parameters"]["materials"]["box"]["gsab"]["C"] = 1.0;
+  const Json request = {{"state", state}, {"starts", 1}, {"hold", {"jitter.*"}}};
+  const ViewAnswer started = Post("/api/fit/start", request);
+  ASSERT_EQ(started.status, 200) << started.body;
+  EXPECT_EQ(Post("/api/fit/start", request).status, 422);  // one at a time
+  const Json status = WaitForFit(*api_);
+  ASSERT_EQ(status["state"], "done") << status;
+  const Json& result = status["result"];
+
+  testing::WriteFile(world_ / "start.json", state["parameters"].dump());
+  const auto outcome = RunSonarcal(
+      fmt::format("fit --real {} --scene {} --params {} --rays 96x200 --starts 1 --fixed 'jitter.*' --out {} "
+                  "-q",
+                  Quoted(world_ / "real"), Quoted(world_.scene()), Quoted(world_ / "start.json"),
+                  Quoted(world_ / "fit")));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const ParameterSet by_command = ReadParameters(world_ / "fit" / "params.json");
+  const ParameterSet by_view = ParseParameters(result["parameters"].dump(), "result");
+  for (const char* material : {"floor", "box"}) {
+    EXPECT_EQ(by_view.Material(material), by_command.Material(material)) << material;
+  }
+  EXPECT_EQ(by_view.display, by_command.display);
+  EXPECT_EQ(result["frames_held_out"], ReadJsonFile(world_ / "fit" / "fit.json")["frames_held_out"]);
+}
+
+TEST_F(ViewApiTest, AFitCanBeStoppedAndFailsInOneSentence) {
+  Json state = State();
+  ASSERT_EQ(Post("/api/fit/start", {{"state", state}}).status, 200);
+  ASSERT_EQ(Post("/api/fit/stop", Json::object()).status, 200);
+  EXPECT_EQ(WaitForFit(*api_)["state"], "stopped");
+  ASSERT_EQ(Post("/api/fit/start", {{"state", state}, {"hold", {"no such name"}}}).status, 200);
+  const Json failed = WaitForFit(*api_);
+  EXPECT_EQ(failed["state"], "failed");
+  EXPECT_THAT(failed["error"].get<std::string>(), HasSubstr("no such name"));
+  state["sonar"]["frequency_hz"] = 8e5;
+  EXPECT_EQ(Post("/api/fit/start", {{"state", state}}).status, 422);
+  EXPECT_EQ(Post("/api/fit/start", {{"state", 3}}).status, 400);
+}
+
+}  // namespace
+}  // namespace sonarcal
