@@ -203,8 +203,10 @@ class AcousticFitter {
       values = fit_.values;
     };
     ParameterValues values = fit_.values;
+    // At two columns of rays a beam a frame's cost is rough by twice what noise moves a parameter by.
     settled_ =
-        TakeJointSteps(model_, catalog_, active, {.least = NoiseOfCost()}, settle, values, options_.progress);
+        TakeJointSteps(model_, catalog_, active, {.least = NoiseOfCost(), .roughness = 2.0 * NoiseOfCost()},
+                       settle, values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, model_, geometric_, values, kHeld);
   }

@@ -21,8 +21,9 @@ constexpr double kHarder = 8.0;
 
 class Stepper {
  public:
-  Stepper(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog, const std::vector<int>& active)
-      : model_(model), catalog_(catalog), active_(active) {
+  Stepper(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog, const std::vector<int>& active,
+          const std::function<void(ParameterValues&)>& settle)
+      : model_(model), catalog_(catalog), active_(active), settle_(settle) {
     for (const int entry : active) {
       if (IsGeometric(catalog[entry])) geometric_.push_back(entry);
     }
@@ -31,6 +32,11 @@ class Stepper {
   // Traces, for the cost alone.
   double CostAbout(const ParameterValues& values) {
     model_.Linearise(values, {});
+    return CostHere(values);
+  }
+
+  // About the point that was traced last.
+  double CostHere(const ParameterValues& values) const {
     double cost = CostAt(model_, values, model_.frame_count());
     for (const int entry : active_) cost += 0.5 * std::pow(FromPrior(entry, values), 2);
     return cost;
@@ -39,12 +45,13 @@ class Stepper {
   // Traces, for slopes too.
   void Linearise(const ParameterValues& values) { model_.Linearise(values, geometric_); }
 
-  // A step down from the point that the model is linear about; nothing where no damping makes one.
+  // A step down from the point that the model is linear about; nothing where no damping makes one, or none
+  // that promises to be worth it.
   struct Found {
     ParameterValues values;
     double cost = 0.0;
   };
-  std::optional<Found> Step(const ParameterValues& values, double cost) {
+  std::optional<Found> Step(const ParameterValues& values, double cost, double least, double roughness) {
     const NormalEquations equations =
         Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
     Eigen::MatrixXd information = equations.information;
@@ -58,9 +65,17 @@ class Stepper {
     for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
       Eigen::MatrixXd damped = information;
       damped.diagonal() *= 1.0 + damping_;
-      Found trial{.values = Moved(values, -damped.ldlt().solve(gradient)), .cost = 0.0};
+      const Eigen::VectorXd step = -damped.ldlt().solve(gradient);
+      const double promised = -gradient.dot(step) - 0.5 * step.dot(information * step);
+      if (promised < least) return std::nullopt;
+      Found trial{.values = Moved(values, step), .cost = 0.0};
       trial.cost = CostAbout(trial.values);
-      if (!(trial.cost < cost)) continue;
+      // Poses are what is tried: curves may bend before they are judged.
+      if (settle_) {
+        settle_(trial.values);
+        trial.cost = CostHere(trial.values);
+      }
+      if (!(trial.cost < cost + roughness)) continue;
       damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
       return trial;
     }
@@ -88,6 +103,7 @@ class Stepper {
   AcousticFrameModel& model_;
   const std::vector<CatalogEntry>& catalog_;
   const std::vector<int>& active_;
+  const std::function<void(ParameterValues&)>& settle_;
   std::vector<int> geometric_;
   double damping_ = kLeastDamping;
 };
@@ -98,34 +114,25 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
                     const std::vector<int>& active, const JointStepOptions& options,
                     const std::function<void(ParameterValues&)>& settle, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress) {
-  Stepper stepper(model, catalog, active);
+  Stepper stepper(model, catalog, active, settle);
   double cost = stepper.CostAbout(values);
-  for (int step = 0; step < options.steps; ++step) {
+  const double roughness = options.roughness * std::sqrt(static_cast<double>(model.frame_count()));
+  bool ended = false;
+  for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
-    const auto found = stepper.Step(values, cost);
-    if (!found) {
-      if (progress) progress(fmt::format("step {} of poses and curves: none leads down", step + 1));
-      stepper.Linearise(values);
-      return true;
-    }
-    const double before = cost;
-    values = found->values;
-    cost = found->cost;
-    if (settle) {
-      settle(values);
-      cost = stepper.CostAbout(values);
-    }
-    if (progress) {
-      progress(fmt::format("step {} of poses and curves: cost down by {:.4g} to {:.1f}", step + 1,
-                           before - cost, cost));
-    }
-    if (before - cost < options.least) {
-      stepper.Linearise(values);
-      return true;
+    const auto found = stepper.Step(values, cost, options.least, roughness);
+    ended = !found;
+    if (found) {
+      if (progress) {
+        progress(fmt::format("step {} of poses and curves: cost {:.1f}, before it {:.1f}", step + 1,
+                             found->cost, cost));
+      }
+      values = found->values;
+      cost = found->cost;
     }
   }
   stepper.Linearise(values);
-  return false;
+  return ended;
 }
 
 }  // namespace sonarcal

@@ -15,12 +15,18 @@
 namespace sonarcal {
 
 struct JointStepOptions {
-  int steps = 12;      // at most
-  double least = 1.0;  // fall of the cost, in half of -2 log likelihood, below which no other step follows
+  int steps = 6;  // at most
+  // Fall of the cost, in half of -2 log likelihood, that a step must promise.
+  double least = 1.0;
+  // By how much the cost of a frame goes up and down from one pose to the next, as rays come and go at edges.
+  // A step may cost so much, times the root of the number of frames: along a flat valley each lower cost
+  // would else be the last, by chance.
+  double roughness = 0.0;
 };
 
 // Moves the entries `active` of `values`, within their bounds; `catalog` is the model's, with bounds and
-// priors. `settle`, where given, fits what needs no tracing at the model's present point after every step.
+// priors. `settle`, where given, fits what needs no tracing, about the model's present point, for every step
+// tried.
 // The model is linear about the values reached, in those of the entries that are geometric. Returns whether
 // the steps came to an end before they were used up.
 bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,

@@ -47,7 +47,7 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
   settle(values);
   settle(values);
   const double cost = CostAt(model, values, model.frame_count());
-  TakeJointSteps(model, catalog, active, {.steps = 6, .least = 5.0}, settle, values);
+  TakeJointSteps(model, catalog, active, {.steps = 6, .least = 5.0, .roughness = 10.0}, settle, values);
   EXPECT_LT(CostAt(model, values, model.frame_count()), cost - 50.0);
 
   double mean_deg = 0.0;
