@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "calib/fit_options.h"
+#include "calib/identifiability.h"
 #include "calib/problem_builder.h"
 
 namespace sonarcal {
@@ -45,12 +47,29 @@ class Stepper {
   // Traces, for slopes too.
   void Linearise(const ParameterValues& values) { model_.Linearise(values, geometric_); }
 
-  // A step down from the point that the model is linear about; nothing where no damping makes one, or none
-  // that promises to be worth it.
   struct Found {
     ParameterValues values;
     double cost = 0.0;
   };
+
+  // What the frames leave open, where it was known to be beforehand, if that costs nothing.
+  std::optional<Found> Return(const ParameterValues& values, double cost, double roughness) {
+    const NormalEquations equations =
+        Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
+    const Eigen::MatrixXd open = Directions(equations.information).open;
+    if (open.cols() == 0) return std::nullopt;
+    Eigen::VectorXd off(static_cast<Eigen::Index>(active_.size()));
+    for (std::size_t k = 0; k < active_.size(); ++k)
+      off(static_cast<Eigen::Index>(k)) = FromPrior(active_[k], values);
+    Found trial{.values = Moved(values, -Scales().cwiseProduct(open * (open.transpose() * off))),
+                .cost = 0.0};
+    trial.cost = CostAbout(trial.values);
+    if (!(trial.cost < cost + roughness)) return std::nullopt;
+    return trial;
+  }
+
+  // A step down from the point that the model is linear about; nothing where no damping makes one, or none
+  // that promises to be worth it.
   std::optional<Found> Step(const ParameterValues& values, double cost, double least, double roughness) {
     const NormalEquations equations =
         Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
@@ -62,10 +81,12 @@ class Stepper {
       const auto& prior = catalog_[active_[k]].prior;
       if (prior) gradient(static_cast<Eigen::Index>(k)) += FromPrior(active_[k], values) / prior->sigma;
     }
+    const Eigen::MatrixXd told = Scales().asDiagonal() * Directions(equations.information).told;
     for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
       Eigen::MatrixXd damped = information;
       damped.diagonal() *= 1.0 + damping_;
-      const Eigen::VectorXd step = -damped.ldlt().solve(gradient);
+      const Eigen::VectorXd step =
+          -told * (told.transpose() * damped * told).ldlt().solve(told.transpose() * gradient);
       const double promised = -gradient.dot(step) - 0.5 * step.dot(information * step);
       if (promised < least) return std::nullopt;
       Found trial{.values = Moved(values, step), .cost = 0.0};
@@ -83,6 +104,30 @@ class Stepper {
   }
 
  private:
+  // As columns, in sigmas of the priors.
+  struct Split {
+    Eigen::MatrixXd told;  // directions of which the frames tell more than is known beforehand
+    Eigen::MatrixXd open;  // along the others, what rays at edges do to slopes would be followed
+  };
+  Split Directions(const Eigen::MatrixXd& of_frames) const {
+    const Eigen::VectorXd sigma = Scales();
+    const double pixels_a_grain = model_.grain().bins * model_.grain().beams;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * of_frames *
+                                                                sigma.asDiagonal() / pixels_a_grain);
+    const Eigen::Index open = (solver.eigenvalues().array() < 1.0 / kOpenShare).count();  // they ascend
+    return {.told = solver.eigenvectors().rightCols(of_frames.rows() - open),
+            .open = solver.eigenvectors().leftCols(open)};
+  }
+
+  Eigen::VectorXd Scales() const {
+    Eigen::VectorXd sigma(static_cast<Eigen::Index>(active_.size()));
+    for (std::size_t k = 0; k < active_.size(); ++k) {
+      const CatalogEntry& of = catalog_[active_[k]];
+      sigma(static_cast<Eigen::Index>(k)) = of.prior ? of.prior->sigma : of.typical_step;
+    }
+    return sigma;
+  }
+
   // In sigmas of the prior.
   double FromPrior(int entry, const ParameterValues& values) const {
     const CatalogEntry& of = catalog_[entry];
@@ -117,6 +162,11 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   Stepper stepper(model, catalog, active, settle);
   double cost = stepper.CostAbout(values);
   const double roughness = options.roughness * std::sqrt(static_cast<double>(model.frame_count()));
+  stepper.Linearise(values);
+  if (const auto back = stepper.Return(values, cost, roughness)) {
+    values = back->values;
+    cost = back->cost;
+  }
   bool ended = false;
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
