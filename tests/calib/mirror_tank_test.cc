@@ -20,9 +20,9 @@ using testing::SyntheticTank;
 // Angles that the truth says are covered: by at least this many pixels a bin of five degrees.
 constexpr int kCovered = 90;
 
-// What curves may be off by beside their 95 % band: sigmas do not cover all that the model lacks
-// (docs/ghosts.md).
-constexpr double kModelErrorDb = 1.0;
+// What a curve may be off by, as without ghosts (synthetic_tank_test.cc): sigmas do not cover all that the
+// model lacks (docs/ghosts.md).
+constexpr double kMostOffDb = 1.5;
 
 // Share of the covered angles at which the true curve lies in the fitted one's 95 % band.
 double ShareInBand(const SyntheticTank& tank, const FitReport& report, const std::string& material) {
@@ -41,8 +41,7 @@ double ShareInBand(const SyntheticTank& tank, const FitReport& report, const std
     ++covered;
     const double off_db = curve->backscatter_db[i] - GsabDb(tank.TrueCurve(material), deg);
     if (std::abs(off_db) <= 1.96 * curve->sigma_db[i]) ++in_band;
-    EXPECT_LE(std::abs(off_db), std::max(1.96 * curve->sigma_db[i], kModelErrorDb))
-        << material << " at " << deg;
+    EXPECT_LE(std::abs(off_db), kMostOffDb) << material << " at " << deg;
   }
   return static_cast<double>(in_band) / covered;
 }
@@ -71,7 +70,7 @@ TEST(SyntheticTankGhosts, LossesCurvesAndNoiseComeBackTogether) {
   for (const char* material : {"floor", "mockup"}) {
     const double share = ShareInBand(tank, fit.report, material);
     std::cout << fmt::format("  {}: {:.2f} of the covered angles in the 95 % band\n", material, share);
-    EXPECT_GE(share, 0.7) << material << ": the target, all of them, is not reached";
+    EXPECT_GE(share, 0.85) << material << ": the target, all of them, is not reached";
   }
 
   // Held out: the error of the expected image beside what speckle alone makes of the true one's.
