@@ -147,6 +147,49 @@ TEST_F(ViewApiTest, TheAcousticModelToo) {
   EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0));
 }
 
+// Whoever chooses the rays: simulate's own rule for the acoustic model is the view's.
+TEST_F(ViewApiTest, TheAcousticModelByAnyRays) {
+  Json state = State();
+  state["parameters"]["model"] = "acoustic";
+  state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
+  state["parameters"]["receiver"]["noise_db"] = 70;
+  const std::vector<std::pair<std::optional<Sampling>, std::string>> choices = {
+      {{}, ""}, {{}, "96x120"}, {Sampling::kBeams, ""}, {Sampling::kFrustum, "96x120"}};
+  std::set<std::vector<float>> images;
+  for (const auto& [sampling, rays] : choices) {
+    ViewOptions options = Options();
+    options.rays = {};
+    options.rays.sampling = sampling;
+    options.rays.rays = rays;
+    session_ = std::make_unique<ViewSession>(SetUpView(options));
+    api_ = std::make_unique<ViewApi>(*session_, options.out);
+    const std::vector<float> image = GreyOf(ReadFramed(Post("/api/render", state)));
+    EXPECT_EQ(image, Simulated(state, 0)) << rays;
+    images.insert(image);
+  }
+  EXPECT_GE(images.size(), 3U) << "the rays can be told apart";
+}
+
+// What is seen in a mirror changes with the beam, though the rays of direct echoes stay.
+TEST_F(ViewApiTest, GhostsFollowTheBeam) {
+  Json state = State();
+  state["parameters"]["model"] = "acoustic";
+  state["parameters"]["display"] = {{"db_min", 0}, {"db_max", 200}};
+  state["parameters"]["mirror"]["floor"]["loss_db"] = 0;
+  Json& beam = state["parameters"]["beam"];
+  beam["elevation_pattern"] = "aperture";
+  beam["elevation_taper"] = 0.0;
+  beam["elevation_width_deg"] = 30.0;
+  Post("/api/render", state);
+  for (const auto& [name, value] : {std::pair<const char*, Json>{"elevation_width_deg", 12.0},
+                                    {"elevation_taper", 1.0},
+                                    {"elevation_pattern", "cosine"},
+                                    {"transmit_end_deg", 30.0}}) {
+    beam[name] = value;
+    EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0)) << name;
+  }
+}
+
 TEST_F(ViewApiTest, ASonarThatWasChangedToo) {
   ViewOptions options = Options();
   options.real.clear();
