@@ -209,6 +209,25 @@ TEST_F(ViewApiTest, ASonarThatWasChangedToo) {
   EXPECT_EQ(GreyOf(framed), Simulated(state, 0));
 }
 
+TEST_F(ViewApiTest, WhatIsUnknownOfASonarStaysSo) {
+  Json sonar = ReadJsonFile(world_.sonar());
+  sonar["sonar"].erase("sound_speed_m_per_s");
+  sonar["sonar"].erase("azimuth_beam_width_deg");
+  testing::WriteFile(world_ / "unknown.json", sonar.dump());
+  ViewOptions options = Options();
+  options.real.clear();
+  options.sonar = (world_ / "unknown.json").string();
+  options.poses = world_.poses();
+  session_ = std::make_unique<ViewSession>(SetUpView(options));
+  api_ = std::make_unique<ViewApi>(*session_, options.out);
+  Json state = State();
+  state["sonar"] = {{"range_bins", 77}, {"beams", 19}};
+  EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0));
+  const Json written = ReadJsonFile(world_ / "kept" / "sonar.json")["sonar"];
+  EXPECT_FALSE(written.contains("sound_speed_m_per_s"));
+  EXPECT_FALSE(written.contains("azimuth_beam_width_deg"));
+}
+
 TEST_F(ViewApiTest, MaterialsAreShadedWithoutARay) {
   Json state = State();
   state["parameters"]["model"] = "acoustic";
