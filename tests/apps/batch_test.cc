@@ -184,8 +184,8 @@ TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
 
 TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {
   WritePlan("192x400");
-  const std::string command = fmt::format("timeout -s INT 1 {} {} >/dev/null 2>{}", SONARCAL_BINARY,
-                                          Batch("out"), Quoted(world_ / "err"));
+  const std::string command = fmt::format("timeout --foreground -s INT 1 {} {} >/dev/null 2>{}",
+                                          SONARCAL_BINARY, Batch("out"), Quoted(world_ / "err"));
   const int status = std::system(("bash -c \"" + command + "; exit \\$?\"").c_str());
   if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "the batch was done within a second";
   EXPECT_THAT(testing::ReadFile(world_ / "err"), HasSubstr("interrupted: what is done lies in"));
