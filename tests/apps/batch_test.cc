@@ -215,6 +215,27 @@ TEST_F(BatchTest, ALedgerThatWasCutOffIsGoneOnWith) {
   EXPECT_EQ(EventsOf(world_ / "out").at("sim/0000").size(), 2U);
 }
 
+// A scheduler that ends a job sends its signal to all: a simulation then leaves a recording of its first
+// frames, and the batch has no time to say how it ended.
+TEST_F(BatchTest, ASimulationThatASignalCutShortIsGoneOnWith) {
+  WritePlan();
+  const std::string only = Batch("out", "--only sim/0000");
+  ASSERT_EQ(RunSonarcal(only).status, 0);
+  const auto whole = OutputsOf(world_ / "out", {"sim"});
+  const fs::path ledger = world_ / "out" / "ledger.jsonl";
+  const std::string lines = testing::ReadFile(ledger);
+  testing::WriteFile(ledger, lines.substr(0, lines.find('\n') + 1));
+  const fs::path recording = world_ / "out" / "sim" / "0000" / "recording.json";
+  auto json = nlohmann::ordered_json::parse(testing::ReadFile(recording));
+  fs::remove(recording.parent_path() / json["frames"].back()["file"].get<std::string>());
+  json["frames"].erase(json["frames"].size() - 1);
+  testing::WriteFile(recording, json.dump());
+
+  ASSERT_EQ(RunSonarcal(only).status, 0);
+  EXPECT_EQ(OutputsOf(world_ / "out", {"sim"}), whole);
+  EXPECT_THAT(EventsOf(world_ / "out").at("sim/0000"), ::testing::ElementsAre("started", "started", "done"));
+}
+
 // Two at a time share the work.
 TEST_F(BatchTest, TwoAtATimeDoEachJobOnce) {
   WritePlan();
