@@ -75,7 +75,7 @@ class ImageSource {
       double field = 0.0;
       for (const double azimuth_rad : azimuths_rad) {
         field += std::sqrt(SlowResponse(azimuth_rad - acoustics_.sonar.axes.beam_azimuth_rad[beam],
-                                    kAzimuthWidthDeg * kPi / 180.0));
+                                        kAzimuthWidthDeg * kPi / 180.0));
       }
       const double heard = power * field * field;
       if (heard == 0.0) continue;

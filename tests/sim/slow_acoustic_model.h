@@ -1,5 +1,5 @@
-// The acoustic model's closed forms as they are written down, and parameters that allow them: for the tests of
-// sim/, which hold the library to them.
+// The acoustic model's closed forms as they are written down, and parameters that allow them: for the tests
+// of sim/, which hold the library to them.
 #pragma once
 
 #include <cmath>
@@ -15,8 +15,7 @@ inline ParameterSet ClosedFormParameters(double b_deg) {
   p.model = EchoModel::kAcoustic;
   p.source_level_db = 180.0;
   p.receiver.gain_db = 5.0;
-  p.materials["default"].gsab = {
-      .a = 0.16, .b_deg = b_deg, .c = 4e-3, .d = 2.0, .e = 0.016, .f_deg = 20.0};
+  p.materials["default"].gsab = {.a = 0.16, .b_deg = b_deg, .c = 4e-3, .d = 2.0, .e = 0.016, .f_deg = 20.0};
   p.beam.azimuth_pattern = AzimuthPattern::kGaussian;
   p.beam.elevation_pattern = ElevationPattern::kGaussian;
   return p;
