@@ -272,15 +272,7 @@ void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
   command->add_flag("--frozen-speckle", options->frozen_speckle,
                     "Speckle from the seed alone, the same in every frame as long as nothing moves; receiver "
                     "noise stays fresh (acoustic, coherent)");
-  command
-      ->add_option("--ghost-order", options->ghost_order,
-                   "Reflections by the parameters' mirrors that are followed on one leg: 1 or 2")
-      ->type_name("N")
-      ->check(CLI::IsMember({1, 2}).description(""));
-  command
-      ->add_option("--margin", options->margin_deg,
-                   "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths)")
-      ->type_name("DEG");
+  AddReachOptions(*command, options->ghost_order, options->margin_deg);
   command->add_option("--seed", options->seed, "Seed of the noise; frame i uses seed + i")->type_name("N");
   command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
   command->add_flag("--depth", options->depth,

@@ -201,15 +201,7 @@ void SetupView(CLI::App& app) {
       ->type_name("DIR");
   AddChoice(*command, "--model", options->model, kModels, "Echo model (default: that of the parameters)");
   AddRayOptions(*command, options->rays);
-  command
-      ->add_option("--ghost-order", options->ghost_order,
-                   "Reflections by the parameters' mirrors that are followed on one leg: 1 or 2")
-      ->type_name("N")
-      ->check(CLI::IsMember({1, 2}).description(""));
-  command
-      ->add_option("--margin", options->margin_deg,
-                   "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths)")
-      ->type_name("DEG");
+  AddReachOptions(*command, options->ghost_order, options->margin_deg);
   command
       ->add_option("--object", options->object,
                    "Material of the object: a fit is judged in a box around it (default: the whole image)")
