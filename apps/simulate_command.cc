@@ -167,16 +167,8 @@ std::vector<std::string> SimulationCaveats(const SimulateOptions& options, const
                                               simulator.options().water);
   if (!caveat.empty()) sentences.push_back(fmt::format("warning: {}", caveat));
   const ParameterSet& parameters = resolved.parameters;
-  const auto& names = simulator.caster().material_names();
-  for (const auto& [name, mirror] : parameters.mirrors) {
-    if (parameters.model == EchoModel::kPaper) {
-      sentences.emplace_back("warning: the paper's model shows no ghosts of the parameters' mirrors");
-      break;
-    }
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
-    }
-  }
+  for (std::string& sentence : MirrorCaveats(parameters, simulator.caster().material_names()))
+    sentences.push_back(std::move(sentence));
   const auto& jitter = parameters.jitter;
   if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
       jitter.sigma_azimuth_deg == 0.0) {
