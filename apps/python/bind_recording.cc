@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <memory>
-#include <mutex>
 
+#include "apps/locked_recording.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
@@ -18,29 +18,8 @@ namespace {
 
 namespace py = pybind11;
 
-// Readers of most formats are for one thread; Python has any number of them.
-class SharedRecording final : public RecordingSource {
- public:
-  explicit SharedRecording(std::unique_ptr<RecordingSource> source) : source_(std::move(source)) {}
-
-  const RecordingInfo& info() const override { return source_->info(); }
-  int frame_count() const override { return source_->frame_count(); }
-  FrameInfo frame_info(int index) const override {
-    const std::lock_guard lock(mutex_);
-    return source_->frame_info(index);
-  }
-  Frame ReadFrame(int index) const override {
-    const std::lock_guard lock(mutex_);
-    return source_->ReadFrame(index);
-  }
-
- private:
-  std::unique_ptr<RecordingSource> source_;
-  mutable std::mutex mutex_;
-};
-
 std::shared_ptr<RecordingSource> Open(const std::filesystem::path& path) {
-  return std::make_shared<SharedRecording>(OpenRecording(path));
+  return std::make_shared<LockedRecording>(OpenRecording(path));
 }
 
 // Index as Python has it: from the end where negative.
