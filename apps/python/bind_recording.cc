@@ -75,7 +75,7 @@ std::shared_ptr<RecordingSource> FromImages(const std::vector<FloatArray>& image
                 .db_span = {}};
   info.synthetic = synthetic;
   if (!valid.is_none()) {
-    info.valid = MaskFrom(py::array::ensure(valid), axes.range_bins, axes.beam_count(), "valid");
+    info.valid = MaskFrom(py::array(valid), axes.range_bins, axes.beam_count(), "valid");
   }
   std::vector<Frame> frames;
   for (const FloatArray& image : images) {
