@@ -39,7 +39,7 @@ std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
                                 ChoiceAxis::kTrend, ChoiceAxis::kDisplay};
   std::vector<ChoiceAxis> axes;
   for (const std::string& name : names) {
-    const auto found =
+    const auto* const found =
         std::find_if(kAxes.begin(), kAxes.end(), [&](ChoiceAxis axis) { return ToString(axis) == name; });
     if (found == kAxes.end()) {
       throw UsageError("--choose: '{}', expected pattern, elevation, looks, trend or display", name);

@@ -51,6 +51,8 @@ class Simulator {
   // Of a scene that others trace as well, its structure built once.
   Simulator(std::shared_ptr<const RayCaster> caster, SonarModel sonar, SimulationOptions options);
   ~Simulator();
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
 
   // The echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;

@@ -149,8 +149,8 @@ std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& o
 
 class Reader {
  public:
-  Reader(const fs::path& file, const fs::path& out, const CLI::App& root)
-      : root_(root), out_(out), json_(JsonReader::FromFile(file)) {
+  Reader(const fs::path& file, fs::path out, const CLI::App& root)
+      : root_(root), out_(std::move(out)), json_(JsonReader::FromFile(file)) {
     plan_.folder = fs::absolute(file).parent_path();
   }
 
@@ -231,8 +231,8 @@ class Reader {
     return *root_.get_subcommand(name);
   }
 
-  std::vector<Chosen> ReadRows(const JsonReader& json, const CLI::App& command,
-                               const std::vector<PlannedOption>& options) const {
+  static std::vector<Chosen> ReadRows(const JsonReader& json, const CLI::App& command,
+                                      const std::vector<PlannedOption>& options) {
     std::vector<Chosen> rows;
     for (const JsonReader& item : json.Items()) {
       Chosen row;

@@ -107,6 +107,7 @@ std::string BatchSummaryCsv(const Json& summary) {
   text += '\n';
   for (const Json& row : summary.at("jobs")) {
     std::vector<std::string> cells;
+    cells.reserve(first.size() + columns.size());
     for (const std::string& name : first) cells.push_back(row.contains(name) ? Cell(row.at(name)) : "");
     for (const auto& [group, name] : columns) {
       cells.push_back(row.at(group).contains(name) ? Cell(row.at(group).at(name)) : "");

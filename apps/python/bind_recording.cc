@@ -136,7 +136,7 @@ void BindRecordingClass(py::module_& module) {
           "Level shown as full_scale, dB; None where unknown.")
       .def_property_readonly(
           "valid",
-          [](py::object self) -> py::object {
+          [](const py::object& self) -> py::object {
             const auto& valid = self.cast<const Source&>().info().valid;
             if (!valid) return py::none();
             return View(*valid, self);
@@ -165,6 +165,7 @@ void BindRecordingClass(py::module_& module) {
           "times_s",
           [](const Source& r) {
             std::vector<std::optional<double>> times;
+            times.reserve(static_cast<std::size_t>(r.frame_count()));
             for (int i = 0; i < r.frame_count(); ++i) times.push_back(r.frame_info(i).time_s);
             return times;
           },
@@ -228,6 +229,7 @@ void BindRecording(py::module_& module) {
       "write_poses",
       [](const std::filesystem::path& file, const std::vector<Pose>& poses) {
         std::vector<TimedPose> timed;
+        timed.reserve(poses.size());
         for (const Pose& pose : poses) timed.push_back({.time_s = {}, .world_from_sonar = pose});
         WritePoses(file, timed);
       },
