@@ -22,6 +22,12 @@ void TurnedDirections(const float* x, const float* y, const float* width_rad, fl
                       float up, const float* rotation, int count, float* world_x, float* world_y,
                       float* world_z);
 
+// The same, each then raised by raise[i] x height_rad, which is within half a radian.
+void TurnedAndRaisedDirections(const float* x, const float* y, const float* width_rad, float part,
+                               const float* raise, float height_rad, float across, float up,
+                               const float* rotation, int count, float* world_x, float* world_y,
+                               float* world_z);
+
 // What the cells of a row of a pinhole count: the elevation that each covers, from slope - height / 2 to
 // slope + height / 2 but no further than +-limit[i], times per_rad[i]. cosine[i] is that of the azimuth.
 void CellWeights(const float* cosine, const float* limit, const float* per_rad, float slope, float height,
