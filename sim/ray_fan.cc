@@ -211,23 +211,22 @@ Eigen::Vector3f RayFan::Direction(int row, int col) const {
   return Eigen::Vector3d(sine * across, cosine * across, up).cast<float>();
 }
 
-void RayFan::RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const {
+void RayFan::RowDirections(int row, int first, int count, const Eigen::Matrix3f& rotation, float* x, float* y,
+                           float* z) const {
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rotation;
+  const float part = staggered() ? static_cast<float>(stagger_[row]) : 0.0F;
+  const float* right = column_x_.data() + first;
+  const float* ahead = column_y_.data() + first;
   if (!raise_.empty()) {
-    const float part = staggered() ? static_cast<float>(stagger_[row]) : 0.0F;
-    row_math::TurnedAndRaisedDirections(column_x_.data(), column_y_.data(), stagger_width_rad_.data(), part,
-                                        raise_.data(), static_cast<float>(row_height_rad_[row]),
-                                        row_across_[row], row_up_[row], by_rows.data(), cols_, x, y, z);
-    return;
+    row_math::TurnedAndRaisedDirections(right, ahead, stagger_width_rad_.data() + first, part,
+                                        raise_.data() + first, static_cast<float>(row_height_rad_[row]),
+                                        row_across_[row], row_up_[row], by_rows.data(), count, x, y, z);
+  } else if (staggered()) {
+    row_math::TurnedDirections(right, ahead, stagger_width_rad_.data() + first, part, row_across_[row],
+                               row_up_[row], by_rows.data(), count, x, y, z);
+  } else {
+    row_math::Directions(right, ahead, row_across_[row], row_up_[row], by_rows.data(), count, x, y, z);
   }
-  if (staggered()) {
-    row_math::TurnedDirections(column_x_.data(), column_y_.data(), stagger_width_rad_.data(),
-                               static_cast<float>(stagger_[row]), row_across_[row], row_up_[row],
-                               by_rows.data(), cols_, x, y, z);
-    return;
-  }
-  row_math::Directions(column_x_.data(), column_y_.data(), row_across_[row], row_up_[row], by_rows.data(),
-                       cols_, x, y, z);
 }
 
 void RayFan::RowAzimuths(int row, float* azimuth_rad) const {

@@ -72,8 +72,13 @@ class RayFan {
 
   // Unit vector in the sonar frame (X right, Y forward, Z up).
   Eigen::Vector3f Direction(int row, int col) const;
-  // The directions of a whole row in single precision, turned by `rotation`; arrays of cols().
-  void RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const;
+  // The directions of a row from column `first` on, in single precision, turned by `rotation`.
+  void RowDirections(int row, int first, int count, const Eigen::Matrix3f& rotation, float* x, float* y,
+                     float* z) const;
+  // Of the whole row; arrays of cols().
+  void RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const {
+    RowDirections(row, 0, cols_, rotation, x, y, z);
+  }
   double AzimuthRad(int col) const { return azimuth_rad_[col]; }  // of the column's middle
   double AzimuthRad(int row, int col) const { return azimuth_rad_[col] + AsideRad(row, col); }
   bool staggered() const { return !stagger_.empty(); }  // in azimuth
@@ -81,6 +86,14 @@ class RayFan {
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
+
+  // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x its column's part (raise), -1/2 .. 1/2, and
+  // its solid angle ColumnWidthRad x RowHeight x cos(elevation).
+  double RowElevationRad(int row) const { return row_elevation_rad_[row]; }
+  double RowHeightRad(int row) const { return row_height_rad_[row]; }
+  double RowHeight(int row) const { return 2.0 * row_sine_half_height_[row]; }
+  double ColumnWidthRad(int col) const { return column_width_rad_[col]; }
+  float Raise(int col) const { return raise_.empty() ? 0.0F : raise_[col]; }
 
   // What the rays of a row count beside an even share of their beam, as the options say; an array of cols().
   void RowWeights(int row, float* weight) const;

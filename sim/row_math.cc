@@ -148,6 +148,37 @@ void EchoSteps(const EchoLevel& level, const Table& table, const float* __restri
   }
 }
 
+SONARCAL_VECTOR_VERSIONS
+void RaisedWeights(const Table& table, float at, float per_raise, const float* __restrict raise,
+                   const float* __restrict width, int count, float* __restrict weight) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float along = (at + per_raise * raise[i]) * table_steps;
+    const float inside = along > table_steps ? table_steps : along;
+    const float position = inside > 0.0F ? inside : 0.0F;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    weight[i] = width[i] * (values[cell] + part * (values[cell + 1] - values[cell]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void PatchPowers(const Table& table, float per_m, const float* __restrict range_m,
+                 const float* __restrict half_tangent, const float* __restrict weight, int count,
+                 float* __restrict power) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = half_tangent[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
+    const float range = range_m[i];
+    power[i] = strength * weight[i] * std::exp(-per_m * range) / (range * range);
+  }
+}
+
 namespace {
 
 constexpr int kLanes = 64;

@@ -70,6 +70,15 @@ void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const
              const float* azimuth_rad, const float* a, const float* b, int count, float* noisy_range_m,
              float* noisy_azimuth_rad);
 
+// table((at + per_raise x raise[i]) x steps) x width[i]: what hangs on a ray's elevation, times its column's
+// width. Positions outside 0..1 are taken at the nearer end.
+void RaisedWeights(const Table& table, float at, float per_raise, const float* raise, const float* width,
+                   int count, float* weight);
+
+// table(half_tangent[i]) x weight[i] x exp(-per_m x range_m[i]) / range_m[i]^2.
+void PatchPowers(const Table& table, float per_m, const float* range_m, const float* half_tangent,
+                 const float* weight, int count, float* power);
+
 double Dot(const double* a, const double* b, int count);
 
 // floor((value - first) x per_step), -1 where that is not 0 .. bins - 1.

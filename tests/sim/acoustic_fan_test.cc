@@ -45,8 +45,9 @@ double TotalPower(const RayFanOptions& options, const Pose& pose) {
   const RayFan fan(sonar, options);
   const ScatterMap scatter =
       MakeScatterMap(Trace(caster, fan, pose, sonar.axes), fan, {sonar, 0.3}, Parameters());
+  const PolarImage power = ExpectedPower(scatter, {sonar, 0.3}, Parameters());
   double sum = 0.0;
-  for (const float power : ExpectedPower(scatter, {sonar, 0.3}, Parameters()).value.values()) sum += power;
+  for (const float value : power.value.values()) sum += value;
   return sum;
 }
 
