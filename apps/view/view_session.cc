@@ -36,7 +36,7 @@ class Key {
 
 void Add(const RayFanOptions& fan, Key& key) {
   key << fan.sampling << fan.cols << fan.rows << fan.elevation_span_deg << fan.azimuth_margin_deg
-      << fan.row_crowding << fan.weight << fan.stagger;
+      << fan.row_crowding << fan.weight << fan.stagger << fan.stagger_rows;
 }
 
 // Of everything that decides which echoes a pose gives.

@@ -1,9 +1,11 @@
 // What `sonarcal view` shows: a scene, a sonar, poses, and a recording beside them where there is one. Images
-// are those of `sonarcal simulate`, to the bit; figures those of `sonarcal compare --as-displayed`.
+// are those of `sonarcal simulate`: of the paper's model to the bit, of the acoustic one within a grey level.
+// Figures are those of `sonarcal compare --as-displayed`.
 //
 // A scene is built once. Echoes are traced when pose, sonar or rays change, and shaded again when only
 // parameters do; the paper's model casts and shades in one pass (sim/paper_frame.h), which takes less time
-// than shading stored echoes would.
+// than shading stored echoes would. `simulate` does so for the acoustic model, too (sim/acoustic_frame.h), in
+// single precision: a value next to the edge of a grey level may round to the other side.
 //
 // Any thread may call any function.
 #pragma once
