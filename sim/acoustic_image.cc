@@ -27,8 +27,8 @@ double WeightedSum(const std::vector<double>& weight, const double* values) {
 }
 
 std::complex<double> WeightedSum(const std::vector<double>& weight, const std::complex<double>* values) {
-  return std::inner_product(weight.begin(), weight.end(), values, std::complex<double>(0.0),
-                            std::plus<>(), [](double w, const std::complex<double>& v) { return w * v; });
+  return std::inner_product(weight.begin(), weight.end(), values, std::complex<double>(0.0), std::plus<>(),
+                            [](double w, const std::complex<double>& v) { return w * v; });
 }
 
 // Sums `fine` (fine rows x columns) through both responses to bins x beams, those of field or of power. The
