@@ -170,9 +170,7 @@ class Explainer {
     step.knows_speckle = true;
     step.parameters.receiver.looks = BestLooks(used_, mean_used_, step.parameters);
     step.determined += 1;
-    step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
-    step.held_out = Likelihood(step, held_out_, step.mean_held_out);
-    result_.steps.push_back(std::move(step));
+    Weigh(std::move(step));
   }
 
   void AddPoses(std::vector<std::string> free) {
@@ -216,8 +214,16 @@ class Explainer {
       step.grey = FindNormalGreyLaw(used_, GreyOf(mean_used_, used_, step.parameters));
       step.determined += 2;  // its offset and spread
     }
+    Weigh(std::move(step));
+  }
+
+  // Ends a step.
+  void Weigh(ExplainedStep step) {
     step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
     step.held_out = Likelihood(step, held_out_, step.mean_held_out);
+    step.by_frame.clear();
+    for (std::size_t f = 0; f < held_out_.size(); ++f)
+      step.by_frame.push_back({.likelihood = Likelihood(step, {held_out_[f]}, {step.mean_held_out[f]})});
     result_.steps.push_back(std::move(step));
   }
 
@@ -254,13 +260,19 @@ class Explainer {
       const int values = step.determined - before.determined;
       step.aic_change = 2.0 * values - 2.0 * nats;
       step.bic_change = values * std::log(cells) - 2.0 * nats;
-      const double least = options_.tie_sigmas * step.gain.sigma;
-      if (step.gain.mean < -least) {
-        step.verdict = Verdict::kWorse;
-      } else {
-        step.verdict = step.gain.mean > least && step.bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
+      step.verdict = VerdictOn(step.gain, step.bic_change);
+      for (std::size_t f = 0; f < step.by_frame.size(); ++f) {
+        JudgedFrame& frame = step.by_frame[f];
+        frame.gain = Difference(frame.likelihood, before.by_frame[f].likelihood);
+        frame.verdict = VerdictOn(frame.gain, step.bic_change);
       }
     }
+  }
+
+  Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change) const {
+    const double least = options_.tie_sigmas * gain.sigma;
+    if (gain.mean < -least) return Verdict::kWorse;
+    return gain.mean > least && bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
   }
 
   const SonarModel& sonar_;

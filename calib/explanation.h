@@ -50,6 +50,14 @@ enum class Verdict {
 
 std::string_view ToString(Verdict verdict);  // "start", "worth it", "no more than noise", "worse"
 
+// What one of the frames held out says of a step. Where they are alike the sum says more; where one has been
+// half seen by the fit, as a second frame of a still scene has, each has to be heard by itself.
+struct JudgedFrame {
+  BlockedLikelihood likelihood = {};
+  LikelihoodDifference gain = {};  // over the step before, nats a pixel
+  Verdict verdict = Verdict::kStart;
+};
+
 struct ExplainedStep {
   ExplainedPart part = ExplainedPart::kStart;
   ParameterSet parameters = {};              // fitted
@@ -65,6 +73,7 @@ struct ExplainedStep {
   double aic_change = 0.0;         // from the step before; below 0 is better
   double bic_change = 0.0;
   Verdict verdict = Verdict::kStart;
+  std::vector<JudgedFrame> by_frame = {};  // of the frames held out, each alone
 };
 
 struct Explanation {
