@@ -21,6 +21,7 @@ namespace {
 // sqrt(pi / (2 ln 2)).
 constexpr double kCellWidths = 1.5053;
 
+constexpr const char* kNoiseLevel = "receiver.noise_db";
 constexpr const char* kWholeScene = "scene";  // the one material of the first steps
 
 Scene OfOneMaterial(Scene scene) {
@@ -100,9 +101,10 @@ class Explainer {
     Step(ExplainedPart::kElevation, *one_, p, {"materials"});
     p = Last();
     p.receiver = given_.receiver;
-    free = {"materials", "receiver.noise_db"};
+    p.receiver.noise_db = hidden_noise_db_;
+    free = {"materials", kNoiseLevel};
     Step(ExplainedPart::kNoise, *one_, p, free);
-    Step(ExplainedPart::kMaterials, *all_, OwnCurves(), free);
+    AddMaterials(free);
     AddGhosts(free);
     AddSpeckle();
     if (options_.poses) AddPoses(free);
@@ -148,6 +150,17 @@ class Explainer {
     return p;
   }
 
+  void AddMaterials(const std::vector<std::string>& free) {
+    const std::vector<std::string>& names = all_->caster().material_names();
+    if (names.size() > 1) {
+      Step(ExplainedPart::kMaterials, *all_, OwnCurves(), free);
+      return;
+    }
+    result_.left_out.emplace_back("materials: the scene has a single one");
+    ParameterSet& last = result_.steps.back().parameters;
+    last.materials = {{names.front(), last.materials.at(kWholeScene)}};
+  }
+
   void AddGhosts(std::vector<std::string>& free) {
     const std::vector<std::string> mirrors = MirrorsFreeByDefault(given_, all_->caster().material_names());
     if (mirrors.empty()) {
@@ -182,10 +195,23 @@ class Explainer {
             const std::vector<std::string>& free) {
     if (options_.on_step) options_.on_step(part);
     const bool moves = part == ExplainedPart::kPoses;
+    const bool hides_floor = part < ExplainedPart::kNoise;
     FitConfig config{.free = free, .pose_prior = options_.pose_prior};
     fit_options_.search_level = part == ExplainedPart::kStart;
     std::vector<AcousticFrame> used = FramesFor(used_, start.display);
-    AcousticFit fit = FitAcousticModel(simulator, used, start, config, fit_options_);
+    ParameterSet from = start;
+    if (hides_floor) {
+      from.receiver = given_.receiver;
+      if (hidden_noise_db_) from.receiver.noise_db = hidden_noise_db_;
+      config.free->emplace_back(kNoiseLevel);
+    }
+    AcousticFit fit = FitAcousticModel(simulator, used, from, config, fit_options_);
+    if (hides_floor) {
+      hidden_noise_db_ = fit.parameters.receiver.noise_db;
+      fit.parameters.receiver = start.receiver;
+      std::erase_if(fit.report.parameters,
+                    [](const FittedParameter& parameter) { return parameter.name == kNoiseLevel; });
+    }
     if (!fit.usable) {
       throw DataError("explain: the fit of '{}' ended without a usable solution ({})", ToString(part),
                       fit.report.termination);
@@ -282,6 +308,7 @@ class Explainer {
   ParameterSet complete_;  // with beam and pulse as they are
   const ExplainOptions& options_;
   FitOptions fit_options_;
+  std::optional<double> hidden_noise_db_;  // of the floor that fits before `noise` have and images lack
   std::optional<Simulator> narrow_;  // of one material, within the elevation beam
   std::optional<Simulator> one_;     // of one material
   std::optional<Simulator> all_;

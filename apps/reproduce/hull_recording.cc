@@ -117,7 +117,7 @@ class HullMaker {
     initial.source_level_db = 0.0;
     initial.display = noise_->display;
     initial.receiver = noise_->receiver;
-    initial.receiver.gain_db = 80.0;  // the level is the material's to carry
+    initial.receiver.gain_db = 120.0;  // the level is the material's to carry
     initial.beam = RecordedBeam(info_);
     initial.beam.elevation_width_deg = info_.sonar.elevation_beam_width_deg;
     initial.pulse.length_m = kPulseBins * info_.sonar.axes.range_bin_m();
