@@ -42,6 +42,7 @@ struct Subject {
   Scene scene;
   ParameterSet given;
   std::optional<std::vector<int>> held_out;
+  bool hold_noise = false;
   ExplanationTelling telling;
   std::vector<std::filesystem::path> inputs;
 };
@@ -63,7 +64,8 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
           .scene = ReadSceneFile(options.scene, options.scene_format, options.common),
           .given = std::move(given),
           .held_out = {},
-          .telling = {},
+          .hold_noise = options.hold_noise,
+          .telling = {.apart = options.apart},
           .inputs = {options.real, options.scene, options.params}};
 }
 
@@ -79,17 +81,20 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
           .scene = std::move(prepared.scene),
           .given = std::move(prepared.parameters),
           .held_out = std::move(prepared.held_out),
+          .hold_noise = prepared.hold_noise || options.hold_noise,
           .telling = {.title = std::move(prepared.title),
-                      .apart = prepared.apart,
+                      .apart = prepared.apart || options.apart,
                       .caveats = std::move(prepared.caveats)},
           .inputs = std::move(prepared.inputs)};
 }
 
-Json ConfigurationJson(const ExplainCommandOptions& options, const ExplainedRecording& explained) {
+Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subject,
+                       const ExplainedRecording& explained) {
   Json json = {{"known", options.known ? Json(JsonWord(kKnown, *options.known)) : Json(nullptr)},
                {"real", options.real.string()},           {"scene", options.scene.string()},
                {"params", options.params.string()},       {"out", options.out.string()},
-               {"held_out", explained.split.held_out},    {"apart", options.apart},
+               {"held_out", explained.split.held_out},    {"apart", subject.telling.apart},
+               {"hold_noise", subject.hold_noise},
                {"poses", options.poses},                  {"max_iterations", options.max_iterations}};
   json.update(SceneFormatJson(options.scene_format));
   json.update(RayOptionsJson(options.rays, explained.rays));
@@ -131,11 +136,11 @@ ExitStatus RunExplain(const ExplainCommandOptions& options) {
   RunOutput output(options.out);
   if (options.known) opened = OpenKnown(options, output);
   Subject& subject = *opened;
-  subject.telling.apart |= options.apart;
   ExplainRecordingOptions explain{.poses = options.poses};
   explain.rays = options.rays;
   explain.comparison = options.comparison.For(subject.recording->info().sonar.axes);
   explain.held_out = subject.held_out;
+  explain.hold_noise = subject.hold_noise;
   if (!options.held_out.empty()) explain.held_out = options.held_out;
   explain.fit.max_iterations = options.max_iterations;
   explain.fit.threads = options.rays.threads;
@@ -146,7 +151,7 @@ ExitStatus RunExplain(const ExplainCommandOptions& options) {
   const ExplainedRecording explained = ExplainRecording(*subject.recording, subject.scene, subject.given, explain);
 
   const Provenance provenance{.command = "explain",
-                              .configuration = ConfigurationJson(options, explained),
+                              .configuration = ConfigurationJson(options, subject, explained),
                               .inputs = subject.inputs};
   const Json json = ExplanationJson(explained, subject.telling);
   WriteFileWhole(output / "explain.json", json.dump(2) + "\n");
@@ -207,6 +212,9 @@ void SetupExplain(CLI::App& app) {
       ->type_name("N,N")
       ->allow_extra_args(false);
   command->add_flag("--apart", options->apart, "Let each held-out frame judge by itself");
+  command->add_flag("--hold-noise", options->hold_noise,
+                    "Take the noise floor as the parameters have it, such as fit --noise-only found it; "
+                    "else its level is fitted");
   command->add_flag("--poses", options->poses, "Refine the pose of every frame as the last part; slow");
   AddRayOptions(*command, options->rays);
   command->add_option("--max-iterations", options->max_iterations, "Iterations of each solve at most")

@@ -33,6 +33,7 @@ struct ExplainCommandOptions {
   std::filesystem::path out;
   std::vector<int> held_out;  // empty: the last third
   bool apart = false;         // held-out frames judge one by one
+  bool hold_noise = false;    // take the noise floor as given
   bool poses = false;         // refine every frame's pose as the last step
   int max_iterations = 60;
   RayOptions rays{Sampling::kBeams};

@@ -127,6 +127,7 @@ class RecordingExplainer {
     Say(TakeDisplay(recording.info().scale, given_));
     explain_ = {.simulation = AcousticSimulation(options.rays, sonar, water.water, given_),
                 .fit = options.fit,
+                .hold_noise = options.hold_noise,
                 .poses = options.poses,
                 .on_step = options.on_step};
     result_.rays = {explain_.simulation.fan.cols, explain_.simulation.fan.rows};

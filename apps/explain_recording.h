@@ -21,6 +21,7 @@ struct ExplainRecordingOptions {
   std::optional<std::vector<int>> held_out = {};  // absent: the last third
   FitOptions fit = {};
   CompareOptions comparison = {};
+  bool hold_noise = false;  // as ExplainOptions has it
   bool poses = false;
   std::function<void(const std::string& sentence)> on_note = {};
   std::function<void(ExplainedPart)> on_step = {};

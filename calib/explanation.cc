@@ -102,7 +102,8 @@ class Explainer {
     p = Last();
     p.receiver = given_.receiver;
     p.receiver.noise_db = hidden_noise_db_;
-    free = {"materials", kNoiseLevel};
+    free = {"materials"};
+    if (!options_.hold_noise) free.emplace_back(kNoiseLevel);
     Step(ExplainedPart::kNoise, *one_, p, free);
     AddMaterials(free);
     AddGhosts(free);
@@ -203,7 +204,7 @@ class Explainer {
     if (hides_floor) {
       from.receiver = given_.receiver;
       if (hidden_noise_db_) from.receiver.noise_db = hidden_noise_db_;
-      config.free->emplace_back(kNoiseLevel);
+      if (!options_.hold_noise) config.free->emplace_back(kNoiseLevel);
     }
     AcousticFit fit = FitAcousticModel(simulator, used, from, config, fit_options_);
     if (hides_floor) {

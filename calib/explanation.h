@@ -11,7 +11,9 @@
 //   speckle    grey values vary as speckle does, of the number of looks that fits best
 //   poses      every frame's pose; only where asked for
 //
-// Fits are by the likelihood of calib/acoustic_fit.h throughout. Before `speckle` a grey value is taken to be
+// Fits are by the likelihood of calib/acoustic_fit.h throughout, and those before `noise` are given the floor
+// that their images lack: the constant of the law by which they are judged stands for it. Without it a curve
+// would be bent to light, through the skirts of beam and pulse, what no echo lights. Before `speckle` a grey value is taken to be
 // normal about what is expected and a constant (NormalGreyLaw), which is all that a model can say that knows
 // of none; from there on it has the law of speckle.
 //
@@ -86,6 +88,7 @@ struct Explanation {
 struct ExplainOptions {
   SimulationOptions simulation;  // its fan that of the whole elevation pattern
   FitOptions fit = {};
+  bool hold_noise = false;  // the floor as given, not fitted: where target-free pings have told it
   bool poses = false;
   PosePrior pose_prior = {};
   double tie_sigmas = 2.0;

@@ -92,6 +92,7 @@ class HullMaker {
             .parameters = std::move(parameters),
             .held_out = {static_cast<int>(kHeldOut)},
             .apart = false,
+            .hold_noise = true,
             .caveats = Caveats(lean_deg, table),
             .inputs = {folder_}};
   }

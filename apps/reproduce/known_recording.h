@@ -37,6 +37,7 @@ struct PreparedRecording {
   ParameterSet parameters;
   std::vector<int> held_out;
   bool apart = false;  // held-out frames tell different things, so that they are judged one by one
+  bool hold_noise = false;  // the floor of the parameters was found where there is nothing else
   // What a reader must know, a sentence each: what was assumed, and what a figure does not show.
   std::vector<std::string> caveats;
   std::vector<std::filesystem::path> inputs;
