@@ -83,6 +83,7 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
           .held_out = std::move(prepared.held_out),
           .hold_noise = prepared.hold_noise || options.hold_noise,
           .telling = {.title = std::move(prepared.title),
+                      .about = true,
                       .apart = prepared.apart || options.apart,
                       .caveats = std::move(prepared.caveats)},
           .inputs = std::move(prepared.inputs)};

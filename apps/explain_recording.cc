@@ -13,6 +13,8 @@
 #include "data_io/recording_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "metrics/region.h"
+#include "metrics/segmentation.h"
 #include "sim/echo_causes.h"
 #include "sim/physics/display.h"
 
@@ -67,7 +69,7 @@ MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<G
 }
 
 // Mean absolute difference over the pixels that count, of full scale.
-double MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
+std::optional<double> MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
                       const std::vector<GreyFrame>& frames) {
   double sum = 0.0;
   double count = 0.0;
@@ -78,7 +80,8 @@ double MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarI
       count += 1.0;
     }
   }
-  return count > 0.0 ? sum / count : 0.0;
+  if (count == 0.0) return std::nullopt;
+  return sum / count;
 }
 
 // Mean of `value` over boxes of 2 x half + 1 pixels, cut off at the image's edge.
@@ -169,7 +172,26 @@ class RecordingExplainer {
     std::vector<PolarImage> draws;  // empty, where the step knows of no speckle
   };
 
+  // The frames with those pixels alone about which the object is.
+  std::vector<GreyFrame> AboutObject() const {
+    const CompareOptions& rule = options_.comparison;
+    const std::optional<Mask>& valid = recording_.info().valid;
+    std::vector<GreyFrame> about = held_out_;
+    for (GreyFrame& frame : about) {
+      const Mask object = Segment(frame.image, rule.segmentation, rule.region ? &*rule.region : nullptr,
+                                  valid ? &*valid : nullptr)
+                              .object;
+      const Mask near = Dilated(object, kAboutBins, kAboutBeams);
+      if (frame.use.empty()) frame.use.assign(near.size(), 1);
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        if (near.values()[i] == 0) frame.use[i] = 0;
+      }
+    }
+    return about;
+  }
+
   void Judge() {
+    about_object_ = AboutObject();
     result_.judged.frames = result_.split.held_out;
     for (const int frame : result_.split.held_out) result_.by_frame.push_back({.frames = {frame}});
     std::vector<std::size_t> all(held_out_.size());
@@ -191,23 +213,29 @@ class RecordingExplainer {
     judged.gain.push_back(gain);
     judged.verdict.push_back(verdict);
     std::vector<GreyFrame> frames;
+    std::vector<GreyFrame> about;
     std::vector<PolarImage> recorded;
     std::vector<PolarImage> expected;
     std::vector<PolarImage> draws;
     for (const std::size_t f : of) {
+      about.push_back(about_object_[f]);
       frames.push_back(held_out_[f]);
       recorded.push_back(held_out_[f].image);
       expected.push_back(shown.expected[f]);
       if (!shown.draws.empty()) draws.push_back(shown.draws[f]);
     }
     StepFigures figures{.intensity_error = MeanDifference(recorded, expected, frames)};
+    figures.about_error = MeanDifference(recorded, expected, about);
     const ViewSummary of_expected = Compared(frames, expected);
     figures.union_error = of_expected.Over(IntensityDomain::kUnion).mean_absolute.value;
     figures.overlap_error = of_expected.Over(IntensityDomain::kOverlap).mean_absolute.value;
     const ViewSummary of_shown = draws.empty() ? of_expected : Compared(frames, draws);
     figures.iou = of_shown.At("iou").value;
     figures.ns_over_nr = of_shown.At("ns_over_nr").value;
-    if (!draws.empty()) judged.floor_error = MeanDifference(draws, expected, frames);
+    if (!draws.empty()) {
+      judged.floor_error = MeanDifference(draws, expected, frames);
+      judged.about_floor_error = MeanDifference(draws, expected, about);
+    }
     judged.figures.push_back(figures);
   }
 
@@ -294,6 +322,7 @@ class RecordingExplainer {
   ExplainOptions explain_;
   std::vector<GreyFrame> used_;
   std::vector<GreyFrame> held_out_;
+  std::vector<GreyFrame> about_object_;
   std::optional<Simulator> simulator_;
   ExplainedRecording result_;
 };

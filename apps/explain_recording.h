@@ -27,11 +27,17 @@ struct ExplainRecordingOptions {
   std::function<void(ExplainedPart)> on_step = {};
 };
 
+// About the object as found in the recorded image: this far beyond it, in pixels.
+inline constexpr int kAboutBins = 20;
+inline constexpr int kAboutBeams = 4;
+
 // A step's agreement with frames held out. Errors are mean absolute differences of the expected image, of full
-// scale, over the whole polar image and over the object as found in both images or in either; occupancy is
-// that of the expected image too, from `speckle` on of a draw.
+// scale: over the whole polar image; about the object as found in the recorded image, the same pixels for all
+// steps; and over the object as found in either image or in both. Occupancy is that of the expected image too,
+// from `speckle` on of a draw.
 struct StepFigures {
   std::optional<double> intensity_error = {};
+  std::optional<double> about_error = {};
   std::optional<double> union_error = {};
   std::optional<double> overlap_error = {};
   std::optional<double> iou = {};  // pooled over frames
@@ -45,8 +51,10 @@ struct JudgedSteps {
   std::vector<double> nats_per_pixel = {};
   std::vector<LikelihoodDifference> gain = {};
   std::vector<Verdict> verdict = {};
-  // What a draw of the last step's model itself differs from its expected image by: no model does better.
+  // What a draw of the last step's model itself differs from its expected image by, over the whole image and
+  // about the object: the error that is left to speckle and noise.
   std::optional<double> floor_error = {};
+  std::optional<double> about_floor_error = {};
 };
 
 // What the recorded cells of a frame come from, as indices into ExplainedRecording::cause_names.

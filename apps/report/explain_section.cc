@@ -79,12 +79,11 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
   Table table{.caption = "Each part added to those above it, fitted again, and judged " + by,
               .columns = {{"Added"},
                           {"Intensity error", "of full scale"},
-                          {"Object, in both", "of full scale"},
+                          {"About the object", "of full scale"},
                           {"IoU"},
                           {"Ns/Nr"},
                           {"Gain, held out", "nats a pixel"},
-                          {"AIC", "change"},
-                          {"BIC", "change"},
+                          {"AIC, BIC", "change"},
                           {"Fitted", "values"},
                           {"Verdict", {}, false}},
               .rows = {}};
@@ -97,9 +96,11 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
     table.rows.push_back(
         {.cells = {
              std::string(TitleOf(step.part)), Text(figures.intensity_error, 4),
-             Text(figures.overlap_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
+             Text(figures.about_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
              first ? "–" : fmt::format("{} ± {}", FormatNumber(gain.mean, 4), FormatNumber(gain.sigma, 4)),
-             first ? "–" : FormatNumber(step.aic_change, 0), first ? "–" : FormatNumber(step.bic_change, 0),
+             first ? "–"
+                   : fmt::format("{}, {}", FormatNumber(step.aic_change, 0),
+                                 FormatNumber(step.bic_change, 0)),
              fmt::format("{}", step.determined), std::string(ToString(judged.verdict[i]))}});
   }
   table.notes.push_back(fmt::format(
@@ -110,8 +111,8 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
       explained.explanation.pixels_used / explained.explanation.pixels_a_cell,
       explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
   table.notes.emplace_back(
-      "Intensity error: mean absolute difference of grey values over the whole polar image, and over the "
-      "object as found in both images alike. Until speckle is "
+      "Intensity error: mean absolute difference of grey values over the whole polar image. About the "
+      "object: the same within 20 range bins and 4 beams of it, as found in the recorded image. Until speckle is "
       "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
       "draw, and means little where the segmentation does not find an object. Fitted values: those that the "
       "data determine.");
@@ -124,14 +125,15 @@ std::string Frames(const std::vector<int>& frames) {
 }
 
 Waterfall WaterfallOf(const ExplainedRecording& explained, const JudgedSteps& judged,
-                      const std::string& title) {
+                      std::optional<double> StepFigures::*error_of, const std::string& title) {
   const std::vector<ExplainedStep>& steps = explained.explanation.steps;
+  const bool whole = error_of == &StepFigures::intensity_error;
   Waterfall waterfall{.title = title,
                       .unit = "mean absolute error of grey values, of full scale",
-                      .floor = judged.floor_error,
+                      .floor = whole ? judged.floor_error : judged.about_floor_error,
                       .floor_label = "speckle alone:"};
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double error = judged.figures[i].intensity_error.value_or(0.0);
+    const double error = (judged.figures[i].*error_of).value_or(0.0);
     waterfall.rows.push_back(
         {.label = std::string(TitleOf(steps[i].part)),
          .value = error,
@@ -154,6 +156,7 @@ Json FiguresJson(const JudgedSteps& judged, std::size_t i) {
   const auto change = [&](double value) { return i == 0 ? Json(nullptr) : Json(value); };
   return {{"verdict", ToString(judged.verdict[i])},
           {"intensity_error", NumberOrNull(figures.intensity_error)},
+          {"about_object_error", NumberOrNull(figures.about_error)},
           {"union_error", NumberOrNull(figures.union_error)},
           {"overlap_error", NumberOrNull(figures.overlap_error)},
           {"iou", NumberOrNull(figures.iou)},
@@ -166,7 +169,7 @@ Json FiguresJson(const JudgedSteps& judged, std::size_t i) {
 std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judged) {
   std::string text =
       fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added", "intensity",
-                  "object", "IoU", "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
+                  "about", "IoU", "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
   const std::vector<ExplainedStep>& steps = explained.explanation.steps;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const StepFigures& figures = judged.figures[i];
@@ -175,12 +178,14 @@ std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judge
                : fmt::format("{:+.4f} +- {:.4f}", judged.gain[i].mean, judged.gain[i].sigma);
     const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", steps[i].bic_change);
     text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(steps[i].part),
-                        Text(figures.intensity_error, 4), Text(figures.overlap_error, 4),
+                        Text(figures.intensity_error, 4), Text(figures.about_error, 4),
                         Text(figures.iou, 3), Text(figures.ns_over_nr, 3), gain, bic,
                         i == 0 ? "" : ToString(judged.verdict[i]));
   }
-  if (judged.floor_error)
-    text += fmt::format("  {:<20}  {:>9.4f}  that no model is below\n", "speckle alone", *judged.floor_error);
+  if (judged.floor_error) {
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  of the last model's own draws\n", "speckle alone",
+                        Text(judged.floor_error, 4), Text(judged.about_floor_error, 4));
+  }
   return text;
 }
 
@@ -228,7 +233,7 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
                   const ExplanationTelling& telling) {
   report.Section("What each part is worth");
   if (!telling.caveats.empty()) {
-    report.Callout(CalloutKind::kLimit, "What to know", "These were assumed, or bound what figures can say.");
+    report.Callout(CalloutKind::kLimit, "What to know", "What was assumed, and what figures do not show.");
     report.List(telling.caveats);
   }
   for (const JudgedSteps& judged : Judges(explained, telling)) {
@@ -236,11 +241,19 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
     if (telling.apart) report.Subsection("Judged by " + Frames(judged.frames));
     std::string of = telling.title.empty() ? std::string() : ": " + telling.title;
     if (telling.apart) of += ", by " + Frames(judged.frames);
-    report.Add(WaterfallOf(explained, judged, "What is left unexplained after each part is added" + of),
+    const std::string known = telling.title.empty() ? std::string() : " (" + telling.title + ")";
+    report.Add(WaterfallOf(explained, judged, &StepFigures::intensity_error,
+                           "What is left unexplained after each part is added" + of),
                fmt::format("Judged {}{}. Blue: what is left; pale green: what a part "
-                           "took away; red: what it added. The dashed line is what speckle leaves of "
-                           "the last model's own draws: none is below it.",
-                           by, telling.title.empty() ? std::string() : " (" + telling.title + ")"));
+                           "took away; red: what it added. The dashed line is what the last model's own "
+                           "draws differ from it by: speckle and noise.",
+                           by, known));
+    if (telling.about && judged.figures.back().about_error) {
+      report.Add(WaterfallOf(explained, judged, &StepFigures::about_error, "The same about the object" + of),
+                 fmt::format("Judged {}{}, within {} range bins and {} beams of the object as found in the "
+                             "recorded image.",
+                             by, known, kAboutBins, kAboutBeams));
+    }
     report.Add(StepTable(explained, judged, by));
   }
   std::vector<std::string> parts;
