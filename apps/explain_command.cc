@@ -71,9 +71,8 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
 
 // Prepared as `recording` of the output.
 Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output) {
-  const PrepareOptions prepare{.threads = options.rays.threads, .on_note = [&](const std::string& line) {
-                                 PrintNote(options.common, line);
-                               }};
+  const PrepareOptions prepare{.threads = options.rays.threads,
+                               .on_note = [&](const std::string& line) { PrintNote(options.common, line); }};
   PreparedRecording prepared = PrepareKnown(
       *options.known, options.recordings.empty() ? DefaultRecordingsFolder() : options.recordings, prepare);
   WritePrepared(prepared, output / "recording");
@@ -92,11 +91,15 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
 Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subject,
                        const ExplainedRecording& explained) {
   Json json = {{"known", options.known ? Json(JsonWord(kKnown, *options.known)) : Json(nullptr)},
-               {"real", options.real.string()},           {"scene", options.scene.string()},
-               {"params", options.params.string()},       {"out", options.out.string()},
-               {"held_out", explained.split.held_out},    {"apart", subject.telling.apart},
+               {"real", options.real.string()},
+               {"scene", options.scene.string()},
+               {"params", options.params.string()},
+               {"out", options.out.string()},
+               {"held_out", explained.split.held_out},
+               {"apart", subject.telling.apart},
                {"hold_noise", subject.hold_noise},
-               {"poses", options.poses},                  {"max_iterations", options.max_iterations}};
+               {"poses", options.poses},
+               {"max_iterations", options.max_iterations}};
   json.update(SceneFormatJson(options.scene_format));
   json.update(RayOptionsJson(options.rays, explained.rays));
   json.update(ComparisonOptionsJson(options.comparison));
@@ -149,7 +152,8 @@ ExitStatus RunExplain(const ExplainCommandOptions& options) {
   explain.on_step = [&](ExplainedPart part) {
     PrintNote(options.common, fmt::format("fitting: {}", TitleOf(part)));
   };
-  const ExplainedRecording explained = ExplainRecording(*subject.recording, subject.scene, subject.given, explain);
+  const ExplainedRecording explained =
+      ExplainRecording(*subject.recording, subject.scene, subject.given, explain);
 
   const Provenance provenance{.command = "explain",
                               .configuration = ConfigurationJson(options, subject, explained),

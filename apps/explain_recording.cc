@@ -70,7 +70,7 @@ MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<G
 
 // Mean absolute difference over the pixels that count, of full scale.
 std::optional<double> MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
-                      const std::vector<GreyFrame>& frames) {
+                                     const std::vector<GreyFrame>& frames) {
   double sum = 0.0;
   double count = 0.0;
   for (std::size_t f = 0; f < frames.size(); ++f) {

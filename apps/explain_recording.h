@@ -31,10 +31,10 @@ struct ExplainRecordingOptions {
 inline constexpr int kAboutBins = 20;
 inline constexpr int kAboutBeams = 4;
 
-// A step's agreement with frames held out. Errors are mean absolute differences of the expected image, of full
-// scale: over the whole polar image; about the object as found in the recorded image, the same pixels for all
-// steps; and over the object as found in either image or in both. Occupancy is that of the expected image too,
-// from `speckle` on of a draw.
+// A step's agreement with frames held out. Errors are mean absolute differences of the expected image, of
+// full scale: over the whole polar image; about the object as found in the recorded image, the same pixels
+// for all steps; and over the object as found in either image or in both. Occupancy is that of the expected
+// image too, from `speckle` on of a draw.
 struct StepFigures {
   std::optional<double> intensity_error = {};
   std::optional<double> about_error = {};

@@ -310,8 +310,8 @@ class Explainer {
   const ExplainOptions& options_;
   FitOptions fit_options_;
   std::optional<double> hidden_noise_db_;  // of the floor that fits before `noise` have and images lack
-  std::optional<Simulator> narrow_;  // of one material, within the elevation beam
-  std::optional<Simulator> one_;     // of one material
+  std::optional<Simulator> narrow_;        // of one material, within the elevation beam
+  std::optional<Simulator> one_;           // of one material
   std::optional<Simulator> all_;
   std::vector<std::vector<double>> mean_used_;  // of the last step
   FrameModel::Grain grain_;

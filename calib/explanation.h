@@ -13,9 +13,9 @@
 //
 // Fits are by the likelihood of calib/acoustic_fit.h throughout, and those before `noise` are given the floor
 // that their images lack: the constant of the law by which they are judged stands for it. Without it a curve
-// would be bent to light, through the skirts of beam and pulse, what no echo lights. Before `speckle` a grey value is taken to be
-// normal about what is expected and a constant (NormalGreyLaw), which is all that a model can say that knows
-// of none; from there on it has the law of speckle.
+// would be bent to light, through the skirts of beam and pulse, what no echo lights. Before `speckle` a grey
+// value is taken to be normal about what is expected and a constant (NormalGreyLaw), which is all that a
+// model can say that knows of none; from there on it has the law of speckle.
 //
 // A step is worth it where the likelihood of the frames held out rises by more than two standard errors and
 // the Bayesian criterion on the frames used falls. Both criteria,

@@ -95,12 +95,12 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
     const bool first = i == 0;
     table.rows.push_back(
         {.cells = {
-             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4),
-             Text(figures.about_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
+             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.about_error, 4),
+             Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
              first ? "–" : fmt::format("{} ± {}", FormatNumber(gain.mean, 4), FormatNumber(gain.sigma, 4)),
-             first ? "–"
-                   : fmt::format("{}, {}", FormatNumber(step.aic_change, 0),
-                                 FormatNumber(step.bic_change, 0)),
+             first
+                 ? "–"
+                 : fmt::format("{}, {}", FormatNumber(step.aic_change, 0), FormatNumber(step.bic_change, 0)),
              fmt::format("{}", step.determined), std::string(ToString(judged.verdict[i]))}});
   }
   table.notes.push_back(fmt::format(
@@ -112,7 +112,8 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
       explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
   table.notes.emplace_back(
       "Intensity error: mean absolute difference of grey values over the whole polar image. About the "
-      "object: the same within 20 range bins and 4 beams of it, as found in the recorded image. Until speckle is "
+      "object: the same within 20 range bins and 4 beams of it, as found in the recorded image. Until "
+      "speckle is "
       "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
       "draw, and means little where the segmentation does not find an object. Fitted values: those that the "
       "data determine.");
@@ -134,13 +135,11 @@ Waterfall WaterfallOf(const ExplainedRecording& explained, const JudgedSteps& ju
                       .floor_label = "speckle alone:"};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double error = (judged.figures[i].*error_of).value_or(0.0);
-    waterfall.rows.push_back(
-        {.label = std::string(TitleOf(steps[i].part)),
-         .value = error,
-         .mood = MoodOf(judged.verdict[i]),
-         .word = i == 0 ? std::string() : std::string(ToString(judged.verdict[i]))});
-    waterfall.alt +=
-        fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", TitleOf(steps[i].part), error);
+    waterfall.rows.push_back({.label = std::string(TitleOf(steps[i].part)),
+                              .value = error,
+                              .mood = MoodOf(judged.verdict[i]),
+                              .word = i == 0 ? std::string() : std::string(ToString(judged.verdict[i]))});
+    waterfall.alt += fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", TitleOf(steps[i].part), error);
   }
   return waterfall;
 }
@@ -178,9 +177,8 @@ std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judge
                : fmt::format("{:+.4f} +- {:.4f}", judged.gain[i].mean, judged.gain[i].sigma);
     const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", steps[i].bic_change);
     text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(steps[i].part),
-                        Text(figures.intensity_error, 4), Text(figures.about_error, 4),
-                        Text(figures.iou, 3), Text(figures.ns_over_nr, 3), gain, bic,
-                        i == 0 ? "" : ToString(judged.verdict[i]));
+                        Text(figures.intensity_error, 4), Text(figures.about_error, 4), Text(figures.iou, 3),
+                        Text(figures.ns_over_nr, 3), gain, bic, i == 0 ? "" : ToString(judged.verdict[i]));
   }
   if (judged.floor_error) {
     text += fmt::format("  {:<20}  {:>9}  {:>6}  of the last model's own draws\n", "speckle alone",
@@ -271,13 +269,14 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained, const Ex
   std::string sentence = CauseSentence(explained);
   if (!sentence.empty()) sentence.front() = static_cast<char>(std::toupper(sentence.front()));
   report.Paragraph(sentence + ".");
-  PictureRow row{.caption = (telling.title.empty() ? std::string() : telling.title + ". ") +
-                     "Recorded (left) and what each bright cell comes from by the last model (right); "
-                     "nearest range at the top. A cell is bright where the recorded power about it is "
-                     "twice the noise floor, and not explained where it is three times what is expected.",
-                 .pictures = {},
-                 .columns = 2,
-                 .legend = CauseLegend(explained.maps, explained.cause_names)};
+  PictureRow row{
+      .caption = (telling.title.empty() ? std::string() : telling.title + ". ") +
+                 "Recorded (left) and what each bright cell comes from by the last model (right); "
+                 "nearest range at the top. A cell is bright where the recorded power about it is "
+                 "twice the noise floor, and not explained where it is three times what is expected.",
+      .pictures = {},
+      .columns = 2,
+      .legend = CauseLegend(explained.maps, explained.cause_names)};
   constexpr std::size_t kMost = 4;
   for (std::size_t i = 0; i < std::min(kMost, explained.maps.size()); ++i) {
     const CauseMap& map = explained.maps[i];

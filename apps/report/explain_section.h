@@ -17,9 +17,9 @@ std::string_view TitleOf(ExplainedPart part);
 
 // How an explanation is told.
 struct ExplanationTelling {
-  std::string title = {};  // of the recording, said wherever a picture is shown; empty: none
-  bool about = false;      // a waterfall of what lies about the object, too
-  bool apart = false;      // held-out frames judge one by one, not together
+  std::string title = {};                 // of the recording, said wherever a picture is shown; empty: none
+  bool about = false;                     // a waterfall of what lies about the object, too
+  bool apart = false;                     // held-out frames judge one by one, not together
   std::vector<std::string> caveats = {};  // what was assumed and what figures do not show, a sentence each
 };
 

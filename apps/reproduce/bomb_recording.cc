@@ -17,16 +17,16 @@ namespace {
 
 constexpr const char* kOtherPose = "other_pose_fan.png";
 
-// An image's powers above its own background's noise, as another display shows them: whole grey levels of that
-// display's scale.
+// An image's powers above its own background's noise, as another display shows them: whole grey levels of
+// that display's scale.
 PolarImage Reshown(const PolarImage& image, const DisplayParameters<double>& own,
                    const DisplayParameters<double>& shown, const ImageScale& scale) {
   PolarImage result = image;
   result.scale = scale;
   for (float& value : result.value.values()) {
     const double power = PowerFromDisplay(own, value / image.scale.full_scale);
-    value = static_cast<float>(
-        std::lround(std::clamp(DisplayValue(shown, power), 0.0, 1.0) * scale.full_scale));
+    value =
+        static_cast<float>(std::lround(std::clamp(DisplayValue(shown, power), 0.0, 1.0) * scale.full_scale));
   }
   return result;
 }
@@ -69,8 +69,8 @@ PreparedRecording PrepareBombRecording(const std::filesystem::path& folder, cons
 
   say("fitting beam, pulse and curve to frame 0 of the bomb");
   const DisplayParameters<double> display = DisplayOfBackground(frames[0].image, {});
-  const TargetFit model = FitBomb(info, frames[0].image, BombPose(), BombInitial(display, info.sonar),
-                                  BombFitOptions(), options);
+  const TargetFit model =
+      FitBomb(info, frames[0].image, BombPose(), BombInitial(display, info.sonar), BombFitOptions(), options);
   frames[2].image =
       Reshown(frames[2].image, DisplayOfBackground(frames[2].image, {}), display, frames[0].image.scale);
   say("finding the other pose, the model held");

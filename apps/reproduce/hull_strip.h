@@ -9,9 +9,11 @@
 //   - The line is as near as the mark says where it comes nearest within the half-power elevation beam: where
 //     it leans no more than half of that beam's width, at the foot of the perpendicular, and at the beam's
 //     lower edge where it leans more.
-//   - The strip reaches two widths of that beam up and down. Where the line leans more than half of the beam's
+//   - The strip reaches two widths of that beam up and down. Where the line leans more than half of the
+//   beam's
 //     width it ends at the beam's lower edge, below which it would come nearer than the mark.
-//   - Marks are whole bins, whose steps would make a stair of the surface: they are smoothed by a local parabola
+//   - Marks are whole bins, whose steps would make a stair of the surface: they are smoothed by a local
+//   parabola
 //     over kSmoothBeams beams. Beams without a mark have no surface, be there one or not.
 #pragma once
 
@@ -30,16 +32,16 @@ inline constexpr int kSmoothBeams = 9;
 // Marked range bin of each beam.
 using FirstReturn = std::vector<std::optional<int>>;
 
-// A PNG of range bins x beams, grey or colour, with or without alpha: a beam's mark is its nearest pixel whose
-// colour is not black. Throws DataError where the picture is of another size than the axes.
+// A PNG of range bins x beams, grey or colour, with or without alpha: a beam's mark is its nearest pixel
+// whose colour is not black. Throws DataError where the picture is of another size than the axes.
 FirstReturn ReadFirstReturn(const std::filesystem::path& file, const PolarAxes& axes);
 
 // Ranges of the first return, smoothed, by beam; nothing where a beam has no mark.
 std::vector<std::optional<double>> SmoothedRangesM(const FirstReturn& marks, const PolarAxes& axes);
 
 struct HullStripOptions {
-  double lean_deg = 0.0;         // 0 .. 80
-  double elevation_deg = 14.0;   // half-power width of the beam, two-way
+  double lean_deg = 0.0;        // 0 .. 80
+  double elevation_deg = 14.0;  // half-power width of the beam, two-way
   std::string material = "hull";
 };
 

@@ -11,9 +11,10 @@ namespace {
 std::filesystem::path FolderOf(const std::filesystem::path& recordings, const char* name) {
   std::filesystem::path folder = recordings / name;
   if (!std::filesystem::is_directory(folder)) {
-    throw DataError("{}: no such folder; `sonarcal recordings` says where recordings come from, and "
-                    "SONARCAL_RECORDINGS or --recordings where they are",
-                    folder.string());
+    throw DataError(
+        "{}: no such folder; `sonarcal recordings` says where recordings come from, and "
+        "SONARCAL_RECORDINGS or --recordings where they are",
+        folder.string());
   }
   return folder;
 }

@@ -67,7 +67,8 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   std::vector<std::string> parts;
   for (const nlohmann::json& step : json["steps"]) {
     parts.push_back(step["part"]);
-    for (const char* key : {"intensity_error", "about_object_error", "iou", "ns_over_nr", "held_out_nats_per_pixel"})
+    for (const char* key :
+         {"intensity_error", "about_object_error", "iou", "ns_over_nr", "held_out_nats_per_pixel"})
       EXPECT_TRUE(step[key].is_number()) << parts.back() << " " << key;
     EXPECT_EQ(step["gain_nats_per_pixel"].is_null(), parts.size() == 1) << parts.back();
   }
@@ -118,7 +119,8 @@ TEST_F(ExplainCommand, LetsFramesJudgeApart) {
     ASSERT_EQ(step["by_frame"].size(), 2U);
     EXPECT_EQ(step["by_frame"][1]["index"], 3);
     for (const char* key : {"held_out_nats_per_pixel", "intensity_error"}) {
-      const double mean = 0.5 * (step["by_frame"][0][key].get<double>() + step["by_frame"][1][key].get<double>());
+      const double mean =
+          0.5 * (step["by_frame"][0][key].get<double>() + step["by_frame"][1][key].get<double>());
       EXPECT_NEAR(step[key].get<double>(), mean, 1e-9) << step["part"] << " " << key;
     }
     for (const nlohmann::json& fitted : step["fitted"]) EXPECT_NE(fitted["name"], "receiver.noise_db");

@@ -1,7 +1,5 @@
 // The real recordings that `explain --known` explains, and the strip of surface that stands for a hull. Few
 // rays, so that each takes half a minute; figures are those of docs/explain.md for many.
-#include "apps/reproduce/known_recording.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +10,7 @@
 #include "apps/explain_recording.h"
 #include "apps/report/explain_section.h"
 #include "apps/reproduce/hull_strip.h"
+#include "apps/reproduce/known_recording.h"
 #include "data_io/didson_io.h"
 #include "data_io/image_io.h"
 #include "data_io/open_recording.h"
@@ -76,8 +75,7 @@ TEST(HullStrip, RaysMeetItAtTheMarks) {
   for (const double lean_deg : {0.0, 25.0}) {
     const Scene strip = MakeHullStrip(marks, sonar.axes, {.lean_deg = lean_deg});
     SimulationOptions options;
-    options.fan = {
-        .sampling = Sampling::kBeams, .cols = 96, .rows = 281, .elevation_span_deg = 14.0};
+    options.fan = {.sampling = Sampling::kBeams, .cols = 96, .rows = 281, .elevation_span_deg = 14.0};
     const Simulator simulator(strip, sonar, options);
     const EchoList echoes = simulator.TraceEchoes(Pose{});
     std::vector<double> nearest_m(96, 1e9);
