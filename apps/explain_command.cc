@@ -43,6 +43,8 @@ struct Subject {
   ParameterSet given;
   std::optional<std::vector<int>> held_out;
   bool hold_noise = false;
+  ComparisonOptions comparison;  // as provenance has it
+  CompareOptions compare;
   ExplanationTelling telling;
   std::vector<std::filesystem::path> inputs;
 };
@@ -60,11 +62,14 @@ void CheckSubject(const ExplainCommandOptions& options) {
 Subject OpenFiles(const ExplainCommandOptions& options) {
   ParameterSet given = ReadParameters(options.params);
   auto recording = OpenRecording(options.real);
+  const PolarAxes axes = recording->info().sonar.axes;
   return {.recording = std::move(recording),
           .scene = ReadSceneFile(options.scene, options.scene_format, options.common),
           .given = std::move(given),
           .held_out = {},
           .hold_noise = options.hold_noise,
+          .comparison = options.comparison,
+          .compare = options.comparison.For(axes),
           .telling = {.apart = options.apart},
           .inputs = {options.real, options.scene, options.params}};
 }
@@ -76,11 +81,23 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
   PreparedRecording prepared = PrepareKnown(
       *options.known, options.recordings.empty() ? DefaultRecordingsFolder() : options.recordings, prepare);
   WritePrepared(prepared, output / "recording");
+  ComparisonOptions comparison = options.comparison;
+  CompareOptions compare = comparison.For(prepared.recording->info().sonar.axes);
+  // A method that is asked for by name wins over the recording's own.
+  SegmentationOptions& rule = comparison.object.rule;
+  const SegmentationOptions& own = prepared.comparison.segmentation;
+  if (rule.method == SegmentationOptions{}.method && own.method != rule.method) {
+    rule.method = compare.segmentation.method = own.method;
+    compare.segmentation.background_law = own.background_law;
+    if (own.background_law) comparison.object.background_params = options.out / "recording/params.json";
+  }
   return {.recording = std::move(prepared.recording),
           .scene = std::move(prepared.scene),
           .given = std::move(prepared.parameters),
           .held_out = std::move(prepared.held_out),
           .hold_noise = prepared.hold_noise || options.hold_noise,
+          .comparison = std::move(comparison),
+          .compare = std::move(compare),
           .telling = {.title = std::move(prepared.title),
                       .about = true,
                       .apart = prepared.apart || options.apart,
@@ -102,7 +119,7 @@ Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subj
                {"max_iterations", options.max_iterations}};
   json.update(SceneFormatJson(options.scene_format));
   json.update(RayOptionsJson(options.rays, explained.rays));
-  json.update(ComparisonOptionsJson(options.comparison));
+  json.update(ComparisonOptionsJson(subject.comparison));
   return json;
 }
 
@@ -142,7 +159,7 @@ ExitStatus RunExplain(const ExplainCommandOptions& options) {
   Subject& subject = *opened;
   ExplainRecordingOptions explain{.poses = options.poses};
   explain.rays = options.rays;
-  explain.comparison = options.comparison.For(subject.recording->info().sonar.axes);
+  explain.comparison = subject.compare;
   explain.held_out = subject.held_out;
   explain.hold_noise = subject.hold_noise;
   if (!options.held_out.empty()) explain.held_out = options.held_out;

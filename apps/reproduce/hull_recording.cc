@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/background_law_of.h"
 #include "apps/fit_recording.h"
 #include "apps/reproduce/hull_strip.h"
 #include "apps/reproduce/known_recording.h"
@@ -86,10 +87,16 @@ class HullMaker {
         "The marked pings of a folder, {:g} m apart so that each has a hull strip from marks of its own: "
         "positions are made up.",
         kApartM));
+    CompareOptions comparison;
+    // Where most of the picture is clipped to black, spreads of grey find nothing.
+    comparison.segmentation.method = SegmentationMethod::kLikelihoodRatio;
+    comparison.segmentation.background_law = std::make_shared<const BackgroundLaw>(
+        BackgroundLawOf(parameters, info.sonar.axes, folder_.string()));
     return {.title = "hull strip from marks, DIDSON (recorded)",
             .recording = std::make_unique<MemoryRecording>(info, std::move(frames)),
             .scene = Strips(lean_deg),
             .parameters = std::move(parameters),
+            .comparison = std::move(comparison),
             .held_out = {static_cast<int>(kHeldOut)},
             .apart = false,
             .hold_noise = true,

@@ -36,6 +36,7 @@ struct PreparedRecording {
   std::unique_ptr<MemoryRecording> recording;  // a pose with every frame
   Scene scene;
   ParameterSet parameters;
+  CompareOptions comparison = {};  // how its object is found
   std::vector<int> held_out;
   bool apart = false;       // held-out frames tell different things, so that they are judged one by one
   bool hold_noise = false;  // the floor of the parameters was found where there is nothing else

@@ -158,6 +158,7 @@ ExplainedRecording Explained(const PreparedRecording& prepared, const std::strin
   ExplainRecordingOptions options;
   options.rays.rays = rays;
   options.held_out = prepared.held_out;
+  options.comparison = prepared.comparison;
   options.hold_noise = prepared.hold_noise;
   options.fit.max_iterations = 25;
   ExplainedRecording explained =
