@@ -131,6 +131,7 @@ Waterfall WaterfallOf(const ExplainedRecording& explained, const JudgedSteps& ju
   const bool whole = error_of == &StepFigures::intensity_error;
   Waterfall waterfall{.title = title,
                       .unit = "mean absolute error of grey values, of full scale",
+                      .decimals = 4,
                       .floor = whole ? judged.floor_error : judged.about_floor_error,
                       .floor_label = "speckle alone:"};
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -247,7 +248,7 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
                            "draws differ from it by: speckle and noise.",
                            by, known));
     if (telling.about && judged.figures.back().about_error) {
-      report.Add(WaterfallOf(explained, judged, &StepFigures::about_error, "The same about the object" + of),
+      report.Add(WaterfallOf(explained, judged, &StepFigures::about_error, "What is left unexplained about the object" + of),
                  fmt::format("Judged {}{}, within {} range bins and {} beams of the object as found in the "
                              "recorded image.",
                              by, known, kAboutBins, kAboutBeams));

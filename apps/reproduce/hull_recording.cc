@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -71,7 +72,8 @@ class HullMaker {
     double best = -std::numeric_limits<double>::infinity();
     double lean_deg = 0.0;
     std::string table;
-    for (const double lean : kLeansDeg) {
+    for (std::size_t i = 0; i < std::size(kLeansDeg); i += options_.quick ? 3 : 1) {
+      const double lean = kLeansDeg[i];
       const auto [fitted, nats] = FitAt(lean, Initial());
       Say(fmt::format("leaning {:g} degrees: {:.4f} nats a pixel of the pings used", lean, nats));
       table += fmt::format("{}{:g}: {:.4f}", table.empty() ? "" : ", ", lean, nats);
