@@ -198,9 +198,10 @@ class AcousticFitter {
     active.insert(active.end(), radiometric_.begin(), radiometric_.end());
     std::sort(active.begin(), active.end());
     const auto settle = [this](ParameterValues& values) {
-      fit_.values = values;
-      RefitRadiometry();
-      values = fit_.values;
+      if (radiometric_.empty()) return;
+      ModelFit fit = Fit(model_, values, RadiometryOnly(), again_);
+      iterations_ += fit.report.iterations;
+      if (fit.usable) values = std::move(fit.values);
     };
     ParameterValues values = fit_.values;
     // At two columns of rays a beam a frame's cost is rough by twice what noise moves a parameter by.

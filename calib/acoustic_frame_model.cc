@@ -12,7 +12,7 @@
 #include "calib/pose_step.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
-#include "sim/acoustic_image.h"
+#include "sim/acoustic_frame.h"
 #include "sim/beam_and_pulse.h"
 #include "sim/ghost_power.h"
 #include "sim/physics/receiver.h"
@@ -138,9 +138,8 @@ Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) c
 PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                                  const RayFan& fan) const {
   const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-  const EchoList echoes =
-      Trace(simulator_.caster(), fan, world_from_sonar, sonar().axes, simulator_.options().trace);
-  ScatterMap scatter = MakeScatterMap(echoes, fan, geometry, parameters);
+  ScatterMap scatter = ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry, parameters,
+                                   simulator_.options().trace);
   const int thin =
       std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
   const GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);

@@ -40,7 +40,7 @@ class Stepper {
   // About the point that was traced last.
   double CostHere(const ParameterValues& values) const {
     double cost = CostAt(model_, values, model_.frame_count());
-    for (const int entry : active_) cost += 0.5 * std::pow(FromPrior(entry, values), 2);
+    for (const int entry : active_) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
     return cost;
   }
 
@@ -60,7 +60,7 @@ class Stepper {
     if (open.cols() == 0) return std::nullopt;
     Eigen::VectorXd off(static_cast<Eigen::Index>(active_.size()));
     for (std::size_t k = 0; k < active_.size(); ++k)
-      off(static_cast<Eigen::Index>(k)) = FromPrior(active_[k], values);
+      off(static_cast<Eigen::Index>(k)) = catalog_[active_[k]].FromPrior(values[active_[k]]);
     Found trial{.values = Moved(values, -Scales().cwiseProduct(open * (open.transpose() * off))),
                 .cost = 0.0};
     trial.cost = CostAbout(trial.values);
@@ -79,7 +79,9 @@ class Stepper {
     for (const NormalEquations::Block& block : equations.blocks) gradient += block.score;
     for (std::size_t k = 0; k < active_.size(); ++k) {
       const auto& prior = catalog_[active_[k]].prior;
-      if (prior) gradient(static_cast<Eigen::Index>(k)) += FromPrior(active_[k], values) / prior->sigma;
+      if (prior)
+        gradient(static_cast<Eigen::Index>(k)) +=
+            catalog_[active_[k]].FromPrior(values[active_[k]]) / prior->sigma;
     }
     const Eigen::MatrixXd told = Scales().asDiagonal() * Directions(equations.information).told;
     for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
@@ -126,12 +128,6 @@ class Stepper {
       sigma(static_cast<Eigen::Index>(k)) = of.prior ? of.prior->sigma : of.typical_step;
     }
     return sigma;
-  }
-
-  // In sigmas of the prior.
-  double FromPrior(int entry, const ParameterValues& values) const {
-    const CatalogEntry& of = catalog_[entry];
-    return of.prior ? (of.CoordinateFromValue(values[entry]) - of.prior->coordinate) / of.prior->sigma : 0.0;
   }
 
   ParameterValues Moved(const ParameterValues& values, const Eigen::VectorXd& by) const {

@@ -77,6 +77,11 @@ struct CatalogEntry {
   double solve_lower() const { return std::max(lower, leash_lower); }
   double solve_upper() const { return std::min(upper, leash_upper); }
 
+  // How far a value lies from what was known beforehand, in sigmas of the prior; 0 where nothing was.
+  double FromPrior(double value) const {
+    return prior ? (CoordinateFromValue(value) - prior->coordinate) / prior->sigma : 0.0;
+  }
+
   // d value / d coordinate.
   double ValueSlope(double value) const { return logarithmic ? value : 1.0; }
 };

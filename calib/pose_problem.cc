@@ -29,7 +29,7 @@ PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
     state.judged[i] = views_[i].Judge(views_[i].Expected(model_.PoseOf(frames_[i], values)));
   });
   for (const PoseView::Judgement& judged : state.judged) state.cost += judged.cost;
-  for (const int entry : entries_) state.cost += 0.5 * std::pow(FromPrior(entry, values), 2);
+  for (const int entry : entries_) state.cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
   return state;
 }
 
@@ -64,7 +64,7 @@ PoseProblem::Normal PoseProblem::NormalAt(const State& state, const Slopes& slop
     const auto& prior = catalog_[entries_[k]].prior;
     if (!prior) continue;
     normal.information(k, k) += 1.0 / (prior->sigma * prior->sigma);
-    normal.score(k) -= FromPrior(entries_[k], state.values) / prior->sigma;
+    normal.score(k) -= catalog_[entries_[k]].FromPrior(state.values[entries_[k]]) / prior->sigma;
   }
   return normal;
 }
@@ -119,12 +119,6 @@ int PoseProblem::EntryOf(int component) const {
     if (catalog_[entry].index == component) return entry;
   }
   return -1;
-}
-
-// In sigmas of the prior.
-double PoseProblem::FromPrior(int entry, const ParameterValues& values) const {
-  const auto& prior = catalog_[entry].prior;
-  return prior ? (values[entry] - prior->coordinate) / prior->sigma : 0.0;
 }
 
 // d move of the sonar / d value of each entry.

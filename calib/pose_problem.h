@@ -57,7 +57,6 @@ class PoseProblem {
   const CatalogEntry& entry(int index) const { return catalog_[index]; }
 
  private:
-  double FromPrior(int entry, const ParameterValues& values) const;
   Eigen::MatrixXd MovesOfEntries(int frame, const ParameterValues& values) const;
   void Set(int entry, double value, ParameterValues& values) const;
 

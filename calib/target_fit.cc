@@ -70,7 +70,9 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
       .cols = sonar.axes.beam_count() * options.cols_per_beam,
       .rows = static_cast<int>(std::ceil(options.elevation_span_deg / options.ray_height_deg)),
       .elevation_span_deg = options.elevation_span_deg,
-      .azimuth_margin_deg = options.azimuth_margin_deg};
+      .azimuth_margin_deg = options.azimuth_margin_deg,
+      .stagger = true,
+      .stagger_rows = true};
   const Simulator simulator(result.placed, sonar, result.simulation);
   std::vector<AcousticFrame> frames = {{.index = 0,
                                         .world_from_sonar = SonarOfPlaced(pose),

@@ -16,7 +16,7 @@ namespace sonarcal {
 
 struct TargetFitOptions {
   double ray_height_deg = 0.05;
-  int cols_per_beam = 2;
+  int cols_per_beam = 4;
   double elevation_span_deg = 28.0;  // targets are seen outside the nominal vertical field of view
   double azimuth_margin_deg = 1.5;   // three of the widest beams
   // Bounds; one image trades a wrong outline for a wide beam or a long pulse.

@@ -11,14 +11,14 @@ namespace {
 
 constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no side lobes
 constexpr double kMostElevationDeg = 176.0;
-constexpr double kRowDeg = 0.08;  // on average; crowded, a sixth of that at the horizon
+constexpr double kRowDeg = 0.107;  // on average; crowded, a sixth of that at the horizon
 constexpr double kCrowding = 6.0;
 // Of azimuth: they hold the main lobe of every pattern and the side lobes over -35 dB of a Hann-shaded
 // array's.
 constexpr double kMarginWidths = 3.0;
 constexpr double kMostMarginDeg = 20.0;
 constexpr double kColumnsPerWidth = 4.0;
-constexpr int kFewestColumnsPerBeam = 2;
+constexpr int kFewestColumnsPerBeam = 4;
 constexpr int kMostColumnsPerBeam = 8;
 
 }  // namespace
@@ -38,7 +38,9 @@ RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& pa
           .rows = static_cast<int>(std::ceil(span_deg / kRowDeg)),
           .elevation_span_deg = span_deg,
           .azimuth_margin_deg = std::min(kMarginWidths * beam.azimuth_width_deg, kMostMarginDeg),
-          .row_crowding = kCrowding};
+          .row_crowding = kCrowding,
+          .stagger = true,
+          .stagger_rows = true};
 }
 
 }  // namespace sonarcal

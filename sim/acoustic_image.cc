@@ -102,14 +102,27 @@ Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSe
   return noise;
 }
 
-ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
-                          const ParameterSet& parameters) {
+void ScatterMap::Add(const PolarAxes& axes, double range_m, int col, double of_patch) {
+  const double position = (range_m - axes.range_min_m) * range_steps / axes.range_bin_m() - 0.5;
+  const int row = static_cast<int>(std::floor(position));
+  const double fraction = position - row;
+  if (row >= 0 && row < power.rows()) power(row, col) += (1.0 - fraction) * of_patch;
+  if (row + 1 >= 0 && row + 1 < power.rows()) power(row + 1, col) += fraction * of_patch;
+}
+
+ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
+                           const ParameterSet& parameters) {
   const PolarAxes& axes = geometry.sonar.axes;
   ScatterMap scatter;
   for (int col = 0; col < fan.cols(); ++col) scatter.column_azimuth_rad.push_back(fan.AzimuthRad(col));
   scatter.range_steps = RangeStepsFor(geometry.sonar, parameters);
   scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
-  const double step_m = axes.range_bin_m() / scatter.range_steps;
+  return scatter;
+}
+
+ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters) {
+  ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
   const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters);
   std::vector<GsabParameters<double>> materials;
   for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
@@ -139,14 +152,8 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
         }
       });
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
-    // Shared between the two nearest fine rows, so that the image changes smoothly with range.
-    const double position = (double{echoes.range_m[echo]} - axes.range_min_m) / step_m - 0.5;
-    const int row = static_cast<int>(std::floor(position));
-    const double fraction = position - row;
-    if (row >= 0 && row < scatter.power.rows()) scatter.power(row, col) += (1.0 - fraction) * powers[echo];
-    if (row + 1 >= 0 && row + 1 < scatter.power.rows())
-      scatter.power(row + 1, col) += fraction * powers[echo];
+    scatter.Add(geometry.sonar.axes, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols),
+                powers[echo]);
   }
   return scatter;
 }

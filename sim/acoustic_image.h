@@ -29,6 +29,9 @@ struct ScatterMap {
   Grid<double> power;
   int range_steps = 4;
   std::vector<double> column_azimuth_rad;
+
+  // Shared between the two nearest fine rows, so that the image changes smoothly with range.
+  void Add(const PolarAxes& axes, double range_m, int col, double of_patch);
 };
 
 struct AcousticGeometry {
@@ -41,6 +44,10 @@ std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterS
 
 // N(r, b), time-varied gain included. Throws DataError where a taper does not fit the beams.
 Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSet& parameters);
+
+// Of nothing yet, with the rows and columns of a fan.
+ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
+                           const ParameterSet& parameters);
 
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters);

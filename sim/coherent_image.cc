@@ -111,7 +111,7 @@ class ScattererSource {
     const int triangle = hits_.triangle[ray];
     const Eigen::Vector3d normal =
         sonar_from_world_ * geometry_.caster.TriangleNormal(triangle).cast<double>();
-    const Eigen::Vector3d centre = geometry_.fan.DirectionWithin(row, col, 0.0, 0.0);
+    const Eigen::Vector3d centre = geometry_.fan.Direction(row, col).cast<double>();
     Eigen::Vector3d direction = geometry_.fan.DirectionWithin(row, col, u, v);
     // Where the plane is all but edge on the spot could lie anywhere: the ray's own hit then.
     double stretch = centre.dot(normal) / direction.dot(normal);

@@ -139,39 +139,55 @@ std::int64_t RayCaster::rays_cast() const {
   return embree_->rays_cast.load();
 }
 
+// What the rays of some columns of a fan share.
+struct RayCaster::Casting {
+  Casting(const RayFan& of, const Pose& world_from_sonar, double range_m)
+      : fan(of),
+        rotation(world_from_sonar.rotation.toRotationMatrix().cast<float>()),
+        origin(world_from_sonar.position_m.cast<float>()),
+        max_range_m(static_cast<float>(range_m)),
+        cols(of.cols()) {}
+
+  const RayFan& fan;
+  Eigen::Matrix3f rotation;
+  Eigen::Vector3f origin;
+  float max_range_m;
+  int first_col = 0;
+  int cols;
+};
+
 // Rays of the rows from `row` on that a tile covers. `met(first, count, packet)` follows each tile, whose
 // rows hold `count` rays from column `first` on; rays beyond the fan's last row count as misses.
 template <typename Met>
-void RayCaster::CastTiles(const RayFan& fan, int row, const Eigen::Matrix3f& rotation,
-                          const Eigen::Vector3f& origin, float max_range_m, RowBuffers& buffers,
-                          Met&& met) const {
-  const int rows = std::min(kTileRows, fan.rows() - row);
+void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, Met&& met) const {
+  const int rows = std::min(kTileRows, casting.fan.rows() - row);
   for (int r = 0; r < rows; ++r) {
     auto& direction = buffers.direction[r];
-    fan.RowDirections(row + r, rotation, direction[0].data(), direction[1].data(), direction[2].data());
+    casting.fan.RowDirections(row + r, casting.first_col, casting.cols, casting.rotation, direction[0].data(),
+                              direction[1].data(), direction[2].data());
   }
   embree::Query query(true);
   alignas(64) RTCRayHit16 packet = {};
   alignas(64) int valid[kPacket];
-  std::fill_n(packet.ray.org_x, kPacket, origin.x());
-  std::fill_n(packet.ray.org_y, kPacket, origin.y());
-  std::fill_n(packet.ray.org_z, kPacket, origin.z());
+  std::fill_n(packet.ray.org_x, kPacket, casting.origin.x());
+  std::fill_n(packet.ray.org_y, kPacket, casting.origin.y());
+  std::fill_n(packet.ray.org_z, kPacket, casting.origin.z());
   std::fill_n(packet.ray.mask, kPacket, ~0U);
-  for (int first = 0; first < fan.cols(); first += kTileCols) {
-    const int count = std::min(kTileCols, fan.cols() - first);
+  for (int at = 0; at < casting.cols; at += kTileCols) {
+    const int count = std::min(kTileCols, casting.cols - at);
     for (int r = 0; r < kTileRows; ++r) {
       const auto& direction = buffers.direction[r];
       const int lane = LaneOf(r, 0);
       for (int col = 0; col < kTileCols; ++col) valid[lane + col] = r < rows && col < count ? -1 : 0;
-      std::copy_n(&direction[0][first], kTileCols, packet.ray.dir_x + lane);
-      std::copy_n(&direction[1][first], kTileCols, packet.ray.dir_y + lane);
-      std::copy_n(&direction[2][first], kTileCols, packet.ray.dir_z + lane);
+      std::copy_n(&direction[0][at], kTileCols, packet.ray.dir_x + lane);
+      std::copy_n(&direction[1][at], kTileCols, packet.ray.dir_y + lane);
+      std::copy_n(&direction[2][at], kTileCols, packet.ray.dir_z + lane);
     }
-    std::fill_n(packet.ray.tfar, kPacket, max_range_m);
+    std::fill_n(packet.ray.tfar, kPacket, casting.max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
     query.Intersect16(valid, embree_->scene, &packet);
-    met(first, count, packet);
+    met(casting.first_col + at, count, packet);
   }
 }
 
@@ -189,50 +205,63 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
   FanHits hits;
   hits.range_m.assign(fan.size(), std::numeric_limits<float>::infinity());
   hits.triangle.assign(fan.size(), -1);
-  const Eigen::Matrix3f rotation = world_from_sonar.rotation.toRotationMatrix().cast<float>();
-  const Eigen::Vector3f origin = world_from_sonar.position_m.cast<float>();
+  const Casting casting(fan, world_from_sonar, max_range_m);
   ForRows(fan, [&](int begin, int end) {
     RowBuffers buffers(fan.cols());
     for (int row = begin; row < end; row += kTileRows) {
-      CastTiles(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
-                [&](int first, int count, const RTCRayHit16& packet) {
-                  for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
-                    const std::size_t offset = static_cast<std::size_t>(row + r) * fan.cols() + first;
-                    for (int i = 0; i < count; ++i) {
-                      const int lane = LaneOf(r, i);
-                      if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-                      hits.range_m[offset + i] = packet.ray.tfar[lane];
-                      hits.triangle[offset + i] = static_cast<std::int32_t>(packet.hit.primID[lane]);
-                    }
-                  }
-                });
+      CastTiles(casting, row, buffers, [&](int first, int count, const RTCRayHit16& packet) {
+        for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
+          const std::size_t offset = static_cast<std::size_t>(row + r) * fan.cols() + first;
+          for (int i = 0; i < count; ++i) {
+            const int lane = LaneOf(r, i);
+            if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+            hits.range_m[offset + i] = packet.ray.tfar[lane];
+            hits.triangle[offset + i] = static_cast<std::int32_t>(packet.hit.primID[lane]);
+          }
+        }
+      });
     }
   });
   embree_->rays_cast += fan.size();
   return hits;
 }
 
+// The hits of rows begin .. end - 1, row by row.
+void RayCaster::CastRowsOf(const Casting& casting, int begin, int end,
+                           const std::function<void(const RowHits&)>& take) const {
+  RowBuffers buffers(casting.cols);
+  std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(casting.cols));
+  for (int row = begin; row < end; row += kTileRows) {
+    for (HitsOfRow& of_row : hits) of_row.Clear();
+    CastTiles(casting, row, buffers, [&](int first, int count, const RTCRayHit16& packet) {
+      if (!AnyHit(packet)) return;
+      float half_tangent[kPacket];
+      row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
+                             packet.hit.Ng_y, packet.hit.Ng_z, kPacket, half_tangent);
+      for (int r = 0; r < kTileRows; ++r)
+        hits[r].Add(first, count, LaneOf(r, 0), packet, half_tangent, scene_.triangle_material);
+    });
+    for (int r = 0; r < std::min(kTileRows, end - row); ++r) take(hits[r].Of(row + r));
+  }
+}
+
 void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                          const std::function<void(const RowHits&)>& take) const {
-  const Eigen::Matrix3f rotation = world_from_sonar.rotation.toRotationMatrix().cast<float>();
-  const Eigen::Vector3f origin = world_from_sonar.position_m.cast<float>();
-  ForRows(fan, [&](int begin, int end) {
-    RowBuffers buffers(fan.cols());
-    std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(fan.cols()));
-    for (int row = begin; row < end; row += kTileRows) {
-      for (HitsOfRow& of_row : hits) of_row.Clear();
-      CastTiles(fan, row, rotation, origin, static_cast<float>(max_range_m), buffers,
-                [&](int first, int count, const RTCRayHit16& packet) {
-                  if (!AnyHit(packet)) return;
-                  float half_tangent[kPacket];
-                  row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z,
-                                         packet.hit.Ng_x, packet.hit.Ng_y, packet.hit.Ng_z, kPacket,
-                                         half_tangent);
-                  for (int r = 0; r < kTileRows; ++r)
-                    hits[r].Add(first, count, LaneOf(r, 0), packet, half_tangent, scene_.triangle_material);
-                });
-      for (int r = 0; r < std::min(kTileRows, end - row); ++r) take(hits[r].Of(row + r));
-    }
+  const Casting casting(fan, world_from_sonar, max_range_m);
+  ForRows(fan, [&](int begin, int end) { CastRowsOf(casting, begin, end, take); });
+  embree_->rays_cast += fan.size();
+}
+
+void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
+                            const std::function<void(const RowHits&)>& take) const {
+  constexpr int kBlockCols = 8 * kTileCols;
+  const int blocks = (fan.cols() + kBlockCols - 1) / kBlockCols;
+  tbb::parallel_for(0, blocks, [&](int block) {
+    const embree::FlushDenormals flush;
+    Casting casting(fan, world_from_sonar, max_range_m);
+    casting.first_col = block * kBlockCols;
+    casting.cols = std::min(kBlockCols, fan.cols() - casting.first_col);
+    CastRowsOf(casting, 0, fan.rows(), take);
   });
   embree_->rays_cast += fan.size();
 }

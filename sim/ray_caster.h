@@ -59,6 +59,11 @@ class RayCaster {
   void CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                 const std::function<void(const RowHits&)>& take) const;
 
+  // The same in blocks of columns: rays of a block come row by row, the rows in order, on one thread; blocks
+  // from all cores at once. Whoever sums by column gets the same sums on any number of threads.
+  void CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
+                   const std::function<void(const RowHits&)>& take) const;
+
   // What each of the rays met first, on the calling thread: for callers that run on all cores themselves.
   FanHits Meet(const FreeRays& rays) const;
 
@@ -77,9 +82,11 @@ class RayCaster {
  private:
   struct Embree;
   struct RowBuffers;
+  struct Casting;
   template <typename Met>
-  void CastTiles(const RayFan& fan, int row, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& origin,
-                 float max_range_m, RowBuffers& buffers, Met&& met) const;
+  void CastTiles(const Casting& casting, int row, RowBuffers& buffers, Met&& met) const;
+  void CastRowsOf(const Casting& casting, int begin, int end,
+                  const std::function<void(const RowHits&)>& take) const;
 
   Scene scene_;
   std::unique_ptr<Embree> embree_;  // goes before the scene it reads

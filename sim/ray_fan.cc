@@ -13,6 +13,16 @@ namespace {
 
 constexpr double kWidestPinholeDeg = 85.0;
 
+// Of each of `count`, by golden sections: any number of neighbours is spread evenly over -1/2 .. 1/2.
+std::vector<double> GoldenSections(int count) {
+  std::vector<double> parts;
+  for (int i = 0; i < count; ++i) {
+    const double turns = (i + 0.5) * (std::numbers::phi - 1.0);
+    parts.push_back(turns - std::floor(turns) - 0.5);
+  }
+  return parts;
+}
+
 }  // namespace
 
 void RayFanOptions::Check() const {
@@ -110,7 +120,7 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     const double half_height = 0.5 * row_height_rad_[row];
     row_sine_.push_back(std::sin(elevation));
     row_cosine_.push_back(std::cos(elevation));
-    row_sine_height_.push_back(std::sin(elevation + half_height) - std::sin(elevation - half_height));
+    row_sine_half_height_.push_back(std::sin(half_height));
   }
 
   const bool pinhole = sampling_ == Sampling::kFrustum;
@@ -124,14 +134,14 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     row_up_.push_back(static_cast<float>(pinhole ? row_slope_[row] : row_sine_[row]));
   }
 
-  if (options.stagger) {
-    if (pinhole) throw DataError("rays: only the sampling 'beams' can be staggered");
-    for (int row = 0; row < rows_; ++row) {
-      const double turns = (row + 0.5) * (std::numbers::phi - 1.0);
-      stagger_.push_back(turns - std::floor(turns) - 0.5);
-    }
-    stagger_width_rad_.assign(column_width_rad_.begin(), column_width_rad_.end());
+  if ((options.stagger || options.stagger_rows) && pinhole)
+    throw DataError("rays: only the sampling 'beams' can be staggered");
+  if (options.stagger) stagger_ = GoldenSections(rows_);
+  if (options.stagger_rows) {
+    const std::vector<double> raise = GoldenSections(cols_);
+    raise_.assign(raise.begin(), raise.end());
   }
+  stagger_width_rad_.assign(column_width_rad_.begin(), column_width_rad_.end());
 
   rays_per_beam_.assign(beams, 0);
   for (int col = 0; col < cols_; ++col) {
@@ -196,19 +206,27 @@ Eigen::Vector3f RayFan::Direction(int row, int col) const {
   }
   const double sine = staggered() ? std::sin(AzimuthRad(row, col)) : column_sine_[col];
   const double cosine = staggered() ? std::cos(AzimuthRad(row, col)) : column_cosine_[col];
-  return Eigen::Vector3d(sine * row_cosine_[row], cosine * row_cosine_[row], row_sine_[row]).cast<float>();
+  const double across = raise_.empty() ? row_cosine_[row] : std::cos(ElevationRad(row, col));
+  const double up = raise_.empty() ? row_sine_[row] : std::sin(ElevationRad(row, col));
+  return Eigen::Vector3d(sine * across, cosine * across, up).cast<float>();
 }
 
-void RayFan::RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const {
+void RayFan::RowDirections(int row, int first, int count, const Eigen::Matrix3f& rotation, float* x, float* y,
+                           float* z) const {
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rotation;
-  if (staggered()) {
-    row_math::TurnedDirections(column_x_.data(), column_y_.data(), stagger_width_rad_.data(),
-                               static_cast<float>(stagger_[row]), row_across_[row], row_up_[row],
-                               by_rows.data(), cols_, x, y, z);
-    return;
+  const float part = staggered() ? static_cast<float>(stagger_[row]) : 0.0F;
+  const float* right = column_x_.data() + first;
+  const float* ahead = column_y_.data() + first;
+  if (!raise_.empty()) {
+    row_math::TurnedAndRaisedDirections(right, ahead, stagger_width_rad_.data() + first, part,
+                                        raise_.data() + first, static_cast<float>(row_height_rad_[row]),
+                                        row_across_[row], row_up_[row], by_rows.data(), count, x, y, z);
+  } else if (staggered()) {
+    row_math::TurnedDirections(right, ahead, stagger_width_rad_.data() + first, part, row_across_[row],
+                               row_up_[row], by_rows.data(), count, x, y, z);
+  } else {
+    row_math::Directions(right, ahead, row_across_[row], row_up_[row], by_rows.data(), count, x, y, z);
   }
-  row_math::Directions(column_x_.data(), column_y_.data(), row_across_[row], row_up_[row], by_rows.data(),
-                       cols_, x, y, z);
 }
 
 void RayFan::RowAzimuths(int row, float* azimuth_rad) const {
@@ -236,7 +254,7 @@ Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) co
 }
 
 double RayFan::ElevationRad(int row, int col) const {
-  if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row];
+  if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row] + RaisedRad(row, col);
   return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
@@ -247,7 +265,12 @@ double RayFan::SolidAngleSr(int row, int col) const {
     const double length = std::sqrt(1.0 + tangent * tangent + row_slope_[row] * row_slope_[row]);
     return slope_width_ * slope_height_ / (length * length * length);
   }
-  return column_width_rad_[col] * row_sine_height_[row];
+  // Of a cell about the ray, cos(elevation) = cos(e) cos(r) - sin(e) sin(r) for a row at e and a raise of r.
+  const double raised = RaisedRad(row, col);
+  const double cosine = raised == 0.0
+                            ? row_cosine_[row]
+                            : row_cosine_[row] * std::cos(raised) - row_sine_[row] * std::sin(raised);
+  return column_width_rad_[col] * 2.0 * row_sine_half_height_[row] * cosine;
 }
 
 }  // namespace sonarcal

@@ -11,8 +11,8 @@
 // and side lobes. It is for models that have them; one that gives each ray to the beam it falls in needs
 // none.
 //
-// In both, every ray of a grid column has the same azimuth, unless rows are staggered. Ray index = row * cols
-// + col; row 0 looks highest.
+// In both, every ray of a grid column has the same azimuth, unless the fan is staggered. Ray index = row *
+// cols + col; row 0 looks highest.
 //
 // What a ray counts, to a model that sums over the rays of a beam (the paper's; one that takes solid angles
 // weighs them itself):
@@ -49,9 +49,11 @@ struct RayFanOptions {
   RayWeight weight = RayWeight::kEven;
   // kBeams: each row's rays stand elsewhere in the width of their columns, as golden sections spread them. An
   // upright edge then costs no more than a ray or two in however many rows see it, where in columns that
-  // stand alike it costs up to half of one. For models that ask for a ray's own azimuth, as the paper's does;
-  // one that blurs whole columns needs them alike.
+  // stand alike it costs up to half of one. To a model that blurs whole columns each stands for its width.
   bool stagger = false;
+  // kBeams: likewise, each column's rays stand elsewhere in the height of their rows. Level edges move evenly
+  // with the sonar then, and so do the lines that rows draw on a floor far away.
+  bool stagger_rows = false;
 
   // Throws DataError naming field, value and limit.
   void Check() const;
@@ -70,15 +72,28 @@ class RayFan {
 
   // Unit vector in the sonar frame (X right, Y forward, Z up).
   Eigen::Vector3f Direction(int row, int col) const;
-  // The directions of a whole row in single precision, turned by `rotation`; arrays of cols().
-  void RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const;
+  // The directions of a row from column `first` on, in single precision, turned by `rotation`.
+  void RowDirections(int row, int first, int count, const Eigen::Matrix3f& rotation, float* x, float* y,
+                     float* z) const;
+  // Of the whole row; arrays of cols().
+  void RowDirections(int row, const Eigen::Matrix3f& rotation, float* x, float* y, float* z) const {
+    RowDirections(row, 0, cols_, rotation, x, y, z);
+  }
   double AzimuthRad(int col) const { return azimuth_rad_[col]; }  // of the column's middle
   double AzimuthRad(int row, int col) const { return azimuth_rad_[col] + AsideRad(row, col); }
-  bool staggered() const { return !stagger_.empty(); }
+  bool staggered() const { return !stagger_.empty(); }  // in azimuth
   // Azimuths of a whole row in single precision; an array of cols().
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
+
+  // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x its column's part (raise), -1/2 .. 1/2, and
+  // its solid angle ColumnWidthRad x RowHeight x cos(elevation).
+  double RowElevationRad(int row) const { return row_elevation_rad_[row]; }
+  double RowHeightRad(int row) const { return row_height_rad_[row]; }
+  double RowHeight(int row) const { return 2.0 * row_sine_half_height_[row]; }
+  double ColumnWidthRad(int col) const { return column_width_rad_[col]; }
+  float Raise(int col) const { return raise_.empty() ? 0.0F : raise_[col]; }
 
   // What the rays of a row count beside an even share of their beam, as the options say; an array of cols().
   void RowWeights(int row, float* weight) const;
@@ -101,6 +116,9 @@ class RayFan {
   void WeighBySolidAngle();
   double AsideRad(int row, int col) const {
     return stagger_.empty() ? 0.0 : stagger_[row] * column_width_rad_[col];
+  }
+  double RaisedRad(int row, int col) const {
+    return raise_.empty() ? 0.0 : raise_[col] * row_height_rad_[row];
   }
 
   Sampling sampling_;
@@ -130,7 +148,7 @@ class RayFan {
   std::vector<double> column_cosine_;
   std::vector<double> row_sine_;
   std::vector<double> row_cosine_;
-  std::vector<double> row_sine_height_;  // upper edge's less lower edge's
+  std::vector<double> row_sine_half_height_;
   // Directions but for their length: (across x[col], across y[col], up), `across` and `up` of the row.
   std::vector<float> column_x_;
   std::vector<float> column_y_;
@@ -138,6 +156,7 @@ class RayFan {
   std::vector<float> row_up_;
   std::vector<double> stagger_;  // of each row, of a column's width, -1/2 .. 1/2; empty: all 0
   std::vector<float> stagger_width_rad_;
+  std::vector<float> raise_;  // of each column, of a row's height, likewise
 };
 
 }  // namespace sonarcal

@@ -43,17 +43,49 @@ void Directions(const float* __restrict x, const float* __restrict y, float acro
   }
 }
 
+namespace {
+
+// Of angles within half a radian, by the first terms of their series.
+struct SmallTurn {
+  explicit SmallTurn(float angle_rad) {
+    const float square = angle_rad * angle_rad;
+    sine = angle_rad * (1.0F - square / 6.0F * (1.0F - square / 20.0F * (1.0F - square / 42.0F)));
+    cosine = 1.0F - square / 2.0F * (1.0F - square / 12.0F * (1.0F - square / 30.0F));
+  }
+  float sine;
+  float cosine;
+};
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void TurnedAndRaisedDirections(const float* __restrict x, const float* __restrict y,
+                               const float* __restrict width_rad, float part, const float* __restrict raise,
+                               float height_rad, float across, float up, const float* __restrict rotation,
+                               int count, float* __restrict world_x, float* __restrict world_y,
+                               float* __restrict world_z) {
+  for (int i = 0; i < count; ++i) {
+    const SmallTurn aside(part * width_rad[i]);
+    const SmallTurn raised(raise[i] * height_rad);
+    const float level = across * raised.cosine - up * raised.sine;
+    const float height = up * raised.cosine + across * raised.sine;
+    const float right = (x[i] * aside.cosine + y[i] * aside.sine) * level;
+    const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * level;
+    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + height * height);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * height);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * height);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * height);
+  }
+}
+
 SONARCAL_VECTOR_VERSIONS
 void TurnedDirections(const float* __restrict x, const float* __restrict y, const float* __restrict width_rad,
                       float part, float across, float up, const float* __restrict rotation, int count,
                       float* __restrict world_x, float* __restrict world_y, float* __restrict world_z) {
   for (int i = 0; i < count; ++i) {
-    const float angle = part * width_rad[i];
-    const float square = angle * angle;
-    const float sine = angle * (1.0F - square / 6.0F * (1.0F - square / 20.0F * (1.0F - square / 42.0F)));
-    const float cosine = 1.0F - square / 2.0F * (1.0F - square / 12.0F * (1.0F - square / 30.0F));
-    const float right = (x[i] * cosine + y[i] * sine) * across;
-    const float ahead = (y[i] * cosine - x[i] * sine) * across;
+    const SmallTurn aside(part * width_rad[i]);
+    const float right = (x[i] * aside.cosine + y[i] * aside.sine) * across;
+    const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * across;
     const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + up * up);
     world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
     world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
@@ -113,6 +145,37 @@ void EchoSteps(const EchoLevel& level, const Table& table, const float* __restri
     const float echo = l.offset - l.per_log * std::log(metres) - l.per_m * metres + strength;
     const float kept = echo > l.limit ? l.limit : (echo < -l.limit ? -l.limit : echo);
     steps[i] = static_cast<std::int32_t>(std::nearbyint(kept * weight[i]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void RaisedWeights(const Table& table, float at, float per_raise, const float* __restrict raise,
+                   const float* __restrict width, int count, float* __restrict weight) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float along = (at + per_raise * raise[i]) * table_steps;
+    const float inside = along > table_steps ? table_steps : along;
+    const float position = inside > 0.0F ? inside : 0.0F;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    weight[i] = width[i] * (values[cell] + part * (values[cell + 1] - values[cell]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void PatchPowers(const Table& table, float per_m, const float* __restrict range_m,
+                 const float* __restrict half_tangent, const float* __restrict weight, int count,
+                 float* __restrict power) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = half_tangent[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
+    const float range = range_m[i];
+    power[i] = strength * weight[i] * std::exp(-per_m * range) / (range * range);
   }
 }
 

@@ -22,6 +22,12 @@ void TurnedDirections(const float* x, const float* y, const float* width_rad, fl
                       float up, const float* rotation, int count, float* world_x, float* world_y,
                       float* world_z);
 
+// The same, each then raised by raise[i] x height_rad, which is within half a radian.
+void TurnedAndRaisedDirections(const float* x, const float* y, const float* width_rad, float part,
+                               const float* raise, float height_rad, float across, float up,
+                               const float* rotation, int count, float* world_x, float* world_y,
+                               float* world_z);
+
 // What the cells of a row of a pinhole count: the elevation that each covers, from slope - height / 2 to
 // slope + height / 2 but no further than +-limit[i], times per_rad[i]. cosine[i] is that of the azimuth.
 void CellWeights(const float* cosine, const float* limit, const float* per_rad, float slope, float height,
@@ -63,6 +69,15 @@ struct Growth {
 void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const float* range_m,
              const float* azimuth_rad, const float* a, const float* b, int count, float* noisy_range_m,
              float* noisy_azimuth_rad);
+
+// table((at + per_raise x raise[i]) x steps) x width[i]: what hangs on a ray's elevation, times its column's
+// width. Positions outside 0..1 are taken at the nearer end.
+void RaisedWeights(const Table& table, float at, float per_raise, const float* raise, const float* width,
+                   int count, float* weight);
+
+// table(half_tangent[i]) x weight[i] x exp(-per_m x range_m[i]) / range_m[i]^2.
+void PatchPowers(const Table& table, float per_m, const float* range_m, const float* half_tangent,
+                 const float* weight, int count, float* power);
 
 double Dot(const double* a, const double* b, int count);
 

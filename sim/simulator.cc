@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/acoustic_frame.h"
 #include "sim/ghost_power.h"
 #include "sim/paper_frame.h"
 
@@ -110,8 +111,13 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx);
   }
   if (parameters.model == EchoModel::kAcoustic) {
-    return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx,
-                        TraceGhosts(world_from_sonar, parameters));
+    const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
+    ScatterMap scatter = ScatterFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
+    const GhostList ghosts = TraceGhosts(world_from_sonar, parameters);
+    if (!ghosts.echoes.empty()) AddGhosts(ghosts, geometry, parameters, scatter);
+    PolarImage image = RenderScatter(scatter, parameters, frame_idx);
+    QuantiseImage(image);
+    return image;
   }
   CoherentGeometry geometry{.caster = *caster_,
                             .fan = fan_,
@@ -156,15 +162,21 @@ PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& p
     RefuseMargin();
     image = RenderPaperImage(echoes, sonar_, PaperParametersFor(parameters, echoes.material_names),
                              absorption_db_per_m_, PaperOptions(frame_idx));
-  } else if (options_.noise) {
-    const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
-    image = SampleAcousticImage(Scatter(echoes, parameters, ghosts), geometry, parameters,
-                                options_.full_scale(), SeedsOf(frame_idx));
   } else {
-    image = RenderExpected(echoes, parameters, ghosts);
+    image = RenderScatter(Scatter(echoes, parameters, ghosts), parameters, frame_idx);
   }
   QuantiseImage(image);
   return image;
+}
+
+// A draw where noise is wanted, else what is expected.
+PolarImage Simulator::RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters,
+                                    int frame_idx) const {
+  const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
+  if (options_.noise) {
+    return SampleAcousticImage(scatter, geometry, parameters, options_.full_scale(), SeedsOf(frame_idx));
+  }
+  return ExpectedDisplay(ExpectedPower(scatter, geometry, parameters), parameters, options_.full_scale());
 }
 
 PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet& parameters,

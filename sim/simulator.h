@@ -90,6 +90,7 @@ class Simulator {
   struct Mirrors;
   std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters, int thin = 1) const;
   PaperImageOptions PaperOptions(int frame_idx) const;
+  PolarImage RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters, int frame_idx) const;
   void RefuseMargin() const;
 
   SonarModel sonar_;

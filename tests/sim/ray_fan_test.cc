@@ -228,7 +228,7 @@ TEST(Beams, CrowdedRowsCoverTheSameSpan) {
   EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<DataError>(HasSubstr("row crowding 0.5")));
 }
 
-// --- Staggered rows
+// --- Staggered rays
 
 // Each ray stays in its column and at its elevation; down the rows all parts of the column are met alike.
 TEST(Beams, StaggeredRaysSpreadOverTheirColumns) {
@@ -258,6 +258,38 @@ TEST(Beams, StaggeredRaysSpreadOverTheirColumns) {
     ++tenths[static_cast<int>(10.0 * (fan.AzimuthRad(row, 2) - fan.beam_edges_rad()[1]) / width)];
   }
   EXPECT_THAT(tenths, ::testing::Each(::testing::AllOf(::testing::Ge(22), ::testing::Le(25))));
+  options.sampling = Sampling::kFrustum;
+  EXPECT_THAT([&] { RayFan(UnevenSonar(), options); }, ThrowsMessage<DataError>(HasSubstr("staggered")));
+}
+
+// Each ray stays in its row and at its azimuth; along the columns all parts of the row are met alike, and a
+// ray's solid angle is that of a cell about it.
+TEST(Beams, StaggeredRowsSpreadOverTheirHeight) {
+  RayFanOptions options = Options(Sampling::kBeams, 230, 13);
+  options.row_crowding = 3.0;
+  const RayFan alike(UnevenSonar(), options);
+  options.stagger_rows = true;
+  const RayFan fan(UnevenSonar(), options);
+  EXPECT_FALSE(fan.staggered());
+  std::vector<int> tenths(10, 0);
+  for (int row = 0; row < fan.rows(); ++row) {
+    for (int col = 0; col < fan.cols(); ++col) {
+      const Eigen::Vector3d d = fan.Direction(row, col).cast<double>();
+      ASSERT_NEAR(fan.ElevationRad(row, col), std::asin(d.z()), 2.0 * kFloatRounding);
+      ASSERT_EQ(fan.AzimuthRad(row, col), alike.AzimuthRad(row, col));
+      const auto edge_rad = [&](double v) { return std::asin(alike.DirectionWithin(row, col, 0.0, v).z()); };
+      const double height = edge_rad(0.5) - edge_rad(-0.5);
+      const double part = (fan.ElevationRad(row, col) - edge_rad(-0.5)) / height;
+      ASSERT_GE(part, 0.0);
+      ASSERT_LE(part, 1.0);
+      ++tenths[std::min(9, static_cast<int>(10.0 * part))];
+      const double of_row = alike.SolidAngleSr(row, col) / std::cos(alike.ElevationRad(row, col));
+      ASSERT_NEAR(fan.SolidAngleSr(row, col) / (of_row * std::cos(fan.ElevationRad(row, col))), 1.0, 1e-12);
+    }
+  }
+  const int even = fan.size() / 10;
+  EXPECT_THAT(tenths,
+              ::testing::Each(::testing::AllOf(::testing::Ge(even - 2 * 13), ::testing::Le(even + 2 * 13))));
   options.sampling = Sampling::kFrustum;
   EXPECT_THAT([&] { RayFan(UnevenSonar(), options); }, ThrowsMessage<DataError>(HasSubstr("staggered")));
 }

@@ -23,7 +23,14 @@ TEST(RowMath, DirectionsAreThoseOfTheFan) {
   for (const RayFanOptions& options :
        {RayFanOptions{.sampling = Sampling::kFrustum, .cols = 300, .rows = 41},
         RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41},
-        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41, .stagger = true}}) {
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41, .stagger = true},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41, .stagger_rows = true},
+        RayFanOptions{.sampling = Sampling::kBeams,
+        .cols = 300,
+        .rows = 11,
+        .elevation_span_deg = 176.0,
+        .stagger = true,
+        .stagger_rows = true}}) {
     const RayFan fan(sonar, options);
     std::vector<float> x(fan.cols());
     std::vector<float> y(fan.cols());
