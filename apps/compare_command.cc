@@ -264,7 +264,7 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
       ->add_option("--pictures", options->pictures,
                    "Frames that get pictures, evenly spread over those compared; 0 for none")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::NonNegativeNumber.description(""));
   command
       ->add_option(
           "--against", options->against,

@@ -170,7 +170,7 @@ void SetupConvert(CLI::App& app) {
                    "Seconds between two poses of the trajectory beyond which nothing is interpolated")
       ->type_name("S")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber.description(""));
   command->add_flag(
       "--salvage", options->salvage,
       "Leave out the frames of a damaged recording that cannot be read, with a note of each, rather "

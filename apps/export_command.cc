@@ -16,6 +16,7 @@
 #include "apps/frame_range.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
+#include "apps/ray_options.h"
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
 #include "data_io/fan_pictures.h"
@@ -40,9 +41,6 @@ constexpr JsonWords<ExportTarget, 9> kTargets = {{{"dave", ExportTarget::kDave},
                                                   {"npz", ExportTarget::kNpz},
                                                   {"png", ExportTarget::kPng},
                                                   {"mp4", ExportTarget::kMp4}}};
-constexpr JsonWords<AbsorptionFormula, 2> kAbsorptions = {
-    {{"ainslie-mccolm", AbsorptionFormula::kAinslieMcColm},
-     {"francois-garrison", AbsorptionFormula::kFrancoisGarrison}}};
 
 struct SimulatorExport {
   ExportTarget target;
@@ -98,7 +96,7 @@ Json Configuration(const ExportOptions& options) {
           {"out", options.out.string()},
           {"params", options.params.string()},
           {"sonar", options.sonar},
-          {"absorption", std::string(JsonWord(kAbsorptions, options.absorption))},
+          {"absorption", ToString(options.absorption)},
           {"recording", options.recording.string()},
           {"topic", options.bag.bag.topic},
           {"frames", options.frames},
@@ -273,7 +271,7 @@ void SetupExport(CLI::App& app) {
           "Sonar of a simulator's configuration: p900-45, a recording, or a JSON file with a 'sonar' "
           "object")
       ->type_name("NAME|FILE");
-  AddChoice(*command, "--absorption", options->absorption, kAbsorptions, "Formula for absorption in water");
+  AddAbsorption(*command, options->absorption);
   command
       ->add_option("--recording", options->recording,
                    "Recording to export, of any format; for simulators the one whose sonar it is")

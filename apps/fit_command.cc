@@ -21,6 +21,7 @@
 #include "apps/report/report_end.h"
 #include "apps/report/still_section.h"
 #include "apps/run_output.h"
+#include "apps/simulate_recording.h"
 #include "apps/still_poses.h"
 #include "calib/acoustic_fit.h"
 #include "data_io/atomic_output.h"
@@ -38,7 +39,7 @@ std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
                                 ChoiceAxis::kTrend, ChoiceAxis::kDisplay};
   std::vector<ChoiceAxis> axes;
   for (const std::string& name : names) {
-    const auto found =
+    const auto* const found =
         std::find_if(kAxes.begin(), kAxes.end(), [&](ChoiceAxis axis) { return ToString(axis) == name; });
     if (found == kAxes.end()) {
       throw UsageError("--choose: '{}', expected pattern, elevation, looks, trend or display", name);
@@ -173,18 +174,6 @@ FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet&
   return config;
 }
 
-std::vector<std::string> FitCaveats(const ParameterSet& initial, const Scene& scene) {
-  if (initial.model == EchoModel::kPaper && !initial.mirrors.empty())
-    return {"warning: the paper's model shows no ghosts of the parameters' mirrors"};
-  std::vector<std::string> sentences;
-  const std::vector<std::string>& materials = scene.material_names;
-  for (const auto& [name, mirror] : initial.mirrors) {
-    if (std::find(materials.begin(), materials.end(), name) == materials.end())
-      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
-  }
-  return sentences;
-}
-
 RecordingFit FitAsAsked(const FitCommandOptions& options, const RecordingSource& recording,
                         const Scene& scene, const FitConfig& config, const ParameterSet& initial,
                         const FitListener& listener) {
@@ -232,7 +221,8 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   const auto recording = OpenRecording(options.real);
   const Scene scene = ReadSceneFile(options.scene, options.scene_format, options.common);
   const FitConfig config = ResolveFitConfig(options, initial, scene);
-  for (const std::string& sentence : FitCaveats(initial, scene)) PrintNote(options.common, sentence);
+  for (const std::string& sentence : MirrorCaveats(initial, scene.material_names))
+    PrintNote(options.common, sentence);
   RunOutput output(options.out);
   Progress progress("Tracing", recording->frame_count(), options.common);
   const RecordingFit fit =

@@ -59,9 +59,6 @@ struct FitListener {
 // What is free, by the options, their file and the model of the parameters to start from.
 FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet& initial, const Scene& scene);
 
-// The words of a fit that a user should not miss.
-std::vector<std::string> FitCaveats(const ParameterSet& initial, const Scene& scene);
-
 // The fit that the options ask for, but for --noise-only and --still; no file is read or written. Throws as
 // FitRecording.
 RecordingFit FitAsAsked(const FitCommandOptions& options, const RecordingSource& recording,

@@ -47,6 +47,7 @@ std::vector<EchoHistogram> TraceFrames(const Simulator& simulator, const std::ve
 std::vector<FitFrame> PaperFrames(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
                                   const std::vector<int>& indices, const FitRecordingOptions& options) {
   std::vector<FitFrame> frames;
+  frames.reserve(indices.size());
   for (const int index : indices) {
     frames.push_back({.index = index,
                       .echoes = echoes[index],
@@ -61,6 +62,7 @@ std::vector<AcousticFrame> AcousticFrames(const RecordingSource& recording,
                                           const std::vector<int>& indices, const FitRecordingOptions& options,
                                           const DisplayParameters<double>& display) {
   std::vector<AcousticFrame> frames;
+  frames.reserve(indices.size());
   for (const int index : indices) {
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,

@@ -70,10 +70,10 @@ std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistog
     if (!(total > 0.0)) continue;
     int low = 0;
     int high = kIncidenceNodes - 1;
-    for (double sum = of[low]; sum < kRarest * total; sum += of[++low]) {
-    }
-    for (double sum = of[high]; sum < kRarest * total; sum += of[--high]) {
-    }
+    double below = of[low];
+    while (below < kRarest * total) below += of[++low];
+    double above = of[high];
+    while (above < kRarest * total) above += of[--high];
     seen[material_names[material]] = {low * kIncidenceStepDeg, high * kIncidenceStepDeg};
   }
   return seen;
@@ -114,6 +114,7 @@ ModelChoice Choose(const RecordingSource& recording, const Simulator& simulator,
                    const FitRecordingOptions& options, const ParameterSet& initial) {
   const auto read = [&](const std::vector<int>& indices) {
     std::vector<GreyFrame> frames;
+    frames.reserve(indices.size());
     for (const int index : indices) {
       frames.push_back({.index = index,
                         .world_from_sonar = poses[index].world_from_sonar,
@@ -197,7 +198,7 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
   DisplayParameters<double>& display = parameters.display;
   if (!scale.db_min || !scale.db_max || display.law == DisplayLaw::kPower) return {};
   if (display.db_min == *scale.db_min && display.db_max == *scale.db_max) return {};
-  const std::string note = fmt::format(
+  std::string note = fmt::format(
       "the recording's display ({:g} .. {:g} dB) is used, not that of the parameters ({:g} .. {:g} dB)",
       *scale.db_min, *scale.db_max, display.db_min, display.db_max);
   display.db_min = *scale.db_min;

@@ -11,6 +11,7 @@
 
 #include "apps/commands.h"
 #include "apps/recording_summary.h"
+#include "data_io/json_fields.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -121,13 +122,6 @@ void SetIfKnown(Json& json, const char* key, const std::optional<T>& value) {
   if (value) json[key] = *value;
 }
 
-Json WaterToJson(const Water& water) {
-  return {{"temperature_c", water.temperature_c},
-          {"salinity_ppt", water.salinity_ppt},
-          {"ph", water.ph},
-          {"depth_m", water.depth_m}};
-}
-
 Json SonarToJson(const SonarModel& sonar, const RecordingSummary& summary) {
   return {{"name", sonar.name},
           {"frequency_hz", sonar.frequency_hz},
@@ -202,7 +196,7 @@ Json RecordingToJson(const RecordingSource& recording) {
                {"frames_with_time", summary.frames_with_time},
                {"frames_with_pose", summary.frames_with_pose}};
   SetIfKnown(json, "duration_s", summary.duration_s);
-  if (info.water) json["water"] = WaterToJson(*info.water);
+  if (info.water) json["water"] = WaterJson(*info.water);
   SetIfKnown(json, "source_level_db", info.source_level_db);
   SetIfKnown(json, "scene", info.scene_path);
   json["details"] = Json::object();

@@ -240,14 +240,14 @@ void SetupPoses(CLI::App& app) {
       ->add_option("--rate", options->rate_hz,
                    "Pictures a second, in place of times by name; where neither is known, times are numbers")
       ->type_name("HZ")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber.description(""));
   command
       ->add_option(
           "--max-rms", options->max_rms_px,
           "Reprojection error, pixels (rms of the corners' distances), beyond which a frame is refused")
       ->type_name("PX")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber.description(""));
   command->add_flag("--refine-focal", options->refine_focal,
                     "Also find one factor of both focal lengths, from all pictures together");
   command->add_flag(

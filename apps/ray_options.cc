@@ -104,9 +104,7 @@ SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water,
 }
 
 void AddRayOptions(CLI::App& command, RayOptions& options) {
-  const std::string by_default = options.sampling
-                                     ? std::string(ToString(*options.sampling))
-                                     : std::string(ToString(Sampling::kBeams)) + ", for other models frustum";
+  const std::string by_default(ToString(options.sampling.value_or(Sampling::kBeams)));
   AddChoice(
       command, "--sampling", options.sampling, kSamplings,
       "How rays are spread: a pinhole grid as in the paper, or equal angles within each beam (default: " +
@@ -115,14 +113,14 @@ void AddRayOptions(CLI::App& command, RayOptions& options) {
       .add_option(
           "--rays", options.rays,
           fmt::format("Columns x rows of rays over the field of view (default: {}x{} for frustum, {} a "
-                      "beam x {} for beams, whose columns the paper's model staggers; for the acoustic "
-                      "model, rays by the shape of its beam)",
+                      "beam x {} for beams, whose columns the paper's model staggers; for the other models' "
+                      "beams, rays by their shape)",
                       kFrustumRays.cols, kFrustumRays.rows, kPaperColumnsPerBeam, kPaperBeamRows))
       ->type_name("WxH");
   AddRayWeight(command, options.weight);
   AddChoice(command, "--normals", options.normals, kNormals,
             "Surface normals: of the mesh, or by differences of the depth image as in the paper");
-  AddChoice(command, "--absorption", options.absorption, kAbsorptions, "Formula for absorption in water");
+  AddAbsorption(command, options.absorption);
   command.add_option("--threads", options.threads, "Threads to use, 0 for all cores")
       ->type_name("N")
       ->check(CLI::Range(0, 1024).description(""));
@@ -132,6 +130,23 @@ void AddRayWeight(CLI::App& command, RayWeight& weight) {
   AddChoice(command, "--ray-weight", weight, kWeights,
             "What a ray of the paper's model counts: each of a beam alike, as in the paper, or by its solid "
             "angle, by which both samplings come to one image");
+}
+
+void AddAbsorption(CLI::App& command, AbsorptionFormula& absorption) {
+  AddChoice(command, "--absorption", absorption, kAbsorptions, "Formula for absorption in water");
+}
+
+void AddReachOptions(CLI::App& command, int& ghost_order, std::optional<double>& margin_deg) {
+  command
+      .add_option("--ghost-order", ghost_order,
+                  "Reflections by the parameters' mirrors that are followed on one leg: 1 or 2")
+      ->type_name("N")
+      ->check(CLI::IsMember({1, 2}).description(""));
+  command
+      .add_option("--margin", margin_deg,
+                  "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths, "
+                  "20 at most)")
+      ->type_name("DEG");
 }
 
 void CheckRayWeight(RayWeight weight, EchoModel model) {

@@ -24,7 +24,7 @@ struct RayGridSize {
 RayGridSize ParseRayGridSize(const std::string& text);
 
 struct RayOptions {
-  std::optional<Sampling> sampling;  // absent: SamplingFor
+  std::optional<Sampling> sampling;  // absent: beams; SamplingFor, where only the model is known
   std::string rays;  // "WxH"; empty: 1500x1200 for frustum (the paper's), 2 a beam x 330 for beams
   RayWeight weight = RayWeight::kEven;
   NormalSource normals = NormalSource::kGeometric;
@@ -44,8 +44,9 @@ struct RayOptions {
   SimulationOptions For(const SonarModel& sonar, const Water& water,
                         EchoModel model = EchoModel::kPaper) const;
 
-  // The same for these parameters and their model. Of other models than the paper's the fan reaches as far as
-  // the beam hears (sim/acoustic_fan.h), however many rays are asked for; a pinhole's as far as it can.
+  // The same for these parameters and their model. Of other models than the paper's rays are those of
+  // sim/acoustic_fan.h unless a pinhole is asked for, and the fan reaches as far as the beam hears, however
+  // many rays are asked for; a pinhole's as far as it can.
   SimulationOptions For(const SonarModel& sonar, const Water& water, const ParameterSet& parameters) const;
 };
 
@@ -54,6 +55,12 @@ void AddRayOptions(CLI::App& command, RayOptions& options);
 
 // Adds --ray-weight alone.
 void AddRayWeight(CLI::App& command, RayWeight& weight);
+
+// Adds --absorption alone.
+void AddAbsorption(CLI::App& command, AbsorptionFormula& absorption);
+
+// Adds --ghost-order and --margin: how far rays go on from mirrors, and beyond the outer beams.
+void AddReachOptions(CLI::App& command, int& ghost_order, std::optional<double>& margin_deg);
 
 // Throws UsageError where a weight is chosen for a model that takes none: only the paper's sums over rays.
 void CheckRayWeight(RayWeight weight, EchoModel model);

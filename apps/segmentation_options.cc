@@ -178,7 +178,7 @@ void AddMethodOptions(CLI::App& command, SegmentationCommandOptions& options) {
   command
       .add_option("--background-params", options.background_params,
                   "likelihood_ratio: params.json that fit --noise-only wrote; CFAR: takes its display")
-      ->type_name("P.json");
+      ->type_name("JSON");
   add_size("--blur", options.blur,
            "Methods without a rate: Gaussian smoothing, standard deviation in range bins x beams" +
                size(rule.blur_rows, rule.blur_cols));

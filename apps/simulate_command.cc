@@ -167,16 +167,8 @@ std::vector<std::string> SimulationCaveats(const SimulateOptions& options, const
                                               simulator.options().water);
   if (!caveat.empty()) sentences.push_back(fmt::format("warning: {}", caveat));
   const ParameterSet& parameters = resolved.parameters;
-  const auto& names = simulator.caster().material_names();
-  for (const auto& [name, mirror] : parameters.mirrors) {
-    if (parameters.model == EchoModel::kPaper) {
-      sentences.emplace_back("warning: the paper's model shows no ghosts of the parameters' mirrors");
-      break;
-    }
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
-    }
-  }
+  for (std::string& sentence : MirrorCaveats(parameters, simulator.caster().material_names()))
+    sentences.push_back(std::move(sentence));
   const auto& jitter = parameters.jitter;
   if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
       jitter.sigma_azimuth_deg == 0.0) {
@@ -272,15 +264,7 @@ void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
   command->add_flag("--frozen-speckle", options->frozen_speckle,
                     "Speckle from the seed alone, the same in every frame as long as nothing moves; receiver "
                     "noise stays fresh (acoustic, coherent)");
-  command
-      ->add_option("--ghost-order", options->ghost_order,
-                   "Reflections by the parameters' mirrors that are followed on one leg: 1 or 2")
-      ->type_name("N")
-      ->check(CLI::IsMember({1, 2}).description(""));
-  command
-      ->add_option("--margin", options->margin_deg,
-                   "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths)")
-      ->type_name("DEG");
+  AddReachOptions(*command, options->ghost_order, options->margin_deg);
   command->add_option("--seed", options->seed, "Seed of the noise; frame i uses seed + i")->type_name("N");
   command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
   command->add_flag("--depth", options->depth,

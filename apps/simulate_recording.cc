@@ -58,6 +58,18 @@ WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Wate
                              WaterText(fresh))};
 }
 
+std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
+                                       const std::vector<std::string>& material_names) {
+  if (parameters.model == EchoModel::kPaper && !parameters.mirrors.empty())
+    return {"warning: the paper's model shows no ghosts of the parameters' mirrors"};
+  std::vector<std::string> sentences;
+  for (const auto& [name, mirror] : parameters.mirrors) {
+    if (std::find(material_names.begin(), material_names.end(), name) == material_names.end())
+      sentences.push_back(fmt::format("warning: the mirror '{}' is no material of the scene", name));
+  }
+  return sentences;
+}
+
 namespace {
 
 // What of a model's parameters a recorder would have to have set alike.

@@ -38,6 +38,11 @@ struct WaterChoice {
 // C.
 WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Water>& of_sonar);
 
+// What should not be missed of the parameters' mirrors, a sentence each: those that are no material of the
+// scene, or that the paper's model has none.
+std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
+                                       const std::vector<std::string>& material_names);
+
 // What a recording says of itself that `simulator` makes: synthetic, by which model, rays and noise.
 // `scene_path` as in RecordingInfo; empty for none.
 RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const ParameterSet& parameters,

@@ -17,10 +17,10 @@
 #include "apps/choice_option.h"
 #include "apps/commands.h"
 #include "apps/interruption.h"
+#include "apps/locked_recording.h"
 #include "apps/scenes_command.h"
 #include "apps/simulate_recording.h"
 #include "apps/view/view_api.h"
-#include "apps/view/view_recording.h"
 #include "apps/view/view_server.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
@@ -201,15 +201,7 @@ void SetupView(CLI::App& app) {
       ->type_name("DIR");
   AddChoice(*command, "--model", options->model, kModels, "Echo model (default: that of the parameters)");
   AddRayOptions(*command, options->rays);
-  command
-      ->add_option("--ghost-order", options->ghost_order,
-                   "Reflections by the parameters' mirrors that are followed on one leg: 1 or 2")
-      ->type_name("N")
-      ->check(CLI::IsMember({1, 2}).description(""));
-  command
-      ->add_option("--margin", options->margin_deg,
-                   "Azimuth cast beyond the outer beams, degrees (default: 0 for paper, else 3 beam widths)")
-      ->type_name("DEG");
+  AddReachOptions(*command, options->ghost_order, options->margin_deg);
   command
       ->add_option("--object", options->object,
                    "Material of the object: a fit is judged in a box around it (default: the whole image)")

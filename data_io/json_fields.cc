@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "data_io/types/rotation.h"
+#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
@@ -14,6 +17,11 @@ std::vector<double> ReadVector(const JsonReader& json, std::size_t size) {
   std::vector<double> values = json.Numbers(NumberRange::Between(-1e9, 1e9));
   if (values.size() != size) json.Fail(fmt::format("has {} numbers, expected {}", values.size(), size));
   return values;
+}
+
+// Azimuths pass through radians; twelve digits bring back the table that was read.
+double RoundedDegrees(double azimuth_rad) {
+  return std::round(DegFromRad(azimuth_rad) * 1e10) / 1e10;
 }
 
 }  // namespace
@@ -47,6 +55,28 @@ nlohmann::ordered_json WaterJson(const Water& water) {
           {"salinity_ppt", water.salinity_ppt},
           {"ph", water.ph},
           {"depth_m", water.depth_m}};
+}
+
+nlohmann::ordered_json SonarJson(const SonarModel& sonar) {
+  nlohmann::ordered_json json = {{"name", sonar.name}};
+  const auto write_known = [&json](const char* key, double value) {
+    if (value != 0.0) json[key] = value;
+  };
+  write_known("frequency_hz", sonar.frequency_hz);
+  for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) {
+    json["beam_azimuth_deg"].push_back(RoundedDegrees(azimuth_rad));
+  }
+  write_known("azimuth_beam_width_deg", sonar.azimuth_beam_width_deg);
+  write_known("elevation_beam_width_deg", sonar.elevation_beam_width_deg);
+  json["range_min_m"] = sonar.axes.range_min_m;
+  json["range_max_m"] = sonar.axes.range_max_m;
+  json["range_bins"] = sonar.axes.range_bins;
+  write_known("sound_speed_m_per_s", sonar.sound_speed_m_per_s);
+  return json;
+}
+
+double AzimuthAsWrittenRad(double azimuth_rad) {
+  return RadFromDeg(RoundedDegrees(azimuth_rad));
 }
 
 }  // namespace sonarcal

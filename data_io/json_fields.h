@@ -1,7 +1,9 @@
-// The JSON forms that several files share: a pose and the water.
+// The JSON forms that several files share: a pose, the water and a sonar.
 //
 //   {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}
 //   {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
+//   {"name": "P900-45", "frequency_hz", "beam_azimuth_deg": [...], "azimuth_beam_width_deg",
+//    "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s"}
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,5 +22,11 @@ nlohmann::ordered_json PoseJson(const Pose& pose);
 // 0..12000 m.
 Water ReadWater(const JsonReader& json);
 nlohmann::ordered_json WaterJson(const Water& water);
+
+// What is unknown (0) is left out, as readers want it (data_io/recording_io.h).
+nlohmann::ordered_json SonarJson(const SonarModel& sonar);
+
+// The azimuth that SonarJson writes, as it is read again.
+double AzimuthAsWrittenRad(double azimuth_rad);
 
 }  // namespace sonarcal

@@ -240,27 +240,8 @@ void NoteUnknownKeys(const JsonReader& json, RecordingInfo& info) {
   }
 }
 
-// Azimuths pass through radians; twelve digits bring back the table that was read.
-double RoundedDegrees(double azimuth_rad) {
-  return std::round(DegFromRad(azimuth_rad) * 1e10) / 1e10;
-}
-
-Json SonarJson(const RecordingInfo& info) {
-  const SonarModel& sonar = info.sonar;
-  Json json = {{"name", sonar.name}};
-  const auto write_known = [&json](const char* key, double value) {
-    if (value != 0.0) json[key] = value;
-  };
-  write_known("frequency_hz", sonar.frequency_hz);
-  for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) {
-    json["beam_azimuth_deg"].push_back(RoundedDegrees(azimuth_rad));
-  }
-  write_known("azimuth_beam_width_deg", sonar.azimuth_beam_width_deg);
-  write_known("elevation_beam_width_deg", sonar.elevation_beam_width_deg);
-  json["range_min_m"] = sonar.axes.range_min_m;
-  json["range_max_m"] = sonar.axes.range_max_m;
-  json["range_bins"] = sonar.axes.range_bins;
-  write_known("sound_speed_m_per_s", sonar.sound_speed_m_per_s);
+Json SonarOfRecordingJson(const RecordingInfo& info) {
+  Json json = SonarJson(info.sonar);
   if (!info.azimuth_psf.empty()) json["azimuth_psf"] = info.azimuth_psf;
   if (!info.beam_taper.empty()) json["beam_taper"] = info.beam_taper;
   return json;
@@ -330,7 +311,7 @@ RecordingInfo ReadSonarFile(const fs::path& file) {
 
 Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {
   const RecordingInfo& info = header.info;
-  Json json = {{"format", kFormat}, {"sonar", SonarJson(info)}};
+  Json json = {{"format", kFormat}, {"sonar", SonarOfRecordingJson(info)}};
   if (info.water) json["water"] = WaterJson(*info.water);
   json["image"] = ImageJson(header);
   if (info.source_level_db) json["source_level_db"] = *info.source_level_db;

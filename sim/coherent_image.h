@@ -29,25 +29,12 @@
 // wavelength apart. The parameters' azimuth_pattern has no part in it.
 #pragma once
 
-#include <vector>
-
 #include "data_io/types/parameters.h"
 #include "sim/acoustic_image.h"
 #include "sim/ghost_trace.h"
 #include "sim/ray_caster.h"
 
 namespace sonarcal {
-
-struct LineArray {
-  std::vector<double> position_wavelengths;  // of each element along X, symmetric about 0
-  std::vector<double> shading;               // its weight; of sum 1
-
-  // |sum of shading x exp(2 pi i position sine)|^2: 1 on the axis.
-  double Power(double sine) const;
-};
-
-// Throws DataError for a half-power width outside 0.05..60 degrees or a taper outside 0..1.
-LineArray MakeLineArray(double half_power_width_rad, double taper);
 
 struct CoherentGeometry {
   const RayCaster& caster;

@@ -11,6 +11,7 @@
 #include "sim/beam_and_pulse.h"
 #include "sim/ghost_echoes.h"
 #include "sim/ghost_power.h"
+#include "sim/physics/beam_pattern.h"
 #include "sim/physics/gsab.h"
 #include "sim/power_response.h"
 
@@ -268,17 +269,6 @@ Grid<int> EchoCauses::Largest() const {
     }
   }
   return largest;
-}
-
-double MainLobeEndRad(const ElevationResponse& response) {
-  constexpr double kStepRad = 1e-3;
-  double last = response.Power(0.0);
-  for (double angle_rad = kStepRad; angle_rad < 0.5 * kPi; angle_rad += kStepRad) {
-    const double power = response.Power(angle_rad);
-    if (power > last) return angle_rad - kStepRad;
-    last = power;
-  }
-  return 0.5 * kPi;
 }
 
 EchoCauses CausesOf(const Simulator& simulator, const Pose& world_from_sonar,

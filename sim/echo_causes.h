@@ -17,7 +17,6 @@
 #include "data_io/types/image.h"
 #include "data_io/types/parameters.h"
 #include "data_io/types/pose.h"
-#include "sim/physics/beam_pattern.h"
 #include "sim/simulator.h"
 
 namespace sonarcal {
@@ -42,8 +41,5 @@ struct EchoCauses {
 
 // Traces the pose. Throws DataError as Simulator::RenderExpected does.
 EchoCauses CausesOf(const Simulator& simulator, const Pose& world_from_sonar, const ParameterSet& parameters);
-
-// Elevation at which a pattern's main lobe ends, radians; pi / 2 where it has no side lobe.
-double MainLobeEndRad(const ElevationResponse& response);
 
 }  // namespace sonarcal

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "data_io/types/error.h"
-#include "sim/echo_causes.h"
+#include "sim/physics/beam_pattern.h"
 #include "sim/random.h"
 
 namespace sonarcal {

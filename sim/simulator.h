@@ -51,13 +51,16 @@ class Simulator {
   // Of a scene that others trace as well, its structure built once.
   Simulator(std::shared_ptr<const RayCaster> caster, SonarModel sonar, SimulationOptions options);
   ~Simulator();
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
 
   // The echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;
 
   // The ghosts of a pose by the materials that the parameters call mirrors; where the scene has none of them
-  // no ray is cast and the list is empty. Which mirrors there are alone counts: their losses may change
-  // without tracing again. `thin`: by so many times fewer rows and columns of rays.
+  // no ray is cast and the list is empty. Of the parameters only which mirrors there are counts, and of the
+  // beam what GhostFanOptions takes: losses may change without tracing again. `thin`: by so many times fewer
+  // rows and columns of rays.
   GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters, int thin = 1) const;
 
   // The image of a pose by the model that the parameters name, in whole grey levels.

@@ -71,6 +71,14 @@ def check_bash(folder, commands):
     assert not completed(folder, "sonarcal", "nonsense", "--")
 
 
+def check_fish(folder):
+    """Of each option its names, as long or as single letters."""
+    text = pathlib.Path(folder, "sonarcal.fish").read_text(encoding="utf-8")
+    for name in re.findall(r" -s (\S+)", text):
+        assert len(name) == 1 and name.isalpha(), f"'{name}' is no single letter"
+    assert "from view' -l open -l no-browser" in text
+
+
 def main():
     """The test."""
     help_text = output_of(SONARCAL, "--help")
@@ -80,6 +88,7 @@ def main():
         output_of(SONARCAL, "documentation", "--out", folder)
         check_pages(folder, commands)
         check_bash(folder, commands)
+        check_fish(folder)
         for shell, script in (("zsh", "_sonarcal"), ("fish", "sonarcal.fish")):
             if subprocess.run(["which", shell], stdout=subprocess.DEVNULL, check=False).returncode == 0:
                 subprocess.run([shell, "-n", f"{folder}/{script}"], check=True)

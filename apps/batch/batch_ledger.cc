@@ -72,9 +72,8 @@ const std::map<std::string, LedgerState>& BatchLedger::Read() {
       const Json json = Json::parse(line);
       states_[json.at("job")] = StateOf(json);
     } catch (const Json::exception&) {
-      throw DataError(
-          "{}:{}: is no line of a ledger, expected {{\"job\": ..., \"key\": ..., \"event\": ...}}",
-          file_.string(), lines_read_);
+      throw DataError(R"({}:{}: is no line of a ledger, expected {{"job": ..., "key": ..., "event": ...}})",
+                      file_.string(), lines_read_);
     }
   }
   return states_;

@@ -58,6 +58,7 @@ class JobLock {
   JobLock(JobLock&& other) noexcept : descriptor_(other.descriptor_) { other.descriptor_ = -1; }
   JobLock(const JobLock&) = delete;
   JobLock& operator=(const JobLock&) = delete;
+  JobLock& operator=(JobLock&&) = delete;
 
   bool held() const { return descriptor_ >= 0; }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -128,8 +129,9 @@ std::vector<std::string> ArgumentsOf(const Chosen& chosen) {
 
 // What a job reads besides its arguments: the contents of the files that they name; of a recording's folder
 // its recording.json. For the batch's own outputs stands the key of the job before.
+// `digests`: of files read before, as many jobs name the same ones.
 std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& out,
-                  const std::string& key_before) {
+                  const std::string& key_before, std::map<fs::path, std::string>& digests) {
   std::string text = job.command + '\n' + key_before + '\n';
   for (const std::string& argument : job.arguments) {
     text += argument + '\n';
@@ -137,15 +139,18 @@ std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& o
     fs::path path = folder / argument;
     std::error_code error;
     if (fs::is_directory(path, error)) path /= "recording.json";
-    if (fs::is_regular_file(path, error)) text += Sha256OfFile(path) + '\n';
+    if (!fs::is_regular_file(path, error)) continue;
+    std::string& digest = digests[path];
+    if (digest.empty()) digest = Sha256OfFile(path);
+    text += digest + '\n';
   }
   return Sha256(text);
 }
 
 class Reader {
  public:
-  Reader(const fs::path& file, const fs::path& out, const CLI::App& root)
-      : root_(root), out_(out), json_(JsonReader::FromFile(file)) {
+  Reader(const fs::path& file, fs::path out, const CLI::App& root)
+      : root_(root), out_(std::move(out)), json_(JsonReader::FromFile(file)) {
     plan_.folder = fs::absolute(file).parent_path();
   }
 
@@ -199,7 +204,7 @@ class Reader {
     }
     job.options.insert(chosen.begin(), chosen.end());
     job.arguments = ArgumentsOf(chosen);
-    job.key = KeyOf(job, plan_.folder, out_, key_before);
+    job.key = KeyOf(job, plan_.folder, out_, key_before, digests_);
     index_of_job_[id] = plan_.jobs.size();
     plan_.jobs.push_back(std::move(job));
   }
@@ -226,8 +231,8 @@ class Reader {
     return *root_.get_subcommand(name);
   }
 
-  std::vector<Chosen> ReadRows(const JsonReader& json, const CLI::App& command,
-                               const std::vector<PlannedOption>& options) const {
+  static std::vector<Chosen> ReadRows(const JsonReader& json, const CLI::App& command,
+                                      const std::vector<PlannedOption>& options) {
     std::vector<Chosen> rows;
     for (const JsonReader& item : json.Items()) {
       Chosen row;
@@ -250,6 +255,7 @@ class Reader {
   BatchPlan plan_;
   std::map<std::string, std::vector<std::string>> jobs_of_entry_;
   std::map<std::string, std::size_t> index_of_job_;
+  std::map<fs::path, std::string> digests_;
 };
 
 }  // namespace

@@ -102,7 +102,9 @@ bool BatchRunner::TakeFoundOutput(const BatchJob& job) {
         "{}: is there already, and the ledger does not know it: move it away, or take another --out",
         output.string());
   }
-  // Outputs appear whole, so that this one is; but what a comparison's thresholds said is lost.
+  // What an interrupted simulation wrote may be its first frames alone: --resume makes the rest, if any.
+  if (state->event == LedgerState::Event::kStarted && job.command == "simulate") return false;
+  // Outputs of the others appear whole, so that this one is; but what a comparison's thresholds said is lost.
   if (state->event == LedgerState::Event::kStarted && !job.options.contains("fail-above")) {
     ledger_.Done(job.id, job.key, 0, 0.0);
     return true;

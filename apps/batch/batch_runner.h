@@ -47,7 +47,7 @@ class BatchRunner {
   std::vector<std::string> CommandLineOf(const BatchJob& job) const;
   const LedgerState* StateOf(const BatchJob& job);
   bool IsDone(const BatchJob& job);
-  // Whether the job's output lies there, from a run that was killed before it could say so.
+  // Whether the job's whole output lies there, from a run that was killed before it could say so.
   bool TakeFoundOutput(const BatchJob& job);
   void WriteEnd(const BatchJob& job, int status, double wall_s);
 

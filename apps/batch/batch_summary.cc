@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "metrics/csv_text.h"
+
 namespace sonarcal {
 namespace {
 
@@ -50,14 +52,7 @@ Json FiguresOf(const BatchJob& job, const std::filesystem::path& output) {
 }
 
 std::string Cell(const Json& value) {
-  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
+  return CsvText(value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 }  // namespace
@@ -112,6 +107,7 @@ std::string BatchSummaryCsv(const Json& summary) {
   text += '\n';
   for (const Json& row : summary.at("jobs")) {
     std::vector<std::string> cells;
+    cells.reserve(first.size() + columns.size());
     for (const std::string& name : first) cells.push_back(row.contains(name) ? Cell(row.at(name)) : "");
     for (const auto& [group, name] : columns) {
       cells.push_back(row.at(group).contains(name) ? Cell(row.at(group).at(name)) : "");

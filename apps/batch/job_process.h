@@ -22,6 +22,7 @@ class JobProcess {
   JobProcess(JobProcess&& other) noexcept;
   JobProcess(const JobProcess&) = delete;
   JobProcess& operator=(const JobProcess&) = delete;
+  JobProcess& operator=(JobProcess&&) = delete;
 
   // Its exit status once it has ended (128 + signal where a signal ended it), without waiting.
   std::optional<int> Ended();

@@ -26,10 +26,6 @@ std::string Joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-std::string LongName(const DocumentedOption& option) {
-  return option.names.back();
-}
-
 // The description up to what it says of defaults, without what zsh takes for the end of it.
 std::string Short(const DocumentedOption& option) {
   std::string text;
@@ -149,9 +145,11 @@ std::string FishCompletion(const CLI::App& root) {
                         Quoted(command->get_description()));
     for (const DocumentedOption& option : DocumentedOptions(*command)) {
       if (option.is_argument) continue;
-      text += fmt::format("complete -c sonarcal -n '__fish_seen_subcommand_from {}' -l {}",
-                          command->get_name(), LongName(option).substr(2));
-      if (option.names.size() > 1) text += fmt::format(" -s {}", option.names.front().substr(1));
+      text += fmt::format("complete -c sonarcal -n '__fish_seen_subcommand_from {}'", command->get_name());
+      for (const std::string& name : option.names) {
+        text += name.starts_with("--") ? fmt::format(" -l {}", name.substr(2))
+                                       : fmt::format(" -s {}", name.substr(1));
+      }
       if (!option.words.empty()) {
         text += fmt::format(" -x -a {}", Quoted(Joined(option.words)));
       } else if (!option.value.empty()) {

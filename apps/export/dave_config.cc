@@ -78,16 +78,11 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
                         .account = ExportAccount(source),
                         .schema = "nps_uw_multibeam_sonar 47dae1f (DAVE), SDF 1.6"};
   pugi::xml_document document;
-  pugi::xml_node sdf = document.append_child("sdf");
-  sdf.append_attribute("version") = "1.6";
-  pugi::xml_node model = sdf.append_child("model");
-  model.append_attribute("name") = name.c_str();
-  pugi::xml_node link = model.append_child("link");
-  link.append_attribute("name") = "forward_sonar_link";
-  pugi::xml_node sensor = link.append_child("sensor");
-  sensor.append_attribute("name") = "image_sonar";
-  sensor.append_attribute("type") = "depth";
-  AddElement(sensor, "always_on", "true");
+  pugi::xml_node sensor = AddSdfSensor(document, {.version = "1.6",
+                                                  .model = name,
+                                                  .link = "forward_sonar_link",
+                                                  .name = "image_sonar",
+                                                  .type = "depth"});
   pugi::xml_node camera = sensor.append_child("camera");
   AddElement(camera, "horizontal_fov", RadFromDeg(fan.field_deg));
   pugi::xml_node image = camera.append_child("image");
@@ -125,9 +120,7 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
                   sonar.axes.range_bin_m()));
   const std::string elevation =
       fmt::format("{} rows of rays between hard edges; ours has a pattern beyond its half-power width", rows);
-  account.Approximated("sonar.elevation_beam_width_deg", "plugin/verticalFOV, camera/image/height",
-                       elevation);
-  account.Approximated("beam.elevation_width_deg", "plugin/verticalFOV, camera/image/height", elevation);
+  AccountForElevation("plugin/verticalFOV, camera/image/height", elevation, account);
   const std::string width = fmt::format(
       "a beam is as wide as its spacing, {:.4g} degrees, with DAVE's own pattern", fan.spacing_deg());
   account.Approximated("sonar.azimuth_beam_width_deg", "", width);

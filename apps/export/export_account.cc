@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
+#include "data_io/json_fields.h"
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
@@ -23,19 +23,6 @@ void Flatten(const std::string& path, const Json& json, std::vector<AccountLine>
   for (const auto& [key, member] : json.items()) {
     Flatten(path.empty() ? key : fmt::format("{}.{}", path, key), member, lines);
   }
-}
-
-Json SonarJson(const SonarModel& sonar) {
-  std::vector<double> azimuth_deg;
-  for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) azimuth_deg.push_back(DegFromRad(azimuth_rad));
-  return {{"frequency_hz", sonar.frequency_hz},
-          {"beam_azimuth_deg", azimuth_deg},
-          {"azimuth_beam_width_deg", sonar.azimuth_beam_width_deg},
-          {"elevation_beam_width_deg", sonar.elevation_beam_width_deg},
-          {"range_min_m", sonar.axes.range_min_m},
-          {"range_max_m", sonar.axes.range_max_m},
-          {"range_bins", sonar.axes.range_bins},
-          {"sound_speed_m_per_s", sonar.sound_speed_m_per_s}};
 }
 
 bool IsOf(std::string_view parameter, std::string_view name) {
@@ -105,13 +92,10 @@ std::string_view ToString(Expression expression) {
 ExportAccount::ExportAccount(const ExportSource& source) {
   Json json = ParametersJson(source.parameters);
   json.erase("format");
-  Flatten("sonar", SonarJson(source.sonar), lines_);
-  Flatten("water",
-          {{"temperature_c", source.water.temperature_c},
-           {"salinity_ppt", source.water.salinity_ppt},
-           {"ph", source.water.ph},
-           {"depth_m", source.water.depth_m}},
-          lines_);
+  Json sonar = SonarJson(source.sonar);
+  sonar.erase("name");
+  Flatten("sonar", sonar, lines_);
+  Flatten("water", WaterJson(source.water), lines_);
   Flatten("absorption_db_per_m", source.absorption_db_per_m, lines_);
   for (const auto& [key, member] : json.items()) {
     if (key == "water") continue;  // already there, as it was resolved

@@ -50,6 +50,20 @@ double FloorOfFullScale(const ExportSource& source) {
   return sum / axes.beam_count() / PowerFromDb(source.parameters.display.db_max);
 }
 
+double RayleighOfFloor(const ExportSource& source) {
+  return FloorOfFullScale(source) / std::sqrt(0.5 * kPi);
+}
+
+void AccountForElevation(const std::string& target, const std::string& how, ExportAccount& account) {
+  account.Approximated("sonar.elevation_beam_width_deg", target, how);
+  account.Approximated("beam.elevation_width_deg", target, how);
+}
+
+void AccountForFloor(const std::string& target, const std::string& how, ExportAccount& account) {
+  account.Approximated("receiver.noise_db", target, how);
+  account.Approximated("receiver.noise_after_gain_db", target, how);
+}
+
 void AccountForTheRest(const std::string& simulator, ExportAccount& account) {
   const auto no = [&](const char* name, const std::string& what) {
     account.NotExpressed(name, fmt::format("{} has no {}", simulator, what));

@@ -28,6 +28,16 @@ double SpeckleSpread(const ParameterSet& parameters);
 // display, or as if it were one.
 double FloorOfFullScale(const ExportSource& source);
 
+// sigma of a Rayleigh law whose mean is that floor.
+double RayleighOfFloor(const ExportSource& source);
+
+// Of simulators that hear nothing beyond the beam's width, and all of it alike.
+inline constexpr const char* kHardEdge = "a hard edge at our half-power width";
+
+// Say what became of the beam's width in elevation, and of the floor of noise, wherever either comes from.
+void AccountForElevation(const std::string& target, const std::string& how, ExportAccount& account);
+void AccountForFloor(const std::string& target, const std::string& how, ExportAccount& account);
+
 // What no simulator here has: the rest of the parameters, by group. Called last.
 void AccountForTheRest(const std::string& simulator, ExportAccount& account);
 

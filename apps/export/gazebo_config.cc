@@ -29,16 +29,9 @@ ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& nam
   ExportedConfig config{
       .files = {}, .account = ExportAccount(source), .schema = "SDF 1.9, sensor of type gpu_lidar"};
   pugi::xml_document document;
-  pugi::xml_node sdf = document.append_child("sdf");
-  sdf.append_attribute("version") = "1.9";
-  pugi::xml_node model = sdf.append_child("model");
-  model.append_attribute("name") = name.c_str();
-  pugi::xml_node link = model.append_child("link");
-  link.append_attribute("name") = "sonar_link";
-  pugi::xml_node sensor = link.append_child("sensor");
-  sensor.append_attribute("name") = "sonar_rays";
-  sensor.append_attribute("type") = "gpu_lidar";
-  AddElement(sensor, "always_on", "true");
+  pugi::xml_node sensor = AddSdfSensor(
+      document,
+      {.version = "1.9", .model = name, .link = "sonar_link", .name = "sonar_rays", .type = "gpu_lidar"});
   pugi::xml_node lidar = sensor.append_child("lidar");
   pugi::xml_node scan = lidar.append_child("scan");
   const auto add_axis = [&](const char* axis, int samples, double min_rad, double max_rad) {
@@ -80,8 +73,7 @@ ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& nam
                        "rays give ranges: binning them into an image is left to the user");
   const std::string elevation = fmt::format(
       "{} rays between hard edges, as far apart as the beams; ours falls to half power there", rows);
-  account.Approximated("sonar.elevation_beam_width_deg", "scan/vertical", elevation);
-  account.Approximated("beam.elevation_width_deg", "scan/vertical", elevation);
+  AccountForElevation("scan/vertical", elevation, account);
   account.NotExpressed("material.", "Gazebo's lidar has ranges, and no echoes of materials");
   account.NotExpressed("absorption_db_per_m", "Gazebo's lidar has ranges, and no levels of echoes");
   account.NotExpressed("water.", "Gazebo's lidar has ranges, and no levels of echoes");

@@ -3,13 +3,10 @@
 // sensor-config. Intensities there have no unit; we take 1 for the power that we show as full scale.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "apps/export/even_fan.h"
 #include "apps/export/export_words.h"
 #include "apps/export/simulator_configs.h"
 #include "data_io/json_writer.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 
@@ -17,17 +14,19 @@ ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& 
   const ParameterSet& parameters = source.parameters;
   const PolarAxes& axes = source.sonar.axes;
   const EvenFan fan = EvenFanOf(source);
-  // The mean of Rayleigh's law is sigma sqrt(pi / 2).
-  const double add_sigma = FloorOfFullScale(source) / std::sqrt(0.5 * kPi);
   const bool is_paper = parameters.model == EchoModel::kPaper;
   const bool has_mirrors = !is_paper && !parameters.mirrors.empty();
 
-  nlohmann::ordered_json configuration = {
-      {"Azimuth", fan.field_deg},     {"Elevation", fan.elevation_deg},
-      {"RangeMin", axes.range_min_m}, {"RangeMax", axes.range_max_m},
-      {"RangeBins", axes.range_bins}, {"AzimuthBins", fan.beams},
-      {"AddSigma", add_sigma},        {"MultSigma", SpeckleSpread(parameters)},
-      {"MultiPath", has_mirrors},     {"WaterSpeedSound", source.sonar.sound_speed_m_per_s}};
+  nlohmann::ordered_json configuration = {{"Azimuth", fan.field_deg},
+                                          {"Elevation", fan.elevation_deg},
+                                          {"RangeMin", axes.range_min_m},
+                                          {"RangeMax", axes.range_max_m},
+                                          {"RangeBins", axes.range_bins},
+                                          {"AzimuthBins", fan.beams},
+                                          {"AddSigma", RayleighOfFloor(source)},
+                                          {"MultSigma", SpeckleSpread(parameters)},
+                                          {"MultiPath", has_mirrors},
+                                          {"WaterSpeedSound", source.sonar.sound_speed_m_per_s}};
   if (is_paper) configuration["RangeSigma"] = parameters.jitter.sigma_range_m;
   const nlohmann::ordered_json sensor = {
       {"sensor_type", "ImagingSonar"}, {"sensor_name", name}, {"configuration", configuration}};
@@ -41,17 +40,13 @@ ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& 
   account.Exported("sonar.range_max_m", "RangeMax");
   account.Exported("sonar.range_bins", "RangeBins");
   account.Exported("sonar.sound_speed_m_per_s", "WaterSpeedSound");
-  const std::string elevation = "a hard edge at our half-power width";
-  account.Approximated("sonar.elevation_beam_width_deg", "Elevation", elevation);
-  account.Approximated("beam.elevation_width_deg", "Elevation", elevation);
+  AccountForElevation("Elevation", kHardEdge, account);
   account.Approximated("receiver.looks", "MultSigma",
                        "speckle by a normal factor of the same spread, 1 / sqrt(looks)");
-  const std::string floor =
-      "the floor at the far end of the window, relative to full scale, as the mean of a Rayleigh law; it "
-      "does "
-      "not change with range";
-  account.Approximated("receiver.noise_db", "AddSigma", floor);
-  account.Approximated("receiver.noise_after_gain_db", "AddSigma", floor);
+  AccountForFloor("AddSigma",
+                  "the floor at the far end of the window, relative to full scale, as the mean of a Rayleigh "
+                  "law; it does not change with range",
+                  account);
   account.Approximated("jitter.sigma_range_m", "RangeSigma",
                        "an exponential error in place of a normal one, not growing with range");
   account.Approximated("mirror.", "MultiPath", "one bounce by the impedances of HoloOcean's materials");

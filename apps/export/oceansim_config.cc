@@ -13,7 +13,6 @@
 #include "apps/export/export_words.h"
 #include "apps/export/simulator_configs.h"
 #include "data_io/json_writer.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 
@@ -38,7 +37,7 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
       {"make_sonar_data",
        {{"attenuation", 2.0 * source.absorption_db_per_m * per_m_of_db_per_m},
         {"gau_noise_param", kMeanFactor * SpeckleSpread(parameters)},
-        {"ray_noise_param", FloorOfFullScale(source) / std::sqrt(0.5 * kPi)},
+        {"ray_noise_param", RayleighOfFloor(source)},
         {"central_peak", 0.0}}},
       {"reflectivity", RelativeReflectivities(laws)}};
 
@@ -50,19 +49,16 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
   account.Exported("sonar.range_min_m", "min_range");
   account.Exported("sonar.range_max_m", "max_range");
   account.Exported("sonar.range_bins", "range_res");
-  const std::string elevation = "a hard edge at our half-power width";
-  account.Approximated("sonar.elevation_beam_width_deg", "vert_fov", elevation);
-  account.Approximated("beam.elevation_width_deg", "vert_fov", elevation);
+  AccountForElevation("vert_fov", kHardEdge, account);
   AccountForMaterials(laws, "reflectivity/{}",
                       "; relative to the strongest material, as OceanSim divides by the brightest pixel",
                       account);
   account.Approximated("receiver.looks", "gau_noise_param",
                        "speckle by a normal factor of the same relative spread, 1 / sqrt(looks)");
-  const std::string floor =
-      "the floor at the far end of the window, relative to full scale, as the mean of a Rayleigh law that "
-      "grows with the square of range";
-  account.Approximated("receiver.noise_db", "ray_noise_param", floor);
-  account.Approximated("receiver.noise_after_gain_db", "ray_noise_param", floor);
+  AccountForFloor("ray_noise_param",
+                  "the floor at the far end of the window, relative to full scale, as the mean of a Rayleigh "
+                  "law that grows with the square of range",
+                  account);
   const std::string absorption =
       "absorption on both ways as an exponential of range; spreading has no counterpart";
   account.Approximated("absorption_db_per_m", "attenuation", absorption);

@@ -52,19 +52,17 @@ ExportedConfig ExportToStonefish(const ExportSource& source, const std::string& 
   account.Exported("sonar.range_min_m", "settings/range_min");
   account.Exported("sonar.range_max_m", "settings/range_max");
   account.Exported("sonar.range_bins", "specs/bins");
-  const std::string elevation =
-      "the full field of view; Stonefish fades a fifth of it at either end, ours falls to half power at the "
-      "width given";
-  account.Approximated("sonar.elevation_beam_width_deg", "specs/vertical_fov", elevation);
-  account.Approximated("beam.elevation_width_deg", "specs/vertical_fov", elevation);
+  AccountForElevation("specs/vertical_fov",
+                      "the full field of view; Stonefish fades a fifth of it at either end, ours falls to "
+                      "half power at the width given",
+                      account);
   account.Approximated(
       "receiver.looks", "noise/multiplicative",
       "a normal factor of the spread of speckle, 1 / sqrt(looks), the same for all bins of a "
       "beam");
-  const std::string floor =
-      "normal noise whose spread is the floor at the far end of the window, relative to full scale";
-  account.Approximated("receiver.noise_db", "noise/additive", floor);
-  account.Approximated("receiver.noise_after_gain_db", "noise/additive", floor);
+  AccountForFloor(
+      "noise/additive",
+      "normal noise whose spread is the floor at the far end of the window, relative to full scale", account);
   AccountForMaterials(laws, "materials/material[{}]/restitution",
                       "; relative to the strongest material, as Stonefish has no levels", account);
   account.NotExpressed("absorption_db_per_m", "Stonefish has neither spreading nor absorption");

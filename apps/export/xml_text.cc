@@ -28,6 +28,20 @@ void AddElement(pugi::xml_node parent, const char* name, double value) {
   AddElement(parent, name, fmt::format("{:.12g}", value));
 }
 
+pugi::xml_node AddSdfSensor(pugi::xml_document& document, const SdfSensor& sensor) {
+  pugi::xml_node sdf = document.append_child("sdf");
+  sdf.append_attribute("version") = sensor.version;
+  pugi::xml_node model = sdf.append_child("model");
+  model.append_attribute("name") = sensor.model.c_str();
+  pugi::xml_node link = model.append_child("link");
+  link.append_attribute("name") = sensor.link;
+  pugi::xml_node node = link.append_child("sensor");
+  node.append_attribute("name") = sensor.name;
+  node.append_attribute("type") = sensor.type;
+  AddElement(node, "always_on", "true");
+  return node;
+}
+
 std::string XmlText(pugi::xml_document& document, const std::string& schema, const std::string& remarks,
                     const ExportAccount& account) {
   std::string comment = fmt::format("\n  Written by sonarcal export, for {}.\n", schema);

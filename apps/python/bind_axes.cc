@@ -134,6 +134,7 @@ py::array_t<double> RangeEdges(const PolarAxes& axes) {
 
 py::array_t<double> RangeCentres(const PolarAxes& axes) {
   std::vector<double> centres;
+  centres.reserve(static_cast<std::size_t>(axes.range_bins));
   for (int bin = 0; bin < axes.range_bins; ++bin) centres.push_back(axes.range_centre_m(bin));
   return Copy<double>(centres);
 }
@@ -156,7 +157,7 @@ void BindPolarAxes(py::module_& module) {
       .def_property_readonly("range_bin_m", &PolarAxes::range_bin_m, "Length of a range bin, metres.")
       .def_property_readonly(
           "beam_azimuth_rad",
-          [](py::object self) { return View(self.cast<const PolarAxes&>().beam_azimuth_rad, self); },
+          [](const py::object& self) { return View(self.cast<const PolarAxes&>().beam_azimuth_rad, self); },
           "Centres of the beams, shape (beams,), radians, rising; a read-only view.")
       .def_property_readonly(
           "beam_edges_rad", [](const PolarAxes& axes) { return Copy<double>(axes.BeamEdgesRad()); },
@@ -187,10 +188,10 @@ void BindImages(py::module_& module) {
       module, "FanImage",
       "An image laid out in metres: row 0 farthest, column 0 leftmost, square pixels. For eyes.")
       .def_property_readonly(
-          "value", [](py::object self) { return View(self.cast<const FanImage&>().value, self); },
+          "value", [](const py::object& self) { return View(self.cast<const FanImage&>().value, self); },
           "Values, shape (rows, cols), float32, 0 outside the fan; a read-only view.")
       .def_property_readonly(
-          "inside", [](py::object self) { return View(self.cast<const FanImage&>().inside, self); },
+          "inside", [](const py::object& self) { return View(self.cast<const FanImage&>().inside, self); },
           "1 inside the fan, 0 outside, shape (rows, cols), uint8; a read-only view.")
       .def_property_readonly(
           "pixel_m", [](const FanImage& fan) { return fan.axes.pixel_m; }, "Side of a pixel, metres.")
@@ -217,7 +218,7 @@ void BindImages(py::module_& module) {
            py::arg("value"), py::arg("axes"), py::arg("full_scale") = 255.0, py::arg("db_min") = py::none(),
            py::arg("db_max") = py::none())
       .def_property_readonly(
-          "value", [](py::object self) { return View(self.cast<const PolarImage&>().value, self); },
+          "value", [](const py::object& self) { return View(self.cast<const PolarImage&>().value, self); },
           "Values, shape (range_bins, beams), float32; a read-only view.")
       .def_property_readonly(
           "axes", [](const PolarImage& image) -> const PolarAxes& { return image.axes; },

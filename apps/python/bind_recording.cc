@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <memory>
-#include <mutex>
 
+#include "apps/locked_recording.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
@@ -18,29 +18,8 @@ namespace {
 
 namespace py = pybind11;
 
-// Readers of most formats are for one thread; Python has any number of them.
-class SharedRecording final : public RecordingSource {
- public:
-  explicit SharedRecording(std::unique_ptr<RecordingSource> source) : source_(std::move(source)) {}
-
-  const RecordingInfo& info() const override { return source_->info(); }
-  int frame_count() const override { return source_->frame_count(); }
-  FrameInfo frame_info(int index) const override {
-    const std::lock_guard lock(mutex_);
-    return source_->frame_info(index);
-  }
-  Frame ReadFrame(int index) const override {
-    const std::lock_guard lock(mutex_);
-    return source_->ReadFrame(index);
-  }
-
- private:
-  std::unique_ptr<RecordingSource> source_;
-  mutable std::mutex mutex_;
-};
-
 std::shared_ptr<RecordingSource> Open(const std::filesystem::path& path) {
-  return std::make_shared<SharedRecording>(OpenRecording(path));
+  return std::make_shared<LockedRecording>(OpenRecording(path));
 }
 
 // Index as Python has it: from the end where negative.
@@ -96,7 +75,7 @@ std::shared_ptr<RecordingSource> FromImages(const std::vector<FloatArray>& image
                 .db_span = {}};
   info.synthetic = synthetic;
   if (!valid.is_none()) {
-    info.valid = MaskFrom(py::array::ensure(valid), axes.range_bins, axes.beam_count(), "valid");
+    info.valid = MaskFrom(py::array(valid), axes.range_bins, axes.beam_count(), "valid");
   }
   std::vector<Frame> frames;
   for (const FloatArray& image : images) {
@@ -157,7 +136,7 @@ void BindRecordingClass(py::module_& module) {
           "Level shown as full_scale, dB; None where unknown.")
       .def_property_readonly(
           "valid",
-          [](py::object self) -> py::object {
+          [](const py::object& self) -> py::object {
             const auto& valid = self.cast<const Source&>().info().valid;
             if (!valid) return py::none();
             return View(*valid, self);
@@ -186,6 +165,7 @@ void BindRecordingClass(py::module_& module) {
           "times_s",
           [](const Source& r) {
             std::vector<std::optional<double>> times;
+            times.reserve(static_cast<std::size_t>(r.frame_count()));
             for (int i = 0; i < r.frame_count(); ++i) times.push_back(r.frame_info(i).time_s);
             return times;
           },
@@ -249,6 +229,7 @@ void BindRecording(py::module_& module) {
       "write_poses",
       [](const std::filesystem::path& file, const std::vector<Pose>& poses) {
         std::vector<TimedPose> timed;
+        timed.reserve(poses.size());
         for (const Pose& pose : poses) timed.push_back({.time_s = {}, .world_from_sonar = pose});
         WritePoses(file, timed);
       },

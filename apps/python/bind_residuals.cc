@@ -70,17 +70,19 @@ void BindResiduals(py::module_& module) {
           "recorded", [](const FrameResiduals& r) -> const PolarImage& { return r.recorded; },
           py::return_value_policy::reference_internal, "What was recorded.")
       .def_property_readonly(
-          "residual", [](py::object self) { return View(self.cast<const FrameResiduals&>().residual, self); },
+          "residual",
+          [](const py::object& self) { return View(self.cast<const FrameResiduals&>().residual, self); },
           "Shape (range_bins, beams), float64, 0 where a pixel does not count; a read-only view. Of the "
           "paper model\n"
           "expected - recorded in full scales; of the acoustic one that whose half square is the negative\n"
           "log-likelihood of speckle.")
       .def_property_readonly(
-          "counted", [](py::object self) { return View(self.cast<const FrameResiduals&>().counted, self); },
+          "counted",
+          [](const py::object& self) { return View(self.cast<const FrameResiduals&>().counted, self); },
           "1 for the pixels that a fit counts, shape (range_bins, beams), uint8; a read-only view.")
       .def_property_readonly(
           "jacobian",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& r = self.cast<const FrameResiduals&>();
             return View(r.jacobian.data(),
                         {r.residual.rows(), r.residual.cols(), static_cast<py::ssize_t>(r.names.size())},

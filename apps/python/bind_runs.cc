@@ -87,7 +87,7 @@ Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::stri
   ParseWords(command, words);
   const ThreadLimit threads(options.rays.threads);
   const ParameterSet initial = ParseParameters(params, kGiven);
-  for (const std::string& sentence : FitCaveats(initial, scene)) listener.Say(sentence);
+  for (const std::string& sentence : MirrorCaveats(initial, scene.material_names)) listener.Say(sentence);
   // Ceres is not written to be left by an exception: it is asked to stop, and the exception thrown after it.
   std::exception_ptr thrown;
   int iterations = 0;

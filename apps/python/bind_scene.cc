@@ -81,7 +81,7 @@ void BindScene(py::module_& module) {
            py::arg("material_names"))
       .def_property_readonly(
           "vertices_m",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& vertices = self.cast<const Scene&>().vertices_m;
             static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
             return View(reinterpret_cast<const float*>(vertices.data()),
@@ -90,7 +90,7 @@ void BindScene(py::module_& module) {
           "Corners, shape (n, 3), float32, metres; a read-only view.")
       .def_property_readonly(
           "triangles",
-          [](py::object self) {
+          [](const py::object& self) {
             const auto& triangles = self.cast<const Scene&>().triangles;
             static_assert(sizeof(Eigen::Vector3i) == 3 * sizeof(int));
             return View(reinterpret_cast<const int*>(triangles.data()),
@@ -99,7 +99,7 @@ void BindScene(py::module_& module) {
           "Indices of corners, counter-clockwise seen from outside, shape (n, 3), int32; a read-only view.")
       .def_property_readonly(
           "triangle_material",
-          [](py::object self) { return View(self.cast<const Scene&>().triangle_material, self); },
+          [](const py::object& self) { return View(self.cast<const Scene&>().triangle_material, self); },
           "Index into material_names, shape (triangles,), uint16; a read-only view.")
       .def_readonly("material_names", &Scene::material_names, "Names by which parameters know the materials.")
       .def_property_readonly("bounds_m", &BoundsOf, "Lowest and highest corner, shape (2, 3), metres.")

@@ -29,9 +29,4 @@ void Listener::Say(const std::string& sentence) const {
   if (!say_.is_none()) say_(sentence);
 }
 
-void Listener::CheckSignals() const {
-  const py::gil_scoped_acquire gil;
-  RaisePendingSignal();
-}
-
 }  // namespace sonarcal::python

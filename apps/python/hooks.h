@@ -19,7 +19,6 @@ class Listener {
   // `in_all` is 0 where it is not known.
   void Progress(const std::string& what, int done, int in_all) const;
   void Say(const std::string& sentence) const;
-  void CheckSignals() const;
 
  private:
   pybind11::object progress_;

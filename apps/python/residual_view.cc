@@ -26,10 +26,9 @@ std::vector<int> FramesOf(std::vector<int> asked, int frame_count) {
 }  // namespace
 
 ResidualView::ResidualView(std::shared_ptr<const RecordingSource> recording, const Scene& scene,
-                           const ParameterSet& initial, std::vector<int> frames,
-                           const FitRecordingOptions& options)
+                           ParameterSet initial, std::vector<int> frames, const FitRecordingOptions& options)
     : recording_(std::move(recording)),
-      initial_(initial),
+      initial_(std::move(initial)),
       frames_(FramesOf(std::move(frames), recording_->frame_count())) {
   CheckFittable(*recording_, initial_, options);
   CheckRayWeight(options.rays.weight, initial_.model);

@@ -27,8 +27,8 @@ struct FrameResiduals {
 class ResidualView {
  public:
   // Traces the frames of these indices; empty: all. Throws DataError as FitRecording does.
-  ResidualView(std::shared_ptr<const RecordingSource> recording, const Scene& scene,
-               const ParameterSet& initial, std::vector<int> frames, const FitRecordingOptions& options);
+  ResidualView(std::shared_ptr<const RecordingSource> recording, const Scene& scene, ParameterSet initial,
+               std::vector<int> frames, const FitRecordingOptions& options);
 
   // Every parameter of the model, in the order of `values`.
   const std::vector<CatalogEntry>& catalog() const;

@@ -28,7 +28,7 @@ void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const 
 void AddPictureLegend(HtmlReport& report);
 
 // Recorded, simulated, overlay and regions of one frame, polar and fan.
-void AddFramePictures(HtmlReport& report, const FramePictures& pictures, const std::string& caption);
+void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption);
 
 // What the numbers mean, how the object is found and what no simulator can beat, in words. Adds a section.
 void AddMetricDefinitions(HtmlReport& report, const MetricsReport& metrics);

@@ -78,6 +78,32 @@ function fanLookup(geometry, bins) {
   return {width, height, index};
 }
 
+// Whose region ends at a pixel, as bits of `objects`: 1 recorded, 2 simulated. Beside the last column and below
+// the last row lies nothing.
+function edgesAt({width, index}, at, objects) {
+  const own = objects[index[at]];
+  const beside = (at + 1) % width > 0 && index[at + 1] >= 0 ? objects[index[at + 1]] : 0;
+  const below = index[at + width] >= 0 ? objects[index[at + width]] : 0;
+  return ((own ^ beside) | (own ^ below)) & 3;
+}
+
+// A ring about the middle one of the pixels that show a sample; none where none does.
+function drawRing(context, {width, index}, sample) {
+  const pixels = [];
+  for (let i = 0; i < index.length; ++i) if (index[i] === sample) pixels.push(i);
+  if (sample < 0 || !pixels.length) return;
+  const at = pixels[pixels.length >> 1];
+  const x = (at % width) + 0.5;
+  const y = Math.floor(at / width) + 0.5;
+  for (const [line, style] of [[4, '#000'], [2, '#fff']]) {
+    context.lineWidth = line;
+    context.strokeStyle = style;
+    context.beginPath();
+    context.arc(x, y, 9, 0, 2 * Math.PI);
+    context.stroke();
+  }
+}
+
 async function greyValues(image) {
   await image.decode();
   const canvas = document.createElement('canvas');
@@ -167,37 +193,15 @@ function startViewer(root) {
       if (index[i] < 0) continue;  // stays transparent
       let rgb = colour(index[i]);
       if (outlined) {
-        const beside = index[i + 1] >= 0 ? objects[index[i + 1]] : 0;
-        const below = index[i + width] >= 0 ? objects[index[i + width]] : 0;
-        const edge = (objects[index[i]] ^ beside) | (objects[index[i]] ^ below);
-        if (edge & 3) rgb = data.regions[edge & 1 ? 1 : 2];
+        const edges = edgesAt(shown.lookup, i, objects);
+        if (edges) rgb = data.regions[edges & 1 ? 1 : 2];
       }
       picture.data.set([rgb[0], rgb[1], rgb[2], 255], 4 * i);
     }
     context.putImageData(picture, 0, 0);
-    drawCursor(index, width);
+    drawRing(context, shown.lookup, cursor);
     part('key').textContent = kKeys[show];
     part('which').textContent = show !== 'blink' ? '' : second ? 'simulated' : 'recorded';
-  }
-
-  function drawCursor(index, width) {
-    const at = cursor < 0 ? -1 : middleOf(index, cursor);
-    if (at < 0) return;
-    const x = (at % width) + 0.5;
-    const y = Math.floor(at / width) + 0.5;
-    for (const [line, style] of [[4, '#000'], [2, '#fff']]) {
-      context.lineWidth = line;
-      context.strokeStyle = style;
-      context.beginPath();
-      context.arc(x, y, 9, 0, 2 * Math.PI);
-      context.stroke();
-    }
-  }
-
-  function middleOf(index, sample) {
-    const pixels = [];
-    for (let i = 0; i < index.length; ++i) if (index[i] === sample) pixels.push(i);
-    return pixels.length ? pixels[pixels.length >> 1] : -1;
   }
 
   function read() {

@@ -1,7 +1,7 @@
 // The two pictures, fan and polar, of the simulated and the recorded image: one of them, both in turn, on top
-// of each other, their difference or their object regions. Which sample a pixel shows is known to
-// frame_viewer.js, which draws the frames of reports by the same rule.
-/* global polarLookup, fanLookup, kBlinkMs, kDifferenceShown, kKeys */
+// of each other, their difference or their object regions. Which sample a pixel shows, and where regions end, is
+// known to frame_viewer.js, which draws the frames of reports by the same rules.
+/* global polarLookup, fanLookup, edgesAt, drawRing, kBlinkMs, kDifferenceShown, kKeys */
 
 const kNotCompared = 'Regions appear once the image was compared with a recording.';
 
@@ -120,13 +120,11 @@ export class Images {
         if (sample < 0) continue;  // stays transparent
         pixels[i] = colours[sample];
         if (!outlined) continue;
-        const beside = index[i + 1] >= 0 ? outlined[index[i + 1]] : 0;
-        const below = index[i + width] >= 0 ? outlined[index[i + width]] : 0;
-        const edge = (outlined[sample] ^ beside) | (outlined[sample] ^ below);
-        if (edge & 3) pixels[i] = edge & 1 ? realEdge : simulatedEdge;
+        const edges = edgesAt(lookup, i, outlined);
+        if (edges) pixels[i] = edges & 1 ? realEdge : simulatedEdge;
       }
       context.putImageData(picture, 0, 0);
-      this.drawCursor(view);
+      drawRing(context, lookup, this.cursor);
     }
     let key = kKeys[show];
     if (alone) key = 'The simulated image alone: it has other bins or beams than the recorded one.';
@@ -147,23 +145,6 @@ export class Images {
     for (let i = 0; i < values.length; ++i) colours[i] = seen[Math.round(values[i] * factor)];
     const bytes = new Uint8Array(colours.buffer);
     return {bytes, bins, beams};
-  }
-
-  drawCursor({context, lookup}) {
-    if (this.cursor < 0) return;
-    const pixels = [];
-    for (let i = 0; i < lookup.index.length; ++i) if (lookup.index[i] === this.cursor) pixels.push(i);
-    if (!pixels.length) return;
-    const at = pixels[pixels.length >> 1];
-    const x = (at % lookup.width) + 0.5;
-    const y = Math.floor(at / lookup.width) + 0.5;
-    for (const [line, style] of [[4, '#000'], [2, '#fff']]) {
-      context.lineWidth = line;
-      context.strokeStyle = style;
-      context.beginPath();
-      context.arc(x, y, 9, 0, 2 * Math.PI);
-      context.stroke();
-    }
   }
 
   read() {

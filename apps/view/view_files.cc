@@ -10,7 +10,6 @@
 #include "data_io/json_fields.h"
 #include "data_io/json_writer.h"
 #include "data_io/parameters_io.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {
@@ -18,19 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string SonarText(const SonarModel& sonar, const Water& water) {
-  Json azimuth_deg = Json::array();
-  for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) azimuth_deg.push_back(DegFromRad(azimuth_rad));
-  return JsonText({{"sonar",
-                    {{"name", sonar.name},
-                     {"frequency_hz", sonar.frequency_hz},
-                     {"beam_azimuth_deg", std::move(azimuth_deg)},
-                     {"azimuth_beam_width_deg", sonar.azimuth_beam_width_deg},
-                     {"elevation_beam_width_deg", sonar.elevation_beam_width_deg},
-                     {"range_min_m", sonar.axes.range_min_m},
-                     {"range_max_m", sonar.axes.range_max_m},
-                     {"range_bins", sonar.axes.range_bins},
-                     {"sound_speed_m_per_s", sonar.sound_speed_m_per_s}}},
-                   {"water", WaterJson(water)}});
+  return JsonText({{"sonar", SonarJson(sonar)}, {"water", WaterJson(water)}});
 }
 
 std::string PosesText(const std::vector<TimedPose>& poses) {

@@ -66,7 +66,6 @@ void ViewFit::Start(ViewFitRequest request) {
   if (phase_ == Phase::kRunning) throw DataError("a fit is running already: stop it, or wait for its end");
   if (thread_.joinable()) thread_.join();  // it has ended: it holds no lock any more
   stop_ = false;
-  phase_ = Phase::kRunning;
   began_ = std::chrono::steady_clock::now();
   traced_ = 0;
   frames_ = request.real->frame_count();
@@ -74,6 +73,7 @@ void ViewFit::Start(ViewFitRequest request) {
   error_.clear();
   result_.clear();
   thread_ = std::thread([this, request = std::move(request)]() mutable { Run(std::move(request)); });
+  phase_ = Phase::kRunning;  // once there is a thread to end it, which waits for the lock
 }
 
 void ViewFit::Say(const std::string& line) {

@@ -1,35 +1,13 @@
-// A recording as `sonarcal view` shares it: among threads, and with poses that were given or moved.
+// A recording as `sonarcal view` has it: with poses that were given or moved.
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "data_io/types/recording.h"
 
 namespace sonarcal {
-
-// One thread at a time reads.
-class LockedRecording final : public RecordingSource {
- public:
-  explicit LockedRecording(std::unique_ptr<RecordingSource> recording) : recording_(std::move(recording)) {}
-
-  const RecordingInfo& info() const override { return recording_->info(); }
-  int frame_count() const override { return recording_->frame_count(); }
-  FrameInfo frame_info(int index) const override {
-    const std::scoped_lock lock(mutex_);
-    return recording_->frame_info(index);
-  }
-  Frame ReadFrame(int index) const override {
-    const std::scoped_lock lock(mutex_);
-    return recording_->ReadFrame(index);
-  }
-
- private:
-  std::unique_ptr<RecordingSource> recording_;
-  mutable std::mutex mutex_;
-};
 
 // The same frames from other places; of those without one here, none is known.
 class ReposedRecording final : public RecordingSource {

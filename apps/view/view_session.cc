@@ -10,7 +10,7 @@
 #include "apps/simulate_recording.h"
 #include "apps/view/view_recording.h"
 #include "data_io/types/error.h"
-#include "sim/ghost_power.h"
+#include "sim/ghost_trace.h"
 
 namespace sonarcal {
 namespace {
@@ -34,14 +34,17 @@ class Key {
   std::string text_;
 };
 
+void Add(const RayFanOptions& fan, Key& key) {
+  key << fan.sampling << fan.cols << fan.rows << fan.elevation_span_deg << fan.azimuth_margin_deg
+      << fan.row_crowding << fan.weight << fan.stagger;
+}
+
 // Of everything that decides which echoes a pose gives.
 Key RaysKey(const SonarModel& sonar, const SimulationOptions& options) {
-  const RayFanOptions& fan = options.fan;
   Key key;
   key << sonar.axes.range_min_m << sonar.axes.range_max_m << sonar.axes.range_bins
-      << sonar.elevation_beam_width_deg << fan.sampling << fan.cols << fan.rows << fan.elevation_span_deg
-      << fan.azimuth_margin_deg << fan.row_crowding << fan.weight << fan.stagger << options.trace.normals
-      << options.trace.step;
+      << sonar.elevation_beam_width_deg << options.trace.normals << options.trace.step;
+  Add(options.fan, key);
   for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) key << azimuth_rad;
   return key;
 }
@@ -61,9 +64,10 @@ std::string PoseKey(const Pose& pose) {
   return key.text();
 }
 
-std::string MirrorKey(const ParameterSet& parameters) {
+// Of what decides, besides, which ghosts it gives: the rays that look for them and what reflects.
+std::string MirrorKey(const Simulator& simulator, const ParameterSet& parameters) {
   Key key;
-  key << parameters.beam.transmit_end_deg;
+  Add(GhostFanOptions(simulator.options().fan, simulator.sonar(), parameters.beam), key);
   std::string text = key.text();
   for (const auto& [name, mirror] : parameters.mirrors) text += name + '\n';
   return text;
@@ -139,7 +143,7 @@ const ViewSession::Traced& ViewSession::TraceFor(const Simulator& simulator, con
     image.traced = true;
   }
   if (state.parameters.model == EchoModel::kAcoustic) {
-    std::string mirrors = MirrorKey(state.parameters);
+    std::string mirrors = MirrorKey(simulator, state.parameters);
     if (traced_->mirrors != mirrors) {
       traced_->ghosts = simulator.TraceGhosts(pose, state.parameters);
       traced_->mirrors = std::move(mirrors);

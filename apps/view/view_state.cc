@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "data_io/json_fields.h"
 #include "data_io/json_reader.h"
 #include "data_io/parameters_io.h"
 #include "data_io/printable.h"
@@ -107,6 +108,8 @@ SonarModel Changed(const SonarModel& sonar, const SonarChanges& changes) {
                     RadFromDeg(changes.field_of_view_deg.value_or(FieldOfViewDeg(sonar.axes))));
   }
   changed.axes.Validate("sonar");
+  if (changes == SonarChanges()) return changed;
+  for (double& azimuth_rad : changed.axes.beam_azimuth_rad) azimuth_rad = AzimuthAsWrittenRad(azimuth_rad);
   return changed;
 }
 

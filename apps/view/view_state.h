@@ -45,7 +45,8 @@ inline constexpr int kMostBeams = 1024;
 
 // The sonar with the changes made. Beams keep their places where neither their number nor the field of view
 // is changed, are spread wider or narrower with the field of view, and stand evenly where there are more or
-// fewer. Throws DataError where no sonar comes of it.
+// fewer; with any change they stand where sonar.json, written and read again, has them. Throws DataError
+// where no sonar comes of it.
 SonarModel Changed(const SonarModel& sonar, const SonarChanges& changes);
 
 // Outer edge of the first beam to that of the last, degrees.

@@ -90,4 +90,15 @@ double AzimuthEquivalentWidthRad(const AzimuthResponse<double>& response, double
   return GaussianEquivalentWidth(shape.width_rad);
 }
 
+double MainLobeEndRad(const ElevationResponse& response) {
+  constexpr double kStepRad = 1e-3;
+  double last = response.Power(0.0);
+  for (double angle_rad = kStepRad; angle_rad < 0.5 * kPi; angle_rad += kStepRad) {
+    const double power = response.Power(angle_rad);
+    if (power > last) return angle_rad - kStepRad;
+    last = power;
+  }
+  return 0.5 * kPi;
+}
+
 }  // namespace sonarcal

@@ -238,6 +238,10 @@ class ElevationResponse {
   double aperture_wavelengths_ = 0.0;
 };
 
+// Elevation at which a pattern's main lobe ends, where it first stops falling, radians; pi / 2 where it has
+// no side lobe. To a thousandth of a radian.
+double MainLobeEndRad(const ElevationResponse& response);
+
 // What a transmitter sends beside the field of view (BeamParameters), as a factor on the power of an echo
 // whose way out begins there.
 class TransmitPattern {

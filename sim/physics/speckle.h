@@ -75,6 +75,7 @@ inline double DisplayedCdf(const DisplayParameters<double>& display, double look
 // Powers at which a display goes from one of `steps` + 1 grey levels to the next.
 inline std::vector<double> GreyEdges(const DisplayParameters<double>& display, int steps) {
   std::vector<double> edges;
+  edges.reserve(static_cast<std::size_t>(steps));
   for (int k = 0; k < steps; ++k) edges.push_back(PowerFromDisplay(display, (k + 0.5) / steps));
   return edges;
 }

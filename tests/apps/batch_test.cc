@@ -184,8 +184,8 @@ TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
 
 TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {
   WritePlan("192x400");
-  const std::string command = fmt::format("timeout -s INT 1 {} {} >/dev/null 2>{}", SONARCAL_BINARY,
-                                          Batch("out"), Quoted(world_ / "err"));
+  const std::string command = fmt::format("timeout --foreground -s INT 1 {} {} >/dev/null 2>{}",
+                                          SONARCAL_BINARY, Batch("out"), Quoted(world_ / "err"));
   const int status = std::system(("bash -c \"" + command + "; exit \\$?\"").c_str());
   if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "the batch was done within a second";
   EXPECT_THAT(testing::ReadFile(world_ / "err"), HasSubstr("interrupted: what is done lies in"));
@@ -213,6 +213,27 @@ TEST_F(BatchTest, ALedgerThatWasCutOffIsGoneOnWith) {
   ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
   EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
   EXPECT_EQ(EventsOf(world_ / "out").at("sim/0000").size(), 2U);
+}
+
+// A scheduler that ends a job sends its signal to all: a simulation then leaves a recording of its first
+// frames, and the batch has no time to say how it ended.
+TEST_F(BatchTest, ASimulationThatASignalCutShortIsGoneOnWith) {
+  WritePlan();
+  const std::string only = Batch("out", "--only sim/0000");
+  ASSERT_EQ(RunSonarcal(only).status, 0);
+  const auto whole = OutputsOf(world_ / "out", {"sim"});
+  const fs::path ledger = world_ / "out" / "ledger.jsonl";
+  const std::string lines = testing::ReadFile(ledger);
+  testing::WriteFile(ledger, lines.substr(0, lines.find('\n') + 1));
+  const fs::path recording = world_ / "out" / "sim" / "0000" / "recording.json";
+  auto json = nlohmann::ordered_json::parse(testing::ReadFile(recording));
+  fs::remove(recording.parent_path() / json["frames"].back()["file"].get<std::string>());
+  json["frames"].erase(json["frames"].size() - 1);
+  testing::WriteFile(recording, json.dump());
+
+  ASSERT_EQ(RunSonarcal(only).status, 0);
+  EXPECT_EQ(OutputsOf(world_ / "out", {"sim"}), whole);
+  EXPECT_THAT(EventsOf(world_ / "out").at("sim/0000"), ::testing::ElementsAre("started", "started", "done"));
 }
 
 // Two at a time share the work.

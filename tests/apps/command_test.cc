@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::Outcome;
 using testing::Quoted;
-using testing::RunProgram;
+using testing::RunSonarcal;
 using ::testing::StartsWith;
 
 // Three frames of three beams and four bins.
@@ -45,27 +45,27 @@ void ExpectOneSentence(const std::string& text) {
 
 TEST(CommandTest, HelpAndVersionGoToStdout) {
   for (const char* arguments : {"--help", "--version", "inspect --help", "convert --help"}) {
-    const Outcome outcome = RunProgram(arguments);
+    const Outcome outcome = RunSonarcal(arguments);
     EXPECT_EQ(outcome.status, 0) << arguments;
     EXPECT_THAT(outcome.out, Not(IsEmpty())) << arguments;
     EXPECT_THAT(outcome.err, IsEmpty()) << arguments;
   }
-  EXPECT_THAT(RunProgram("inspect --help").out, HasSubstr("Usage: sonarcal inspect [OPTIONS] FILE..."));
+  EXPECT_THAT(RunSonarcal("inspect --help").out, HasSubstr("Usage: sonarcal inspect [OPTIONS] FILE..."));
 }
 
 TEST(CommandTest, WrongUsageIsOneSentenceAndStatusTwo) {
   for (const char* arguments : {"", "inspekt x", "--frobnicate", "inspect", "inspect --frobnicate x",
                                 "convert x", "convert x --out"}) {
-    const Outcome outcome = RunProgram(arguments);
+    const Outcome outcome = RunSonarcal(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_THAT(outcome.out, IsEmpty()) << arguments;
     ExpectOneSentence(outcome.err);
   }
-  EXPECT_THAT(RunProgram("inspekt x").err, HasSubstr("unknown command 'inspekt'"));
+  EXPECT_THAT(RunSonarcal("inspekt x").err, HasSubstr("unknown command 'inspekt'"));
 }
 
 TEST(CommandTest, BadDataIsOneSentenceAndStatusOne) {
-  const Outcome outcome = RunProgram("inspect /nowhere/at/all");
+  const Outcome outcome = RunSonarcal("inspect /nowhere/at/all");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, IsEmpty());
   ExpectOneSentence(outcome.err);
@@ -80,7 +80,7 @@ TEST(CommandTest, AFullDiskIsNotSuccess) {
 TEST(InspectTest, SaysWhatTheRecordingHolds) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "real", false);
-  const Outcome outcome = RunProgram("inspect " + Quoted(dir / "real"));
+  const Outcome outcome = RunSonarcal("inspect " + Quoted(dir / "real"));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   for (const char* part : {"test sonar, 900 kHz", "1 .. 3 m, 4 bins of 500 mm", "3 over 1 s, 2 a second"}) {
     EXPECT_THAT(outcome.out, HasSubstr(part));
@@ -91,14 +91,14 @@ TEST(InspectTest, SaysWhatTheRecordingHolds) {
 TEST(InspectTest, WhatIsSyntheticIsCalledSo) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "made", true);
-  EXPECT_THAT(RunProgram("inspect " + Quoted(dir / "made")).out, HasSubstr("SYNTHETIC"));
-  EXPECT_THAT(RunProgram("inspect --json " + Quoted(dir / "made")).out, HasSubstr("\"synthetic\": true"));
+  EXPECT_THAT(RunSonarcal("inspect " + Quoted(dir / "made")).out, HasSubstr("SYNTHETIC"));
+  EXPECT_THAT(RunSonarcal("inspect --json " + Quoted(dir / "made")).out, HasSubstr("\"synthetic\": true"));
 }
 
 TEST(InspectTest, OneBadFileDoesNotHideTheOthers) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "real", false);
-  const Outcome outcome = RunProgram("inspect /nowhere " + Quoted(dir / "real"));
+  const Outcome outcome = RunSonarcal("inspect /nowhere " + Quoted(dir / "real"));
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, HasSubstr("test sonar"));
   ExpectOneSentence(outcome.err);
@@ -108,7 +108,7 @@ TEST(ConvertTest, TakesTheFramesAskedForAndSaysWhereTheyCameFrom) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "in", true);
   const std::string input = Quoted(dir / "in");
-  const Outcome outcome = RunProgram("convert " + input + " --frames 1:3 --out " + Quoted(dir / "out"));
+  const Outcome outcome = RunSonarcal("convert " + input + " --frames 1:3 --out " + Quoted(dir / "out"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto converted = OpenRecordingFolder(dir / "out");
   ASSERT_EQ(converted->frame_count(), 2);
@@ -124,10 +124,10 @@ TEST(ConvertTest, FramesThatAreNotThereAreRefusedAndNothingIsWritten) {
   WriteSmallRecording(dir / "in", false);
   const std::string arguments =
       "convert " + Quoted(dir / "in") + " --out " + Quoted(dir / "out") + " --frames ";
-  EXPECT_EQ(RunProgram(arguments + "2:5").status, 1);
-  EXPECT_EQ(RunProgram(arguments + "3").status, 1);
-  EXPECT_EQ(RunProgram(arguments + "2:1").status, 1);
-  EXPECT_EQ(RunProgram(arguments + "a:b").status, 2);
+  EXPECT_EQ(RunSonarcal(arguments + "2:5").status, 1);
+  EXPECT_EQ(RunSonarcal(arguments + "3").status, 1);
+  EXPECT_EQ(RunSonarcal(arguments + "2:1").status, 1);
+  EXPECT_EQ(RunSonarcal(arguments + "a:b").status, 2);
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 
@@ -142,8 +142,8 @@ TEST(ConvertTest, PosesComeFromATrajectoryAndAMount) {
       {"position_m": [0, 0.25, 0], "quaternion_wxyz": [1, 0, 0, 0]}})");
   const std::string arguments =
       "convert " + Quoted(dir / "in") + " --trajectory " + Quoted(dir / "poses.csv") + " --out ";
-  const Outcome outcome = RunProgram(arguments + Quoted(dir / "out") + " --mount " +
-                                     Quoted(dir / "mount.json") + " --time-offset 0.1");
+  const Outcome outcome = RunSonarcal(arguments + Quoted(dir / "out") + " --mount " +
+                                      Quoted(dir / "mount.json") + " --time-offset 0.1");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a pose"));
   const auto converted = OpenRecordingFolder(dir / "out");
@@ -153,12 +153,12 @@ TEST(ConvertTest, PosesComeFromATrajectoryAndAMount) {
             1e-9);
   EXPECT_FALSE(converted->frame_info(2).world_from_sonar);
 
-  const Outcome apart = RunProgram(arguments + Quoted(dir / "apart") + " --time-offset 100");
+  const Outcome apart = RunSonarcal(arguments + Quoted(dir / "apart") + " --time-offset 100");
   EXPECT_EQ(apart.status, 1);
   ExpectOneSentence(apart.err);
   EXPECT_THAT(apart.err, HasSubstr("the trajectory goes from 0.100 to 0.900 s"));
   EXPECT_FALSE(std::filesystem::exists(dir / "apart"));
-  EXPECT_EQ(RunProgram("convert " + Quoted(dir / "in") + " --mount x --out y").status, 2);
+  EXPECT_EQ(RunSonarcal("convert " + Quoted(dir / "in") + " --mount x --out y").status, 2);
 }
 
 TEST(RunOutputTest, AnInterruptionLeavesNothingBehind) {

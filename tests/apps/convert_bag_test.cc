@@ -16,7 +16,7 @@ using testing::MadeUpProjected;
 using testing::MessageWriter;
 using testing::Outcome;
 using testing::Quoted;
-using testing::RunProgram;
+using testing::RunSonarcal;
 using testing::Wire;
 
 std::string Odometry(Wire wire, std::uint32_t seconds, double x_m) {
@@ -59,7 +59,7 @@ class ConvertBagTest : public ::testing::TestWithParam<Wire> {
   }
 
   Outcome Convert(const std::string& arguments) {
-    return RunProgram("convert " + Quoted(bag_) + " --out " + Quoted(dir_ / "out") + " " + arguments);
+    return RunSonarcal("convert " + Quoted(bag_) + " --out " + Quoted(dir_ / "out") + " " + arguments);
   }
 
   testing::TempDir dir_;
@@ -96,8 +96,8 @@ TEST_P(ConvertBagTest, WhatIsMissingIsSaid) {
   EXPECT_EQ(Convert("--topic /sonar --pose-topic /tf --pose-frames map").status, 2);
   EXPECT_EQ(Convert("--topic /sonar --pose-frames map:sonar").status, 2);
   EXPECT_EQ(Convert("--topic /sonar --pose-topic /odom --trajectory x.csv").status, 2);
-  EXPECT_EQ(RunProgram("inspect --topic /sonar " + Quoted(dir_ / "mount.json")).status, 2);
-  const Outcome page = RunProgram("inspect --topic /spare " + Quoted(bag_));
+  EXPECT_EQ(RunSonarcal("inspect --topic /sonar " + Quoted(dir_ / "mount.json")).status, 2);
+  const Outcome page = RunSonarcal("inspect --topic /spare " + Quoted(bag_));
   EXPECT_EQ(page.status, 0) << page.err;
   EXPECT_THAT(page.out, HasSubstr("other topic /odom"));
 }

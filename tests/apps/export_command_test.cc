@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::Quoted;
-using testing::RunProgram;
+using testing::RunSonarcal;
 
 constexpr const char* kParameters = R"({"format": "sonar-parameters/1", "model": "acoustic",
   "display": {"db_min": 60, "db_max": 120}, "water": {"temperature_c": 12, "salinity_ppt": 33, "ph": 8, "depth_m": 5},
@@ -47,7 +47,7 @@ class ExportCommandTest : public ::testing::Test {
     WriteRecording(MemoryRecording(info, std::move(frames)), dir_ / "rec");
   }
 
-  Outcome Export(const std::string& arguments) const { return RunProgram("export " + arguments); }
+  Outcome Export(const std::string& arguments) const { return RunSonarcal("export " + arguments); }
   std::string Out(const std::string& name) const { return " --out " + Quoted(dir_ / name); }
 
   testing::TempDir dir_;

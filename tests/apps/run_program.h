@@ -18,7 +18,7 @@ struct Outcome {
 };
 
 // Runs `sonarcal ARGUMENTS` in a shell; single quotes guard what is quoted.
-inline Outcome RunProgram(const std::string& arguments) {
+inline Outcome RunSonarcal(const std::string& arguments) {
   const TempDir dir;
   const std::string command = std::string(SONARCAL_BINARY) + ' ' + arguments + " >'" +
                               (dir / "out").string() + "' 2>'" + (dir / "err").string() + "'";

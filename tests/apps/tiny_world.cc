@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "apps/simulate_command.h"
 #include "data_io/parameters_io.h"
@@ -106,21 +104,8 @@ std::filesystem::path TinyWorld::WriteSimulated(const std::string& name, bool no
   return options.out;
 }
 
-std::string Quoted(const std::filesystem::path& path) {
-  return "'" + path.string() + "'";
-}
-
 nlohmann::json ReadJsonFile(const std::filesystem::path& file) {
   return nlohmann::json::parse(ReadFile(file));
-}
-
-Outcome RunSonarcal(const std::string& arguments) {
-  const TempDir dir;
-  const std::string command =
-      fmt::format("{} {} >{} 2>{}", SONARCAL_BINARY, arguments, Quoted(dir / "out"), Quoted(dir / "err"));
-  const int wait_status = std::system(command.c_str());
-  return {WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : -1, ReadFile(dir / "out"),
-          ReadFile(dir / "err")};
 }
 
 bool IsOneSentence(const std::string& text) {

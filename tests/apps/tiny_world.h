@@ -8,6 +8,7 @@
 
 #include "data_io/types/parameters.h"
 #include "data_io/types/recording.h"
+#include "tests/apps/run_program.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal::testing {
@@ -35,17 +36,7 @@ class TinyWorld {
 
 ParameterSet TinyParameters();
 
-std::string Quoted(const std::filesystem::path& path);
 nlohmann::json ReadJsonFile(const std::filesystem::path& file);
-
-struct Outcome {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-// Runs `sonarcal ARGUMENTS` in a shell.
-Outcome RunSonarcal(const std::string& arguments);
 
 // "sonarcal: ..." and one line.
 bool IsOneSentence(const std::string& text);

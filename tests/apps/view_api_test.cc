@@ -1,196 +1,41 @@
-// What the page of `sonarcal view` gets, without a socket: images that are those of `simulate` to the bit,
-// and figures that are those of `compare`.
+// What the page of `sonarcal view` gets beside images (view_images_test.cc), without a socket: figures that
+// are those of `compare`, controls, the mesh, fits, refusals.
 #include "apps/view/view_api.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <functional>
 #include <set>
 #include <thread>
 
 #include "apps/compare_command.h"
 #include "apps/view/view_controls.h"
 #include "apps/view/view_mesh.h"
-#include "apps/view_command.h"
 #include "calib/parameter_catalog.h"
-#include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
-#include "data_io/scene_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
-#include "tests/apps/tiny_world.h"
+#include "tests/apps/view_world.h"
 
 namespace sonarcal {
 namespace {
 
 using Json = nlohmann::json;
+using testing::Framed;
+using testing::FrameOf;
+using testing::GreyOf;
 using ::testing::HasSubstr;
 using testing::Quoted;
+using testing::ReadFramed;
 using testing::ReadJsonFile;
 using testing::RunSonarcal;
 using testing::TinyParameters;
-using testing::TinyWorld;
-
-struct Framed {
-  Json json;
-  std::string data;
-};
-
-Framed ReadFramed(const ViewAnswer& answer) {
-  EXPECT_EQ(answer.status, 200) << answer.body;
-  std::uint32_t length = 0;
-  std::memcpy(&length, answer.body.data(), 4);
-  return {Json::parse(answer.body.substr(4, length)), answer.body.substr(4 + length)};
-}
-
-// Grey values as a recording's frame has them.
-std::vector<float> GreyOf(const Framed& framed) {
-  const int bytes = framed.json["bytes"];
-  std::vector<float> values;
-  for (std::size_t i = 0; i < framed.data.size(); i += bytes) {
-    const auto at = [&](std::size_t k) { return static_cast<unsigned char>(framed.data[k]); };
-    values.push_back(static_cast<float>(bytes == 2 ? at(i) + 256 * at(i + 1) : at(i)));
-  }
-  return values;
-}
-
-std::vector<float> FrameOf(const std::filesystem::path& recording, int frame) {
-  const PolarImage image = OpenRecording(recording)->ReadFrame(frame).image;
-  return {image.value.values().begin(), image.value.values().end()};
-}
-
-// The tiny world on view, beside a noisy recording of it.
-class ViewApiTest : public ::testing::Test {
- protected:
-  ViewOptions Options() const {
-    ViewOptions options;
-    options.common = {.json = false, .quiet = true};
-    options.scene = world_.scene();
-    options.params = world_.params();
-    options.real = world_ / "real";
-    options.out = world_ / "kept";
-    options.rays.sampling = Sampling::kBeams;
-    options.rays.rays = "96x200";
-    return options;
-  }
-
-  void SetUp() override {
-    world_.WriteSimulated("real", true);
-    session_ = std::make_unique<ViewSession>(SetUpView(Options()));
-    api_ = std::make_unique<ViewApi>(*session_, Options().out);
-  }
-
-  Json State() const { return {{"parameters", Json::parse(ParametersJson(TinyParameters()).dump())}}; }
-
-  ViewAnswer Post(const std::string& path, const Json& body) {
-    return api_->Answer("POST", path, body.dump());
-  }
-
-  // What the files that the page writes make `simulate` render.
-  std::vector<float> Simulated(const Json& state, int frame) {
-    const ViewAnswer saved = Post("/api/save", state);
-    EXPECT_EQ(saved.status, 200) << saved.body;
-    const std::string command = Json::parse(saved.body)["command"];
-    EXPECT_TRUE(command.starts_with("sonarcal simulate "));
-    const auto outcome = RunSonarcal(command.substr(9) + " -q");
-    EXPECT_EQ(outcome.status, 0) << command << '\n' << outcome.err;
-    return FrameOf(world_ / "kept" / "sim", frame);
-  }
-
-  TinyWorld world_;
-  std::unique_ptr<ViewSession> session_;
-  std::unique_ptr<ViewApi> api_;
-};
-
-TEST_F(ViewApiTest, ImagesAreThoseOfSimulateToTheBit) {
-  const auto plain = world_.WriteSimulated("plain");
-  for (int frame = 0; frame < session_->frame_count(); ++frame) {
-    Json state = State();
-    state["frame"] = frame;
-    EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), FrameOf(plain, frame)) << frame;
-  }
-}
-
-TEST_F(ViewApiTest, MovedControlsMakeTheImageThatTheSavedFilesMake) {
-  Json state = State();
-  const std::vector<float> before = GreyOf(ReadFramed(Post("/api/render", state)));
-  state["parameters"]["materials"]["box"]["gsab"]["A"] = 71.23;
-  state["parameters"]["water"] = {{"temperature_c", 8}, {"salinity_ppt", 35}, {"ph", 8.1}, {"depth_m", 3}};
-  const std::vector<float> shaded = GreyOf(ReadFramed(Post("/api/render", state)));
-  EXPECT_NE(shaded, before);
-  EXPECT_EQ(shaded, Simulated(state, 0));
-
-  state["noise"] = true;
-  state["seed"] = 7;
-  state["frame"] = 2;
-  state["poses"]["2"] = {
-      {"position_m", {0.1, -2.2, 1.4}}, {"yaw_deg", 3.5}, {"pitch_deg", -31.0}, {"roll_deg", 2.0}};
-  const std::vector<float> noisy = GreyOf(ReadFramed(Post("/api/render", state)));
-  EXPECT_EQ(noisy, Simulated(state, 2));
-  state["seed"] = 8;
-  EXPECT_NE(GreyOf(ReadFramed(Post("/api/render", state))), noisy);
-}
-
-TEST_F(ViewApiTest, TheAcousticModelToo) {
-  Json state = State();
-  state["parameters"]["model"] = "acoustic";
-  state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
-  state["parameters"]["receiver"]["noise_db"] = 70;
-  state["parameters"]["mirror"]["floor"]["loss_db"] = 3;
-  const std::vector<float> expected = GreyOf(ReadFramed(Post("/api/render", state)));
-  EXPECT_EQ(expected, Simulated(state, 0));
-  state["noise"] = true;
-  state["parameters"]["beam"]["azimuth_width_deg"] = 2.2;
-  EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0));
-}
-
-TEST_F(ViewApiTest, ASonarThatWasChangedToo) {
-  ViewOptions options = Options();
-  options.real.clear();
-  options.sonar = world_.sonar().string();
-  options.poses = world_.poses();
-  options.rays = {};
-  session_ = std::make_unique<ViewSession>(SetUpView(options));
-  api_ = std::make_unique<ViewApi>(*session_, options.out);
-  Json state = State();
-  state["sonar"] = {
-      {"range_max_m", 5.5}, {"range_bins", 77}, {"field_of_view_deg", 40}, {"frequency_hz", 5e5}};
-  const Framed framed = ReadFramed(Post("/api/render", state));
-  EXPECT_EQ(framed.json["bins"], 77);
-  EXPECT_EQ(framed.json["axes"]["range_m"][1], 5.5);
-  const std::vector<double> azimuth_deg = framed.json["axes"]["azimuth_deg"];
-  EXPECT_NEAR((azimuth_deg.back() - azimuth_deg.front()) * 24.0 / 23.0, 40.0, 1e-9);
-  EXPECT_EQ(GreyOf(framed), Simulated(state, 0));
-}
-
-TEST_F(ViewApiTest, MaterialsAreShadedWithoutARay) {
-  Json state = State();
-  state["parameters"]["model"] = "acoustic";
-  state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
-  Post("/api/render", state);
-  const std::int64_t cast = session_->rays_cast();
-  state["parameters"]["materials"]["floor"]["gsab"]["C"] = 3.0;
-  const Framed shaded = ReadFramed(Post("/api/render", state));
-  EXPECT_EQ(session_->rays_cast(), cast);
-  EXPECT_EQ(shaded.json["traced"], false);
-  state["frame"] = 1;
-  EXPECT_EQ(ReadFramed(Post("/api/render", state)).json["traced"], true);
-  EXPECT_GT(session_->rays_cast(), cast);
-}
-
-TEST_F(ViewApiTest, AnOvertakenRequestIsNotRendered) {
-  Json state = State();
-  state["client"] = "page";
-  state["sequence"] = 5;
-  EXPECT_EQ(Post("/api/render", state).status, 200);
-  state["sequence"] = 4;
-  EXPECT_EQ(Post("/api/render", state).status, 204);
-  state["client"] = "another page";
-  EXPECT_EQ(Post("/api/render", state).status, 200);
-}
+using testing::ViewApiTest;
 
 TEST_F(ViewApiTest, FiguresAreThoseOfCompare) {
   const auto plain = world_.WriteSimulated("plain");

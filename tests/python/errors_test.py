@@ -77,6 +77,8 @@ def test_arrays_that_do_not_fit_are_named(world):
         sonarcal.recording(np.full((10, 3), np.nan), axes)
     with pytest.raises(sonarcal.DataError, match="poses: 1 for 2 images, expected one for each"):
         sonarcal.recording(np.zeros((2, 10, 3)), axes, poses=[sonarcal.Pose()])
+    with pytest.raises(ValueError):
+        sonarcal.recording(np.zeros((10, 3)), axes, valid=[[1, 1, 1], [1]])
     with pytest.raises(sonarcal.DataError, match="range_edges_m: 2.5 m at index 1, expected 2 m"):
         sonarcal.PolarAxes.from_edges([1.0, 2.5, 3.0], [0.0, 1.0])
     with pytest.raises(sonarcal.DataError, match="axes"):
@@ -103,3 +105,9 @@ def test_parameters_name_the_key(world):
 def test_unknown_keywords_are_refused(world):
     with pytest.raises(TypeError, match="bites"):
         sonarcal.simulate(world.scene, world.sonar, PARAMETERS, world.poses, bites=8)
+
+
+def test_frames_of_a_comparison_follow_each_other(recorded):
+    """[0, 2] would be taken for 0:2, the first two."""
+    with pytest.raises(ValueError, match="frames: expected range"):
+        sonarcal.compare(recorded, recorded, frames=[0, 2])

@@ -8,6 +8,7 @@
 
 #include "data_io/types/error.h"
 #include "tests/sim/meshes.h"
+#include "tests/sim/slow_acoustic_model.h"
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"
 
@@ -28,32 +29,19 @@ SonarModel TestSonar() {
 }
 
 ParameterSet TestParameters() {
-  ParameterSet p;
-  p.model = EchoModel::kAcoustic;
-  p.source_level_db = 180.0;
-  p.receiver.gain_db = 5.0;
-  p.materials["default"].gsab = {.a = 0.16, .b_deg = 6.0, .c = 4e-3, .d = 2.0, .e = 0.016, .f_deg = 20.0};
-  p.display = {.db_min = -200.0, .db_max = 400.0};     // clips nothing, and can be undone
-  p.beam.azimuth_pattern = AzimuthPattern::kGaussian;  // closed forms
-  p.beam.elevation_pattern = ElevationPattern::kGaussian;
+  ParameterSet p = ClosedFormParameters(6.0);
+  p.display = {.db_min = -200.0, .db_max = 400.0};  // clips nothing, and can be undone
   return p;
 }
 
 // The echo of a patch of one square metre on the axis of elevation `elevation`, as the model is written.
 double SlowPower(const ParameterSet& p, double range_m, double incidence_rad, double elevation_rad) {
-  const GsabParameters<double>& g = p.materials.at("default").gsab;
-  const double delta = incidence_rad * 180.0 / kPi;
-  const double sigma = g.a * std::exp(-delta * delta / (2.0 * g.b_deg * g.b_deg)) +
-                       g.c * std::pow(std::cos(incidence_rad), g.d) +
-                       g.e * std::exp(-delta * delta / (2.0 * g.f_deg * g.f_deg));
+  const double cosine = std::cos(incidence_rad);
+  const double sigma = SlowSigma(p.materials.at("default").gsab, cosine, cosine, incidence_rad);
   const double level_db =
       p.source_level_db + p.receiver.gain_db - 40.0 * std::log10(range_m) - 2.0 * kAlphaDbPerM * range_m;
-  const double off_axis = 2.0 * elevation_rad / (kElevationWidthDeg * kPi / 180.0);
-  return std::pow(10.0, level_db / 10.0) * sigma * std::pow(0.5, off_axis * off_axis);
-}
-
-double Response(double x, double width) {
-  return std::pow(0.5, 4.0 * x * x / (width * width));
+  return std::pow(10.0, level_db / 10.0) * sigma *
+         SlowResponse(elevation_rad, kElevationWidthDeg * kPi / 180.0);
 }
 
 struct Acoustics {
@@ -125,7 +113,7 @@ TEST(ExpectedPower, FloorInClosedForm) {
         const double range_m = centre + i * 1e-3;
         expected += SlowPower(acoustics.parameters, range_m, std::acos(height / range_m),
                               -std::asin(height / range_m)) *
-                    range_m * Response(i * 1e-3, 0.05) * 1e-3;
+                    range_m * SlowResponse(i * 1e-3, 0.05) * 1e-3;
       }
       expected *= azimuth_width;
       for (int beam = 5; beam < 25; ++beam) {  // clear of the fan's edges
@@ -171,9 +159,9 @@ TEST(ExpectedPower, PlateByQuadrature) {
           const double range_m = kDistance / cosine;
           const double at_patch = SlowPower(acoustics.parameters, range_m, std::acos(cosine), elevation) *
                                   range_m * range_m * std::cos(elevation) * kStep * kStep / cosine *
-                                  Response(azimuth - beam_azimuth, RadFromDeg(kAzimuthWidthDeg));
+                                  SlowResponse(azimuth - beam_azimuth, RadFromDeg(kAzimuthWidthDeg));
           for (int bin = 0; bin < 40; ++bin) {
-            expected[bin] += at_patch * Response(range_m - (2.5 + (bin + 0.5) * 0.05), pulse_m);
+            expected[bin] += at_patch * SlowResponse(range_m - (2.5 + (bin + 0.5) * 0.05), pulse_m);
           }
         }
       }

@@ -209,7 +209,7 @@ def compare(
     real: Union[Recording, Path],
     simulated: Union[Recording, Path],
     *,
-    frames: Optional[Union[str, range, Sequence[int]]] = None,
+    frames: Optional[Union[str, range]] = None,
     segmentation: Optional[str] = None,
     sigma_count: Optional[float] = None,
     threshold: Optional[float] = None,

@@ -7,7 +7,7 @@ from typing import Any, Iterable, Mapping
 
 # How a tuple is written, where not with commas.
 _BY_X = {"rays", "cell", "guard", "training", "blur", "opening", "closing", "max_size"}
-_BY_COLON = {"frames", "region_range", "region_azimuth", "sweep_range"}
+_BY_COLON = {"region_range", "region_azimuth", "sweep_range"}
 
 
 def _text(name: str, value: Any) -> str:
@@ -17,6 +17,8 @@ def _text(name: str, value: Any) -> str:
         if value.step != 1:
             raise ValueError(f"{name}: expected a range of step 1, not {value}")
         return f"{value.start}:{value.stop}"
+    if name == "frames":
+        raise ValueError(f"frames: expected range(A, B) or 'A:B', as they follow each other, not {value}")
     if name == "region_polygon":
         return ",".join(f"{range_m}:{azimuth_deg}" for range_m, azimuth_deg in value)
     if isinstance(value, Iterable):

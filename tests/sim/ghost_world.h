@@ -1,0 +1,65 @@
+// What the tests of ghosts look with: a sonar, parameters by which only objects scatter and only mirrors
+// reflect, and the steps from a scene to the power of its ghosts.
+#pragma once
+
+#include "sim/ghost_power.h"
+#include "tests/sim/meshes.h"
+#include "tests/sim/slow_acoustic_model.h"
+#include "tests/sim/slow_paper_model.h"
+
+namespace sonarcal::testing {
+
+inline constexpr double kAlphaDbPerM = 0.31;
+inline constexpr double kAzimuthWidthDeg = 1.6;
+inline constexpr double kElevationWidthDeg = 24.0;
+inline constexpr double kPulseM = 0.1;
+inline constexpr double kLossDb = 4.5;
+inline constexpr int kBeams = 64;
+inline constexpr int kBins = 60;
+
+// 64 beams of 0.8 degrees; 60 bins of 5 cm from 2.5 m on.
+inline SonarModel GhostSonar() {
+  SonarModel sonar = MakeSonar(EvenAzimuthsDeg(kBeams, 0.8), kElevationWidthDeg, 2.5, 5.5, kBins);
+  sonar.azimuth_beam_width_deg = kAzimuthWidthDeg;
+  return sonar;
+}
+
+// Objects scatter; mirrors do nothing else.
+inline ParameterSet GhostParameters() {
+  ParameterSet p = ClosedFormParameters(9.0);
+  p.materials["mirror"].gsab = {.a = 0.0, .b_deg = 1.0, .c = 0.0, .d = 1.0, .e = 0.0, .f_deg = 1.0};
+  p.mirrors["mirror"].loss_db = kLossDb;
+  p.pulse.length_m = kPulseM;
+  return p;
+}
+
+struct GhostAcoustics {
+  SonarModel sonar = GhostSonar();
+  ParameterSet parameters = GhostParameters();
+
+  AcousticGeometry geometry() const { return {sonar, kAlphaDbPerM}; }
+  RayFan Fan(int cols, int rows) const {
+    return {sonar, {.sampling = Sampling::kBeams, .cols = cols, .rows = rows, .elevation_span_deg = 60.0}};
+  }
+  GhostList Trace(const Scene& scene, const Pose& pose, const RayFan& fan, int order = 1) const {
+    const RayCaster caster(scene);
+    const MirrorSurface mirrors(caster.scene(), ReflectingMaterials(caster.material_names(), parameters));
+    return TraceGhosts(caster, mirrors, fan, pose, {.order = order, .range_min_m = 0.5, .range_max_m = 8.0});
+  }
+  // Of the ghosts alone, through beam and pulse.
+  Grid<float> Power(const GhostList& ghosts) const {
+    const RayFan fan = Fan(4 * kBeams, 1);
+    ScatterMap scatter = MakeScatterMap(Nothing(fan), fan, geometry(), parameters);
+    AddGhosts(ghosts, geometry(), parameters, scatter);
+    return ExpectedPower(scatter, geometry(), parameters).value;
+  }
+
+ private:
+  static EchoList Nothing(const RayFan& fan) {
+    EchoList echoes;
+    echoes.cols = fan.cols();
+    return echoes;
+  }
+};
+
+}  // namespace sonarcal::testing
