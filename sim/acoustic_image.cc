@@ -109,14 +109,6 @@ Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSe
   return noise;
 }
 
-void ScatterMap::Add(const PolarAxes& axes, double range_m, int col, double of_patch) {
-  const double position = (range_m - axes.range_min_m) * range_steps / axes.range_bin_m() - 0.5;
-  const int row = static_cast<int>(std::floor(position));
-  const double fraction = position - row;
-  if (row >= 0 && row < power.rows()) power(row, col) += (1.0 - fraction) * of_patch;
-  if (row + 1 >= 0 && row + 1 < power.rows()) power(row + 1, col) += fraction * of_patch;
-}
-
 ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
                            const ParameterSet& parameters) {
   const PolarAxes& axes = geometry.sonar.axes;
@@ -158,9 +150,9 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
                          elevation_power;
         }
       });
+  const ScatterMap::Rows rows = scatter.RowsOf(geometry.sonar.axes);
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    scatter.Add(geometry.sonar.axes, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols),
-                powers[echo]);
+    scatter.Add(rows, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols), powers[echo]);
   }
   return scatter;
 }
