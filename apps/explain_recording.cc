@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "apps/fit_recording.h"
@@ -12,6 +13,8 @@
 #include "data_io/recording_io.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
+#include "metrics/region.h"
+#include "metrics/segmentation.h"
 #include "sim/echo_causes.h"
 #include "sim/physics/display.h"
 
@@ -66,8 +69,8 @@ MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<G
 }
 
 // Mean absolute difference over the pixels that count, of full scale.
-double MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
-                      const std::vector<GreyFrame>& frames) {
+std::optional<double> MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
+                                     const std::vector<GreyFrame>& frames) {
   double sum = 0.0;
   double count = 0.0;
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -77,7 +80,8 @@ double MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarI
       count += 1.0;
     }
   }
-  return count > 0.0 ? sum / count : 0.0;
+  if (count == 0.0) return std::nullopt;
+  return sum / count;
 }
 
 // Mean of `value` over boxes of 2 x half + 1 pixels, cut off at the image's edge.
@@ -126,6 +130,7 @@ class RecordingExplainer {
     Say(TakeDisplay(recording.info().scale, given_));
     explain_ = {.simulation = AcousticSimulation(options.rays, sonar, water.water, given_),
                 .fit = options.fit,
+                .hold_noise = options.hold_noise,
                 .poses = options.poses,
                 .on_step = options.on_step};
     result_.rays = {explain_.simulation.fan.cols, explain_.simulation.fan.rows};
@@ -134,7 +139,7 @@ class RecordingExplainer {
   }
 
   ExplainedRecording Run() {
-    for (const ExplainedStep& step : result_.explanation.steps) result_.figures.push_back(FiguresOf(step));
+    Judge();
     result_.cause_names = {"not bright", "not explained"};
     for (std::size_t f = 0; f < held_out_.size(); ++f) result_.maps.push_back(MapOf(f));
     CountShares();
@@ -161,25 +166,86 @@ class RecordingExplainer {
     return images;
   }
 
-  StepFigures FiguresOf(const ExplainedStep& step) {
-    std::vector<PolarImage> recorded;
-    for (const GreyFrame& frame : held_out_) recorded.push_back(frame.image);
-    const std::vector<PolarImage> expected = ExpectedGrey(step, held_out_);
-    StepFigures figures{.intensity_error = MeanDifference(recorded, expected, held_out_)};
-    std::vector<PolarImage> shown = expected;
-    if (step.knows_speckle) {
-      shown = Drawn(step);
-      std::vector<PolarImage> as_recorded = expected;
-      result_.floor_error = MeanDifference(shown, as_recorded, held_out_);
+  // What a step shows of the frames held out.
+  struct Shown {
+    std::vector<PolarImage> expected;
+    std::vector<PolarImage> draws;  // empty, where the step knows of no speckle
+  };
+
+  // The frames with those pixels alone about which the object is.
+  std::vector<GreyFrame> AboutObject() const {
+    const CompareOptions& rule = options_.comparison;
+    const std::optional<Mask>& valid = recording_.info().valid;
+    std::vector<GreyFrame> about = held_out_;
+    for (GreyFrame& frame : about) {
+      const Mask object = Segment(frame.image, rule.segmentation, rule.region ? &*rule.region : nullptr,
+                                  valid ? &*valid : nullptr)
+                              .object;
+      const Mask near = Dilated(object, kAboutBins, kAboutBeams);
+      if (frame.use.empty()) frame.use.assign(near.size(), 1);
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        if (near.values()[i] == 0) frame.use[i] = 0;
+      }
     }
+    return about;
+  }
+
+  void Judge() {
+    about_object_ = AboutObject();
+    result_.judged.frames = result_.split.held_out;
+    for (const int frame : result_.split.held_out) result_.by_frame.push_back({.frames = {frame}});
+    std::vector<std::size_t> all(held_out_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    for (const ExplainedStep& step : result_.explanation.steps) {
+      const Shown shown{ExpectedGrey(step, held_out_),
+                        step.knows_speckle ? Drawn(step) : std::vector<PolarImage>{}};
+      JudgeStep(shown, all, step.held_out, step.gain, step.verdict, result_.judged);
+      for (const std::size_t f : all) {
+        const JudgedFrame& frame = step.by_frame[f];
+        JudgeStep(shown, {f}, frame.likelihood, frame.gain, frame.verdict, result_.by_frame[f]);
+      }
+    }
+  }
+
+  void JudgeStep(const Shown& shown, const std::vector<std::size_t>& of, const BlockedLikelihood& likelihood,
+                 const LikelihoodDifference& gain, Verdict verdict, JudgedSteps& judged) const {
+    judged.nats_per_pixel.push_back(likelihood.PerPixel());
+    judged.gain.push_back(gain);
+    judged.verdict.push_back(verdict);
+    std::vector<GreyFrame> frames;
+    std::vector<GreyFrame> about;
+    std::vector<PolarImage> recorded;
+    std::vector<PolarImage> expected;
+    std::vector<PolarImage> draws;
+    for (const std::size_t f : of) {
+      about.push_back(about_object_[f]);
+      frames.push_back(held_out_[f]);
+      recorded.push_back(held_out_[f].image);
+      expected.push_back(shown.expected[f]);
+      if (!shown.draws.empty()) draws.push_back(shown.draws[f]);
+    }
+    StepFigures figures{.intensity_error = MeanDifference(recorded, expected, frames)};
+    figures.about_error = MeanDifference(recorded, expected, about);
+    const ViewSummary of_expected = Compared(frames, expected);
+    figures.union_error = of_expected.Over(IntensityDomain::kUnion).mean_absolute.value;
+    figures.overlap_error = of_expected.Over(IntensityDomain::kOverlap).mean_absolute.value;
+    const ViewSummary of_shown = draws.empty() ? of_expected : Compared(frames, draws);
+    figures.iou = of_shown.At("iou").value;
+    figures.ns_over_nr = of_shown.At("ns_over_nr").value;
+    if (!draws.empty()) {
+      judged.floor_error = MeanDifference(draws, expected, frames);
+      judged.about_floor_error = MeanDifference(draws, expected, about);
+    }
+    judged.figures.push_back(figures);
+  }
+
+  // Pooled over the frames.
+  ViewSummary Compared(const std::vector<GreyFrame>& frames, const std::vector<PolarImage>& images) const {
     const CompareRecordingsOptions judge{
         .compare = options_.comparison, .as_displayed = true, .noise_floor = false};
-    const MemoryRecording real = AsRecording(recording_, held_out_, nullptr);
-    const MemoryRecording simulated = AsRecording(recording_, held_out_, &shown);
-    const ViewSummary& micro = CompareRecordings(real, simulated, judge).aggregate.micro.polar;
-    figures.iou = micro.At("iou").value;
-    figures.ns_over_nr = micro.At("ns_over_nr").value;
-    return figures;
+    return CompareRecordings(AsRecording(recording_, frames, nullptr),
+                             AsRecording(recording_, frames, &images), judge)
+        .aggregate.micro.polar;
   }
 
   std::uint8_t NameIndex(const EchoCause& cause) {
@@ -256,6 +322,7 @@ class RecordingExplainer {
   ExplainOptions explain_;
   std::vector<GreyFrame> used_;
   std::vector<GreyFrame> held_out_;
+  std::vector<GreyFrame> about_object_;
   std::optional<Simulator> simulator_;
   ExplainedRecording result_;
 };

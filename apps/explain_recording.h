@@ -21,17 +21,40 @@ struct ExplainRecordingOptions {
   std::optional<std::vector<int>> held_out = {};  // absent: the last third
   FitOptions fit = {};
   CompareOptions comparison = {};
+  bool hold_noise = false;  // as ExplainOptions has it
   bool poses = false;
   std::function<void(const std::string& sentence)> on_note = {};
   std::function<void(ExplainedPart)> on_step = {};
 };
 
-// A step's agreement with the frames held out, of the expected image; from `speckle` on, occupancy of a draw.
+// About the object as found in the recorded image: this far beyond it, in pixels.
+inline constexpr int kAboutBins = 20;
+inline constexpr int kAboutBeams = 4;
+
+// A step's agreement with frames held out. Errors are mean absolute differences of the expected image, of
+// full scale: over the whole polar image; about the object as found in the recorded image, the same pixels
+// for all steps; and over the object as found in either image or in both. Occupancy is that of the expected
+// image too, from `speckle` on of a draw.
 struct StepFigures {
-  std::optional<double> intensity_error =
-      {};                          // mean absolute difference over the whole polar image, of full scale
+  std::optional<double> intensity_error = {};
+  std::optional<double> about_error = {};
+  std::optional<double> union_error = {};
+  std::optional<double> overlap_error = {};
   std::optional<double> iou = {};  // pooled over frames
   std::optional<double> ns_over_nr = {};
+};
+
+// The steps as some of the frames held out judge them; vectors are by step.
+struct JudgedSteps {
+  std::vector<int> frames;
+  std::vector<StepFigures> figures = {};
+  std::vector<double> nats_per_pixel = {};
+  std::vector<LikelihoodDifference> gain = {};
+  std::vector<Verdict> verdict = {};
+  // What a draw of the last step's model itself differs from its expected image by, over the whole image and
+  // about the object: the error that is left to speckle and noise.
+  std::optional<double> floor_error = {};
+  std::optional<double> about_floor_error = {};
 };
 
 // What the recorded cells of a frame come from, as indices into ExplainedRecording::cause_names.
@@ -46,9 +69,8 @@ struct ExplainedRecording {
   RayGridSize rays;
   FrameSplit split;
   Explanation explanation;
-  std::vector<StepFigures> figures;  // by step
-  // What a draw of the last step's model itself differs from its expected image by: no model does better.
-  std::optional<double> floor_error = {};
+  JudgedSteps judged;                 // by all frames held out together
+  std::vector<JudgedSteps> by_frame;  // by each alone
   // The first two are kNotBright and kUnexplained.
   std::vector<std::string> cause_names;
   std::vector<CauseMap> maps;        // of the frames held out

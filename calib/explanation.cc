@@ -21,6 +21,7 @@ namespace {
 // sqrt(pi / (2 ln 2)).
 constexpr double kCellWidths = 1.5053;
 
+constexpr const char* kNoiseLevel = "receiver.noise_db";
 constexpr const char* kWholeScene = "scene";  // the one material of the first steps
 
 Scene OfOneMaterial(Scene scene) {
@@ -100,9 +101,11 @@ class Explainer {
     Step(ExplainedPart::kElevation, *one_, p, {"materials"});
     p = Last();
     p.receiver = given_.receiver;
-    free = {"materials", "receiver.noise_db"};
+    p.receiver.noise_db = hidden_noise_db_;
+    free = {"materials"};
+    if (!options_.hold_noise) free.emplace_back(kNoiseLevel);
     Step(ExplainedPart::kNoise, *one_, p, free);
-    Step(ExplainedPart::kMaterials, *all_, OwnCurves(), free);
+    AddMaterials(free);
     AddGhosts(free);
     AddSpeckle();
     if (options_.poses) AddPoses(free);
@@ -148,6 +151,17 @@ class Explainer {
     return p;
   }
 
+  void AddMaterials(const std::vector<std::string>& free) {
+    const std::vector<std::string>& names = all_->caster().material_names();
+    if (names.size() > 1) {
+      Step(ExplainedPart::kMaterials, *all_, OwnCurves(), free);
+      return;
+    }
+    result_.left_out.emplace_back("materials: the scene has a single one");
+    ParameterSet& last = result_.steps.back().parameters;
+    last.materials = {{names.front(), last.materials.at(kWholeScene)}};
+  }
+
   void AddGhosts(std::vector<std::string>& free) {
     const std::vector<std::string> mirrors = MirrorsFreeByDefault(given_, all_->caster().material_names());
     if (mirrors.empty()) {
@@ -170,9 +184,7 @@ class Explainer {
     step.knows_speckle = true;
     step.parameters.receiver.looks = BestLooks(used_, mean_used_, step.parameters);
     step.determined += 1;
-    step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
-    step.held_out = Likelihood(step, held_out_, step.mean_held_out);
-    result_.steps.push_back(std::move(step));
+    Weigh(std::move(step));
   }
 
   void AddPoses(std::vector<std::string> free) {
@@ -184,10 +196,23 @@ class Explainer {
             const std::vector<std::string>& free) {
     if (options_.on_step) options_.on_step(part);
     const bool moves = part == ExplainedPart::kPoses;
+    const bool hides_floor = part < ExplainedPart::kNoise;
     FitConfig config{.free = free, .pose_prior = options_.pose_prior};
     fit_options_.search_level = part == ExplainedPart::kStart;
     std::vector<AcousticFrame> used = FramesFor(used_, start.display);
-    AcousticFit fit = FitAcousticModel(simulator, used, start, config, fit_options_);
+    ParameterSet from = start;
+    if (hides_floor) {
+      from.receiver = given_.receiver;
+      if (hidden_noise_db_) from.receiver.noise_db = hidden_noise_db_;
+      if (!options_.hold_noise) config.free->emplace_back(kNoiseLevel);
+    }
+    AcousticFit fit = FitAcousticModel(simulator, used, from, config, fit_options_);
+    if (hides_floor) {
+      hidden_noise_db_ = fit.parameters.receiver.noise_db;
+      fit.parameters.receiver = start.receiver;
+      std::erase_if(fit.report.parameters,
+                    [](const FittedParameter& parameter) { return parameter.name == kNoiseLevel; });
+    }
     if (!fit.usable) {
       throw DataError("explain: the fit of '{}' ended without a usable solution ({})", ToString(part),
                       fit.report.termination);
@@ -216,8 +241,16 @@ class Explainer {
       step.grey = FindNormalGreyLaw(used_, GreyOf(mean_used_, used_, step.parameters));
       step.determined += 2;  // its offset and spread
     }
+    Weigh(std::move(step));
+  }
+
+  // Ends a step.
+  void Weigh(ExplainedStep step) {
     step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
     step.held_out = Likelihood(step, held_out_, step.mean_held_out);
+    step.by_frame.clear();
+    for (std::size_t f = 0; f < held_out_.size(); ++f)
+      step.by_frame.push_back({.likelihood = Likelihood(step, {held_out_[f]}, {step.mean_held_out[f]})});
     result_.steps.push_back(std::move(step));
   }
 
@@ -254,13 +287,19 @@ class Explainer {
       const int values = step.determined - before.determined;
       step.aic_change = 2.0 * values - 2.0 * nats;
       step.bic_change = values * std::log(cells) - 2.0 * nats;
-      const double least = options_.tie_sigmas * step.gain.sigma;
-      if (step.gain.mean < -least) {
-        step.verdict = Verdict::kWorse;
-      } else {
-        step.verdict = step.gain.mean > least && step.bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
+      step.verdict = VerdictOn(step.gain, step.bic_change);
+      for (std::size_t f = 0; f < step.by_frame.size(); ++f) {
+        JudgedFrame& frame = step.by_frame[f];
+        frame.gain = Difference(frame.likelihood, before.by_frame[f].likelihood);
+        frame.verdict = VerdictOn(frame.gain, step.bic_change);
       }
     }
+  }
+
+  Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change) const {
+    const double least = options_.tie_sigmas * gain.sigma;
+    if (gain.mean < -least) return Verdict::kWorse;
+    return gain.mean > least && bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
   }
 
   const SonarModel& sonar_;
@@ -270,8 +309,9 @@ class Explainer {
   ParameterSet complete_;  // with beam and pulse as they are
   const ExplainOptions& options_;
   FitOptions fit_options_;
-  std::optional<Simulator> narrow_;  // of one material, within the elevation beam
-  std::optional<Simulator> one_;     // of one material
+  std::optional<double> hidden_noise_db_;  // of the floor that fits before `noise` have and images lack
+  std::optional<Simulator> narrow_;        // of one material, within the elevation beam
+  std::optional<Simulator> one_;           // of one material
   std::optional<Simulator> all_;
   std::vector<std::vector<double>> mean_used_;  // of the last step
   FrameModel::Grain grain_;

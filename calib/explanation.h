@@ -11,9 +11,11 @@
 //   speckle    grey values vary as speckle does, of the number of looks that fits best
 //   poses      every frame's pose; only where asked for
 //
-// Fits are by the likelihood of calib/acoustic_fit.h throughout. Before `speckle` a grey value is taken to be
-// normal about what is expected and a constant (NormalGreyLaw), which is all that a model can say that knows
-// of none; from there on it has the law of speckle.
+// Fits are by the likelihood of calib/acoustic_fit.h throughout, and those before `noise` are given the floor
+// that their images lack: the constant of the law by which they are judged stands for it. Without it a curve
+// would be bent to light, through the skirts of beam and pulse, what no echo lights. Before `speckle` a grey
+// value is taken to be normal about what is expected and a constant (NormalGreyLaw), which is all that a
+// model can say that knows of none; from there on it has the law of speckle.
 //
 // A step is worth it where the likelihood of the frames held out rises by more than two standard errors and
 // the Bayesian criterion on the frames used falls. Both criteria,
@@ -50,6 +52,14 @@ enum class Verdict {
 
 std::string_view ToString(Verdict verdict);  // "start", "worth it", "no more than noise", "worse"
 
+// What one of the frames held out says of a step. Where they are alike the sum says more; where one has been
+// half seen by the fit, as a second frame of a still scene has, each has to be heard by itself.
+struct JudgedFrame {
+  BlockedLikelihood likelihood = {};
+  LikelihoodDifference gain = {};  // over the step before, nats a pixel
+  Verdict verdict = Verdict::kStart;
+};
+
 struct ExplainedStep {
   ExplainedPart part = ExplainedPart::kStart;
   ParameterSet parameters = {};              // fitted
@@ -65,6 +75,7 @@ struct ExplainedStep {
   double aic_change = 0.0;         // from the step before; below 0 is better
   double bic_change = 0.0;
   Verdict verdict = Verdict::kStart;
+  std::vector<JudgedFrame> by_frame = {};  // of the frames held out, each alone
 };
 
 struct Explanation {
@@ -77,6 +88,7 @@ struct Explanation {
 struct ExplainOptions {
   SimulationOptions simulation;  // its fan that of the whole elevation pattern
   FitOptions fit = {};
+  bool hold_noise = false;  // the floor as given, not fitted: where target-free pings have told it
   bool poses = false;
   PosePrior pose_prior = {};
   double tie_sigmas = 2.0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "calib/fit_options.h"
 #include "calib/identifiability.h"
@@ -105,6 +106,30 @@ class Stepper {
     return std::nullopt;
   }
 
+  // Points of the bottom of the valley differ by what rays at edges did to the slopes that led there, each
+  // anew: their mean is nearer to the bottom than any of them, if tracing does not say otherwise.
+  ParameterValues AmongAlike(const std::vector<Found>& reached, double roughness) {
+    const auto lowest = std::min_element(reached.begin(), reached.end(),
+                                         [](const Found& a, const Found& b) { return a.cost < b.cost; });
+    std::vector<const Found*> alike;
+    for (const Found& found : reached) {
+      if (found.cost <= lowest->cost + roughness) alike.push_back(&found);
+    }
+    if (alike.size() == 1) return lowest->values;
+    ParameterValues mean = lowest->values;
+    for (const int entry : active_) {
+      double sum = 0.0;
+      for (const Found* found : alike) sum += catalog_[entry].CoordinateFromValue(found->values[entry]);
+      mean[entry] = catalog_[entry].ValueFromCoordinate(sum / static_cast<double>(alike.size()));
+    }
+    double cost = CostAbout(mean);
+    if (settle_) {
+      settle_(mean);
+      cost = CostHere(mean);
+    }
+    return cost < lowest->cost + roughness ? mean : lowest->values;
+  }
+
  private:
   // As columns, in sigmas of the priors.
   struct Split {
@@ -163,6 +188,7 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
     values = back->values;
     cost = back->cost;
   }
+  std::vector<Stepper::Found> reached = {{values, cost}};
   bool ended = false;
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
@@ -175,8 +201,10 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
       }
       values = found->values;
       cost = found->cost;
+      reached.push_back(*found);
     }
   }
+  values = stepper.AmongAlike(reached, roughness);
   stepper.Linearise(values);
   return ended;
 }

@@ -3,7 +3,9 @@
 // Pitch and the slope of a floor's curve over range hang together, and so do height and level: fitting the
 // one with the other held creeps along their valley, and a model that is linear in the pose, solved to its
 // end, leaves it. A step of Gauss and Newton over all of them, damped (Levenberg, Marquardt), goes down the
-// valley at once; it is taken only where the cost of the scene traced from the new poses is lower.
+// valley at once; it is taken only where the cost of the scene traced from the new poses is lower, or no
+// higher than it varies by from pose to pose. Where the steps end is the mean of the points whose costs are
+// alike so.
 #pragma once
 
 #include <functional>

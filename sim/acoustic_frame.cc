@@ -130,6 +130,7 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
   const PolarAxes& axes = geometry.sonar.axes;
   ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
   const PatchShader shader(fan, caster.material_names(), geometry, parameters);
+  const ScatterMap::Rows rows = scatter.RowsOf(axes);
   const auto nearest_m = static_cast<float>(axes.range_min_m);
   const auto farthest_m = static_cast<float>(axes.range_max_m);
   tbb::enumerable_thread_specific<PatchShader::Buffers> locals;
@@ -141,7 +142,7 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
       const float range_m = hits.range_m[i];
       // A ray that starts on a surface meets it at range 0, where the loss has no value.
       if (!(range_m > 0.0F && range_m >= nearest_m && range_m < farthest_m)) continue;
-      scatter.Add(axes, range_m, hits.col[i], shader.factor() * of.power[i]);
+      scatter.Add(rows, range_m, hits.col[i], shader.factor() * of.power[i]);
     }
   });
   return scatter;

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
+#include <numeric>
 
 #include "sim/beam_and_pulse.h"
 #include "sim/physics/gsab.h"
@@ -15,9 +17,19 @@
 #include "sim/physics/receiver.h"
 #include "sim/physics/speckle.h"
 #include "sim/random.h"
+#include "sim/row_math.h"
 
 namespace sonarcal {
 namespace {
+
+double WeightedSum(const std::vector<double>& weight, const double* values) {
+  return row_math::Dot(weight.data(), values, static_cast<int>(weight.size()));
+}
+
+std::complex<double> WeightedSum(const std::vector<double>& weight, const std::complex<double>* values) {
+  return std::inner_product(weight.begin(), weight.end(), values, std::complex<double>(0.0), std::plus<>(),
+                            [](double w, const std::complex<double>& v) { return w * v; });
+}
 
 // Sums `fine` (fine rows x columns) through both responses to bins x beams, those of field or of power. The
 // pulse first: it leaves fewer rows for the azimuth response, which may be as wide as the fan.
@@ -46,13 +58,8 @@ Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
         for (int col = 0; col < fine.cols(); ++col) in_bin[col] += pulse.weight[i] * in[col];
       }
       if (is_silent(in_bin)) continue;
-      for (int beam = 0; beam < axes.beam_count(); ++beam) {
-        T sum(0.0);
-        for (std::size_t i = 0; i < azimuth[beam].weight.size(); ++i) {
-          sum += azimuth[beam].weight[i] * in_bin[azimuth[beam].first + i];
-        }
-        out(bin, beam) = sum;
-      }
+      for (int beam = 0; beam < axes.beam_count(); ++beam)
+        out(bin, beam) = WeightedSum(azimuth[beam].weight, in_bin.data() + azimuth[beam].first);
     }
   });
   return out;
@@ -102,14 +109,6 @@ Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSe
   return noise;
 }
 
-void ScatterMap::Add(const PolarAxes& axes, double range_m, int col, double of_patch) {
-  const double position = (range_m - axes.range_min_m) * range_steps / axes.range_bin_m() - 0.5;
-  const int row = static_cast<int>(std::floor(position));
-  const double fraction = position - row;
-  if (row >= 0 && row < power.rows()) power(row, col) += (1.0 - fraction) * of_patch;
-  if (row + 1 >= 0 && row + 1 < power.rows()) power(row + 1, col) += fraction * of_patch;
-}
-
 ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
                            const ParameterSet& parameters) {
   const PolarAxes& axes = geometry.sonar.axes;
@@ -151,9 +150,9 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
                          elevation_power;
         }
       });
+  const ScatterMap::Rows rows = scatter.RowsOf(geometry.sonar.axes);
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    scatter.Add(geometry.sonar.axes, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols),
-                powers[echo]);
+    scatter.Add(rows, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols), powers[echo]);
   }
   return scatter;
 }

@@ -30,8 +30,25 @@ struct ScatterMap {
   int range_steps = 4;
   std::vector<double> column_azimuth_rad;
 
-  // Shared between the two nearest fine rows, so that the image changes smoothly with range.
-  void Add(const PolarAxes& axes, double range_m, int col, double of_patch);
+  // Where the rows are.
+  struct Rows {
+    double first_m = 0.0;  // middle of row 0
+    double per_m = 1.0;
+  };
+  Rows RowsOf(const PolarAxes& axes) const {
+    const double per_m = range_steps / axes.range_bin_m();
+    return {axes.range_min_m + 0.5 / per_m, per_m};
+  }
+
+  // What a patch within the window scatters, shared between the two nearest rows, so that the image changes
+  // smoothly with range.
+  void Add(const Rows& rows, double range_m, int col, double of_patch) {
+    const double position = (range_m - rows.first_m) * rows.per_m;  // not below -1/2
+    const int row = static_cast<int>(position + 1.0) - 1;
+    const double fraction = position - row;
+    if (row >= 0 && row < power.rows()) power(row, col) += (1.0 - fraction) * of_patch;
+    if (row + 1 < power.rows()) power(row + 1, col) += fraction * of_patch;
+  }
 };
 
 struct AcousticGeometry {

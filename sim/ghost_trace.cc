@@ -317,8 +317,8 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
   constexpr double kWidestMarginDeg = 60.0;  // that RayFanOptions allows
   RayFanOptions options = fan;
   if (fan.sampling == Sampling::kBeams) {
-    options.cols = std::max(fan.cols / 2, 1);
-    options.rows = std::max(2 * fan.rows / 3, 1);
+    options.cols = std::max(fan.cols / 4, 1);
+    options.rows = std::max(fan.rows / 2, 1);
   }
   const double width_deg =
       beam.elevation_width_deg > 0.0 ? beam.elevation_width_deg : sonar.elevation_beam_width_deg;

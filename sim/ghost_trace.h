@@ -84,7 +84,7 @@ struct GhostOptions {
 std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_names,
                                       const ParameterSet& parameters);
 
-// Rays that look for ghosts beside a fan of these: half of the columns and two thirds of the rows for equal
+// Rays that look for ghosts beside a fan of these: a quarter of the columns and half of the rows for equal
 // angles, but as far aside as the transmitter sends, and in elevation no further than the main lobe of the
 // beam's pattern. What they find is shared between the columns of the fan itself. A ghost costs three rays
 // where an echo costs one, and is seldom as strong.

@@ -75,33 +75,33 @@ std::vector<std::pair<double, std::string>> Shares(const ExplainedRecording& exp
   return shares;
 }
 
-Table StepTable(const ExplainedRecording& explained) {
-  Table table{
-      .caption = "Each part added to those above it, fitted again, and judged on frames that no fit saw",
-      .columns = {{"Added"},
-                  {"Intensity error", "of full scale"},
-                  {"IoU"},
-                  {"Ns/Nr"},
-                  {"Gain, held out", "nats a pixel"},
-                  {"AIC", "change"},
-                  {"BIC", "change"},
-                  {"Fitted", "values"},
-                  {"Verdict", {}, false}},
-      .rows = {}};
+Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, const std::string& by) {
+  Table table{.caption = "Each part added to those above it, fitted again, and judged " + by,
+              .columns = {{"Added"},
+                          {"Intensity error", "of full scale"},
+                          {"About the object", "of full scale"},
+                          {"IoU"},
+                          {"Ns/Nr"},
+                          {"Gain, held out", "nats a pixel"},
+                          {"AIC, BIC", "change"},
+                          {"Fitted", "values"},
+                          {"Verdict", {}, false}},
+              .rows = {}};
   const std::vector<ExplainedStep>& steps = explained.explanation.steps;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const ExplainedStep& step = steps[i];
-    const StepFigures& figures = explained.figures[i];
+    const StepFigures& figures = judged.figures[i];
+    const LikelihoodDifference& gain = judged.gain[i];
     const bool first = i == 0;
     table.rows.push_back(
         {.cells = {
-             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.iou, 3),
-             Text(figures.ns_over_nr, 3),
+             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.about_error, 4),
+             Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
+             first ? "–" : fmt::format("{} ± {}", FormatNumber(gain.mean, 4), FormatNumber(gain.sigma, 4)),
              first
                  ? "–"
-                 : fmt::format("{} ± {}", FormatNumber(step.gain.mean, 4), FormatNumber(step.gain.sigma, 4)),
-             first ? "–" : FormatNumber(step.aic_change, 0), first ? "–" : FormatNumber(step.bic_change, 0),
-             fmt::format("{}", step.determined), std::string(ToString(step.verdict))}});
+                 : fmt::format("{}, {}", FormatNumber(step.aic_change, 0), FormatNumber(step.bic_change, 0)),
+             fmt::format("{}", step.determined), std::string(ToString(judged.verdict[i]))}});
   }
   table.notes.push_back(fmt::format(
       "Worth it: likelier on the frames held out by more than two standard errors, and BIC falls. Both "
@@ -111,7 +111,9 @@ Table StepTable(const ExplainedRecording& explained) {
       explained.explanation.pixels_used / explained.explanation.pixels_a_cell,
       explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
   table.notes.emplace_back(
-      "Intensity error: mean absolute difference of grey values over the whole polar image. Until speckle is "
+      "Intensity error: mean absolute difference of grey values over the whole polar image. About the "
+      "object: the same within 20 range bins and 4 beams of it, as found in the recorded image. Until "
+      "speckle is "
       "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
       "draw, and means little where the segmentation does not find an object. Fitted values: those that the "
       "data determine.");
@@ -121,6 +123,69 @@ Table StepTable(const ExplainedRecording& explained) {
 // "frame 2", "frames 2 and 6".
 std::string Frames(const std::vector<int>& frames) {
   return fmt::format("frame{} {}", frames.size() == 1 ? "" : "s", FrameList(frames));
+}
+
+Waterfall WaterfallOf(const ExplainedRecording& explained, const JudgedSteps& judged,
+                      std::optional<double> StepFigures::*error_of, const std::string& title) {
+  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
+  const bool whole = error_of == &StepFigures::intensity_error;
+  Waterfall waterfall{.title = title,
+                      .unit = "mean absolute error of grey values, of full scale",
+                      .decimals = 4,
+                      .floor = whole ? judged.floor_error : judged.about_floor_error,
+                      .floor_label = "speckle alone:"};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double error = (judged.figures[i].*error_of).value_or(0.0);
+    waterfall.rows.push_back({.label = std::string(TitleOf(steps[i].part)),
+                              .value = error,
+                              .mood = MoodOf(judged.verdict[i]),
+                              .word = i == 0 ? std::string() : std::string(ToString(judged.verdict[i]))});
+    waterfall.alt += fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", TitleOf(steps[i].part), error);
+  }
+  return waterfall;
+}
+
+// Those that judge: each frame by itself, or all together.
+std::vector<JudgedSteps> Judges(const ExplainedRecording& explained, const ExplanationTelling& telling) {
+  if (telling.apart) return explained.by_frame;
+  return {explained.judged};
+}
+
+Json FiguresJson(const JudgedSteps& judged, std::size_t i) {
+  const StepFigures& figures = judged.figures[i];
+  const auto change = [&](double value) { return i == 0 ? Json(nullptr) : Json(value); };
+  return {{"verdict", ToString(judged.verdict[i])},
+          {"intensity_error", NumberOrNull(figures.intensity_error)},
+          {"about_object_error", NumberOrNull(figures.about_error)},
+          {"union_error", NumberOrNull(figures.union_error)},
+          {"overlap_error", NumberOrNull(figures.overlap_error)},
+          {"iou", NumberOrNull(figures.iou)},
+          {"ns_over_nr", NumberOrNull(figures.ns_over_nr)},
+          {"held_out_nats_per_pixel", judged.nats_per_pixel[i]},
+          {"gain_nats_per_pixel", change(judged.gain[i].mean)},
+          {"gain_sigma", change(judged.gain[i].sigma)}};
+}
+
+std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judged) {
+  std::string text =
+      fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added", "intensity",
+                  "about", "IoU", "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
+  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const StepFigures& figures = judged.figures[i];
+    const std::string gain =
+        i == 0 ? std::string("-")
+               : fmt::format("{:+.4f} +- {:.4f}", judged.gain[i].mean, judged.gain[i].sigma);
+    const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", steps[i].bic_change);
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(steps[i].part),
+                        Text(figures.intensity_error, 4), Text(figures.about_error, 4), Text(figures.iou, 3),
+                        Text(figures.ns_over_nr, 3), gain, bic, i == 0 ? "" : ToString(judged.verdict[i]));
+  }
+  if (judged.floor_error) {
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  of the last model's own draws\n", "speckle alone",
+                        Text(judged.floor_error, 4), Text(judged.about_floor_error, 4));
+  }
+  return text;
 }
 
 }  // namespace
@@ -163,31 +228,36 @@ std::string CauseSentence(const ExplainedRecording& explained) {
   return "of the bright cells: " + sentence;
 }
 
-void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained) {
-  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
-  Waterfall waterfall{.title = "What is left unexplained after each part is added",
-                      .unit = "mean absolute error of grey values, of full scale",
-                      .floor = explained.floor_error,
-                      .floor_label = "speckle alone:"};
-  std::string alt;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double error = explained.figures[i].intensity_error.value_or(0.0);
-    waterfall.rows.push_back({.label = std::string(TitleOf(steps[i].part)),
-                              .value = error,
-                              .mood = MoodOf(steps[i].verdict),
-                              .word = i == 0 ? std::string() : std::string(ToString(steps[i].verdict))});
-    alt += fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", TitleOf(steps[i].part), error);
-  }
-  waterfall.alt = alt;
+void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
+                  const ExplanationTelling& telling) {
   report.Section("What each part is worth");
-  report.Add(waterfall,
-             fmt::format("By {}, which no fit saw. Blue: what is left; pale green: what a part "
-                         "took away; red: what it added. The dashed line is what speckle leaves of "
-                         "the last model's own draws: none is below it.",
-                         Frames(explained.split.held_out)));
-  report.Add(StepTable(explained));
+  if (!telling.caveats.empty()) {
+    report.Callout(CalloutKind::kLimit, "What to know", "What was assumed, and what figures do not show.");
+    report.List(telling.caveats);
+  }
+  for (const JudgedSteps& judged : Judges(explained, telling)) {
+    const std::string by = "by " + Frames(judged.frames) + ", which no fit saw";
+    if (telling.apart) report.Subsection("Judged by " + Frames(judged.frames));
+    std::string of = telling.title.empty() ? std::string() : ": " + telling.title;
+    if (telling.apart) of += ", by " + Frames(judged.frames);
+    const std::string known = telling.title.empty() ? std::string() : " (" + telling.title + ")";
+    report.Add(WaterfallOf(explained, judged, &StepFigures::intensity_error,
+                           "What is left unexplained after each part is added" + of),
+               fmt::format("Judged {}{}. Blue: what is left; pale green: what a part "
+                           "took away; red: what it added. The dashed line is what the last model's own "
+                           "draws differ from it by: speckle and noise.",
+                           by, known));
+    if (telling.about && judged.figures.back().about_error) {
+      report.Add(WaterfallOf(explained, judged, &StepFigures::about_error,
+                             "What is left unexplained about the object" + of),
+                 fmt::format("Judged {}{}, within {} range bins and {} beams of the object as found in the "
+                             "recorded image.",
+                             by, known, kAboutBins, kAboutBeams));
+    }
+    report.Add(StepTable(explained, judged, by));
+  }
   std::vector<std::string> parts;
-  for (const ExplainedStep& step : steps)
+  for (const ExplainedStep& step : explained.explanation.steps)
     parts.push_back(fmt::format("{}: {}", TitleOf(step.part), WhatOf(step.part)));
   report.List(parts);
   if (!explained.explanation.left_out.empty()) {
@@ -196,18 +266,19 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained) {
   }
 }
 
-void AddCauses(HtmlReport& report, const ExplainedRecording& explained) {
+void AddCauses(HtmlReport& report, const ExplainedRecording& explained, const ExplanationTelling& telling) {
   report.Section("What the bright cells come from");
   std::string sentence = CauseSentence(explained);
   if (!sentence.empty()) sentence.front() = static_cast<char>(std::toupper(sentence.front()));
   report.Paragraph(sentence + ".");
-  PictureRow row{.caption =
-                     "Recorded (left) and what each bright cell comes from by the last model (right); "
-                     "nearest range at the top. A cell is bright where the recorded power about it is "
-                     "twice the noise floor, and not explained where it is three times what is expected.",
-                 .pictures = {},
-                 .columns = 2,
-                 .legend = CauseLegend(explained.maps, explained.cause_names)};
+  PictureRow row{
+      .caption = (telling.title.empty() ? std::string() : telling.title + ". ") +
+                 "Recorded (left) and what each bright cell comes from by the last model (right); "
+                 "nearest range at the top. A cell is bright where the recorded power about it is "
+                 "twice the noise floor, and not explained where it is three times what is expected.",
+      .pictures = {},
+      .columns = 2,
+      .legend = CauseLegend(explained.maps, explained.cause_names)};
   constexpr std::size_t kMost = 4;
   for (std::size_t i = 0; i < std::min(kMost, explained.maps.size()); ++i) {
     const CauseMap& map = explained.maps[i];
@@ -226,12 +297,11 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained) {
   if (!table.rows.empty()) report.Add(table);
 }
 
-Json ExplanationJson(const ExplainedRecording& explained) {
+Json ExplanationJson(const ExplainedRecording& explained, const ExplanationTelling& telling) {
   const Explanation& of = explained.explanation;
   Json steps = Json::array();
   for (std::size_t i = 0; i < of.steps.size(); ++i) {
     const ExplainedStep& step = of.steps[i];
-    const StepFigures& figures = explained.figures[i];
     Json fitted = Json::array();
     for (const FittedParameter& p : step.fitted) {
       fitted.push_back({{"name", p.name},
@@ -240,22 +310,22 @@ Json ExplanationJson(const ExplainedRecording& explained) {
                         {"unit", p.unit},
                         {"status", ToString(p.status)}});
     }
-    const bool first = i == 0;
-    const auto change = [&](double value) { return first ? Json(nullptr) : Json(value); };
-    steps.push_back({{"part", ToString(step.part)},
-                     {"what", WhatOf(step.part)},
-                     {"verdict", ToString(step.verdict)},
-                     {"intensity_error", NumberOrNull(figures.intensity_error)},
-                     {"iou", NumberOrNull(figures.iou)},
-                     {"ns_over_nr", NumberOrNull(figures.ns_over_nr)},
-                     {"held_out_nats_per_pixel", step.held_out.PerPixel()},
-                     {"used_nats_per_pixel", step.nats_used},
-                     {"gain_nats_per_pixel", change(step.gain.mean)},
-                     {"gain_sigma", change(step.gain.sigma)},
-                     {"aic_change", change(step.aic_change)},
-                     {"bic_change", change(step.bic_change)},
-                     {"determined_values", step.determined},
-                     {"fitted", fitted}});
+    const auto change = [&](double value) { return i == 0 ? Json(nullptr) : Json(value); };
+    Json json = {{"part", ToString(step.part)}, {"what", WhatOf(step.part)}};
+    json.update(FiguresJson(explained.judged, i));
+    json.update({{"used_nats_per_pixel", step.nats_used},
+                 {"aic_change", change(step.aic_change)},
+                 {"bic_change", change(step.bic_change)},
+                 {"determined_values", step.determined},
+                 {"fitted", fitted}});
+    Json by_frame = Json::array();
+    for (const JudgedSteps& judged : explained.by_frame) {
+      Json frame = {{"index", judged.frames.front()}};
+      frame.update(FiguresJson(judged, i));
+      by_frame.push_back(frame);
+    }
+    json["by_frame"] = by_frame;
+    steps.push_back(json);
   }
   Json frames = Json::array();
   for (const CauseMap& map : explained.maps) {
@@ -276,40 +346,36 @@ Json ExplanationJson(const ExplainedRecording& explained) {
                       {"bright_cells", bright},
                       {"shares", shares}});
   }
+  Json floors = Json::array();
+  for (const JudgedSteps& judged : explained.by_frame) floors.push_back(NumberOrNull(judged.floor_error));
   return {{"format", "sonar-explanation/1"},
+          {"title", telling.title},
+          {"caveats", telling.caveats},
+          {"judged_apart", telling.apart},
           {"frames_used", explained.split.used},
           {"frames_held_out", explained.split.held_out},
           {"steps", steps},
           {"left_out", of.left_out},
-          {"speckle_floor_error", NumberOrNull(explained.floor_error)},
+          {"speckle_floor_error", NumberOrNull(explained.judged.floor_error)},
+          {"speckle_floor_error_by_frame", floors},
           {"pixels_used", of.pixels_used},
           {"pixels_a_cell", of.pixels_a_cell},
           {"causes",
            {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
 }
 
-std::string ExplanationText(const ExplainedRecording& explained) {
-  std::string text = fmt::format("fitted to {}, judged on {}, which no fit saw\n",
-                                 Frames(explained.split.used), Frames(explained.split.held_out));
-  text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added", "intensity", "IoU",
-                      "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
-  const std::vector<ExplainedStep>& steps = explained.explanation.steps;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const ExplainedStep& step = steps[i];
-    const StepFigures& figures = explained.figures[i];
-    const std::string gain =
-        i == 0 ? std::string("-") : fmt::format("{:+.4f} +- {:.4f}", step.gain.mean, step.gain.sigma);
-    const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", step.bic_change);
-    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(step.part),
-                        Text(figures.intensity_error, 4), Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
-                        gain, bic, i == 0 ? "" : ToString(step.verdict));
+std::string ExplanationText(const ExplainedRecording& explained, const ExplanationTelling& telling) {
+  std::string text;
+  for (const JudgedSteps& judged : Judges(explained, telling)) {
+    text += fmt::format("fitted to {}, judged on {}, which no fit saw\n", Frames(explained.split.used),
+                        Frames(judged.frames));
+    text += TextOf(explained, judged);
   }
-  if (explained.floor_error)
-    text +=
-        fmt::format("  {:<20}  {:>9.4f}  that no model is below\n", "speckle alone", *explained.floor_error);
   for (const std::string& sentence : explained.explanation.left_out)
     text += fmt::format("  left out: {}\n", sentence);
-  return text + CauseSentence(explained) + "\n";
+  text += CauseSentence(explained) + "\n";
+  for (const std::string& sentence : telling.caveats) text += fmt::format("note: {}\n", sentence);
+  return text;
 }
 
 }  // namespace sonarcal

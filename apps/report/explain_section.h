@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,20 +15,32 @@ namespace sonarcal {
 // What a step adds, for people: "beam and pulse".
 std::string_view TitleOf(ExplainedPart part);
 
-// The waterfall, its table, and what was left out. Adds a section.
-void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained);
+// How an explanation is told.
+struct ExplanationTelling {
+  std::string title = {};                 // of the recording, said wherever a picture is shown; empty: none
+  bool about = false;                     // a waterfall of what lies about the object, too
+  bool apart = false;                     // held-out frames judge one by one, not together
+  std::vector<std::string> caveats = {};  // what was assumed and what figures do not show, a sentence each
+};
+
+// The waterfall, its table, and what was left out; several of the first two where frames judge apart. Adds a
+// section.
+void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
+                  const ExplanationTelling& telling = {});
 
 // Where the bright cells come from: shares in words, maps. Adds a section.
-void AddCauses(HtmlReport& report, const ExplainedRecording& explained);
+void AddCauses(HtmlReport& report, const ExplainedRecording& explained,
+               const ExplanationTelling& telling = {});
 
 // "of the bright cells 71 % show floor, 12 % ghost by wall, ...": causes by their share, those below half a
 // percent together.
 std::string CauseSentence(const ExplainedRecording& explained);
 
 // The object of explain.json.
-nlohmann::ordered_json ExplanationJson(const ExplainedRecording& explained);
+nlohmann::ordered_json ExplanationJson(const ExplainedRecording& explained,
+                                       const ExplanationTelling& telling = {});
 
 // For a terminal.
-std::string ExplanationText(const ExplainedRecording& explained);
+std::string ExplanationText(const ExplainedRecording& explained, const ExplanationTelling& telling = {});
 
 }  // namespace sonarcal

@@ -91,11 +91,6 @@ Mask Background(const PolarImage& image, const SegmentationOptions& segmentation
   return background;
 }
 
-DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
-                                              const SegmentationOptions& segmentation) {
-  return FitBackgroundDisplay(image, Background(image, segmentation), DisplayLaw::kSoftAmplitude).display;
-}
-
 // Of all echoes but the rarest 0.1 % at either end.
 IncidenceRange IncidenceOf(const EchoList& echoes) {
   std::vector<float> incidence = echoes.incidence_rad;
@@ -267,6 +262,11 @@ class Comparison {
 };
 
 }  // namespace
+
+DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
+                                              const SegmentationOptions& segmentation) {
+  return FitBackgroundDisplay(image, Background(image, segmentation), DisplayLaw::kSoftAmplitude).display;
+}
 
 KnownBomb PrepareBomb(const std::filesystem::path& folder, const SegmentationOptions& segmentation) {
   const auto recorded = OpenAris3000Frames(folder);

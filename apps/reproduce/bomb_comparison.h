@@ -53,6 +53,10 @@ struct BombComparison {
   MetricsReport real_against_real;  // the first frame in place of a simulated one: same speckle, other noise
 };
 
+// The display read off what `segmentation` calls background (calib/background_display.h).
+DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
+                                              const SegmentationOptions& segmentation);
+
 // The recorded frames as a fit of the acoustic model takes them: each with the pose that was found beforehand
 // (calib/bomb_fit.h), the outline as scene, and the parameters to start from.
 struct KnownBomb {

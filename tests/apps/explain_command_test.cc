@@ -67,7 +67,8 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   std::vector<std::string> parts;
   for (const nlohmann::json& step : json["steps"]) {
     parts.push_back(step["part"]);
-    for (const char* key : {"intensity_error", "iou", "ns_over_nr", "held_out_nats_per_pixel"})
+    for (const char* key :
+         {"intensity_error", "about_object_error", "iou", "ns_over_nr", "held_out_nats_per_pixel"})
       EXPECT_TRUE(step[key].is_number()) << parts.back() << " " << key;
     EXPECT_EQ(step["gain_nats_per_pixel"].is_null(), parts.size() == 1) << parts.back();
   }
@@ -104,6 +105,49 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   EXPECT_TRUE(std::filesystem::exists(world_ / "out/figures/figure_1.svg"));
   EXPECT_TRUE(std::filesystem::exists(world_ / "out/provenance.json"));
   EXPECT_TRUE(ReadParameters(world_ / "out/params.json").mirrors.contains("floor"));
+}
+
+// Both frames count as many pixels, so that together they say the mean of what each says.
+TEST_F(ExplainCommand, LetsFramesJudgeApart) {
+  const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3 --apart --hold-noise"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("judged on frame 1, which no fit saw"));
+  EXPECT_THAT(outcome.out, HasSubstr("judged on frame 3, which no fit saw"));
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/explain.json");
+  EXPECT_EQ(json["judged_apart"], true);
+  for (const nlohmann::json& step : json["steps"]) {
+    ASSERT_EQ(step["by_frame"].size(), 2U);
+    EXPECT_EQ(step["by_frame"][1]["index"], 3);
+    for (const char* key : {"held_out_nats_per_pixel", "intensity_error"}) {
+      const double mean =
+          0.5 * (step["by_frame"][0][key].get<double>() + step["by_frame"][1][key].get<double>());
+      EXPECT_NEAR(step[key].get<double>(), mean, 1e-9) << step["part"] << " " << key;
+    }
+    for (const nlohmann::json& fitted : step["fitted"]) EXPECT_NE(fitted["name"], "receiver.noise_db");
+  }
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  for (const char* part : {"Judged by frame 1", "Judged by frame 3"}) EXPECT_THAT(html, HasSubstr(part));
+  EXPECT_EQ(ReadParameters(world_ / "out/params.json").receiver.noise_db, Truth().receiver.noise_db);
+}
+
+TEST_F(ExplainCommand, KnownRecordingsHaveFilesOfTheirOwn) {
+  const auto expect_usage = [&](const std::string& arguments, const std::string& part) {
+    const Outcome outcome = RunSonarcal("explain -q --out " + Quoted(world_ / "out") + " " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+    EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
+  };
+  expect_usage("--known bomb --real " + Quoted(real_), "--real does not go with --known");
+  expect_usage("--real " + Quoted(real_), "--scene is required, where --known is not given");
+  expect_usage("--known ship", "expected bomb|hull-strip");
+  const Outcome outcome = RunSonarcal("explain -q --known hull-strip --recordings " + Quoted(real_) +
+                                      " --out " + Quoted(world_ / "out"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("didson_hull: no such folder"));
+  EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
 }
 
 TEST_F(ExplainCommand, MistakesCostOneSentence) {

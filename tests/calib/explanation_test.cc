@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "data_io/types/error.h"
+#include "data_io/types/units.h"
 #include "tests/calib/small_tank.h"
 
 namespace sonarcal {
@@ -135,6 +136,41 @@ TEST_F(ExplanationTest, WithoutMirrorsGhostsAreLeftOut) {
   EXPECT_THROW(
       Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used, {}, given, Explaining()),
       DataError);
+}
+
+// What no echo lights is no business of a curve: before there is a floor it is about as high as after.
+TEST_F(ExplanationTest, CurvesAreNotBentByTheDark) {
+  const Frames frames = MakeFrames(Truth(false));
+  ParameterSet given = Given();
+  given.mirrors.clear();
+  const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
+                                          frames.held_out, given, Explaining());
+  const ExplainedStep& before = StepOf(explanation, ExplainedPart::kElevation);
+  const ExplainedStep& after = StepOf(explanation, ExplainedPart::kNoise);
+  const auto level_db = [](const ExplainedStep& step) {
+    return DbFromPower(step.parameters.materials.at("scene").gsab.c);
+  };
+  EXPECT_NEAR(level_db(before), level_db(after), 1.0);
+  // Its own image has none all the same, and counts none as fitted.
+  EXPECT_LT(*before.parameters.receiver.noise_db, *after.parameters.receiver.noise_db - 20.0);
+  for (const FittedParameter& fitted : before.fitted) EXPECT_NE(fitted.name, "receiver.noise_db");
+  EXPECT_GT(after.gain.mean, 2.0 * after.gain.sigma);
+}
+
+// Of a scene with a single material the step that gives each its own would be the one before it once more.
+TEST_F(ExplanationTest, ASingleMaterialMakesNoStep) {
+  Frames frames = MakeFrames(Truth(false));
+  frames.used.resize(2);
+  Scene scene = testing::SmallTankWithWall();
+  scene.material_names = {"wall"};
+  std::fill(scene.triangle_material.begin(), scene.triangle_material.end(), std::uint16_t{0});
+  ParameterSet given = Given();
+  given.mirrors.clear();
+  const Explanation explanation =
+      Explain(scene, testing::SmallSonar(), frames.used, frames.held_out, given, Explaining());
+  EXPECT_EQ(explanation.steps.size(), 5U);
+  EXPECT_EQ(explanation.left_out.size(), 2U);
+  EXPECT_TRUE(explanation.steps.back().parameters.materials.contains("wall"));
 }
 
 // The plain law against its closed form: a normal law's mean log-likelihood about its own mean and spread.

@@ -1,0 +1,48 @@
+#include "apps/reproduce/known_recording.h"
+
+#include "data_io/parameters_io.h"
+#include "data_io/recording_io.h"
+#include "data_io/scene_io.h"
+#include "data_io/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+std::filesystem::path FolderOf(const std::filesystem::path& recordings, const char* name) {
+  std::filesystem::path folder = recordings / name;
+  if (!std::filesystem::is_directory(folder)) {
+    throw DataError(
+        "{}: no such folder; `sonarcal recordings` says where recordings come from, and "
+        "SONARCAL_RECORDINGS or --recordings where they are",
+        folder.string());
+  }
+  return folder;
+}
+
+}  // namespace
+
+PreparedRecording PrepareKnown(KnownRecording known, const std::filesystem::path& recordings,
+                               const PrepareOptions& options) {
+  switch (known) {
+    case KnownRecording::kBomb:
+      return PrepareBombRecording(FolderOf(recordings, "aris3000_uxo"), options);
+    case KnownRecording::kHullStrip:
+      return PrepareHullRecording(FolderOf(recordings, "didson_hull"), options);
+  }
+  SONARCAL_CHECK(false, "known recording {}", static_cast<int>(known));
+  return {};
+}
+
+void WritePrepared(const PreparedRecording& prepared, const std::filesystem::path& folder) {
+  const RecordingSource& recording = *prepared.recording;
+  RecordingInfo info = recording.info();
+  info.scene_path = (folder / "scene.gltf").string();
+  for (const std::string& caveat : prepared.caveats) info.notes.push_back(caveat);
+  std::vector<Frame> frames;
+  for (int i = 0; i < recording.frame_count(); ++i) frames.push_back(recording.ReadFrame(i));
+  WriteRecording(MemoryRecording(std::move(info), std::move(frames)), folder);
+  WriteGltf(prepared.scene, folder / "scene.gltf");
+  WriteParameters(folder / "params.json", prepared.parameters);
+}
+
+}  // namespace sonarcal
