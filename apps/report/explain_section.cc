@@ -248,7 +248,8 @@ void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
                            "draws differ from it by: speckle and noise.",
                            by, known));
     if (telling.about && judged.figures.back().about_error) {
-      report.Add(WaterfallOf(explained, judged, &StepFigures::about_error, "What is left unexplained about the object" + of),
+      report.Add(WaterfallOf(explained, judged, &StepFigures::about_error,
+                             "What is left unexplained about the object" + of),
                  fmt::format("Judged {}{}, within {} range bins and {} beams of the object as found in the "
                              "recorded image.",
                              by, known, kAboutBins, kAboutBeams));

@@ -92,8 +92,8 @@ class HullMaker {
     CompareOptions comparison;
     // Where most of the picture is clipped to black, spreads of grey find nothing.
     comparison.segmentation.method = SegmentationMethod::kLikelihoodRatio;
-    comparison.segmentation.background_law = std::make_shared<const BackgroundLaw>(
-        BackgroundLawOf(parameters, info.sonar.axes, folder_.string()));
+    comparison.segmentation.background_law =
+        std::make_shared<const BackgroundLaw>(BackgroundLawOf(parameters, info.sonar.axes, folder_.string()));
     return {.title = "hull strip from marks, DIDSON (recorded)",
             .recording = std::make_unique<MemoryRecording>(info, std::move(frames)),
             .scene = Strips(lean_deg),
