@@ -9,8 +9,8 @@
 // The taper of the beam was chosen with frame 1 in sight (docs/bomb.md): 1.0, 0.6 and 0.4 were tried, and 1.0
 // misses the bound on overlap by 0.0003.
 //
-// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038); overlap of the other pose, 0.10
-// (0.1017). Bounds named kRegression... hold what is reached and claim no more.
+// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038). The bound named kRegression...
+// holds what is reached and claims no more.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -32,7 +32,6 @@ namespace sonarcal {
 namespace {
 
 constexpr double kRegressionKs = 0.045;
-constexpr double kRegressionOtherOverlap = 0.102;
 
 // Of the two frames 97 counts are full scale, of the other pose 255. Errors of both are given of 97.
 constexpr double kFullScaleOfOther = 255.0 / 97.0;
@@ -171,7 +170,7 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   Print("other pose, expected image (of 255 counts)", expected);
   EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kWhole), 0.050);
   EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kUnion), 0.092);
-  EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kOverlap), kRegressionOtherOverlap);
+  EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kOverlap), 0.100);
   const Judgement samples = JudgeSamples(simulator, fit, judged);
   Print("other pose, speckled samples, pooled", samples);
   EXPECT_GE(*samples.metrics.polar.occupancy.iou(), 0.75);
