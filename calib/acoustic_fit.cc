@@ -204,7 +204,8 @@ class AcousticFitter {
       if (fit.usable) values = std::move(fit.values);
     };
     ParameterValues values = fit_.values;
-    // As rays come and go at edges, a frame's cost is rough by up to what noise moves a parameter by, either way.
+    // As rays come and go at edges, a frame's cost is rough by up to what noise moves a parameter by, either
+    // way.
     settled_ =
         TakeJointSteps(model_, catalog_, active, {.least = NoiseOfCost(), .roughness = 2.0 * NoiseOfCost()},
                        settle, values, options_.progress);
