@@ -73,6 +73,11 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
       .azimuth_margin_deg = options.azimuth_margin_deg,
       .stagger = true,
       .stagger_rows = true};
+  // Few rays come and go at the edges of a small target, and its pose hangs on them.
+  if (options.free_pose) {
+    result.simulation.fan.cols *= 2;
+    result.simulation.fan.rows *= 2;
+  }
   const Simulator simulator(result.placed, sonar, result.simulation);
   std::vector<AcousticFrame> frames = {{.index = 0,
                                         .world_from_sonar = SonarOfPlaced(pose),

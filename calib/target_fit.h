@@ -15,7 +15,7 @@
 namespace sonarcal {
 
 struct TargetFitOptions {
-  double ray_height_deg = 0.05;
+  double ray_height_deg = 0.05;  // half of it, and twice the columns, where the pose is free
   int cols_per_beam = 4;
   double elevation_span_deg = 28.0;  // targets are seen outside the nominal vertical field of view
   double azimuth_margin_deg = 1.5;   // three of the widest beams
