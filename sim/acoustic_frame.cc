@@ -60,10 +60,8 @@ class PatchShader {
     const double top_rad = fan.RowElevationRad(0) + 0.5 * fan.RowHeightRad(0);
     lowest_rad_ = fan.RowElevationRad(fan.rows() - 1) - 0.5 * fan.RowHeightRad(fan.rows() - 1);
     span_rad_ = top_rad - lowest_rad_;
-    const double width_deg = parameters.beam.elevation_width_deg > 0.0
-                                 ? parameters.beam.elevation_width_deg
-                                 : geometry.sonar.elevation_beam_width_deg;
-    const ElevationResponse response = ElevationResponseOf(geometry.sonar, parameters);
+    const double width_deg = ElevationWidthDeg(geometry.sonar, parameters.beam);
+    const ElevationResponse response = ElevationResponseOf(geometry.sonar, parameters.beam);
     elevation_steps_ = TableSteps(DegFromRad(span_rad_) / std::max(width_deg, 1e-3));
     elevation_ = Tabulated(elevation_steps_, [&](double part) {
       const double elevation_rad = lowest_rad_ + part * span_rad_;
@@ -97,15 +95,11 @@ class PatchShader {
                             of.of_columns.data());
     const auto height = static_cast<float>(fan_.RowHeight(hits.row));
     for (int i = 0; i < hits.count; ++i) of.weight[i] = height * of.of_columns[hits.col[i] - first_col];
-    // A row seldom shows more than a few materials: each run of one is shaded at once.
-    for (int first = 0; first < hits.count;) {
-      int end = first + 1;
-      while (end < hits.count && hits.material[end] == hits.material[first]) ++end;
+    ForEachMaterial(hits, [&](int first, int count) {
       const row_math::Table strength{strength_[hits.material[first]].data(), strength_steps_};
       row_math::PatchPowers(strength, loss_per_m_, hits.range_m + first, hits.half_tangent + first,
-                            of.weight.data() + first, end - first, of.power.data() + first);
-      first = end;
-    }
+                            of.weight.data() + first, count, of.power.data() + first);
+    });
   }
 
  private:

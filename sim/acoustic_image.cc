@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "sim/beam_and_pulse.h"
+#include "sim/beam_noise.h"
 #include "sim/physics/gsab.h"
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
@@ -122,7 +123,7 @@ ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters) {
   ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
-  const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters);
+  const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters.beam);
   std::vector<GsabParameters<double>> materials;
   for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
 
@@ -157,22 +158,37 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   return scatter;
 }
 
-PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
-                         const ParameterSet& parameters) {
-  PolarImage image{
-      geometry.sonar.axes,
-      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
-      Grid<float>(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count())};
-  const Grid<double> power =
-      ThroughResponses(scatter.power, geometry, parameters, scatter, ResponseOf::kPower);
-  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                            const ParameterSet& parameters) {
+  Grid<double> power = ThroughResponses(scatter.power, geometry, parameters, scatter, ResponseOf::kPower);
   const std::vector<double> gain = GainByBin(geometry, parameters);
   for (int bin = 0; bin < power.rows(); ++bin) {
-    for (int beam = 0; beam < power.cols(); ++beam) {
-      image.value(bin, beam) = static_cast<float>(gain[bin] * power(bin, beam) + noise(bin, beam));
-    }
+    for (double& value : power.row(bin)) value *= gain[bin];
   }
+  return power;
+}
+
+void AddNoiseFloor(const AcousticGeometry& geometry, const ParameterSet& parameters, Grid<double>& power) {
+  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+  std::transform(power.values().begin(), power.values().end(), noise.values().begin(), power.values().begin(),
+                 std::plus<>());
+}
+
+PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power) {
+  PolarImage image{
+      axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(power.rows(), power.cols())};
+  std::transform(power.values().begin(), power.values().end(), image.value.values().begin(),
+                 [](double value) { return static_cast<float>(value); });
   return image;
+}
+
+PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters) {
+  Grid<double> power = EchoPowerImage(scatter, geometry, parameters);
+  AddNoiseFloor(geometry, parameters, power);
+  return PowerImage(geometry.sonar.axes, power);
 }
 
 PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
@@ -195,6 +211,7 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
     throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
   }
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
+  const BeamNoise beam_noise(geometry.sonar, parameters);
   const Grid<double> noise = NoiseFloorPower(geometry, parameters);
   const std::vector<double> gain = GainByBin(geometry, parameters);
   Grid<double> power(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count());
@@ -210,11 +227,15 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
       field.values()[i] = std::sqrt(0.5 * scatter.power.values()[i]) * Complex(re, im);
     }
     const Grid<Complex> received = ThroughResponses(field, geometry, parameters, scatter, ResponseOf::kField);
-    for (std::size_t i = 0; i < power.size(); ++i) {
-      const auto [re, im] = receiver.Normal2(i);
-      power.values()[i] += weight * std::norm(std::sqrt(gain[i / power.cols()]) * received.values()[i] +
-                                              std::sqrt(0.5 * noise.values()[i]) * Complex(re, im));
-    }
+    tbb::parallel_for(0, power.rows(), [&](int bin) {
+      std::vector<Complex> unit_noise(power.cols());
+      beam_noise.Draw(receiver, bin, unit_noise);
+      const double amplitude = std::sqrt(gain[bin]);
+      for (int beam = 0; beam < power.cols(); ++beam) {
+        power(bin, beam) += weight * std::norm(amplitude * received(bin, beam) +
+                                               std::sqrt(noise(bin, beam)) * unit_noise[beam]);
+      }
+    });
   }
   return Displayed(power, geometry.sonar.axes, parameters, full_scale, AsShown(parameters.display));
 }

@@ -1,19 +1,21 @@
 // The acoustic model: power summed over echoes, through the responses of beam and pulse, over a noise floor.
 //
 //   P(r, b) = sum_k 10^((SL + G - 40 log10 R_k - 2 alpha R_k) / 10) sigma_m(delta_k) a_k
-//                   el(phi_k) az(theta_k - theta_b) pulse(R_k - R_r) 10^(TVG(r) / 10)  +  N(r, b)
+//                   el(phi_k) az(theta_k - theta_b) pulse(R_k - R_r) s_b 10^(TVG(r) / 10)  +  N(r, b)
 //
 // sigma_m is GSAB as backscatter per unit area; a_k = R_k^2 dOmega_k / cos(delta_k) is the patch a ray stands
 // for (its cosine bounded at kSmallestCosine, sim/physics/patch.h), so the level does not depend on the
-// number of rays. The responses are those of sim/physics/beam_pattern.h.
+// number of rays. The responses are those of sim/physics/beam_pattern.h; s_b is the sensitivity of a beam
+// (beam.sensitivity_db).
 //
 // Where they are cut stands in sim/beam_and_pulse.h. A beam near the edge of the fan sees what the fan's
 // azimuth margin (sim/ray_fan.h) shows it, and no more.
 //
 // `SampleAcousticImage` draws one ping: each patch scatters with a random phase, the field is summed
-// coherently through the same field responses (an aperture's with their signs), receiver noise is added, and
-// the power goes through the display. Its mean power is P exactly, its speckle has the grain of beam and
-// pulse, and it is not the image formation the paper model fits.
+// coherently through the same field responses (an aperture's with their signs), receiver noise is added as
+// the sonar forms its beams (sim/beam_noise.h), and the power goes through the display. Its mean power is P
+// exactly, its speckle has the correlation lengths of beam and pulse, and it is not the image formation the
+// paper model fits. Noise is independent from bin to bin.
 #pragma once
 
 #include <cstdint>
@@ -68,6 +70,16 @@ ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
 
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters);
+
+// Mean power of the echoes, range_bins x beams: P without N, time-varied gain included.
+Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                            const ParameterSet& parameters);
+
+// Adds N(r, b) to a mean power, range_bins x beams. Throws DataError where a taper does not fit the beams.
+void AddNoiseFloor(const AcousticGeometry& geometry, const ParameterSet& parameters, Grid<double>& power);
+
+// A power per pixel as an image; Quantity::kPower.
+PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power);
 
 // P(r, b), range_bins x beams; Quantity::kPower.
 PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,

@@ -27,7 +27,7 @@ ParameterSet WithResponse(const SonarModel& sonar, const ParameterSet& parameter
     throw DataError("{}: azimuth beam width unknown; give it in the sonar or as beam.azimuth_width_deg",
                     sonar.name);
   }
-  if (!(beam.elevation_width_deg > 0.0)) beam.elevation_width_deg = sonar.elevation_beam_width_deg;
+  beam.elevation_width_deg = ElevationWidthDeg(sonar, beam);
   complete.pulse.length_m = PulseLengthM(sonar, parameters);
   return complete;
 }
@@ -53,11 +53,12 @@ AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet&
   return shape;
 }
 
-ElevationResponse ElevationResponseOf(const SonarModel& sonar, const ParameterSet& parameters) {
-  const BeamParameters& beam = parameters.beam;
-  const double width_deg =
-      beam.elevation_width_deg > 0.0 ? beam.elevation_width_deg : sonar.elevation_beam_width_deg;
-  return {beam.elevation_pattern, RadFromDeg(width_deg), beam.elevation_taper};
+double ElevationWidthDeg(const SonarModel& sonar, const BeamParameters& beam) {
+  return beam.elevation_width_deg > 0.0 ? beam.elevation_width_deg : sonar.elevation_beam_width_deg;
+}
+
+ElevationResponse ElevationResponseOf(const SonarModel& sonar, const BeamParameters& beam) {
+  return {beam.elevation_pattern, RadFromDeg(ElevationWidthDeg(sonar, beam)), beam.elevation_taper};
 }
 
 double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters) {
@@ -69,10 +70,23 @@ int RangeStepsFor(const SonarModel& sonar, const ParameterSet& parameters) {
   return static_cast<int>(std::clamp(steps, kFewestRangeSteps, kMostRangeSteps));
 }
 
+std::vector<double> BeamSensitivity(const SonarModel& sonar, const BeamParameters& beam) {
+  const int beams = sonar.axes.beam_count();
+  if (beam.sensitivity_db.empty()) return std::vector<double>(beams, 1.0);
+  if (static_cast<int>(beam.sensitivity_db.size()) != beams) {
+    throw DataError("beam.sensitivity_db has {} values, expected one for each of {} beams",
+                    beam.sensitivity_db.size(), beams);
+  }
+  std::vector<double> power;
+  for (const double level_db : beam.sensitivity_db) power.push_back(PowerFromDb(level_db));
+  return power;
+}
+
 std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const ParameterSet& parameters,
                                            const std::vector<double>& column_azimuth_rad, ResponseOf of) {
   const AzimuthShape<double> shape = AzimuthShapeOf(sonar, parameters);
   const AzimuthResponse<double> response(shape);
+  const std::vector<double> sensitivity = BeamSensitivity(sonar, parameters.beam);
   const double cut_db = shape.pattern == AzimuthPattern::kGaussian ? kGaussianCutDb : kSideLobeCutDb;
   std::vector<ResponseWindow> windows(sonar.axes.beam_count());
   tbb::parallel_for(0, sonar.axes.beam_count(), [&](int beam) {
@@ -80,9 +94,10 @@ std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const Parame
     const auto [lowest, highest] = AzimuthReachRad(response, centre, cut_db);
     const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(), lowest);
     windows[beam].first = static_cast<int>(first - column_azimuth_rad.begin());
+    const double factor = of == ResponseOf::kField ? std::sqrt(sensitivity[beam]) : sensitivity[beam];
     for (auto it = first; it != column_azimuth_rad.end() && *it <= highest; ++it) {
-      windows[beam].weight.push_back(of == ResponseOf::kField ? response.Field(*it, centre)
-                                                              : response.Power(*it, centre));
+      windows[beam].weight.push_back(
+          factor * (of == ResponseOf::kField ? response.Field(*it, centre) : response.Power(*it, centre)));
     }
   });
   return windows;

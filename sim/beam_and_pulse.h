@@ -21,7 +21,10 @@ ParameterSet WithResponse(const SonarModel& sonar, const ParameterSet& parameter
 // DataError where the width is unknown, the taper is not 0..1 or the table is not odd.
 AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet& parameters);
 
-ElevationResponse ElevationResponseOf(const SonarModel& sonar, const ParameterSet& parameters);
+// Half-power width in elevation: the beam's, the sonar's where that is 0.
+double ElevationWidthDeg(const SonarModel& sonar, const BeamParameters& beam);
+
+ElevationResponse ElevationResponseOf(const SonarModel& sonar, const BeamParameters& beam);
 
 // Half-power length of the pulse: the parameters', a range bin where it is 0.
 double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters);
@@ -31,6 +34,10 @@ double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters);
 // below a sixteenth of a bin fall between the rows, as they fall between the bins.
 int RangeStepsFor(const SonarModel& sonar, const ParameterSet& parameters);
 
+// Sensitivity of each beam to echoes, a factor on power (beam.sensitivity_db); ones where none is given.
+// Throws DataError where it does not fit the beams.
+std::vector<double> BeamSensitivity(const SonarModel& sonar, const BeamParameters& beam);
+
 // Weights of a response at consecutive samples, those within reach only.
 struct ResponseWindow {
   int first = 0;
@@ -39,7 +46,7 @@ struct ResponseWindow {
 
 enum class ResponseOf { kPower, kField };
 
-// Of each beam to columns of echoes at these azimuths.
+// Response of each beam, its sensitivity included, to columns of echoes at these azimuths.
 std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const ParameterSet& parameters,
                                            const std::vector<double>& column_azimuth_rad, ResponseOf of);
 

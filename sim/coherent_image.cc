@@ -50,7 +50,7 @@ class PatchPower {
   PatchPower(const CoherentGeometry& geometry, const ParameterSet& parameters)
       : level_db_(parameters.source_level_db + parameters.receiver.gain_db),
         absorption_db_per_m_(geometry.absorption_db_per_m),
-        elevation_(ElevationResponseOf(geometry.sonar, parameters)) {
+        elevation_(ElevationResponseOf(geometry.sonar, parameters.beam)) {
     for (const std::string& name : geometry.caster.material_names()) {
       materials_.push_back(parameters.Material(name).gsab);
     }
@@ -239,6 +239,8 @@ class ElementNoise {
     for (double& weight : filter_) weight /= std::sqrt(squares);
   }
 
+  int elements() const { return elements_; }
+
   // Adds `amplitude` x the noise of a bin to the field of each element.
   void AddTo(int bin, double amplitude, std::vector<Complex>& field) const {
     for (std::size_t i = 0; i < filter_.size(); ++i) {
@@ -260,17 +262,28 @@ class ElementNoise {
   std::vector<double> filter_;
 };
 
+// What the receiver does to the beams, factors on power.
+struct ReceiverPower {
+  std::vector<double> gain;         // by bin
+  std::vector<double> sensitivity;  // by beam, to echoes
+  Grid<double> floor;
+  BeamForming beam_forming;
+};
+
 // Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the beamformer
-// apart, as it is linear, so that the floor may differ from beam to beam.
+// apart, as it is linear, so that the floor may differ from beam to beam. Where a lens forms the beams,
+// `noise` has one element per beam and passes no beamformer.
 void AddPower(const Grid<Complex>& fields, const Beamformer& beamformer, const ElementNoise& noise,
-              const std::vector<double>& gain, const Grid<double>& floor, double weight,
-              Grid<double>& power) {
+              const ReceiverPower& receiver, double weight, Grid<double>& power) {
   tbb::parallel_for(0, power.rows(), [&](int bin) {
-    std::vector<Complex> unit_noise(fields.cols());
-    noise.AddTo(bin, beamformer.noise_scale(), unit_noise);
+    const bool lens = receiver.beam_forming == BeamForming::kLens;
+    std::vector<Complex> unit_noise(noise.elements());
+    noise.AddTo(bin, lens ? 1.0 : beamformer.noise_scale(), unit_noise);
     for (int beam = 0; beam < power.cols(); ++beam) {
-      const Complex received = std::sqrt(gain[bin]) * beamformer.Beam(beam, fields.row(bin)) +
-                               std::sqrt(floor(bin, beam)) * beamformer.Beam(beam, unit_noise);
+      const Complex of_noise = lens ? unit_noise[beam] : beamformer.Beam(beam, unit_noise);
+      const double echo_power = receiver.gain[bin] * receiver.sensitivity[beam];
+      const Complex received = std::sqrt(echo_power) * beamformer.Beam(beam, fields.row(bin)) +
+                               std::sqrt(receiver.floor(bin, beam)) * of_noise;
       power(bin, beam) += weight * std::norm(received);
     }
   });
@@ -294,9 +307,12 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
       MakeLineArray(AzimuthWidthRad(geometry.sonar, parameters), parameters.beam.azimuth_taper);
   const Beamformer beamformer(array, axes);
   const ScattererSource source(geometry, world_from_sonar, parameters);
-  const AcousticGeometry receiver{geometry.sonar, geometry.absorption_db_per_m};
-  const std::vector<double> gain = GainByBin(receiver, parameters);
-  const Grid<double> floor = NoiseFloorPower(receiver, parameters);
+  const AcousticGeometry acoustic{geometry.sonar, geometry.absorption_db_per_m};
+  const ReceiverPower receiver{.gain = GainByBin(acoustic, parameters),
+                               .sensitivity = BeamSensitivity(geometry.sonar, parameters.beam),
+                               .floor = NoiseFloorPower(acoustic, parameters),
+                               .beam_forming = geometry.sonar.beam_forming};
+  const bool lens = geometry.sonar.beam_forming == BeamForming::kLens;
 
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
@@ -309,17 +325,11 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
         DrawGhosts(geometry, world_from_sonar, parameters, seeds.scatterers, look);
     scatterers.insert(scatterers.end(), ghosts.begin(), ghosts.end());
     const Grid<Complex> fields = ElementFields(scatterers, axes, pulse_m, array);
-    const ElementNoise noise(axes, pulse_m, beamformer.elements(),
+    const ElementNoise noise(axes, pulse_m, lens ? axes.beam_count() : beamformer.elements(),
                              CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));
-    AddPower(fields, beamformer, noise, gain, floor, weight, power);
+    AddPower(fields, beamformer, noise, receiver, weight, power);
   }
-  PolarImage image{
-      axes,
-      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
-      Grid<float>(axes.range_bins, axes.beam_count())};
-  std::transform(power.values().begin(), power.values().end(), image.value.values().begin(),
-                 [](double value) { return static_cast<float>(value); });
-  return image;
+  return PowerImage(axes, power);
 }
 
 }  // namespace sonarcal

@@ -86,7 +86,7 @@ class CauseFinder {
         pose_(pose),
         parameters_(parameters),
         geometry_{simulator.sonar(), simulator.absorption_db_per_m()},
-        elevation_(ElevationResponseOf(simulator.sonar(), parameters)),
+        elevation_(ElevationResponseOf(simulator.sonar(), parameters.beam)),
         materials_(simulator.caster().material_names()),
         gain_(GainByBin(geometry_, parameters)) {}
 
@@ -233,15 +233,9 @@ class CauseFinder {
       none.material_names = materials_;
       ScatterMap scatter = MakeScatterMap(none, simulator_.fan(), geometry_, parameters_);
       sonarcal::AddGhosts(list, geometry_, parameters_, scatter);
-      ParameterSet silent = parameters_;
-      silent.receiver.noise_db.reset();
-      silent.receiver.noise_after_gain_db.reset();
-      const PolarImage power = ExpectedPower(scatter, geometry_, silent);
-      Grid<double> of(power.value.rows(), power.value.cols());
-      std::copy(power.value.values().begin(), power.value.values().end(), of.values().begin());
       Add(CauseKind::kGhost,
           fmt::format("ghost by {}", WayName(GhostWay(mirrors.begin(), mirrors.end()), materials_)),
-          std::move(of));
+          EchoPowerImage(scatter, geometry_, parameters_));
     }
   }
 

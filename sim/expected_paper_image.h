@@ -110,12 +110,11 @@ class PaperImageEvaluation {
       : PaperImageEvaluation(histogram, geometry, parameters,
                              internal::ErrorsOfRows(histogram, geometry, parameters.jitter)) {}
 
-  // Pixels in units of full scale, 0..1, row-major (range_bins x beams).
-  const std::vector<double>& image() const { return image_; }
+  // Sums of normalised echoes before the clamp to 0..1, row-major (range_bins x beams).
+  const std::vector<double>& sums() const { return sums_; }
 
-  // The derivatives that `parameters` carries: one image each, 0 where the image is clamped. `Dual` is a
-  // number `a` with derivatives `v[0 .. DIMENSION)`, such as ceres::Jet; its `a` are the parameters of this
-  // image.
+  // The derivatives of the sums that `parameters` carries: one image each. `Dual` is a number `a` with
+  // derivatives `v[0 .. DIMENSION)`, such as ceres::Jet; its `a` are the parameters of this image.
   template <typename Dual>
   std::vector<std::vector<double>> Derivatives(const PaperParameters<Dual>& parameters) const;
 
@@ -127,21 +126,14 @@ class PaperImageEvaluation {
         blur_(histogram, geometry, errors.sigma_range_m, errors.sigma_azimuth_rad),
         cells_(internal::ShadeCells(histogram, geometry, parameters)),
         rows_(blur_.AlongAzimuth(cells_)),
-        image_(blur_.AlongRange(rows_)) {
-    clamped_.reserve(image_.size());
-    for (double& pixel : image_) {
-      clamped_.push_back(pixel < 0.0 || pixel > 1.0);
-      pixel = std::clamp(pixel, 0.0, 1.0);
-    }
-  }
+        sums_(blur_.AlongRange(rows_)) {}
 
   const EchoHistogram& histogram_;
   const ImageGeometry& geometry_;
   PaperBlur blur_;
   std::vector<double> cells_;
   PaperBlur::Rows rows_;
-  std::vector<double> image_;
-  std::vector<char> clamped_;
+  std::vector<double> sums_;
 };
 
 template <typename Dual>
@@ -161,9 +153,6 @@ std::vector<std::vector<double>> PaperImageEvaluation::Derivatives(
     if (any(azimuth_growth_rad[k])) blur_.AddAzimuthGrowth(cells_, azimuth_growth_rad[k], rows);
     std::vector<double> derivative = blur_.AlongRange(rows);
     if (any(range_growth_m[k])) blur_.AddRangeGrowth(rows_, range_growth_m[k], derivative);
-    for (std::size_t i = 0; i < derivative.size(); ++i) {
-      if (clamped_[i]) derivative[i] = 0.0;
-    }
     derivatives[k] = std::move(derivative);
   });
   return derivatives;
@@ -172,17 +161,24 @@ std::vector<std::vector<double>> PaperImageEvaluation::Derivatives(
 // The image in units of full scale, 0..1, row-major (range_bins x beams).
 inline std::vector<double> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeometry& geometry,
                                               const PaperParameters<double>& parameters) {
-  return PaperImageEvaluation(histogram, geometry, parameters).image();
+  std::vector<double> image = PaperImageEvaluation(histogram, geometry, parameters).sums();
+  for (double& pixel : image) pixel = std::clamp(pixel, 0.0, 1.0);
+  return image;
 }
 
-// The same in dual numbers, as PaperImageEvaluation::Derivatives takes them.
+// The same in dual numbers, as PaperImageEvaluation::Derivatives takes them. Derivatives are 0 where the
+// image is clamped.
 template <typename Dual>
 std::vector<Dual> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeometry& geometry,
                                      const PaperParameters<Dual>& parameters) {
   const PaperImageEvaluation evaluation(histogram, geometry, internal::ValuesOf(parameters));
   const std::vector<std::vector<double>> derivatives = evaluation.Derivatives(parameters);
-  std::vector<Dual> image(evaluation.image().begin(), evaluation.image().end());
-  for (std::size_t i = 0; i < image.size(); ++i) {
+  std::vector<Dual> image;
+  image.reserve(evaluation.sums().size());
+  for (std::size_t i = 0; i < evaluation.sums().size(); ++i) {
+    const double sum = evaluation.sums()[i];
+    image.emplace_back(std::clamp(sum, 0.0, 1.0));
+    if (sum < 0.0 || sum > 1.0) continue;
     for (int k = 0; k < static_cast<int>(Dual::DIMENSION); ++k) image[i].v[k] = derivatives[k][i];
   }
   return image;

@@ -25,7 +25,7 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
                        const ParameterSet& parameters)
     : level_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)),
       absorption_db_per_m_(geometry.absorption_db_per_m),
-      elevation_(ElevationResponseOf(geometry.sonar, parameters)),
+      elevation_(ElevationResponseOf(geometry.sonar, parameters.beam)),
       azimuth_(AzimuthShapeOf(geometry.sonar, parameters)),
       transmit_(parameters.beam) {
   for (const std::string& name : material_names) {
@@ -88,6 +88,7 @@ std::optional<ArrivalGrid::Between> ArrivalGrid::Place(double azimuth_rad) const
 
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter) {
+  if (ghosts.echoes.empty()) return;
   const GhostPower power(ghosts.material_names, geometry, parameters);
   const PolarAxes& axes = geometry.sonar.axes;
   const ArrivalGrid grid(scatter.column_azimuth_rad, axes.range_min_m,

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "data_io/types/error.h"
+#include "sim/beam_and_pulse.h"
 #include "sim/physics/beam_pattern.h"
 #include "sim/random.h"
 
@@ -320,10 +321,7 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
     options.cols = std::max(fan.cols / 4, 1);
     options.rows = std::max(fan.rows / 2, 1);
   }
-  const double width_deg =
-      beam.elevation_width_deg > 0.0 ? beam.elevation_width_deg : sonar.elevation_beam_width_deg;
-  const ElevationResponse elevation(beam.elevation_pattern, RadFromDeg(width_deg), beam.elevation_taper);
-  const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(elevation));
+  const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));
   options.elevation_span_deg = std::min(options.elevation_span_deg, main_lobe_deg);
   const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
   const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));

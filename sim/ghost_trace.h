@@ -16,8 +16,9 @@
 // mirror and back by another, of which one is flat (found by the sonar's image behind it). Not followed:
 // between two curved mirrors, and whatever has more reflections.
 //
-// Through side lobes of the elevation pattern no mirror is seen: of a synthetic recording by another program
-// nothing came from there, and its losses are found with this rule and not without it (docs/ghosts.md).
+// Through side lobes of the elevation pattern no mirror is seen, though direct echoes come through them. A
+// synthetic recording by another program has no such ghosts: its mirror legs end where the main lobe does
+// (docs/ghosts.md). A real sonar hears them.
 //
 // What is sent reaches as far in azimuth as the fan: legs beyond are not followed. That fan may be wider than
 // the one that listens (GhostFanOptions), as what is sent past the field of view may come back into it.

@@ -132,7 +132,6 @@ class RowShader {
     return buffer.data();
   }
 
-  // A row seldom shows more than a few materials: each run of one is shaded at once.
   void Shade(const RowHits& hits, Buffers& of) const {
     const float* weight = weight_.data();
     if (!fan_.weighs_evenly()) {
@@ -141,14 +140,11 @@ class RowShader {
       weight = of.weight.data();
     }
     weight = OfHits(weight, hits, of.of_columns);
-    for (int first = 0; first < hits.count;) {
-      int end = first + 1;
-      while (end < hits.count && hits.material[end] == hits.material[first]) ++end;
+    ForEachMaterial(hits, [&](int first, int count) {
       const row_math::Table table{strengths_[hits.material[first]].data(), table_steps_};
       row_math::EchoSteps(level_, table, hits.range_m + first, hits.half_tangent + first, weight + first,
-                          end - first, of.steps.data() + first);
-      first = end;
-    }
+                          count, of.steps.data() + first);
+    });
   }
 
   void BeamsOf(int count, Buffers& of) const {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -100,7 +101,10 @@ struct RayCaster::Embree {
 
 RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_unique<Embree>()) {
   scene_.Validate("scene");
-  embree_->device = rtcNewDevice(nullptr);
+  // The same kernels on all processors with AVX2, so that rays hit the same edges with and without AVX-512.
+  // The variable is for trying the others.
+  const char* kernels = std::getenv("SONARCAL_EMBREE");
+  embree_->device = rtcNewDevice(kernels != nullptr ? kernels : "max_isa=avx2");
   if (embree_->device == nullptr) {
     throw std::runtime_error(fmt::format("the ray tracer did not start (Embree error {})",
                                          static_cast<int>(rtcGetDeviceError(nullptr))));

@@ -31,6 +31,18 @@ struct RowHits {
   const std::uint16_t* material = nullptr;
 };
 
+// Calls `of_run(first, count)` for each run of hits of one material: a row seldom shows more than a few, and
+// each is shaded at once.
+template <typename OfRun>
+void ForEachMaterial(const RowHits& hits, OfRun&& of_run) {
+  for (int first = 0; first < hits.count;) {
+    int end = first + 1;
+    while (end < hits.count && hits.material[end] == hits.material[first]) ++end;
+    of_run(first, end - first);
+    first = end;
+  }
+}
+
 // Rays that start anywhere, in world coordinates; arrays of one length. Directions are unit vectors.
 struct FreeRays {
   std::array<std::vector<float>, 3> origin_m;

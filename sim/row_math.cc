@@ -132,7 +132,8 @@ SONARCAL_VECTOR_VERSIONS
 void EchoSteps(const EchoLevel& level, const Table& table, const float* __restrict range_m,
                const float* __restrict half_tangent, const float* __restrict weight, int count,
                std::int32_t* __restrict steps) {
-  constexpr float kNearestM = 1e-4F;  // a miss must not be a number that is none
+  constexpr float kNearestM = 1e-4F;
+  constexpr float kFarthestM = 1e6F;
   const EchoLevel l = level;
   const float* __restrict values = table.values;
   const auto table_steps = static_cast<float>(table.steps);
@@ -141,7 +142,8 @@ void EchoSteps(const EchoLevel& level, const Table& table, const float* __restri
     const auto cell = static_cast<std::int32_t>(position);
     const float part = position - static_cast<float>(cell);
     const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
-    const float metres = range_m[i] > kNearestM ? range_m[i] : kNearestM;
+    const float near = range_m[i] > kNearestM ? range_m[i] : kNearestM;
+    const float metres = near < kFarthestM ? near : kFarthestM;
     const float echo = l.offset - l.per_log * std::log(metres) - l.per_m * metres + strength;
     const float kept = echo > l.limit ? l.limit : (echo < -l.limit ? -l.limit : echo);
     steps[i] = static_cast<std::int32_t>(std::nearbyint(kept * weight[i]));

@@ -2,8 +2,8 @@
 // vectors make it. Formulas are those of sim/physics, stated there; here they are only evaluated. Everything
 // else about rays is in double precision and one at a time: the tests hold the two against each other.
 //
-// This file's source is compiled with relaxed floating point (no NaN, no infinity), in one version for any
-// processor and one for those with AVX2, chosen when the program starts.
+// This file's source is compiled in one version for any processor and one for those with AVX2, chosen when
+// the program starts. Infinities and NaN keep their meaning in both.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +45,8 @@ struct Table {
 };
 
 // Steps of a fixed-point sum: echo[i] = offset - per_log x ln(range) - per_m x range + table(half_tangent),
-// kept within +-limit, times weight[i], rounded. A range that is none (a miss) gives a number of no meaning.
+// kept within +-limit, times weight[i], rounded. Ranges count from 0.1 mm to 1000 km: a miss, which is
+// infinite, is as far.
 struct EchoLevel {
   float offset = 0.0F;
   float per_log = 0.0F;

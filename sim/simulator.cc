@@ -89,7 +89,7 @@ ScatterMap Simulator::Scatter(const EchoList& echoes, const ParameterSet& parame
                               const GhostList& ghosts) const {
   const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
   ScatterMap scatter = MakeScatterMap(echoes, fan_, geometry, parameters);
-  if (!ghosts.echoes.empty()) AddGhosts(ghosts, geometry, parameters, scatter);
+  AddGhosts(ghosts, geometry, parameters, scatter);
   return scatter;
 }
 
@@ -114,7 +114,7 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
     ScatterMap scatter = ScatterFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
     const GhostList ghosts = TraceGhosts(world_from_sonar, parameters);
-    if (!ghosts.echoes.empty()) AddGhosts(ghosts, geometry, parameters, scatter);
+    AddGhosts(ghosts, geometry, parameters, scatter);
     PolarImage image = RenderScatter(scatter, parameters, frame_idx);
     QuantiseImage(image);
     return image;

@@ -28,7 +28,7 @@ namespace sonarcal {
 struct SimulationOptions {
   RayFanOptions fan;
   TraceOptions trace;
-  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;  // the paper's
+  AbsorptionFormula absorption = AbsorptionFormula::kAuto;
   Water water;
   int bits = 8;  // 8, 12 or 16: the image's full scale is 2^bits - 1
   // Paper: range and azimuth errors; acoustic: speckle and receiver noise. Coherent images have both in any

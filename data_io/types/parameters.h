@@ -11,7 +11,7 @@
 
 namespace sonarcal {
 
-// Generic Seafloor Acoustic Backscatter model, Park 2024 Eq. (20) and Table 3; evaluated by
+// Generic Seafloor Acoustic Backscatter model, Park 2024 Eq. (19) and Table 3; evaluated by
 // sim/physics/gsab.h. Default values: the paper's Table 4.
 template <typename T>
 struct GsabParameters {
@@ -130,6 +130,8 @@ struct BeamParameters {
   // as rays are cast for the beams, and no further.
   double transmit_even_deg = 0.0;
   double transmit_end_deg = 0.0;
+  // Sensitivity to echoes by beam, dB of power, as noise_taper_db is for noise; empty = 0 everywhere.
+  std::vector<double> sensitivity_db = {};
 
   bool operator==(const BeamParameters&) const = default;
 };

@@ -4,23 +4,26 @@
 //   Ainslie & McColm, J. Acoust. Soc. Am. 103(3), 1998, Eqs. 1-3 (Park 2024 Eq. (17); its Table 2 calls the
 //     result dB/m, but it is dB/km, and its depth is in kilometres).
 //   Francois & Garrison, J. Acoust. Soc. Am. 72(6), 1982, Part II.
-// Outside its stated validity a formula still returns a number; AbsorptionCaveat says so in words.
+// Each holds within the limits that its authors state (OutsideLimits). kAuto takes the one whose limits hold:
+// the paper's where it does, else Francois-Garrison. Outside its limits a formula still returns a number, and
+// AbsorptionCaveat says so in words.
 //
-// To add a formula: a function, a value of AbsorptionFormula, a case in AbsorptionDbPerM and a row of
-// published values in tests/sim/absorption_test.cc.
+// To add a formula: a function, a value of AbsorptionFormula, its limits in OutsideLimits, a case in
+// AbsorptionDbPerM and a row of published values in tests/sim/absorption_test.cc.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data_io/types/sonar_model.h"
 
 namespace sonarcal {
 
-enum class AbsorptionFormula { kAinslieMcColm, kFrancoisGarrison };
+enum class AbsorptionFormula { kAuto, kAinslieMcColm, kFrancoisGarrison };
 
 // frequency_hz > 0.
 inline double AinslieMcColmDbPerM(double frequency_hz, const Water& water) {
@@ -63,34 +66,91 @@ inline double FrancoisGarrisonDbPerM(double frequency_hz, const Water& water) {
   return db_per_km * 1e-3;
 }
 
-inline double AbsorptionDbPerM(AbsorptionFormula formula, double frequency_hz, const Water& water) {
-  return formula == AbsorptionFormula::kAinslieMcColm ? AinslieMcColmDbPerM(frequency_hz, water)
-                                                      : FrancoisGarrisonDbPerM(frequency_hz, water);
-}
-
-// Where frequency or water lie outside the range that the formula's authors state: a sentence with what is
-// outside and the spread between the two formulas. Empty where all is within.
-// Ranges: Ainslie-McColm 100 Hz..1 MHz, -6..35 C, 5..50 ppt, pH 7.7..8.3, to 7 km; Francois-Garrison
-// 400 Hz..1 MHz, -1.8..30 C, 30..35 ppt, pH 7.7..8.3, to 3.5 km.
-inline std::string AbsorptionCaveat(AbsorptionFormula formula, double frequency_hz, const Water& water) {
-  const bool ainslie = formula == AbsorptionFormula::kAinslieMcColm;
+// What of frequency and water lies outside the limits that the formula's authors state, one phrase each;
+// empty where the formula holds. `formula` is not kAuto.
+//
+// Ainslie-McColm: 100 Hz..1 MHz, -6..35 C, 5..50 ppt, pH 7.7..8.3, to 7 km.
+// Francois-Garrison: up to 500 kHz, where magnesium sulphate or boric acid dominate, from 400 Hz, -1.8..30 C,
+// 30..35 ppt, pH 7.7..8.3, to 3.5 km; above 500 kHz, where water dominates, 0..30 C, 0..40 ppt, to 10 km, and
+// pH does not matter.
+inline std::vector<std::string> OutsideLimits(AbsorptionFormula formula, double frequency_hz,
+                                              const Water& water) {
   std::vector<std::string> outside;
   const auto check = [&](const char* name, double value, double low, double high, const char* unit) {
     if (value < low || value > high) {
-      outside.push_back(fmt::format("{} {:g} {} (stated range {:g}..{:g})", name, value, unit, low, high));
+      outside.push_back(fmt::format("{} {:g}{} (stated range {:g}..{:g})", name, value, unit, low, high));
     }
   };
-  check("frequency", frequency_hz * 1e-3, ainslie ? 0.1 : 0.4, 1000.0, "kHz");
-  check("temperature", water.temperature_c, ainslie ? -6.0 : -1.8, ainslie ? 35.0 : 30.0, "C");
-  check("salinity", water.salinity_ppt, ainslie ? 5.0 : 30.0, ainslie ? 50.0 : 35.0, "ppt");
-  check("pH", water.ph, 7.7, 8.3, "");
-  check("depth", water.depth_m, 0.0, ainslie ? 7000.0 : 3500.0, "m");
+  const double khz = frequency_hz * 1e-3;
+  constexpr double kWaterDominatesKhz = 500.0;
+  if (formula == AbsorptionFormula::kAinslieMcColm) {
+    check("frequency", khz, 0.1, 1000.0, " kHz");
+    check("temperature", water.temperature_c, -6.0, 35.0, " C");
+    check("salinity", water.salinity_ppt, 5.0, 50.0, " ppt");
+    check("pH", water.ph, 7.7, 8.3, "");
+    check("depth", water.depth_m, 0.0, 7000.0, " m");
+  } else if (khz > kWaterDominatesKhz) {
+    check("temperature", water.temperature_c, 0.0, 30.0, " C");
+    check("salinity", water.salinity_ppt, 0.0, 40.0, " ppt");
+    check("depth", water.depth_m, 0.0, 10000.0, " m");
+  } else {
+    check("frequency", khz, 0.4, kWaterDominatesKhz, " kHz");
+    check("temperature", water.temperature_c, -1.8, 30.0, " C");
+    check("salinity", water.salinity_ppt, 30.0, 35.0, " ppt");
+    check("pH", water.ph, 7.7, 8.3, "");
+    check("depth", water.depth_m, 0.0, 3500.0, " m");
+  }
+  return outside;
+}
+
+// The formula that is used: kAuto becomes Ainslie-McColm, the paper's, where its limits hold, else
+// Francois-Garrison.
+inline AbsorptionFormula ResolvedAbsorption(AbsorptionFormula formula, double frequency_hz,
+                                            const Water& water) {
+  if (formula != AbsorptionFormula::kAuto) return formula;
+  return OutsideLimits(AbsorptionFormula::kAinslieMcColm, frequency_hz, water).empty()
+             ? AbsorptionFormula::kAinslieMcColm
+             : AbsorptionFormula::kFrancoisGarrison;
+}
+
+inline double AbsorptionDbPerM(AbsorptionFormula formula, double frequency_hz, const Water& water) {
+  return ResolvedAbsorption(formula, frequency_hz, water) == AbsorptionFormula::kAinslieMcColm
+             ? AinslieMcColmDbPerM(frequency_hz, water)
+             : FrancoisGarrisonDbPerM(frequency_hz, water);
+}
+
+inline std::string_view NameOf(AbsorptionFormula formula) {
+  return formula == AbsorptionFormula::kAinslieMcColm ? "Ainslie-McColm" : "Francois-Garrison";
+}
+
+// A sentence where the formula in use is outside its stated limits, with what is outside and both formulas'
+// values: a warning where no formula holds, a note where the other one does. Empty where it holds.
+inline std::string AbsorptionCaveat(AbsorptionFormula formula, double frequency_hz, const Water& water) {
+  const AbsorptionFormula used = ResolvedAbsorption(formula, frequency_hz, water);
+  const std::vector<std::string> outside = OutsideLimits(used, frequency_hz, water);
   if (outside.empty()) return {};
+  const AbsorptionFormula other = used == AbsorptionFormula::kAinslieMcColm
+                                      ? AbsorptionFormula::kFrancoisGarrison
+                                      : AbsorptionFormula::kAinslieMcColm;
+  const bool other_holds = OutsideLimits(other, frequency_hz, water).empty();
   return fmt::format(
-      "absorption by {} is used outside its stated range: {}; Ainslie-McColm gives {:.4f} dB/m, "
-      "Francois-Garrison {:.4f} dB/m",
-      ainslie ? "Ainslie-McColm" : "Francois-Garrison", fmt::join(outside, ", "),
-      AinslieMcColmDbPerM(frequency_hz, water), FrancoisGarrisonDbPerM(frequency_hz, water));
+      "{}absorption by {} ({:.4f} dB/m) is used outside its stated range: {}; {} gives {:.4f} dB/m{}",
+      other_holds ? "" : "warning: ", NameOf(used), AbsorptionDbPerM(used, frequency_hz, water),
+      fmt::join(outside, ", "), NameOf(other), AbsorptionDbPerM(other, frequency_hz, water),
+      other_holds ? ", and its range holds" : ", outside its range too");
+}
+
+// A sentence that states formula and value, and where the paper's formula is not used, why not.
+inline std::string AbsorptionStatement(AbsorptionFormula formula, double frequency_hz, const Water& water) {
+  const AbsorptionFormula used = ResolvedAbsorption(formula, frequency_hz, water);
+  std::string text = fmt::format("Absorption by {}: {:.4f} dB/m one way.", NameOf(used),
+                                 AbsorptionDbPerM(used, frequency_hz, water));
+  if (used == AbsorptionFormula::kAinslieMcColm) return text;
+  const std::vector<std::string> outside =
+      OutsideLimits(AbsorptionFormula::kAinslieMcColm, frequency_hz, water);
+  return text + fmt::format(" The paper's formula, Ainslie-McColm, gives {:.4f} dB/m{}{}.",
+                            AinslieMcColmDbPerM(frequency_hz, water),
+                            outside.empty() ? "" : " outside its stated range: ", fmt::join(outside, ", "));
 }
 
 // Speed of sound in sea water, m/s. Mackenzie, J. Acoust. Soc. Am. 70(3), 1981. Valid 2..30 C, 25..40 ppt,

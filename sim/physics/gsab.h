@@ -1,4 +1,5 @@
-// Generic Seafloor Acoustic Backscatter model (Park 2024 Eqs. 20-21; APL-UW TR 9407 lineage):
+// Generic Seafloor Acoustic Backscatter model (Park 2024 Eq. 19; target strength: Eq. 20), from Ifremer:
+// Lamarche, Lurton, Verdier, Augustin, Continental Shelf Research 31, 2011.
 //
 //   GSAB(delta) = A exp(-delta^2 / 2 B^2) + C cos(delta)^D + E exp(-delta^2 / 2 F^2)
 //

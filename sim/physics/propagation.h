@@ -1,4 +1,4 @@
-// Spreading, absorption and the active sonar equation (Park 2024 Eqs. 10-19).
+// Spreading, absorption and the active sonar equation (Park 2024 Eqs. 10-18).
 #pragma once
 
 #include <cmath>

@@ -40,7 +40,7 @@ def fan_lookup(frame, edges):
 
 
 def polar_image(frame, edges, hits, rng=None):
-    """The paper's Eqs. 11 and 20 to 28; with `rng`, errors of range and azimuth."""
+    """The paper's Eqs. 11 and 19 to 28; with `rng`, errors of range and azimuth."""
     range_m, direction, normal, material = hits
     beams = len(edges) - 1
     azimuth = np.arctan2(direction[:, 0], direction[:, 1])

@@ -11,6 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr Water kWaters[] = {
     {.temperature_c = 10.0, .salinity_ppt = 35.0, .ph = 8.0, .depth_m = 0.0},
@@ -85,36 +86,70 @@ TEST(Absorption, FrancoisGarrisonBranchesMeet) {
   EXPECT_NEAR(FrancoisGarrisonDbPerM(1e6, above), a3_above * 1e3, 1e-9);
 }
 
-TEST(Absorption, CaveatNamesWhatIsOutsideAndTheSpread) {
-  for (const auto formula : {AbsorptionFormula::kAinslieMcColm, AbsorptionFormula::kFrancoisGarrison}) {
-    EXPECT_THAT(AbsorptionCaveat(formula, 900e3, kWaters[0]), IsEmpty());
-    EXPECT_THAT(AbsorptionCaveat(formula, 900e3, kWaters[3]), IsEmpty());
+constexpr auto kAuto = AbsorptionFormula::kAuto;
+constexpr auto kAinslie = AbsorptionFormula::kAinslieMcColm;
+constexpr auto kFrancois = AbsorptionFormula::kFrancoisGarrison;
 
-    const std::string fresh = AbsorptionCaveat(formula, 900e3, kWaters[2]);
-    EXPECT_THAT(fresh, HasSubstr("salinity 0 ppt"));
-    EXPECT_THAT(fresh, HasSubstr("pH 7"));
-    EXPECT_THAT(fresh, HasSubstr("0.2277 dB/m"));  // the table's two figures
-    EXPECT_THAT(fresh, HasSubstr("0.2102 dB/m"));
-    EXPECT_THAT(fresh, Not(HasSubstr("frequency")));
+TEST(Absorption, LimitsAreThoseOfTheAuthors) {
+  const auto holds = [](AbsorptionFormula formula, double frequency_hz, const Water& water) {
+    return OutsideLimits(formula, frequency_hz, water).empty();
+  };
+  const Water& sea = kWaters[0];
+  const Water& fresh = kWaters[2];
+  EXPECT_TRUE(holds(kAinslie, 900e3, sea));
+  EXPECT_FALSE(holds(kAinslie, 3e6, sea));
+  EXPECT_FALSE(holds(kAinslie, 900e3, fresh));
+  // Above 500 kHz water dominates: neither salt nor pH matters. Below, they do.
+  EXPECT_TRUE(holds(kFrancois, 900e3, fresh));
+  EXPECT_TRUE(holds(kFrancois, 3e6, fresh));
+  EXPECT_FALSE(holds(kFrancois, 450e3, fresh));
+  EXPECT_TRUE(holds(kFrancois, 450e3, sea));
+  EXPECT_FALSE(holds(kFrancois, 300.0, sea));
 
-    const std::string fast = AbsorptionCaveat(formula, 3e6, kWaters[0]);
-    EXPECT_THAT(fast, HasSubstr("frequency 3000 kHz"));
-    EXPECT_THAT(fast, Not(HasSubstr("salinity")));
-  }
+  const auto with = [&sea](double Water::*member, double value) {
+    Water water = sea;
+    water.*member = value;
+    return water;
+  };
+  EXPECT_TRUE(holds(kFrancois, 900e3, with(&Water::depth_m, 9900.0)));
+  EXPECT_FALSE(holds(kFrancois, 900e3, with(&Water::depth_m, 10100.0)));
+  EXPECT_FALSE(holds(kFrancois, 450e3, with(&Water::depth_m, 3600.0)));
+  EXPECT_FALSE(holds(kAinslie, 450e3, with(&Water::depth_m, 7100.0)));
+  EXPECT_FALSE(holds(kFrancois, 900e3, with(&Water::salinity_ppt, 41.0)));
+  EXPECT_TRUE(holds(kAinslie, 900e3, with(&Water::salinity_ppt, 41.0)));
+  EXPECT_FALSE(holds(kFrancois, 900e3, with(&Water::temperature_c, 32.0)));
+  EXPECT_FALSE(holds(kFrancois, 900e3, with(&Water::temperature_c, -1.0)));
+  EXPECT_TRUE(holds(kFrancois, 450e3, with(&Water::temperature_c, -1.0)));
+  EXPECT_TRUE(holds(kFrancois, 900e3, with(&Water::ph, 7.0)));
+  EXPECT_FALSE(holds(kFrancois, 450e3, with(&Water::ph, 7.0)));
 }
 
-TEST(Absorption, CaveatKnowsEachAuthorsLimits) {
-  const Water brackish{.temperature_c = 10.0, .salinity_ppt = 10.0, .ph = 8.0, .depth_m = 0.0};
-  EXPECT_THAT(AbsorptionCaveat(AbsorptionFormula::kAinslieMcColm, 900e3, brackish), IsEmpty());
-  EXPECT_THAT(AbsorptionCaveat(AbsorptionFormula::kFrancoisGarrison, 900e3, brackish), HasSubstr("salinity"));
-  Water deep = kWaters[0];
-  deep.depth_m = 5000.0;
-  EXPECT_THAT(AbsorptionCaveat(AbsorptionFormula::kAinslieMcColm, 900e3, deep), IsEmpty());
-  EXPECT_THAT(AbsorptionCaveat(AbsorptionFormula::kFrancoisGarrison, 900e3, deep), HasSubstr("depth"));
-  Water warm = kWaters[0];
-  warm.temperature_c = 32.0;
-  EXPECT_THAT(AbsorptionCaveat(AbsorptionFormula::kAinslieMcColm, 900e3, warm), IsEmpty());
-  EXPECT_THAT(AbsorptionCaveat(AbsorptionFormula::kFrancoisGarrison, 900e3, warm), HasSubstr("temperature"));
+TEST(Absorption, AutoTakesTheFormulaWhoseLimitsHold) {
+  // The paper's in the sea; in fresh water and above 1 MHz the other.
+  EXPECT_EQ(ResolvedAbsorption(kAuto, 900e3, kWaters[0]), kAinslie);
+  EXPECT_EQ(ResolvedAbsorption(kAuto, 900e3, kWaters[2]), kFrancois);
+  EXPECT_EQ(ResolvedAbsorption(kAuto, 3e6, kWaters[0]), kFrancois);
+  EXPECT_EQ(AbsorptionDbPerM(kAuto, 900e3, kWaters[0]), AinslieMcColmDbPerM(900e3, kWaters[0]));
+  EXPECT_EQ(AbsorptionDbPerM(kAuto, 900e3, kWaters[2]), FrancoisGarrisonDbPerM(900e3, kWaters[2]));
+  EXPECT_THAT(AbsorptionCaveat(kAuto, 900e3, kWaters[0]), IsEmpty());
+  EXPECT_THAT(AbsorptionCaveat(kAuto, 900e3, kWaters[2]), IsEmpty());
+  EXPECT_THAT(AbsorptionCaveat(kAuto, 3e6, kWaters[2]), IsEmpty());
+  EXPECT_THAT(AbsorptionStatement(kAuto, 900e3, kWaters[2]), HasSubstr("Francois-Garrison: 0.2102 dB/m"));
+  EXPECT_THAT(AbsorptionStatement(kAuto, 900e3, kWaters[2]), HasSubstr("0.2277 dB/m outside its stated"));
+}
+
+TEST(Absorption, WarnsOnlyWhereNoFormulaHolds) {
+  // Fresh water at 450 kHz: neither.
+  const std::string none = AbsorptionCaveat(kAuto, 450e3, kWaters[2]);
+  EXPECT_THAT(none, StartsWith("warning: absorption by Francois-Garrison (0.0526 dB/m)"));
+  EXPECT_THAT(none, HasSubstr("salinity 0 ppt (stated range 30..35)"));
+  EXPECT_THAT(none, HasSubstr("Ainslie-McColm gives 0.0569 dB/m"));
+  EXPECT_THAT(none, Not(HasSubstr("frequency")));
+  // A formula that was asked for, where the other would hold: a note.
+  const std::string asked = AbsorptionCaveat(kAinslie, 900e3, kWaters[2]);
+  EXPECT_THAT(asked, StartsWith("absorption by Ainslie-McColm (0.2277 dB/m)"));
+  EXPECT_THAT(asked, HasSubstr("pH 7 (stated range 7.7..8.3)"));
+  EXPECT_THAT(asked, HasSubstr("Francois-Garrison gives 0.2102 dB/m, and its range holds"));
 }
 
 TEST(SoundSpeed, MeetsPublishedCheckValues) {

@@ -211,6 +211,59 @@ TEST(ExpectedPower, NoiseAddsInPower) {
   }
 }
 
+// Both floors with everything that shapes them, beside the echoes with the gain that raises them.
+TEST(ExpectedPower, IsTheEchoPowerWithItsGainAndTheNoiseFloorAsWritten) {
+  Acoustics acoustics;
+  const ScatterMap scatter = acoustics.Scatter(Floor(), kAboveFloor, 60, 100);
+  const Grid<double> without_gain = EchoPowerImage(scatter, acoustics.geometry(), acoustics.parameters);
+  ReceiverParameters& receiver = acoustics.parameters.receiver;
+  receiver.time_varied_gain = TimeVariedGain::k40LogRAndAbsorption;
+  receiver.noise_db = 110.0;
+  receiver.noise_slope_db_per_m = 1.5;
+  receiver.noise_after_gain_db = 128.0;
+  for (int beam = 0; beam < 30; ++beam) {
+    receiver.noise_taper_db.push_back(0.1 * beam);
+    receiver.noise_after_gain_taper_db.push_back(2.0 - 0.2 * beam);
+  }
+  const Grid<double> echoes = EchoPowerImage(scatter, acoustics.geometry(), acoustics.parameters);
+  Grid<double> sum = echoes;
+  AddNoiseFloor(acoustics.geometry(), acoustics.parameters, sum);
+  const Grid<float> power = acoustics.Power(scatter);
+  for (int bin = 0; bin < 40; ++bin) {
+    const double range_m = 2.5 + (bin + 0.5) * 0.05;
+    const double gain_db = 40.0 * std::log10(range_m) + 2.0 * kAlphaDbPerM * range_m;
+    for (int beam = 0; beam < 30; ++beam) {
+      const double echo = without_gain(bin, beam) * std::pow(10.0, gain_db / 10.0);
+      const double floors = std::pow(10.0, (110.0 + 1.5 * range_m + 0.1 * beam + gain_db) / 10.0) +
+                            std::pow(10.0, (128.0 + 2.0 - 0.2 * beam) / 10.0);
+      ASSERT_NEAR(echoes(bin, beam), echo, 1e-12 * echo);
+      ASSERT_NEAR(sum(bin, beam), echo + floors, 1e-12 * (echo + floors));
+      ASSERT_NEAR(power(bin, beam), echo + floors, 1e-6 * (echo + floors));
+    }
+  }
+}
+
+// Beam by beam, echoes alone: the noise floor stays.
+TEST(ExpectedPower, SensitivityScalesTheEchoesOfABeam) {
+  Acoustics acoustics;
+  acoustics.parameters.receiver.noise_db = 95.0;
+  const ScatterMap scatter = acoustics.Scatter(Floor(), kAboveFloor, 60, 100);
+  const Grid<double> even = EchoPowerImage(scatter, acoustics.geometry(), acoustics.parameters);
+  std::vector<double>& sensitivity_db = acoustics.parameters.beam.sensitivity_db;
+  for (int beam = 0; beam < 30; ++beam) sensitivity_db.push_back(0.2 * beam - 4.0);
+  const Grid<double> tapered = EchoPowerImage(scatter, acoustics.geometry(), acoustics.parameters);
+  const Grid<float> whole = acoustics.Power(scatter);
+  for (int bin = 0; bin < even.rows(); ++bin) {
+    for (int beam = 0; beam < even.cols(); ++beam) {
+      const double expected = std::pow(10.0, 0.1 * sensitivity_db[beam]) * even(bin, beam);
+      EXPECT_NEAR(tapered(bin, beam), expected, 1e-12 * expected);
+      EXPECT_NEAR(whole(bin, beam), expected + std::pow(10.0, 9.5), 1e-6 * whole(bin, beam));
+    }
+  }
+  sensitivity_db.pop_back();
+  EXPECT_THROW(acoustics.Power(scatter), DataError);
+}
+
 TEST(ExpectedDisplay, ShowsTheMeanOfTheLogarithm) {
   Acoustics acoustics;
   acoustics.parameters.display = {.db_min = 100.0, .db_max = 180.0};
@@ -292,6 +345,23 @@ TEST_F(SampledImage, MeanPowerIsTheExpectation) {
   }
   // Neighbours within a beam width and a pulse go together: at least 1200 / 8 independent ones.
   EXPECT_NEAR(all, 1.0, 4.5 / std::sqrt(kDraws * 150.0));
+}
+
+// The same draw, beam by beam: nothing but the factor.
+TEST_F(SampledImage, SensitivityScalesTheEchoesOfABeam) {
+  acoustics_.parameters.receiver.noise_db.reset();
+  const Grid<double> even = acoustics_.SampledPower(scatter_, 5);
+  for (int beam = 0; beam < 30; ++beam) acoustics_.parameters.beam.sensitivity_db.push_back(3.0 - 0.3 * beam);
+  const Grid<double> tapered = acoustics_.SampledPower(scatter_, 5);
+  int compared = 0;
+  for (int bin = 0; bin < 40; ++bin) {
+    for (int beam = 0; beam < 30; ++beam) {
+      if (even(bin, beam) < 1.0) continue;  // no echo at all
+      EXPECT_NEAR(Db(tapered(bin, beam)) - Db(even(bin, beam)), 3.0 - 0.3 * beam, 1e-3);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 600);
 }
 
 // Kolmogorov and Smirnov: the distance exceeds c / sqrt(n) with probability 2 exp(-2 c^2), 1e-5 at c = 2.47.

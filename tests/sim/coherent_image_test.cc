@@ -182,6 +182,45 @@ TEST_F(CoherentImage, NoiseIsThatOfAnArray) {
   EXPECT_NEAR(two_bins / (2.0 * count), 1.0 / 16.0, bound);
 }
 
+// Behind a lens each beam has noise of its own, of the floor's level.
+TEST_F(CoherentImage, NoiseBehindALensIsIndependentFromBeamToBeam) {
+  parameters_.materials["default"].gsab = {
+      .a = 0.0, .b_deg = 1.0, .c = 0.0, .d = 1.0, .e = 0.0, .f_deg = 1.0};
+  fan_ = RayFan(sonar_, Fan(kBeams, 1));
+  sonar_.beam_forming = BeamForming::kLens;
+  const double mean_power = PowerFromDb(101.0);
+  double beside = 0.0;
+  double mean = 0.0;
+  double count = 0.0;
+  for (int draw = 0; draw < 100; ++draw) {
+    const Grid<float> power = Draw(1, draw);
+    const auto at = [&](int bin, int beam) { return double{power(bin, beam)} / mean_power - 1.0; };
+    for (int bin = 0; bin < kBins; ++bin) {
+      for (int beam = 0; beam + 1 < kBeams; ++beam) {
+        beside += at(bin, beam) * at(bin, beam + 1);
+        mean += at(bin, beam);
+        count += 1.0;
+      }
+    }
+  }
+  // A third of the bins are independent.
+  EXPECT_NEAR(beside / count, 0.0, 4.5 / std::sqrt(count / 3.0));
+  EXPECT_NEAR(mean / count, 0.0, 4.5 / std::sqrt(count / 3.0));
+}
+
+TEST_F(CoherentImage, SensitivityScalesTheEchoesOfABeam) {
+  parameters_.receiver.noise_db.reset();
+  const Grid<float> even = Draw(1, 2);
+  for (int beam = 0; beam < kBeams; ++beam) parameters_.beam.sensitivity_db.push_back(0.25 * beam - 3.0);
+  const Grid<float> tapered = Draw(1, 2);
+  for (int bin = 0; bin < kBins; ++bin) {
+    for (int beam = 0; beam < kBeams; ++beam) {
+      const double expected = PowerFromDb(0.25 * beam - 3.0) * even(bin, beam);
+      EXPECT_NEAR(tapered(bin, beam), expected, 1e-5 * expected);
+    }
+  }
+}
+
 TEST_F(CoherentImage, SameSeedsSameImageOnAnyNumberOfThreads) {
   const Grid<float> one = WithThreads(1, [&] { return Draw(4, 5); });
   EXPECT_EQ(WithThreads(2, [&] { return Draw(4, 5); }), one);

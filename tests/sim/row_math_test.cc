@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -149,6 +152,122 @@ TEST(RowMath, BinsWithinAndWithout) {
   std::vector<std::int32_t> bin(value.size());
   row_math::Bins(value.data(), 1.0F, 4.0F, 8, static_cast<int>(value.size()), bin.data());
   EXPECT_EQ(bin, (std::vector<std::int32_t>{-1, 0, 1, 6, 7, -1, -1, -1}));
+}
+
+constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
+constexpr float kEnd = std::numeric_limits<float>::infinity();
+constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+constexpr float kLargest = std::numeric_limits<float>::max();
+
+// So many of one value that vectors are filled, and one more.
+std::vector<float> Row(float value) {
+  return std::vector<float>(17, value);
+}
+
+TEST(RowMath, BinsOfWhatIsNoPlaceInTheImage) {
+  for (const float value : {kNoNumber, kEnd, -kEnd, kLargest, -kLargest, -kLeast, 8.0F}) {
+    std::vector<std::int32_t> bin(17);
+    row_math::Bins(Row(value).data(), 0.0F, 1.0F, 8, 17, bin.data());
+    EXPECT_THAT(bin, ::testing::Each(-1)) << value;
+  }
+  for (const float value : {0.0F, kLeast, 0.5F}) {
+    std::vector<std::int32_t> bin(17);
+    row_math::Bins(Row(value).data(), 0.0F, 1.0F, 8, 17, bin.data());
+    EXPECT_THAT(bin, ::testing::Each(0)) << value;
+  }
+}
+
+TEST(RowMath, PixelsOfRangesThatAreNone) {
+  const std::vector<std::int32_t> first(17, 0);
+  for (const float range_m : {kNoNumber, kEnd, -kEnd, 0.0F, -1.0F, 3.0F, kLargest}) {
+    std::vector<std::int32_t> pixel(17);
+    row_math::Pixels(Row(range_m).data(), 0.0F, 3.0F, first.data(), first.data(), 7, 999, 17, pixel.data());
+    EXPECT_THAT(pixel, ::testing::Each(999)) << range_m;
+  }
+}
+
+TEST(RowMath, EchoStepsFromEveryRange) {
+  const std::vector<float> table(12, 0.25F);
+  for (const row_math::EchoLevel& level :
+       {row_math::EchoLevel{.offset = 2.0F, .per_log = 0.3F, .per_m = 0.01F, .limit = 2.5F},
+        row_math::EchoLevel{.offset = -1.0F, .per_log = 0.0F, .per_m = 0.0F, .limit = 2.5F}}) {
+    for (const float range_m : {0.0F, kLeast, 1e-4F, 1.0F, 1e4F, kLargest, kEnd}) {
+      for (const float half_tangent : {0.0F, kLeast, 0.5F, 1.0F}) {
+        std::vector<std::int32_t> steps(17);
+        row_math::EchoSteps(level, {table.data(), 10}, Row(range_m).data(), Row(half_tangent).data(),
+                            Row(1e6F).data(), 17, steps.data());
+        const double metres = std::clamp<double>(range_m, 1e-4, 1e6);
+        const double echo = std::clamp(
+            level.offset - level.per_log * std::log(metres) - level.per_m * metres + 0.25, -2.5, 2.5);
+        for (const std::int32_t of : steps) EXPECT_NEAR(of, 1e6 * echo, 2.0) << range_m;
+      }
+    }
+  }
+}
+
+TEST(RowMath, RaisedWeightsBeyondTheTable) {
+  const std::vector<float> table = {1.0F, 2.0F, 4.0F, 4.0F};
+  const auto weight = [&](float at, float raise) {
+    std::vector<float> found(17);
+    row_math::RaisedWeights({table.data(), 2}, at, 1.0F, Row(raise).data(), Row(3.0F).data(), 17,
+                            found.data());
+    return found;
+  };
+  for (const float far : {-0.1F, -1e30F, -kEnd}) EXPECT_THAT(weight(0.0F, far), ::testing::Each(3.0F));
+  for (const float far : {1.1F, 1e30F, kEnd}) EXPECT_THAT(weight(0.0F, far), ::testing::Each(12.0F));
+  EXPECT_THAT(weight(0.25F, 0.0F), ::testing::Each(4.5F));
+}
+
+TEST(RowMath, CellWeightsOfEveryCell) {
+  for (const double slope : {-1e6, -3.0, -0.01, 0.0, 0.2, 40.0}) {
+    for (const double height : {1e-6, 0.05, 3.0, 30.0}) {
+      for (const double limit : {0.0, 0.1, 2.0, 1e7}) {
+        for (const double cosine : {0.0, 1e-20, 0.3, 1.0}) {
+          const double top = std::clamp(slope + 0.5 * height, -limit, limit);
+          const double bottom = std::clamp(slope - 0.5 * height, -limit, limit);
+          const double expected = std::atan(top * cosine) - std::atan(bottom * cosine);
+          std::vector<float> found(17);
+          row_math::CellWeights(Row(static_cast<float>(cosine)).data(), Row(static_cast<float>(limit)).data(),
+                                Row(1.0F).data(), static_cast<float>(slope), static_cast<float>(height), 17,
+                                found.data());
+          for (const float of : found)
+            ASSERT_NEAR(of, expected, 1e-6 + 1e-3 * expected) << slope << ' ' << height << ' ' << limit;
+        }
+      }
+    }
+  }
+}
+
+TEST(RowMath, HalfTangentsOfNormalsOfEveryLength) {
+  for (const float length : {0.0F, kLeast, 1e-15F, 1e-6F, 1.0F, 1e15F}) {
+    std::vector<float> found(17, -1.0F);
+    row_math::HalfTangents(Row(0.6F).data(), Row(0.0F).data(), Row(0.8F).data(), Row(0.0F).data(),
+                           Row(0.0F).data(), Row(length).data(), 17, found.data());
+    const double expected = std::tan(0.5 * std::acos(0.8));
+    for (const float of : found) EXPECT_NEAR(of, length >= 1e-15F ? expected : 0.0, 1e-6) << length;
+  }
+}
+
+TEST(RowMath, PatchPowersFarAndNear) {
+  const std::vector<float> table(12, 2.0F);
+  for (const float range_m : {1e-3F, 1.0F, 80.0F, 1e4F}) {
+    std::vector<float> power(17);
+    row_math::PatchPowers({table.data(), 10}, 0.05F, Row(range_m).data(), Row(1.0F).data(), Row(3.0F).data(),
+                          17, power.data());
+    const double r = range_m;
+    const double expected = 6.0 * std::exp(-0.05 * r) / (r * r);
+    for (const float of : power) EXPECT_NEAR(of, expected, 1e-5 * expected + 1e-37) << range_m;
+  }
+}
+
+TEST(RowMath, ASumWithAnEndlessTermIsEndless) {
+  std::vector<double> a(37, 1.0);
+  const std::vector<double> b(37, 2.0);
+  EXPECT_EQ(row_math::Dot(a.data(), b.data(), 37), 74.0);
+  a[20] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(row_math::Dot(a.data(), b.data(), 37), std::numeric_limits<double>::infinity());
+  a[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(row_math::Dot(a.data(), b.data(), 37)));
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ class SecondOpinion : public ::testing::TestWithParam<Case> {
     SimulationOptions options;
     options.fan = {.sampling = GetParam().sampling, .cols = 1500, .rows = 1200};
     options.water = preset.water;
+    options.absorption = AbsorptionFormula::kAinslieMcColm;  // the reference's
     const PolarImage image = Simulator(scene, preset.sonar, options).Render(pose, ProgramParameters());
 
     Eigen::Isometry3d world_from_sonar = Eigen::Isometry3d::Identity();

@@ -56,6 +56,7 @@ class SyntheticTruth : public ::testing::Test {
                    .azimuth_margin_deg = 4.0,
                    .row_crowding = 6.0};
     options.water = *recording_->info().water;
+    options.absorption = AbsorptionFormula::kAinslieMcColm;  // of the simulation that made the recording
     simulator_.emplace(ReadGltf(folder / "scene.gltf"), recording_->info().sonar, options);
   }
 
