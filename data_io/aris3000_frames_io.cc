@@ -1,6 +1,7 @@
 #include "data_io/aris3000_frames_io.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -10,6 +11,8 @@
 #include "data_io/aris_beam_tables.h"
 #include "data_io/file_bytes.h"
 #include "data_io/grey_frame.h"
+#include "data_io/picture_frames.h"
+#include "data_io/picture_geometry.h"
 #include "data_io/printable.h"
 #include "data_io/types/units.h"
 
@@ -25,17 +28,8 @@ constexpr double kRangeMaxM = 2.998;
 // What a sample period of 4 us makes of the bin length.
 constexpr double kSoundSpeedMPerS = 1479.5;
 constexpr double kDbPerCount = 80.0 / 255.0;
-constexpr double kStretchedCounts = 97.0;
 constexpr const char* kBeamTableName = "beam_table_ARIS3000_128.csv";
 constexpr std::size_t kMostBeamTableBytes = 64 << 10;
-
-// other_pose_fan.png, in pixels: centre of the arcs, nearest and farthest arc.
-constexpr int kFanRows = 1079;
-constexpr int kFanCols = 726;
-constexpr double kFanApexXPx = 361.9;
-constexpr double kFanApexYPx = 1343.0;
-constexpr double kFanRadiusMinPx = 309.0;
-constexpr double kFanRadiusMaxPx = 1340.0;
 
 // frame_NNNN_128x780.png, of any number of digits.
 bool IsFrameName(std::string_view name) {
@@ -58,10 +52,29 @@ std::vector<fs::path> FrameFiles(const fs::path& folder) {
   return files;
 }
 
-bool IsFanPicture(const fs::path& file) {
-  const std::optional<ImageHeader> header = SniffPng(file);
-  return header && header->rows == kFanRows && header->cols == kFanCols && header->channels == 1 &&
-         header->bits == 8;
+// Counts over which a picture was stretched: the N of grey = floor(count * 255 / N), by the levels that
+// occur. Nothing where no N stands out, as of a picture that was not stretched. A few pixels may lie between
+// the levels, such as interpolated ones.
+std::optional<int> StretchedCounts(const Grid<float>& picture) {
+  constexpr int kLevels = 256;
+  constexpr int kFewest = 16;  // a picture of fewer levels shows too little to tell
+  constexpr double kClear = 0.2;
+  std::array<double, kLevels> share{};
+  for (const float grey : picture.values())
+    share[static_cast<std::size_t>(grey)] += 1.0 / static_cast<double>(picture.size());
+  std::optional<int> best;
+  double best_excess = kClear;
+  for (int counts = kFewest; counts < kLevels - 1; ++counts) {
+    // Share of the pixels on the levels that N counts can have, beyond the share of such levels.
+    double excess = 0.0;
+    for (int count = 0; count <= counts; ++count)
+      excess += share[static_cast<std::size_t>(count * 255 / counts)] - 1.0 / kLevels;
+    if (excess > best_excess) {
+      best = counts;
+      best_excess = excess;
+    }
+  }
+  return best;
 }
 
 // "beam,center_deg,..." of one line; nothing where it is not that.
@@ -107,6 +120,7 @@ RecordingInfo CommonInfo(const fs::path& path, std::span<const double> centre_de
   for (const double centre : centre_deg) info.sonar.axes.beam_azimuth_rad.push_back(RadFromDeg(centre));
   info.sonar.axes.Validate(path.string());
   info.sonar.elevation_beam_width_deg = 15.0;
+  info.sonar.beam_forming = BeamForming::kLens;
   info.sonar.sound_speed_m_per_s = kSoundSpeedMPerS;
   info.scale.full_scale = 255.0;
   info.settings.compression = Compression::kLogarithm;
@@ -131,12 +145,9 @@ class FrameFolder final : public RecordingSource {
     info_ = CommonInfo(
         folder, has_table ? ReadBeamTable(table) : std::vector<double>(compiled.begin(), compiled.end()));
     info_.format = "ARIS 3000 frames, recovered from fan pictures";
-    info_.scale.db_span = kStretchedCounts * kDbPerCount;
     info_.details.emplace_back("beam table",
                                has_table ? kBeamTableName : "ARIS File SDK, ARIS 3000, 128 beams");
-    info_.notes.emplace_back(
-        "Grey values were stretched, frame by frame: grey = floor(count * 255 / 97), a count being 80/255 "
-        "dB.");
+    TellStretching();
     info_.notes.emplace_back(
         "0.95 % of the samples are interpolated: the frames were recovered from published fan pictures.");
     info_.notes.emplace_back(
@@ -154,19 +165,49 @@ class FrameFolder final : public RecordingSource {
   }
 
   Frame ReadFrame(int index) const override {
-    return {frame_info(index),
-            {info_.sonar.axes, info_.scale, ReadGreyFrame(files_.at(index), kRangeBins, kBeams)}};
+    Frame frame{frame_info(index),
+                {info_.sonar.axes, info_.scale, ReadGreyFrame(files_.at(index), kRangeBins, kBeams)}};
+    if (!scale_counts_ || counts_[index] == *scale_counts_) return frame;
+    for (float& grey : frame.image.value.values()) {
+      const int count = (static_cast<int>(grey) * *counts_[index] + 254) / 255;
+      grey = static_cast<float>(count * 255 / *scale_counts_);
+    }
+    return frame;
   }
 
  private:
+  // Frames of other counts than the largest are shown on its scale, so that a grey level is as many dB in
+  // all.
+  void TellStretching() {
+    for (const fs::path& file : files_)
+      counts_.push_back(StretchedCounts(ReadGreyFrame(file, kRangeBins, kBeams)));
+    if (std::find(counts_.begin(), counts_.end(), std::nullopt) != counts_.end()) {
+      info_.notes.emplace_back(
+          "By the grey levels that occur it cannot be told how each frame was stretched: the dB scale is "
+          "unknown.");
+      return;
+    }
+    const auto [fewest, most] = std::minmax_element(counts_.begin(), counts_.end());
+    scale_counts_ = **most;
+    info_.scale.db_span = *scale_counts_ * kDbPerCount;
+    info_.notes.push_back(fmt::format(
+        "Grey values were stretched, frame by frame: grey = floor(count * 255 / N), N = {}, a count being "
+        "80/255 dB.",
+        *fewest == *most ? fmt::format("{}", **most)
+                         : fmt::format("{} to {} (all are shown as with N = {})", **fewest, **most, **most)));
+  }
+
   std::vector<fs::path> files_;
+  std::vector<std::optional<int>> counts_;  // by frame
+  std::optional<int> scale_counts_;         // of the grey values given
   RecordingInfo info_;
 };
 
 class FanPicture final : public RecordingSource {
  public:
-  explicit FanPicture(fs::path file)
+  FanPicture(fs::path file, const FanGeometry& fan)
       : file_(std::move(file)),
+        fan_(fan),
         info_(CommonInfo(file_, ArisBeamCentresDeg(ArisSystem::kAris3000, kBeams, ArisLens::kStandard))) {
     info_.format = "ARIS 3000 fan picture";
     info_.scale.db_span = 255.0 * kDbPerCount;
@@ -180,18 +221,21 @@ class FanPicture final : public RecordingSource {
   FrameInfo frame_info(int) const override { return {file_.filename().string(), {}, {}, info_.settings}; }
 
   Frame ReadFrame(int index) const override {
-    const Grid<float> fan = ReadGreyFrame(file_, kFanRows, kFanCols);
+    const Grid<float> picture = OpenPictures(file_)->Read(0);
     Frame frame{frame_info(index), {info_.sonar.axes, info_.scale, Grid<float>(kRangeBins, kBeams)}};
-    const double px_per_m = (kFanRadiusMaxPx - kFanRadiusMinPx) / (kRangeMaxM - kRangeMinM);
+    const double px_per_m = (fan_.radius_max_px - fan_.radius_min_px) / (kRangeMaxM - kRangeMinM);
     for (int beam = 0; beam < kBeams; ++beam) {
       const double azimuth_rad = info_.sonar.axes.beam_azimuth_rad[beam];
       for (int bin = 0; bin < kRangeBins; ++bin) {
         const double radius_px =
-            kFanRadiusMinPx + (info_.sonar.axes.range_centre_m(bin) - kRangeMinM) * px_per_m;
-        // The whole sector lies inside the picture.
-        const int row = static_cast<int>(std::lround(kFanApexYPx - radius_px * std::cos(azimuth_rad)));
-        const int col = static_cast<int>(std::lround(kFanApexXPx + radius_px * std::sin(azimuth_rad)));
-        frame.image.value(bin, beam) = fan(row, col);
+            fan_.radius_min_px + (info_.sonar.axes.range_centre_m(bin) - kRangeMinM) * px_per_m;
+        const auto row = std::lround(fan_.apex_y_px - radius_px * std::cos(azimuth_rad));
+        const auto col = std::lround(fan_.apex_x_px + fan_.x_scale * radius_px * std::sin(azimuth_rad));
+        if (row < 0 || row >= picture.rows() || col < 0 || col >= picture.cols()) {
+          throw DataError("{}: {} x {} pixels, which do not hold the whole fan {{{}}}", file_.string(),
+                          picture.rows(), picture.cols(), JsonOf(fan_));
+        }
+        frame.image.value(bin, beam) = picture(static_cast<int>(row), static_cast<int>(col));
       }
     }
     return frame;
@@ -199,20 +243,24 @@ class FanPicture final : public RecordingSource {
 
  private:
   fs::path file_;
+  FanGeometry fan_;
   RecordingInfo info_;
 };
 
 }  // namespace
 
 bool IsAris3000Frames(const fs::path& path) {
-  return IsFanPicture(path) || !FrameFiles(path).empty();
+  return !FrameFiles(path).empty();
 }
 
 std::unique_ptr<RecordingSource> OpenAris3000Frames(const fs::path& path) {
-  if (IsFanPicture(path)) return std::make_unique<FanPicture>(path);
   if (!FrameFiles(path).empty()) return std::make_unique<FrameFolder>(path);
-  throw DataError("{}: expected a folder of frame_NNNN_128x780.png, or a grey fan picture of {} x {} pixels",
-                  path.string(), kFanCols, kFanRows);
+  throw DataError("{}: expected a folder of frame_NNNN_128x780.png", path.string());
+}
+
+std::unique_ptr<RecordingSource> OpenAris3000FanPicture(const fs::path& picture, const FanGeometry& fan) {
+  fan.Validate(picture.string());
+  return std::make_unique<FanPicture>(picture, fan);
 }
 
 }  // namespace sonarcal

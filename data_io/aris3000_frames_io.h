@@ -4,11 +4,13 @@
 // A folder with
 //   frame_NNNN_128x780.png            8-bit grey, 780 ranges (row 0 nearest) x 128 beams
 //   beam_table_ARIS3000_128.csv       beam,center_deg,left_deg,right_deg (optional: the SDK's table else)
-//   other_pose_fan.png                the same object from another pose, as a fan picture (opened by itself)
 //
-// Frames: each picture had been stretched over its own grey levels, grey = floor(k * 255 / 97) of the count
-// k; the stretched grey is kept (full scale 255), so db_span is 97 counts of 80/255 dB. Fan picture: grey is
-// the count, so db_span is 80 dB; it is resampled to the beams and ranges of the frames, nearest neighbour.
+// Each picture had been stretched over its own grey levels, grey = floor(k * 255 / N) of the count k. N
+// follows from the levels that occur; the stretched grey of the largest N is kept (full scale 255), so
+// db_span is N counts of 80/255 dB. Where N does not show, db_span is unknown.
+//
+// The data set also has fan pictures of the same window, such as other_pose_fan.png: there grey is the count,
+// so db_span is 80 dB. Where the fan lies in such a picture has to be given.
 //
 // Which side is which: column 0 is beam 0 of the table, and its angle is taken as the azimuth. The SDK calls
 // beam 0 the right-most, and the script that drew the pictures flips them, so the frames probably show the
@@ -19,15 +21,20 @@
 #include <filesystem>
 #include <memory>
 
+#include "data_io/fan_geometry.h"
 #include "data_io/types/recording.h"
 
 namespace sonarcal {
 
-// True where `path` is such a folder, or such a fan picture (told by its size). Reads no pixel.
+// True where `path` is such a folder. Reads no pixel.
 bool IsAris3000Frames(const std::filesystem::path& path);
 
-// Opens such a folder or such a fan picture. Throws DataError where it is neither, or its beam table is
-// damaged; ReadFrame throws where a picture is.
+// Throws DataError where `path` is no such folder, or its beam table or a picture is damaged.
 std::unique_ptr<RecordingSource> OpenAris3000Frames(const std::filesystem::path& path);
+
+// A fan picture, resampled to the beams and ranges of the frames by nearest neighbour. ReadFrame throws
+// DataError where the picture is damaged or does not hold the whole fan.
+std::unique_ptr<RecordingSource> OpenAris3000FanPicture(const std::filesystem::path& picture,
+                                                        const FanGeometry& fan);
 
 }  // namespace sonarcal

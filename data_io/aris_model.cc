@@ -53,6 +53,7 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
   info.sonar.name = ModelName(header);
   info.sonar.frequency_hz = FrequencyHz(header);
   info.sonar.axes = ArisAxes(header, what);
+  info.sonar.beam_forming = BeamForming::kLens;
   info.sonar.sound_speed_m_per_s = header.sound_speed_m_per_s;
   info.scale.full_scale = 255.0;
   info.scale.db_span = kDbSpan;

@@ -9,7 +9,9 @@
 #include <atomic>
 #include <cerrno>
 #include <fstream>
+#include <iterator>
 #include <system_error>
+#include <utility>
 
 #include "data_io/types/error.h"
 
@@ -43,8 +45,10 @@ void RefuseWhatIsNoFile(const fs::path& path) {
   }
 }
 
-bool IsJson(const fs::path& path) {
-  return path.extension() == ".json";
+// Order in which files are moved into place: those that name others later.
+int Turn(const fs::path& path) {
+  if (path == "provenance.json") return 2;
+  return path.extension() == ".json" ? 1 : 0;
 }
 
 }  // namespace
@@ -122,10 +126,10 @@ OutputDirectory::~OutputDirectory() {
   }
 }
 
-void OutputDirectory::Commit() {
+void OutputDirectory::Commit(const std::vector<fs::path>& stale) {
   std::error_code error;
   if (fs::exists(final_, error)) {
-    MoveFilesIntoPlace();
+    MoveFilesIntoPlace(stale);
   } else {
     fs::rename(staging_, final_, error);
     if (error) FailToWrite(final_, error);
@@ -133,7 +137,7 @@ void OutputDirectory::Commit() {
   kept_ = false;
 }
 
-void OutputDirectory::MoveFilesIntoPlace() const {
+void OutputDirectory::MoveFilesIntoPlace(const std::vector<fs::path>& stale) const {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging_)) {
     const fs::path name = entry.path().lexically_relative(staging_);
@@ -142,15 +146,37 @@ void OutputDirectory::MoveFilesIntoPlace() const {
       RefuseWhatIsNoFile(final_ / name);
     }
   }
-  // From the last name to the first: recording.json before provenance.json, so that no provenance ever stands
-  // beside a recording that it does not speak of.
-  std::sort(files.begin(), files.end(),
-            [](const fs::path& a, const fs::path& b) { return IsJson(a) != IsJson(b) ? IsJson(b) : a > b; });
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return Turn(a) != Turn(b) ? Turn(a) < Turn(b) : a < b;
+  });
+  std::vector<fs::path> gone;
+  std::copy_if(stale.begin(), stale.end(), std::back_inserter(gone), [&](const fs::path& name) {
+    return std::find(files.begin(), files.end(), name) == files.end();
+  });
+  bool is_removed = false;
   for (const fs::path& name : files) {
+    if (Turn(name) == 2 && !std::exchange(is_removed, true)) RemoveStale(gone);
     std::error_code error;
     fs::create_directories((final_ / name).parent_path(), error);
     fs::rename(staging_ / name, final_ / name, error);
     if (error) FailToWrite(final_ / name, error);
+  }
+  if (!is_removed) RemoveStale(gone);
+}
+
+void OutputDirectory::RemoveStale(const std::vector<fs::path>& stale) const {
+  std::error_code error;
+  for (const fs::path& name : stale) {
+    const fs::path file = final_ / name;
+    const fs::path folder = fs::canonical(file.parent_path(), error);
+    if (error) continue;
+    const fs::path within = folder.lexically_relative(fs::canonical(final_));
+    if (name.empty() || within.empty() || *within.begin() == "..") continue;
+    if (!fs::is_regular_file(fs::symlink_status(file, error))) continue;
+    if (!fs::remove(file, error) && error) FailToWrite(file, error);
+    for (fs::path parent = name.parent_path(); !parent.empty(); parent = parent.parent_path()) {
+      if (!fs::remove(final_ / parent, error)) break;  // fails, as it should, where something lies in it
+    }
   }
 }
 

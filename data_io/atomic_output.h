@@ -18,7 +18,8 @@ void WriteFileWhole(const std::filesystem::path& file, std::string_view bytes);
 //   output.Commit();  // now, and only now, out/metrics.json appears
 //
 // A directory that did not exist appears in one step. Into one that did, the files are moved one by one
-// (JSON files last, as they name the others): files of the same name are replaced, others are left alone.
+// (JSON files last, as they name the others, and of those provenance.json last): files of the same name are
+// replaced, others are left alone, except those that Commit() is told to remove.
 // Without Commit(), as when an exception passes, nothing appears and the files aside are removed.
 //
 // Throws DataError where the directory cannot be made or written, or where a file would replace a directory.
@@ -52,11 +53,15 @@ class OutputDirectory {
   // From now on the files aside stay without Commit(), for a later run.
   void Keep() { kept_ = true; }
 
-  void Commit();
+  // Removes the files `stale` (paths within the directory) that are not replaced, and the folders that become
+  // empty. They go after the new files have come and before the new provenance.json, so that after a crash
+  // the old one still lists them. Paths that lead out of the directory are left alone.
+  void Commit(const std::vector<std::filesystem::path>& stale = {});
 
  private:
   void TakeOver(Aside aside);
-  void MoveFilesIntoPlace() const;
+  void MoveFilesIntoPlace(const std::vector<std::filesystem::path>& stale) const;
+  void RemoveStale(const std::vector<std::filesystem::path>& stale) const;
 
   std::filesystem::path final_;
   std::filesystem::path staging_;

@@ -206,6 +206,7 @@ class DdfRecording final : public RecordingSource {
     info_.sonar.frequency_hz = FrequencyHz(header_, first_.long_range);
     info_.sonar.axes = AxesOf(first_);
     info_.sonar.elevation_beam_width_deg = 14.0;
+    info_.sonar.beam_forming = BeamForming::kLens;
     info_.scale.full_scale = 255.0;
     info_.settings = SettingsOf(first_);
     info_.details = {

@@ -110,6 +110,7 @@ class DidsonRecording final : public RecordingSource {
     info_.sonar.frequency_hz = 1.8e6;
     info_.sonar.axes = first.axes;
     info_.sonar.elevation_beam_width_deg = 14.0;
+    info_.sonar.beam_forming = BeamForming::kLens;
     info_.scale.full_scale = 255.0;
     info_.settings = SonarSettingsOf(first);
     info_.azimuth_psf = first.psf;

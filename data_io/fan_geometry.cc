@@ -184,6 +184,49 @@ double NearRadius(const Mask& lit, const FanGeometry& fan) {
   return radii.empty() ? 0.0 : Quantile(std::move(radii), kQuantile);
 }
 
+// Column of a side of the fan in a row: `direction` -1 is the left one.
+double SideX(const FanGeometry& fan, int direction, double row) {
+  return fan.apex_x_px +
+         direction * fan.x_scale * std::tan(RadFromDeg(fan.half_angle_deg)) * (fan.apex_y_px - row);
+}
+
+// Share of a side's length along which there is a lit pixel up to 3 pixels within.
+double LitShareOfSide(const Mask& lit, const FanGeometry& fan, int direction) {
+  constexpr int kSteps = 200;
+  const double cosine = std::cos(RadFromDeg(fan.half_angle_deg));
+  int lit_steps = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double radius = fan.radius_min_px + (step + 0.5) / kSteps * (fan.radius_max_px - fan.radius_min_px);
+    const double row = fan.apex_y_px - radius * cosine;
+    const double x = SideX(fan, direction, row);
+    for (int inwards = 0; inwards <= 3; ++inwards) {
+      if (!IsLit(lit, x - direction * inwards, row)) continue;
+      ++lit_steps;
+      break;
+    }
+  }
+  return static_cast<double>(lit_steps) / kSteps;
+}
+
+// Share of the directions in which the farthest lit pixel lies within 3 pixels of the far arc.
+double LitShareOfFarArc(const Mask& lit, const FanGeometry& fan) {
+  constexpr int kRays = 200;
+  constexpr double kNearPx = 3.0;
+  constexpr double kBeyondPx = 60.0;  // where nothing may be lit
+  int near = 0;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
+    for (double radius = fan.radius_max_px + kBeyondPx; radius > fan.radius_max_px - kNearPx; radius -= 0.5) {
+      if (!IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
+                 fan.apex_y_px - radius * std::cos(azimuth_rad)))
+        continue;
+      if (radius < fan.radius_max_px + kNearPx) ++near;
+      break;
+    }
+  }
+  return static_cast<double>(near) / kRays;
+}
+
 }  // namespace
 
 void FanGeometry::Validate(const std::string& what) const {
@@ -234,6 +277,23 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
         fan.x_scale < 10.0))
     return std::nullopt;
   return fan;
+}
+
+bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {
+  constexpr double kFewestLit = 0.7;  // of a side or an arc that is seen
+  const double far_px = std::max(5.0, 0.02 * lit.cols());
+  const std::optional<FanGeometry> own = FindFanGeometry(lit);
+  if (!own) return false;
+  if (LitShareOfSide(lit, *own, -1) < kFewestLit || LitShareOfSide(lit, *own, +1) < kFewestLit) return false;
+  for (const int direction : {-1, +1}) {
+    for (const double radius : {fan.radius_min_px, fan.radius_max_px}) {
+      const double row = fan.apex_y_px - radius * std::cos(RadFromDeg(fan.half_angle_deg));
+      if (std::abs(SideX(*own, direction, row) - SideX(fan, direction, row)) > far_px) return true;
+    }
+  }
+  const double far_row = own->apex_y_px - own->radius_max_px;
+  return std::abs(far_row - (fan.apex_y_px - fan.radius_max_px)) > far_px &&
+         LitShareOfFarArc(lit, *own) >= kFewestLit;
 }
 
 }  // namespace sonarcal

@@ -72,6 +72,8 @@ nlohmann::ordered_json SonarJson(const SonarModel& sonar) {
   json["range_max_m"] = sonar.axes.range_max_m;
   json["range_bins"] = sonar.axes.range_bins;
   write_known("sound_speed_m_per_s", sonar.sound_speed_m_per_s);
+  if (sonar.beam_forming != BeamForming::kUnknown)
+    json["beam_forming"] = JsonWord(kBeamFormings, sonar.beam_forming);
   return json;
 }
 

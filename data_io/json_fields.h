@@ -3,7 +3,8 @@
 //   {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}
 //   {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
 //   {"name": "P900-45", "frequency_hz", "beam_azimuth_deg": [...], "azimuth_beam_width_deg",
-//    "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s"}
+//    "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s",
+//    "beam_forming": "array" | "lens"}
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,6 +23,10 @@ nlohmann::ordered_json PoseJson(const Pose& pose);
 // 0..12000 m.
 Water ReadWater(const JsonReader& json);
 nlohmann::ordered_json WaterJson(const Water& water);
+
+// "array" and "lens": the words of the file.
+inline constexpr JsonWords<BeamForming, 2> kBeamFormings = {
+    {{"array", BeamForming::kArray}, {"lens", BeamForming::kLens}}};
 
 // What is unknown (0) is left out, as readers want it (data_io/recording_io.h).
 nlohmann::ordered_json SonarJson(const SonarModel& sonar);

@@ -20,7 +20,7 @@ struct Mode {
 constexpr Mode kModes[] = {
     {1, 0.75e6, "Oculus M750d", 1.0, 20.0},           {2, 1.2e6, "Oculus M750d", 0.6, 20.0},
     {1, 1.2e6, "Oculus M1200d or M3000d", 0.6, 20.0}, {2, 2.1e6, "Oculus M1200d", 0.4, 12.0},
-    {2, 3.0e6, "Oculus M3000d", 0.0, 20.0},
+    {2, 3.0e6, "Oculus M3000d", 0.25, 20.0},
 };
 constexpr double kFrequencyTolerance = 0.05;  // the recorded frequency is a little off the nominal one
 
@@ -41,6 +41,7 @@ bool IsPlausible(double value, double lowest, double highest) {
 
 void DescribeSonar(const OculusPing& ping, RecordingInfo& info) {
   info.sonar.name = "Oculus";
+  info.sonar.beam_forming = BeamForming::kArray;
   info.sonar.axes = OculusAxes(ping, info.source + ": ping 0");
   info.scale = OculusScale(ping);
   info.settings.compression = Compression::kPower;

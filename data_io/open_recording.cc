@@ -23,6 +23,9 @@ struct Format {
 // The first that knows the path opens it.
 constexpr Format kFormats[] = {
     {"a recording folder (recording.json)", IsRecordingFolder, OpenRecordingFolder},
+    // Before formats that are told by the names of pictures: whoever wrote the geometry knows better.
+    {"pictures with their geometry (NAME.geometry.json, geometry.json)", HasPictureGeometry,
+     OpenPictureRecording},
     {"ARIS v5 (.aris)", IsAris, OpenAris},
     {"DIDSON v3 or v4 (.ddf)", IsDdf, OpenDdf},
     {"Oculus simple ping results", IsOculus, OpenOculus},

@@ -126,6 +126,8 @@ BeamParameters ReadBeam(const JsonReader& json) {
     json.Fail(fmt::format("ends sending at {} degrees, expected no less than transmit_even_deg, {}",
                           beam.transmit_end_deg, beam.transmit_even_deg));
   }
+  if (const auto sensitivity = json.Find("sensitivity_db"))
+    beam.sensitivity_db = sensitivity->Numbers(kLevelDb);
   return beam;
 }
 
@@ -209,7 +211,8 @@ Json BeamJson(const BeamParameters& beam) {
                {"elevation_pattern", JsonWord(kElevationPatterns, beam.elevation_pattern)},
                {"elevation_taper", beam.elevation_taper},
                {"transmit_even_deg", beam.transmit_even_deg},
-               {"transmit_end_deg", beam.transmit_end_deg}};
+               {"transmit_end_deg", beam.transmit_end_deg},
+               {"sensitivity_db", beam.sensitivity_db}};
   if (!beam.azimuth_table_db.empty()) json["azimuth_table_db"] = beam.azimuth_table_db;
   return json;
 }

@@ -1,9 +1,11 @@
 #include "data_io/picture_io.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "data_io/picture_frames.h"
 #include "data_io/picture_geometry.h"
@@ -20,33 +22,77 @@ fs::path GeometryFileOf(const fs::path& path) {
   return fs::path(path).concat(".geometry.json");
 }
 
+[[noreturn]] void FailOfSize(int rows, int cols, int first_rows, int first_cols, const std::string& name) {
+  throw DataError("{}: {} x {} pixels, expected those of the first picture, {} x {}", name, rows, cols,
+                  first_rows, first_cols);
+}
+
 void CheckSize(const Grid<float>& picture, int rows, int cols, const std::string& name) {
-  if (picture.rows() == rows && picture.cols() == cols) return;
-  throw DataError("{}: {} x {} pixels, expected those of the first picture, {} x {}", name, picture.rows(),
-                  picture.cols(), rows, cols);
+  if (picture.rows() != rows || picture.cols() != cols)
+    FailOfSize(picture.rows(), picture.cols(), rows, cols, name);
+}
+
+// Pixels of a frame that are not black.
+Mask LitPixels(const PictureFrames& pictures, int index) {
+  constexpr float kLossyBlack = 24.0F;  // what rings about an edge in a compressed picture
+  const float black = pictures.is_lossy() ? kLossyBlack : 0.0F;
+  const Grid<float> grey = pictures.Read(index);
+  Mask lit(grey.rows(), grey.cols());
+  std::transform(grey.values().begin(), grey.values().end(), lit.values().begin(),
+                 [black](float value) { return std::uint8_t{value > black}; });
+  return lit;
+}
+
+constexpr int kMostFrames = 32;  // that the fan is looked for in
+
+// Frames to look at: up to `most`, evenly spread.
+std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMostFrames) {
+  const int count = std::min(pictures.count(), most);
+  std::vector<int> indices;
+  for (int i = 0; i < count; ++i)
+    indices.push_back(static_cast<int>(static_cast<std::int64_t>(i) * pictures.count() / count));
+  return indices;
 }
 
 // Pixels that are not black in any of the frames looked at.
-Mask LitPixels(const PictureFrames& pictures) {
-  constexpr int kMostFrames = 32;
-  constexpr float kLossyBlack = 24.0F;  // what rings about an edge in a compressed picture
-  const float black = pictures.is_lossy() ? kLossyBlack : 0.0F;
-  const int count = std::min(pictures.count(), kMostFrames);
+Mask LitInAny(const PictureFrames& pictures) {
   Mask lit;
-  for (int i = 0; i < count; ++i) {
-    const int index = static_cast<int>(static_cast<std::int64_t>(i) * pictures.count() / count);
-    const Grid<float> grey = pictures.Read(index);
-    if (lit.empty()) lit = Mask(grey.rows(), grey.cols());
-    CheckSize(grey, lit.rows(), lit.cols(), pictures.name(index));
-    for (std::size_t k = 0; k < lit.size(); ++k) {
-      if (grey.values()[k] > black) lit.values()[k] = 1;
-    }
+  for (const int index : FramesToLookAt(pictures)) {
+    const Mask own = LitPixels(pictures, index);
+    if (lit.empty()) lit = Mask(own.rows(), own.cols());
+    if (own.rows() != lit.rows() || own.cols() != lit.cols())
+      FailOfSize(own.rows(), own.cols(), lit.rows(), lit.cols(), pictures.name(index));
+    std::transform(own.values().begin(), own.values().end(), lit.values().begin(), lit.values().begin(),
+                   [](std::uint8_t a, std::uint8_t b) { return std::uint8_t{a != 0 || b != 0}; });
   }
   return lit;
 }
 
+// One fan is read for all pictures: throws DataError where some show another.
+void RefuseAnotherFan(const PictureFrames& pictures, const FanGeometry& fan, const fs::path& path) {
+  constexpr int kMostPictures = 512;  // files are read quickly, frames of a video are not
+  std::vector<int> others;
+  const std::vector<int> looked_at = FramesToLookAt(pictures, IsVideo(path) ? kMostFrames : kMostPictures);
+  for (const int index : looked_at) {
+    if (ShowsAnotherFan(LitPixels(pictures, index), fan)) others.push_back(index);
+  }
+  if (others.empty()) return;
+  constexpr std::size_t kMostNamed = 5;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(others.size(), kMostNamed); ++i)
+    names += (i == 0 ? "" : ", ") + pictures.name(others[i]);
+  throw DataError(
+      "{}: {} of the {} pictures looked at show another fan than the others ({}{}), expected one window of "
+      "range "
+      "for all: move the pictures of each window into a folder of their own; or, if these are dark at a "
+      "side, "
+      "give apex_px, radius_px and half_angle_deg in {}",
+      path.string(), others.size(), looked_at.size(), names, others.size() > kMostNamed ? ", ..." : "",
+      GeometryFileOf(path).string());
+}
+
 FanGeometry FoundIn(const PictureFrames& pictures, const fs::path& path) {
-  const std::optional<FanGeometry> fan = FindFanGeometry(LitPixels(pictures));
+  const std::optional<FanGeometry> fan = FindFanGeometry(LitInAny(pictures));
   if (!fan) {
     throw DataError(
         "{}: no fan could be made out in the picture; give its apex_px, radius_px and half_angle_deg, or "
@@ -54,6 +100,7 @@ FanGeometry FoundIn(const PictureFrames& pictures, const fs::path& path) {
         "{}",
         path.string(), GeometryFileOf(path).string());
   }
+  RefuseAnotherFan(pictures, *fan, path);
   return *fan;
 }
 
@@ -116,6 +163,11 @@ bool IsPictures(const fs::path& path) {
   const fs::directory_iterator files(path, error);
   return std::any_of(begin(files), end(files),
                      [](const fs::directory_entry& file) { return IsPicture(file.path()); });
+}
+
+bool HasPictureGeometry(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(GeometryFileOf(path), error) && IsPictures(path);
 }
 
 std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path) {

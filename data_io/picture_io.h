@@ -19,6 +19,9 @@ namespace sonarcal {
 // A picture, a folder of pictures or a video. Reads first bytes only.
 bool IsPictures(const std::filesystem::path& path);
 
+// Pictures with that JSON file beside them.
+bool HasPictureGeometry(const std::filesystem::path& path);
+
 // Throws DataError where the JSON file is absent (the sentence holds one to begin with, with the fan that was
 // found), where no fan can be made out, or a picture is not to be read.
 std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::path& path);

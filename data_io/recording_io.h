@@ -4,7 +4,7 @@
 //   {"format": "sonar-recording/1",
 //    "sonar": {"name", "frequency_hz", "beam_azimuth_deg": [...], "azimuth_beam_width_deg",
 //              "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s",
-//              "azimuth_psf": [...], "beam_taper": [...]},
+//              "beam_forming": "array" | "lens", "azimuth_psf": [...], "beam_taper": [...]},
 //    "water": {...}, "source_level_db", "scene",
 //    "image": {"layout": "polar", "bits": 8 | 16 | 32, "db_min", "db_max", "db_span", "full_scale",
 //              "quantity": "grey" | "decibel" | "power" | "depth", "display_gamma",

@@ -97,6 +97,7 @@ void ReadSonar(const JsonReader& json, RecordingInfo& info) {
       NumberOrUnknown(json, "sound_speed_m_per_s", NumberRange::Between(1000.0, 2000.0), info);
   sonar.azimuth_beam_width_deg = NumberOrUnknown(json, "azimuth_beam_width_deg", kBeamWidthDeg, info);
   sonar.elevation_beam_width_deg = NumberOrUnknown(json, "elevation_beam_width_deg", kBeamWidthDeg, info);
+  if (const auto word = json.Find("beam_forming")) sonar.beam_forming = word->Word(kBeamFormings);
   sonar.axes = ReadAxes(json);
   if (const auto psf = json.Find("azimuth_psf")) info.azimuth_psf = psf->Numbers();
   info.beam_taper = FindPerBeam(json, "beam_taper", sonar.axes.beam_count());

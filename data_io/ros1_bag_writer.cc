@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <rosbag/bag.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -170,7 +172,7 @@ std::string PoseMessage(const Pose& world_from_sonar, std::uint32_t sequence, co
   return fields.Take();
 }
 
-// The time of a frame, or 0.
+// The time of a frame, or 0, which ROS takes for none: time 0 becomes the first nanosecond.
 ros::Time StampOf(const FrameInfo& info) {
   if (!info.time_s) return {};
   const double time_s = *info.time_s;
@@ -184,7 +186,37 @@ ros::Time StampOf(const FrameInfo& info) {
     ++seconds;
     nanoseconds = 0;
   }
-  return {seconds, nanoseconds};
+  return std::max(ros::Time(seconds, nanoseconds), ros::TIME_MIN);
+}
+
+struct FrameTimes {
+  ros::Time stamp;   // in the headers of its messages; 0 without a time
+  ros::Time logged;  // that of the bag, by which readers order messages and time those without a stamp
+};
+
+// Readers find the pose of an image by its time, so that no two poses may share one.
+std::vector<FrameTimes> TimesOf(const RecordingSource& recording) {
+  std::vector<FrameTimes> times;
+  std::map<ros::Time, int> posed;
+  ros::Time logged;
+  for (int i = 0; i < recording.frame_count(); ++i) {
+    const FrameInfo info = recording.frame_info(i);
+    const ros::Time stamp = StampOf(info);
+    logged = stamp.isZero() ? logged + ros::Duration(1.0) : stamp;
+    times.push_back({stamp, logged});
+    if (!info.world_from_sonar) continue;
+    const auto [other, is_new] = posed.emplace(logged, i);
+    if (is_new) continue;
+    const Pose first = *recording.frame_info(other->second).world_from_sonar;
+    const Pose& second = *info.world_from_sonar;
+    if (first.position_m != second.position_m || first.rotation.coeffs() != second.rotation.coeffs()) {
+      throw DataError(
+          "{}: frames {} and {} have the same time, {:.9f} s, but different poses, expected different times: "
+          "readers of a bag find the pose of a frame by its time",
+          recording.info().source, other->second, i, logged.toSec());
+    }
+  }
+  return times;
 }
 
 }  // namespace
@@ -192,14 +224,12 @@ ros::Time StampOf(const FrameInfo& info) {
 void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path& file,
                   const std::function<void(int frames_done)>& progress) {
   try {
+    const std::vector<FrameTimes> times = TimesOf(recording);
     rosbag::Bag bag(file.string(), rosbag::bagmode::Write);
     bag.setCompression(rosbag::compression::LZ4);
-    ros::Time logged;
     for (int i = 0; i < recording.frame_count(); ++i) {
       const Frame frame = recording.ReadFrame(i);
-      const ros::Time stamp = StampOf(frame.info);
-      // Readers go by the order of logging.
-      logged = stamp >= ros::TIME_MIN ? stamp : logged + ros::Duration(1.0);
+      const auto& [stamp, logged] = times[static_cast<std::size_t>(i)];
       const auto sequence = static_cast<std::uint32_t>(i);
       const auto write = [&](const char* topic, const char* type, const char* md5, const char* definition,
                              std::string bytes) {

@@ -19,8 +19,9 @@
 namespace sonarcal {
 
 // Writes `file`, which must not be there, frame by frame. Frames without a time have a stamp of 0 and are
-// logged a second after the frame before. Throws DataError where the recording's values are neither grey nor
-// power, a time is none of ROS (0 .. 2^32 s), or the file cannot be written.
+// logged a second after the frame before. Time 0, which means "no time" in ROS, becomes 1 ns. Throws
+// DataError where the recording's values are neither grey nor power, a time is none of ROS (0 .. 2^32 s), two
+// frames have the same time but different poses, or the file cannot be written.
 void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path& file,
                   const std::function<void(int frames_done)>& progress = {});
 

@@ -6,8 +6,10 @@
 #include <numeric>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "data_io/open_recording.h"
+#include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/recordings.h"
@@ -32,6 +34,14 @@ std::string Png(int rows, int cols, int type = CV_8UC1) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", image, bytes);
   return {bytes.begin(), bytes.end()};
+}
+
+FanGeometry OtherPoseFan() {
+  return {.apex_x_px = 361.9,
+          .apex_y_px = 1343.0,
+          .radius_min_px = 309.0,
+          .radius_max_px = 1340.0,
+          .half_angle_deg = 15.13};
 }
 
 TEST(Aris3000Frames, ReadsTheRecordedFolder) {
@@ -67,7 +77,7 @@ TEST(Aris3000Frames, ReadsTheRecordedFolder) {
 
 TEST(Aris3000Frames, ReadsTheOtherPoseFromItsFanPicture) {
   SONARCAL_NEEDS_RECORDING(picture, "aris3000_uxo/other_pose_fan.png");
-  const auto recording = OpenRecording(picture);
+  const auto recording = OpenAris3000FanPicture(picture, OtherPoseFan());
   ASSERT_EQ(recording->frame_count(), 1);
   EXPECT_EQ(recording->info().scale.db_span, 80.0);
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("nearest neighbour")));
@@ -78,6 +88,86 @@ TEST(Aris3000Frames, ReadsTheOtherPoseFromItsFanPicture) {
   EXPECT_EQ(value(0, 0), 16.0f);
   EXPECT_EQ(value(779, 127), 6.0f);
   EXPECT_EQ(Sum(value), 1406812.0);
+}
+
+// Fan pictures of any size say nothing of what they show: only a geometry does.
+TEST(Aris3000Frames, NoPictureIsRecognisedByItsSize) {
+  const TempDir dir;
+  cv::Mat image(1079, 726, CV_8UC1, cv::Scalar(0));
+  cv::ellipse(image, {363, 1000}, {800, 800}, -90.0, -20.0, 20.0, 90, cv::FILLED);
+  ASSERT_TRUE(cv::imwrite((dir / "fan.png").string(), image));
+  EXPECT_THAT(RefusalOf(dir / "fan.png"), HasSubstr("fan.png.geometry.json"));
+  testing::WriteFile(dir / "fan.png.geometry.json", R"({"format": "sonar-picture-geometry/1",
+      "range_m": [2, 7], "name": "another sonar", "fan": {"apex_px": [363, 1000], "radius_px": [10, 800],
+      "half_angle_deg": 20}})");
+  const auto recording = OpenRecording(dir / "fan.png");
+  EXPECT_EQ(recording->info().sonar.name, "another sonar");
+  EXPECT_EQ(recording->info().sonar.axes.range_max_m, 7.0);
+}
+
+TEST(Aris3000Frames, AGeometryBesideThemWins) {
+  const TempDir dir;
+  testing::WriteFile(dir / "frame_0000_128x780.png", Png(780, 128));
+  EXPECT_EQ(OpenRecording(dir.path())->info().sonar.name, "ARIS Explorer 3000");
+  testing::WriteFile(dir / "geometry.json", R"({"format": "sonar-picture-geometry/1", "range_m": [1, 5],
+      "polar": {"azimuth_first_deg": -10, "azimuth_last_deg": 10, "nearest_row": "top"}})");
+  EXPECT_EQ(OpenRecording(dir.path())->info().sonar.axes.range_max_m, 5.0);
+}
+
+TEST(Aris3000Frames, AFanThatThePictureDoesNotHoldIsRefused) {
+  const TempDir dir;
+  testing::WriteFile(dir / "fan.png", Png(500, 300));
+  const auto recording = OpenAris3000FanPicture(dir / "fan.png", OtherPoseFan());
+  EXPECT_THAT(
+      [&] { recording->ReadFrame(0); },
+      ::testing::ThrowsMessage<DataError>(HasSubstr("500 x 300 pixels, which do not hold the whole fan")));
+}
+
+// Counts about a smooth slope, stretched over `counts` levels; one pixel in `interpolated` lies between.
+cv::Mat Stretched(int counts, int interpolated) {
+  cv::Mat image(780, 128, CV_8UC1);
+  for (int i = 0; i < 780 * 128; ++i) {
+    const int count = (i * 7 + i / 128) % (counts + 1);
+    const int grey = count * 255 / counts;
+    image.data[i] =
+        static_cast<std::uint8_t>(i % interpolated == interpolated - 1 ? std::min(255, grey + 1) : grey);
+  }
+  return image;
+}
+
+TEST(Aris3000Frames, CountsOfTheStretchingFollowFromTheLevels) {
+  for (const int counts : {97, 96, 95, 60, 31}) {
+    const TempDir dir;
+    ASSERT_TRUE(cv::imwrite((dir / "frame_0000_128x780.png").string(), Stretched(counts, 100)));
+    const auto recording = OpenRecording(dir.path());
+    ASSERT_TRUE(recording->info().scale.db_span) << counts;
+    EXPECT_NEAR(*recording->info().scale.db_span, counts * 80.0 / 255.0, 1e-12);
+    EXPECT_THAT(recording->info().notes, Contains(HasSubstr(fmt::format("N = {}, a count", counts))));
+  }
+}
+
+TEST(Aris3000Frames, FramesOfOtherCountsAreShownOnOneScale) {
+  const TempDir dir;
+  ASSERT_TRUE(cv::imwrite((dir / "frame_0000_128x780.png").string(), Stretched(95, 1 << 20)));
+  ASSERT_TRUE(cv::imwrite((dir / "frame_0001_128x780.png").string(), Stretched(97, 1 << 20)));
+  const auto recording = OpenRecording(dir.path());
+  EXPECT_NEAR(recording->info().scale.db_span.value(), 97 * 80.0 / 255.0, 1e-12);
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("N = 95 to 97")));
+  for (const int counts : {95, 97}) {
+    const Grid<float> grey = recording->ReadFrame(counts == 95 ? 0 : 1).image.value;
+    for (int i = 0; i < 780 * 128; ++i) {
+      const int count = (i * 7 + i / 128) % (counts + 1);
+      ASSERT_EQ(grey.values()[i], count * 255 / 97) << counts << " " << i;
+    }
+  }
+}
+
+TEST(Aris3000Frames, AnUnknownStretchingIsSaid) {
+  const TempDir dir;
+  testing::WriteFile(dir / "frame_0000_128x780.png", Png(780, 128));
+  const auto recording = OpenRecording(dir.path());
+  EXPECT_FALSE(recording->info().scale.db_span);
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("the dB scale is unknown")));
 }
 
 TEST(Aris3000Frames, TakesTheCompiledBeamTableWhereTheFolderHasNone) {

@@ -75,6 +75,39 @@ TEST(FanGeometry, DarkPlacesWithinDoNotMatter) {
               2e-3);
 }
 
+// The first two share size and outer edges, but not the window: as a viewer draws two ranges of one sonar.
+TEST(FanGeometry, AnotherWindowShowsItself) {
+  const Drawn& a = kDrawn[0];
+  const Drawn& b = kDrawn[1];
+  for (const double dark : {0.0, 0.3, 0.7}) {
+    EXPECT_FALSE(ShowsAnotherFan(Draw(a, dark, 1), a.fan)) << dark;
+    EXPECT_FALSE(ShowsAnotherFan(Draw(b, dark, 1), b.fan)) << dark;
+    EXPECT_TRUE(ShowsAnotherFan(Draw(a, dark, 1), b.fan)) << dark;
+    EXPECT_TRUE(ShowsAnotherFan(Draw(b, dark, 1), a.fan)) << dark;
+  }
+  Drawn shorter = a;
+  shorter.fan.radius_max_px -= 60.0;
+  EXPECT_TRUE(ShowsAnotherFan(Draw(shorter, 0.3, 1), a.fan));
+}
+
+TEST(FanGeometry, DarkPlacesAreNoOtherFan) {
+  const Drawn& drawn = kDrawn[2];
+  const auto darkened = [&](auto is_dark) {
+    Mask lit = Draw(drawn, 0.3, 1);
+    for (int row = 0; row < lit.rows(); ++row) {
+      for (int col = 0; col < lit.cols(); ++col) {
+        if (is_dark(row, col)) lit(row, col) = 0;
+      }
+    }
+    return lit;
+  };
+  EXPECT_FALSE(ShowsAnotherFan(darkened([](int, int col) { return col < 340; }), drawn.fan));
+  EXPECT_FALSE(ShowsAnotherFan(darkened([](int row, int) { return row > 700; }), drawn.fan));
+  EXPECT_FALSE(ShowsAnotherFan(darkened([](int row, int) { return row < 200; }), drawn.fan));
+  EXPECT_FALSE(ShowsAnotherFan(darkened([](int row, int col) { return row + col < 600; }), drawn.fan));
+  EXPECT_FALSE(ShowsAnotherFan(Mask(drawn.rows, drawn.cols), drawn.fan));
+}
+
 TEST(FanGeometry, WhatIsNoFanIsNone) {
   EXPECT_FALSE(FindFanGeometry(Mask(100, 100)));
   EXPECT_FALSE(FindFanGeometry(Mask(100, 100, 1)));  // a square has upright sides

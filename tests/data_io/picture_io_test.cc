@@ -141,6 +141,35 @@ TEST(Pictures, APictureOfOtherSizeIsRefused) {
   EXPECT_THAT(RefusalOf(dir / "pictures"), HasSubstr("1.png: 30 x 40 pixels, expected those of the first"));
 }
 
+// Two windows of range, drawn to one size as a viewer does.
+TEST(Pictures, AMixtureOfWindowsIsRefused) {
+  const TempDir dir;
+  const auto draw = [](double apex_y, double near_px, double far_px, double x_scale, double dark) {
+    Grid<std::uint8_t> picture(480, 320);
+    for (int row = 0; row < 480; ++row) {
+      for (int col = 0; col < 320; ++col) {
+        const double right = (col - 159.5) / x_scale;
+        const double radius = std::hypot(right, apex_y - row);
+        const bool is_inside = radius >= near_px && radius <= far_px &&
+                               std::abs(std::atan2(right, apex_y - row)) <= RadFromDeg(15.13);
+        const bool is_dark = std::fmod(7.31 * row + 3.7 * col, 1.0) < dark;
+        picture(row, col) = is_inside && !is_dark ? 90 : 0;
+      }
+    }
+    return picture;
+  };
+  for (int k = 0; k < 5; ++k)
+    WritePng(dir / fmt::format("{}.png", k), draw(600.0, 136.4, 574.4, 1.0, 0.1 * k));
+  testing::WriteFile(dir / "geometry.json", R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4]})");
+  EXPECT_EQ(RefusalOf(dir.path()), "");
+  WritePng(dir / "5.png", draw(745.0, 288.0, 717.0, 0.8, 0.2));
+  EXPECT_THAT(RefusalOf(dir.path()), HasSubstr("show another fan than the others"));
+  // The fan as given is the user's word.
+  testing::WriteFile(dir / "geometry.json", R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4],
+      "fan": {"apex_px": [159.5, 600], "radius_px": [136.4, 574.4], "half_angle_deg": 15.13}})");
+  EXPECT_EQ(RefusalOf(dir.path()), "");
+}
+
 TEST(Pictures, AGeometryFromElsewhereNeedsNoFileBesideThem) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());

@@ -15,6 +15,7 @@
 #include "data_io/image_io.h"
 #include "data_io/npz_writer.h"
 #include "data_io/open_recording.h"
+#include "data_io/posed_recording.h"
 #include "data_io/ros1_bag_writer.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
@@ -132,6 +133,61 @@ TEST(Ros1BagWriterTest, PosesComeBack) {
     EXPECT_LT((poses[i].world_from_body.position_m - expected.position_m).norm(), 1e-12);
     EXPECT_LT(poses[i].world_from_body.rotation.angularDistance(expected.rotation), 1e-7);
   }
+}
+
+// Frames that have the poses that `convert --pose-topic` gives them: those of their own times.
+void ExpectPosesComeBack(const MemoryRecording& recording, const std::filesystem::path& bag) {
+  WriteRos1Bag(recording, bag);
+  const PosedRecording read(OpenBagRecording(bag, {.topic = "/sonar/image"}),
+                            {.world_from_body = ReadBagTrajectory(bag, {.topic = "/sonar/pose"}),
+                             .body_from_sonar = {},
+                             .time_offset_s = 0.0,
+                             .most_gap_s = 1.0});
+  ASSERT_EQ(read.frame_count(), recording.frame_count());
+  for (int i = 0; i < recording.frame_count(); ++i) {
+    const FrameInfo was = recording.frame_info(i);
+    const FrameInfo is = read.frame_info(i);
+    if (was.time_s) {
+      EXPECT_NEAR(*is.time_s, *was.time_s, 2e-9) << i;
+    }
+    ASSERT_TRUE(is.world_from_sonar) << i;
+    EXPECT_LT((is.world_from_sonar->position_m - was.world_from_sonar->position_m).norm(), 1e-12) << i;
+    EXPECT_LT(is.world_from_sonar->rotation.angularDistance(was.world_from_sonar->rotation), 1e-7) << i;
+  }
+}
+
+MemoryRecording PosedAt(const std::vector<std::optional<double>>& times_s) {
+  const MemoryRecording few = Recording();
+  std::vector<Frame> frames;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    Frame frame = few.ReadFrame(static_cast<int>(i) % 3);
+    frame.info.time_s = times_s[i];
+    const double k = static_cast<double>(i);
+    frame.info.world_from_sonar =
+        Pose{RotationFromYawPitchRoll(0.3 * k, 0.1 - 0.2 * k, 0.1), Eigen::Vector3d(1.0 + k, -2.0, 0.5 * k)};
+    frames.push_back(std::move(frame));
+  }
+  return {few.info(), std::move(frames)};
+}
+
+TEST(Ros1BagWriterTest, EveryFrameFindsItsPoseAgainWhereverTimesBegin) {
+  const TempDir dir;
+  ExpectPosesComeBack(PosedAt({0.0, 1.0, 2.0, 3.0}), dir / "from_0.bag");
+  ExpectPosesComeBack(PosedAt({0.0, 0.1, 0.2, 5.0}), dir / "fast.bag");
+  ExpectPosesComeBack(PosedAt({1.0, 2.0, 3.0}), dir / "from_1.bag");
+  ExpectPosesComeBack(PosedAt({1.7e9, 1.7e9 + 0.05, 1.7e9 + 0.1}), dir / "since_1970.bag");
+  ExpectPosesComeBack(PosedAt({{}, {}, {}}), dir / "without_times.bag");
+}
+
+TEST(Ros1BagWriterTest, RefusesTwoPosesAtOneTime) {
+  const TempDir dir;
+  EXPECT_THAT(
+      [&] {
+        WriteRos1Bag(PosedAt({0.0, 1.0, 1.0}), dir / "a.bag");
+      },
+      ::testing::ThrowsMessage<DataError>(HasSubstr("frames 1 and 2 have the same time")));
+  // Without a time the first frame is logged at 1 s.
+  EXPECT_THROW(WriteRos1Bag(PosedAt({{}, 1.0}), dir / "b.bag"), DataError);
 }
 
 // By the definitions in the bag, which rosbag parses itself.

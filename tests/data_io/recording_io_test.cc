@@ -5,7 +5,10 @@
 
 #include <limits>
 
+#include <nlohmann/json.hpp>
+
 #include "data_io/image_io.h"
+#include "data_io/json_fields.h"
 #include "data_io/types/units.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/recordings.h"
@@ -108,6 +111,20 @@ TEST_F(RecordingFolderTest, ReadsEveryField) {
   EXPECT_EQ(frame.info.time_s, 0.5);
   EXPECT_EQ(frame.info.world_from_sonar->position_m, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(frame.image.value, Grid<float>(4, 3, 7.0F));
+}
+
+TEST_F(RecordingFolderTest, HowBeamsAreFormedIsReadAndWritten) {
+  EXPECT_EQ(Open()->info().sonar.beam_forming, BeamForming::kUnknown);
+  for (const auto& [word, forming] : kBeamFormings) {
+    RecordingInfo info =
+        Open("\"range_bins\": 4", fmt::format("\"range_bins\": 4, \"beam_forming\": \"{}\"", word))->info();
+    EXPECT_EQ(info.sonar.beam_forming, forming);
+    EXPECT_EQ(SonarJson(info.sonar)["beam_forming"], word);
+    info.sonar.beam_forming = BeamForming::kUnknown;
+    EXPECT_EQ(SonarJson(info.sonar).count("beam_forming"), 0U);
+  }
+  EXPECT_THAT(RefusalOf("\"range_bins\": 4", "\"range_bins\": 4, \"beam_forming\": \"mirror\""),
+              HasSubstr("beam_forming"));
 }
 
 TEST_F(RecordingFolderTest, TheFileItselfMayBeNamed) {
