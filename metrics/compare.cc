@@ -151,10 +151,18 @@ const FanMap& FrameComparer::MapFor(const PolarAxes& axes) {
   return *map_;
 }
 
-FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& simulated) {
+FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& simulated,
+                                    const PixelBox* box) {
   FrameMetrics metrics;
   CheckComparable(real, simulated, options_.db_tolerance, &metrics.notes);
   const Mask* region = MaskFor(options_.region, real, "the region of interest");
+  std::optional<Mask> in_box;
+  if (box != nullptr) {
+    in_box = Both(options_.region, MaskOf(*box, real.value.rows(), real.value.cols()));
+    region = &*in_box;
+    metrics.object_box = *box;
+    if (box->empty()) metrics.notes.emplace_back("the scene shows nothing of the object in the frame");
+  }
   const Mask* valid = MaskFor(options_.valid, real, "the mask of valid samples");
   ObjectRegions found = FindObjects(real, simulated, options_, region, valid);
   const Segmentation& in_real = found.real;

@@ -21,6 +21,7 @@
 #include "data_io/types/mask.h"
 #include "metrics/intensity.h"
 #include "metrics/level_histograms.h"
+#include "metrics/object_region.h"
 #include "metrics/occupancy.h"
 #include "metrics/outline.h"
 #include "metrics/segmentation.h"
@@ -45,6 +46,9 @@ std::string_view ToString(SimulatedObject object);
 struct CompareOptions {
   SegmentationOptions segmentation;
   std::optional<Mask> region;  // where the object may be, range_bins x beam_count; absent: anywhere
+  // Set: the object is searched in a box of each frame, and in `region` where that is set too. Who compares
+  // the frames gives the boxes.
+  std::optional<ObjectSearch> object = {};
   // Samples that hold a measurement in both images, of the same shape; absent: all. Others count nowhere.
   std::optional<Mask> valid;
   FanOptions fan;
@@ -101,7 +105,8 @@ struct FrameMetrics {
   ViewMetrics fan;
   double threshold_real = 0.0;  // what a pixel's score (metrics/scored_image.h) had to be above
   double threshold_simulated = 0.0;
-  std::vector<std::string> notes;  // one sentence each
+  std::vector<std::string> notes;      // one sentence each
+  std::optional<PixelBox> object_box;  // where the object was searched, with CompareOptions::object
   // Polar counts at the settings of CompareOptions::sweep; whoever compares many frames adds them up
   // (metrics/threshold_sweep.h) and lets go of each frame's.
   std::vector<Occupancy> sweep;
@@ -125,8 +130,9 @@ class FrameComparer {
 
   const CompareOptions& options() const { return options_; }
 
-  // Throws DataError as described above, or where the region of interest has another shape.
-  FrameMetrics Compare(const PolarImage& real, const PolarImage& simulated);
+  // `box`: of this frame, where the object is searched; null: in the whole region of interest. Throws
+  // DataError as described above, or where the region of interest has another shape.
+  FrameMetrics Compare(const PolarImage& real, const PolarImage& simulated, const PixelBox* box = nullptr);
 
  private:
   const FanMap& MapFor(const PolarAxes& axes);

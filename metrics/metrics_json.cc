@@ -67,6 +67,10 @@ Json FrameJson(const FrameMetrics& frame, IntensityDomain domain) {
                              {"fan", Nullable(frame.fan.intensity.Over(domain).mean_absolute())}};
   PutFigures(json, frame.polar, false);
   json["threshold"] = {{"real", frame.threshold_real}, {"simulated", frame.threshold_simulated}};
+  if (const std::optional<PixelBox>& box = frame.object_box) {
+    json["object_region"] = {{"range_bins", {box->bin_begin, box->bin_end}},
+                             {"beams", {box->beam_begin, box->beam_end}}};
+  }
   PutCounts(json["fan"], frame.fan);
   PutFigures(json["fan"], frame.fan, true);
   json["notes"] = frame.notes;
@@ -164,6 +168,12 @@ Json SegmentationOf(const CompareOptions& options) {
   json["region_margin_m"] = Nullable(options.region_margin_m);
   json["simulated_object"] = std::string(ToString(options.simulated_object));
   if (options.simulated_object == SimulatedObject::kEchoes) json["echo_fraction"] = options.echo_fraction;
+  if (options.object) {
+    json["object_region"] = {{"source", "model"},
+                             {"object", options.object->material},
+                             {"margin_bins", options.object->margin.bins},
+                             {"margin_beams", options.object->margin.beams}};
+  }
   return json;
 }
 

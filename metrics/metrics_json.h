@@ -3,13 +3,15 @@
 //   {"format": "sonar-metrics/1", "real", "simulated",
 //    "frames": [{"index", "name", "time_s", "ns", "nr", "na", FIGURES,
 //                "intensity_error": {"polar", "fan"}, "threshold": {"real", "simulated"},
+//                "object_region": {"range_bins": [begin, end], "beams": [begin, end]},
 //                "fan": {"ns", "nr", "na", FIGURES}, "notes": [...]}],
 //    "macro": {SUMMARY, "frames_left_out": {"na_over_ns": 2}},
 //    "micro": {"ns", "nr", "na", SUMMARY},
 //    "ci": {"level", "method", "draws", "seed", "block_frames", "absent_because"},
 //    "segmentation": {"method", "parameters": {...}, "applied_to", "region_of_interest_px",
 //    "region_margin_m",
-//                     "simulated_object", "echo_fraction"},
+//                     "simulated_object", "echo_fraction",
+//                     "object_region": {"source": "model", "object", "margin_bins", "margin_beams"}},
 //    "threshold_sweep": see metrics/sweep_json.h; null where none was asked for,
 //    "display": {"full_scale", "span_db"},
 //    "intensity_error_definition": what the number is, in words,
@@ -28,6 +30,10 @@
 //
 // CLASSES are lists of one length: {"name" or "from" and "to", "unit", "whole": SUMS, "union": SUMS}; SUMS is
 // {"pixels", "bias", "mean_absolute"}. The map's lists run row by row, a cell being `bins` x `beams` pixels.
+//
+// "object_region" says where the object was searched: a box around what the scene's model shows of the
+// material `object` (metrics/object_region.h). It is absent where no such box was used. `end` lies one beyond
+// the box; an empty box means that the scene shows nothing of the object in the frame.
 //
 // ns, nr, na and the figures of a frame are those of the polar image; "fan" holds those of the fan image. A
 // value that is not defined, and an interval that cannot be given, is null (in the CSV: empty).
@@ -49,6 +55,7 @@ namespace sonarcal {
 struct MetricsReport {
   std::string real;       // what was compared, for people: a path, "synthetic" where it is
   std::string simulated;  // likewise
+  bool real_is_synthetic = false;
   CompareOptions options;
   ImageScale scale;  // of the real recording: grey levels and dB of a fraction of full scale
   std::vector<FrameMetrics> frames;

@@ -41,7 +41,7 @@ std::optional<SpeckleFloor> SpeckleFloorFor(const ImageScale& scale) {
 }
 
 RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOptions& options,
-                                    int max_pairs) {
+                                    const std::map<int, PixelBox>& boxes, int max_pairs) {
   RealAgainstReal result;
   CompareOptions of_real = options;
   of_real.valid = Both(options.valid, real.info().valid);
@@ -50,14 +50,16 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   std::optional<Frame> earlier;  // frame i, where the pair before has read it already
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
     const Stillness stillness = Between(real.frame_info(i), real.frame_info(i + 1));
-    if (stillness == Stillness::kMoved) {
+    const auto box = boxes.find(i);
+    if (stillness == Stillness::kMoved || (box == boxes.end() && !boxes.empty())) {
       earlier.reset();
       continue;
     }
     result.assumed_still |= stillness == Stillness::kUnknown;
     if (!earlier) earlier = real.ReadFrame(i);
     Frame later = real.ReadFrame(i + 1);
-    FrameMetrics pair = comparer.Compare(earlier->image, later.image);
+    FrameMetrics pair =
+        comparer.Compare(earlier->image, later.image, box == boxes.end() ? nullptr : &box->second);
     pair.index = i;
     pair.name = fmt::format("{} and {}", earlier->info.name, later.info.name);
     pair.time_s = earlier->info.time_s;
@@ -79,9 +81,10 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   return result;
 }
 
-NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options, int max_pairs) {
+NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options,
+                             const std::map<int, PixelBox>& boxes, int max_pairs) {
   return {.speckle = SpeckleFloorFor(real.info().scale),
-          .real_against_real = CompareRealWithReal(real, options, max_pairs),
+          .real_against_real = CompareRealWithReal(real, options, boxes, max_pairs),
           .drawn = std::nullopt};
 }
 

@@ -16,6 +16,7 @@
 // the metric is, not how well a simulation with its own speckle can do.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,8 +53,10 @@ struct RealAgainstReal {
 // Compares each frame with the next, at most `max_pairs` pairs. Pairs whose recorded poses differ by more
 // than 1 mm or 1 mrad are left out: they show different things. Where no poses are recorded the frames are
 // taken to show a still scene, and that is noted.
+// `boxes`: by frame, where the object is searched; pairs whose earlier frame has none are left out, unless no
+// frame has one.
 RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOptions& options,
-                                    int max_pairs = 100);
+                                    const std::map<int, PixelBox>& boxes = {}, int max_pairs = 100);
 
 // Figures of frames drawn from a fitted law against what that law expects of them, for recordings that hold
 // no frames of one still scene.
@@ -80,6 +83,7 @@ struct NoiseFloor {
   const Aggregate* Beside() const;
 };
 
-NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options, int max_pairs = 100);
+NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options,
+                             const std::map<int, PixelBox>& boxes = {}, int max_pairs = 100);
 
 }  // namespace sonarcal

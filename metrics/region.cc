@@ -6,31 +6,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "data_io/types/units.h"
+#include "metrics/object_region.h"
 
 namespace sonarcal {
 
 Mask BoxAround(const Mask& object, int margin_rows, int margin_cols) {
-  SONARCAL_CHECK(margin_rows >= 0 && margin_cols >= 0, "margins {} and {}", margin_rows, margin_cols);
-  int top = object.rows(), bottom = -1, left = object.cols(), right = -1;
-  for (int row = 0; row < object.rows(); ++row) {
-    for (int col = 0; col < object.cols(); ++col) {
-      if (object(row, col) == 0) continue;
-      top = std::min(top, row);
-      bottom = std::max(bottom, row);
-      left = std::min(left, col);
-      right = std::max(right, col);
-    }
-  }
-  Mask box(object.rows(), object.cols());
-  if (bottom < 0) return box;
-  for (int row = std::max(0, top - margin_rows); row <= std::min(object.rows() - 1, bottom + margin_rows);
-       ++row) {
-    for (int col = std::max(0, left - margin_cols); col <= std::min(object.cols() - 1, right + margin_cols);
-         ++col) {
-      box(row, col) = 1;
-    }
-  }
-  return box;
+  return MaskOf(BoxOf(object, {.bins = margin_rows, .beams = margin_cols}), object.rows(), object.cols());
 }
 
 Mask Dilated(const Mask& object, int margin_rows, int margin_cols) {

@@ -82,7 +82,7 @@ TEST(RealAgainstRealTest, TheReasonIsGivenWhereThereIsNoPair) {
 
 TEST(RealAgainstRealTest, NoMorePairsThanAsked) {
   const MemoryRecording recording({}, {FrameAt(1, {}), FrameAt(2, {}), FrameAt(3, {})});
-  EXPECT_EQ(CompareRealWithReal(recording, {}, 1).pairs.size(), 1u);
+  EXPECT_EQ(CompareRealWithReal(recording, {}, {}, 1).pairs.size(), 1u);
 }
 
 }  // namespace
