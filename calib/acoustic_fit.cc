@@ -101,6 +101,7 @@ class AcousticFitter {
     RefinePosesWithRadiometry();
     FitGeometry();
     GoToBetterPoses();
+    again_.test_curves = !options_.down_weight;
     if (!geometric_.empty()) Refit(false);
     WeighDown();
     LookForOtherPoses();
@@ -151,6 +152,7 @@ class AcousticFitter {
     if (radiometric_.empty() && !geometric_.empty()) return;
     FitOptions start = options_;
     start.rough = !geometric_.empty();
+    start.test_curves = !options_.down_weight;
     fit_ = Fit(model_, fit_.values, RadiometryOnly(), start);
     iterations_ += fit_.report.iterations;
     start_costs_ = fit_.report.start_costs;
@@ -255,6 +257,7 @@ class AcousticFitter {
       Say("weighing down what the scene does not explain");
       model_.DownWeight(fit_.values);
       if (!poses_.empty()) FitJointly();
+      again_.test_curves = round + 1 == kWeightRounds;
       Refit(false);
     }
   }

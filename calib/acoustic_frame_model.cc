@@ -43,13 +43,15 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
   for (const float value : image.value.values()) {
     const double grey = value;
     if (!std::isfinite(grey)) throw DataError("fit: a recorded pixel is not finite");
-    // A grey level holds what rounds to it.
+    // A grey level holds what rounds to it. Where it shows no power, it holds all that is less.
     if (grey < 0.5) {
       recorded.push_back({power_of(0.5), Censoring::kAtMost});
     } else if (grey > full_scale - 0.5) {
       recorded.push_back({power_of(full_scale - 0.5), Censoring::kAtLeast});
+    } else if (const double power = power_of(grey); power > 0.0) {
+      recorded.push_back({power, Censoring::kNone});
     } else {
-      recorded.push_back({power_of(grey), Censoring::kNone});
+      recorded.push_back({power_of(grey + 0.5), Censoring::kAtMost});
     }
   }
   return recorded;
@@ -135,16 +137,22 @@ Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) c
   return PoseFromNamedValues(named);
 }
 
-PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                                 const RayFan& fan) const {
-  const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-  ScatterMap scatter = ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry, parameters,
+Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                               const RayFan& fan) const {
+  ScatterMap scatter = ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry(), parameters,
                                    simulator_.options().trace);
   const int thin =
       std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
   const GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);
-  if (!ghosts.echoes.empty()) AddGhosts(ghosts, geometry, parameters, scatter);
-  return ExpectedPower(scatter, geometry, parameters);
+  AddGhosts(ghosts, geometry(), parameters, scatter);
+  return EchoPowerImage(scatter, geometry(), parameters);
+}
+
+PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                                 const RayFan& fan) const {
+  Grid<double> power = EchoPowerFrom(world_from_sonar, parameters, fan);
+  AddNoiseFloor(geometry(), parameters, power);
+  return PowerImage(sonar().axes, power);
 }
 
 GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
@@ -207,18 +215,15 @@ std::vector<float> AcousticFrameModel::LogarithmSlope(int frame, const Parameter
   // Echoes far below the noise change nothing: their logarithm may rest.
   constexpr double kOfNoise = 1e-3;
   const ParameterSet parameters = Parameters(above);
-  const PolarImage high = ExpectedPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
-  const PolarImage low = ExpectedPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
-  const ReceiverNoise noise(parameters.receiver, sonar().axes, simulator_.absorption_db_per_m());
+  const Grid<double> high = EchoPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
+  const Grid<double> low = EchoPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
+  const Grid<double> noise = NoiseFloorPower(geometry(), parameters);
   std::vector<float> slope;
   slope.reserve(pixel_count());
-  for (int bin = 0; bin < range_bins(); ++bin) {
-    for (int beam = 0; beam < beams(); ++beam) {
-      const double of_noise = noise.Power(bin, beam);
-      const auto echo = [&](double power) { return std::max(power - of_noise, 0.0) + kOfNoise * of_noise; };
-      slope.push_back(static_cast<float>(std::log(echo(high.value(bin, beam)) / echo(low.value(bin, beam))) /
-                                         difference));
-    }
+  for (std::size_t i = 0; i < pixel_count(); ++i) {
+    const double rest = kOfNoise * noise.values()[i];
+    slope.push_back(
+        static_cast<float>(std::log((high.values()[i] + rest) / (low.values()[i] + rest)) / difference));
   }
   return slope;
 }

@@ -64,8 +64,11 @@ class AcousticFrameModel final : public FrameModel {
   const Simulator& simulator() const { return simulator_; }
   const SonarModel& sonar() const { return simulator_.sonar(); }
   const AcousticFrame& frame(int frame) const { return frames_[frame]; }
-  // What the sonar should hear from a pose on average: traces a fan of rays, and ghosts by one thinned as
+  // Mean power of the echoes from a pose, without noise: traces a fan of rays, and ghosts by one thinned as
   // much, and is linear in nothing.
+  Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                             const RayFan& fan) const;
+  // The same with the noise floor.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const RayFan& fan) const;
   // The simulator's fan with fewer rows and columns by this factor.
@@ -110,8 +113,9 @@ class AcousticFrameModel final : public FrameModel {
 
  private:
   Pose PoseEntries(int frame, const ParameterValues& values) const;
+  AcousticGeometry geometry() const { return {simulator_.sonar(), simulator_.absorption_db_per_m()}; }
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
-  // Difference of the logarithms of what a frame's two poses hear of the scene, over `difference`.
+  // Difference of the logarithms of the echoes of a frame's two poses, over `difference`.
   std::vector<float> LogarithmSlope(int frame, const ParameterValues& above, const ParameterValues& below,
                                     double difference) const;
   // What a frame's mirrors show of the scene, as far aside as a transmitter that moves may come to send.

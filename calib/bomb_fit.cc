@@ -29,6 +29,14 @@ TargetPose BombOtherPose() {
           .pitch_rad = RadFromDeg(30.6)};
 }
 
+FanGeometry BombOtherPoseFan() {
+  return {.apex_x_px = 361.9,
+          .apex_y_px = 1343.0,
+          .radius_min_px = 309.0,
+          .radius_max_px = 1340.0,
+          .half_angle_deg = 15.13};
+}
+
 ParameterSet BombInitial(const DisplayParameters<double>& display, const SonarModel& sonar) {
   ParameterSet initial;
   initial.model = EchoModel::kAcoustic;

@@ -8,6 +8,7 @@
 
 #include "calib/target_fit.h"
 #include "calib/target_pose.h"
+#include "data_io/fan_geometry.h"
 #include "data_io/types/parameters.h"
 #include "data_io/types/sonar_model.h"
 
@@ -15,6 +16,9 @@ namespace sonarcal {
 
 TargetPose BombPose();       // of frames 0 and 1
 TargetPose BombOtherPose();  // of other_pose_fan.png; from here its fit starts
+
+// Where the fan lies in other_pose_fan.png: apex and arcs as the recording's README gives them.
+FanGeometry BombOtherPoseFan();
 
 // Where the fit starts: a beam and a pulse as the grain shows them. `display` as read off the background
 // (calib/background_display.h), on which the noise is 0 dB.

@@ -52,14 +52,14 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
   SONARCAL_CHECK(recorded.size() == pixels && mean.size() == pixels, "{} and {} pixels, expected {}",
                  recorded.size(), mean.size(), pixels);
   // Ratios far above would swallow their window: one bright pixel is one bright pixel.
-  constexpr double kMostRatio = 1e3;
+  constexpr double kMaxRatio = 1e3;
   RectangleSums ratios(bins, beams);
   RectangleSums counts(bins, beams);
   for (int bin = 0; bin < bins; ++bin) {
     for (int beam = 0; beam < beams; ++beam) {
       const std::size_t pixel = static_cast<std::size_t>(bin) * beams + beam;
       const bool counted = use.empty() || use[pixel] != 0;
-      ratios.Set(bin, beam, counted ? std::min(recorded[pixel].power / mean[pixel], kMostRatio) : 0.0);
+      ratios.Set(bin, beam, counted ? std::min(recorded[pixel].power / mean[pixel], kMaxRatio) : 0.0);
       counts.Set(bin, beam, counted ? 1.0 : 0.0);
     }
   }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
 #include "calib/mirror_start.h"
@@ -66,6 +68,35 @@ std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& 
   return grey;
 }
 
+// Of speckle's power over its mean: half of a Gamma law of mean 1 lies below.
+double SpeckleMedian(double looks) {
+  double low = 0.0;
+  double high = 1.0;  // the median lies below the mean
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (Eigen::numext::igamma(looks, looks * middle) < 0.5 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+// Grey values of which half of a step's law lies below, by frame.
+std::vector<std::vector<double>> MedianGrey(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
+                                            std::vector<std::vector<double>> mean_power) {
+  if (step.knows_speckle) {
+    const double median = SpeckleMedian(step.parameters.receiver.looks);
+    for (std::vector<double>& of_frame : mean_power) {
+      for (double& power : of_frame) power *= median;
+    }
+    return GreyOf(mean_power, frames, step.parameters);
+  }
+  std::vector<std::vector<double>> grey = GreyOf(mean_power, frames, step.parameters);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (double& value : grey[f])
+      value = std::clamp(value + step.grey.offset, 0.0, frames[f].image.scale.full_scale);
+  }
+  return grey;
+}
+
 class Explainer {
  public:
   Explainer(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
@@ -110,6 +141,7 @@ class Explainer {
     AddSpeckle();
     if (options_.poses) AddPoses(free);
     Judge();
+    Warn();
     return std::move(result_);
   }
 
@@ -248,24 +280,39 @@ class Explainer {
   void Weigh(ExplainedStep step) {
     step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
     step.held_out = Likelihood(step, held_out_, step.mean_held_out);
+    step.error_held_out = Error(step, held_out_, step.mean_held_out);
     step.by_frame.clear();
-    for (std::size_t f = 0; f < held_out_.size(); ++f)
-      step.by_frame.push_back({.likelihood = Likelihood(step, {held_out_[f]}, {step.mean_held_out[f]})});
+    for (std::size_t f = 0; f < held_out_.size(); ++f) {
+      step.by_frame.push_back({.likelihood = Likelihood(step, {held_out_[f]}, {step.mean_held_out[f]}),
+                               .error = Error(step, {held_out_[f]}, {step.mean_held_out[f]})});
+    }
     result_.steps.push_back(std::move(step));
   }
 
-  // In blocks of one size for all steps, that of beam and pulse as given.
+  // Blocks are of one size for all steps, that of beam and pulse as given.
+  int BlockBins() const {
+    const PolarAxes& axes = sonar_.axes;
+    return BlockAlong(options_.fit.block_bins, complete_.pulse.length_m / axes.range_bin_m(),
+                      axes.range_bins);
+  }
+  int BlockBeams() const {
+    const PolarAxes& axes = sonar_.axes;
+    return BlockAlong(options_.fit.block_beams,
+                      complete_.beam.azimuth_width_deg / DegFromRad(axes.beam_spacing_rad()),
+                      axes.beam_count());
+  }
+
   BlockedLikelihood Likelihood(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
                                const std::vector<std::vector<double>>& mean_power) const {
-    const PolarAxes& axes = sonar_.axes;
-    const ParameterSet& of = complete_;
-    const int bins =
-        BlockAlong(options_.fit.block_bins, of.pulse.length_m / axes.range_bin_m(), axes.range_bins);
-    const int beams =
-        BlockAlong(options_.fit.block_beams, of.beam.azimuth_width_deg / DegFromRad(axes.beam_spacing_rad()),
-                   axes.beam_count());
+    const int bins = BlockBins();
+    const int beams = BlockBeams();
     if (step.knows_speckle) return GreyLikelihood(frames, mean_power, step.parameters, bins, beams);
     return GreyLikelihood(frames, GreyOf(mean_power, frames, step.parameters), step.grey, bins, beams);
+  }
+
+  BlockedLikelihood Error(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
+                          const std::vector<std::vector<double>>& mean_power) const {
+    return GreyError(frames, MedianGrey(step, frames, mean_power), BlockBins(), BlockBeams());
   }
 
   static int BlockAlong(int least, double widths, int extent) {
@@ -287,19 +334,40 @@ class Explainer {
       const int values = step.determined - before.determined;
       step.aic_change = 2.0 * values - 2.0 * nats;
       step.bic_change = values * std::log(cells) - 2.0 * nats;
-      step.verdict = VerdictOn(step.gain, step.bic_change);
+      step.error_change = Difference(step.error_held_out, before.error_held_out);
+      step.verdict = VerdictOn(step.gain, step.bic_change, step.error_change, options_.tie_sigmas);
       for (std::size_t f = 0; f < step.by_frame.size(); ++f) {
         JudgedFrame& frame = step.by_frame[f];
         frame.gain = Difference(frame.likelihood, before.by_frame[f].likelihood);
-        frame.verdict = VerdictOn(frame.gain, step.bic_change);
+        frame.error_change = Difference(frame.error, before.by_frame[f].error);
+        frame.verdict = VerdictOn(frame.gain, step.bic_change, frame.error_change, options_.tie_sigmas);
       }
     }
   }
 
-  Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change) const {
-    const double least = options_.tie_sigmas * gain.sigma;
-    if (gain.mean < -least) return Verdict::kWorse;
-    return gain.mean > least && bic_change < 0.0 ? Verdict::kWorthIt : Verdict::kNoMore;
+  // Of each value that ended at the end of its range, the last step that fitted it.
+  void Warn() {
+    std::map<std::string, std::string> warnings;
+    for (const ExplainedStep& step : result_.steps) {
+      for (const FittedParameter& fitted : step.fitted) {
+        if (fitted.status != ParameterStatus::kAtBound) {
+          warnings.erase(fitted.name);
+          continue;
+        }
+        warnings[fitted.name] =
+            fmt::format("step '{}': {} ended at the end of its range, {:.4g} of {:g} to {:g}{}{}",
+                        ToString(step.part), fitted.name, fitted.value, fitted.lower, fitted.upper,
+                        fitted.unit.empty() ? "" : " ", fitted.unit);
+      }
+    }
+    for (const auto& [name, sentence] : warnings) result_.warnings.push_back(sentence);
+    const double looks = result_.steps.back().parameters.receiver.looks;
+    constexpr double kBeside = 1.005;
+    if (looks < kBeside * kFewestLooks || looks > kMostLooks / kBeside) {
+      result_.warnings.push_back(
+          fmt::format("step '{}': receiver.looks ended at the end of its range, {:.3g} of {:g} to {:g}",
+                      ToString(ExplainedPart::kSpeckle), looks, kFewestLooks, kMostLooks));
+    }
   }
 
   const SonarModel& sonar_;
@@ -352,8 +420,21 @@ std::string_view ToString(Verdict verdict) {
       return "no more than noise";
     case Verdict::kWorse:
       return "worse";
+    case Verdict::kContradicted:
+      return "contradicted by the error";
   }
   return "";
+}
+
+Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change,
+                  const LikelihoodDifference& error_change, double tie_sigmas) {
+  const double least = tie_sigmas * gain.sigma;
+  const double least_error = tie_sigmas * error_change.sigma;
+  if (gain.mean < -least) {
+    return error_change.mean < -least_error ? Verdict::kContradicted : Verdict::kWorse;
+  }
+  if (!(gain.mean > least && bic_change < 0.0)) return Verdict::kNoMore;
+  return error_change.mean > least_error ? Verdict::kContradicted : Verdict::kWorthIt;
 }
 
 Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,

@@ -18,7 +18,10 @@
 // model can say that knows of none; from there on it has the law of speckle.
 //
 // A step is worth it where the likelihood of the frames held out rises by more than two standard errors and
-// the Bayesian criterion on the frames used falls. Both criteria,
+// the Bayesian criterion on the frames used falls, and their error does not rise by more than two standard
+// errors. The error is the mean absolute one of the median image, which by a step's law makes it least:
+// half of what a pixel may show lies below. Where likelihood and error say opposite things the step is
+// contradicted, neither worth it nor worse. Both criteria,
 //
 //   AIC = 2 k - 2 ln L,   BIC = k ln n - 2 ln L,
 //
@@ -44,19 +47,27 @@ enum class ExplainedPart { kStart, kResponse, kElevation, kNoise, kMaterials, kG
 std::string_view ToString(ExplainedPart part);
 
 enum class Verdict {
-  kStart,    // the first step has nothing to be compared with
-  kWorthIt,  // the frames held out are the likelier for it
-  kNoMore,   // than noise would gain: a tie
-  kWorse,    // the frames held out are the less likely
+  kStart,         // the first step has nothing to be compared with
+  kWorthIt,       // the frames held out are the likelier for it
+  kNoMore,        // than noise would gain: a tie
+  kWorse,         // the frames held out are the less likely
+  kContradicted,  // likelier, but the error rises; or less likely, but it falls
 };
 
-std::string_view ToString(Verdict verdict);  // "start", "worth it", "no more than noise", "worse"
+// "start", "worth it", "no more than noise", "worse", "contradicted by the error"
+std::string_view ToString(Verdict verdict);
+
+// `gain` of likelihood and `error_change` are those of the frames held out, over the step before.
+Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change,
+                  const LikelihoodDifference& error_change, double tie_sigmas);
 
 // What one of the frames held out says of a step. Where they are alike the sum says more; where one has been
 // half seen by the fit, as a second frame of a still scene has, each has to be heard by itself.
 struct JudgedFrame {
   BlockedLikelihood likelihood = {};
   LikelihoodDifference gain = {};  // over the step before, nats a pixel
+  BlockedLikelihood error = {};    // of the median image, of full scale
+  LikelihoodDifference error_change = {};
   Verdict verdict = Verdict::kStart;
 };
 
@@ -71,8 +82,10 @@ struct ExplainedStep {
   std::vector<Pose> poses_held_out = {};
   double nats_used = 0.0;  // a pixel
   BlockedLikelihood held_out = {};
-  LikelihoodDifference gain = {};  // of the frames held out over the step before, nats a pixel
-  double aic_change = 0.0;         // from the step before; below 0 is better
+  LikelihoodDifference gain = {};          // of the frames held out over the step before, nats a pixel
+  BlockedLikelihood error_held_out = {};   // of the median image, of full scale
+  LikelihoodDifference error_change = {};  // over the step before; above 0 is worse
+  double aic_change = 0.0;                 // from the step before; below 0 is better
   double bic_change = 0.0;
   Verdict verdict = Verdict::kStart;
   std::vector<JudgedFrame> by_frame = {};  // of the frames held out, each alone
@@ -81,6 +94,8 @@ struct ExplainedStep {
 struct Explanation {
   std::vector<ExplainedStep> steps;
   std::vector<std::string> left_out = {};  // steps, and why, in words
+  std::vector<std::string> warnings =
+      {};  // values that a fit took to the end of their range, a sentence each
   double pixels_used = 0.0;
   double pixels_a_cell = 1.0;  // that count as one independent
 };

@@ -1,7 +1,5 @@
 #include "calib/fit.h"
 
-#include <ceres/iteration_callback.h>
-#include <ceres/solver.h>
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
@@ -13,9 +11,11 @@
 #include <optional>
 #include <utility>
 
+#include "calib/curve_alternatives.h"
 #include "calib/fit_starts.h"
 #include "calib/identifiability.h"
 #include "calib/problem_builder.h"
+#include "calib/solve.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -27,18 +27,9 @@ constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to tell valleys apart
 constexpr double kLikelihoodTolerance = 1e-2;
 
-// Ends a solve where somebody wants it ended.
-class StopCallback final : public ceres::IterationCallback {
- public:
-  explicit StopCallback(const std::function<bool()>& stop) : stop_(stop) {}
-
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return stop_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  const std::function<bool()>& stop_;
-};
+// Times that a fit goes to a better curve beside the one reached, at most, and by how much better it is.
+constexpr int kMovesToBetter = 2;
+constexpr double kBetterNats = 0.05;
 
 // The state of a fit while it runs: what is still free, and why the rest is not.
 class Fitter {
@@ -77,7 +68,7 @@ class Fitter {
       usable = Solve(model_, Tolerance(), options_.max_iterations);
       if (!usable) break;
       // With priors the two are not alike: the exchanged one is a start, no answer.
-      const bool exchanged = OrderGaussians();
+      const bool exchanged = OrderGaussians(catalog_, Free(), state_.values);
       if (exchanged && model_.IsLikelihood()) usable = Solve(model_, Tolerance(), options_.max_iterations);
       if (!usable) break;
       if (model_.IsLikelihood()) {
@@ -187,41 +178,13 @@ class Fitter {
   bool Solve(const FrameModel& model, double function_tolerance, int max_iterations) {
     Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), model_.frame_count(),
                     model_.frame_count() == 1 ? "" : "s"));
-    std::vector<double> coordinates = state_.Coordinates(catalog_);
-    const auto problem = BuildProblem(model, catalog_, state_, coordinates);
-    ceres::Solver::Options solver;
-    solver.max_num_iterations = max_iterations;
-    solver.function_tolerance = function_tolerance;
-    solver.num_threads = 1;  // a frame's pixels are shared out among threads, not the frames
-    solver.logging_type = ceres::SILENT;
-    // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
-    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    std::optional<StopCallback> stop;
-    if (options_.stop) solver.callbacks.push_back(&stop.emplace(options_.stop));
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, problem.get(), &summary);
-    if (options_.stop && options_.stop()) throw FitStopped();
-    report_.iterations += static_cast<int>(summary.iterations.size());
-    report_.termination = summary.message;
-    if (!summary.IsSolutionUsable()) return false;
-    report_.cost_final = summary.final_cost;
-    state_.SetCoordinates(catalog_, coordinates);
-    return true;
-  }
-
-  // B < F by convention: the two Gaussians of a curve may be exchanged without changing it.
-  bool OrderGaussians() {
-    bool exchanged = false;
-    for (std::size_t i = 0; i + 5 < catalog_.size(); ++i) {
-      if (catalog_[i].group != ParameterGroup::kGsab || catalog_[i].index != 0) continue;
-      double* gsab = &state_.values[i];  // A, B, C, D, E, F
-      if (gsab[1] > gsab[5]) {
-        std::swap(gsab[0], gsab[4]);
-        std::swap(gsab[1], gsab[5]);
-        exchanged = true;
-      }
-    }
-    return exchanged;
+    SolveSummary summary = SolveFit(
+        model, catalog_, {.function_tolerance = function_tolerance, .max_iterations = max_iterations},
+        options_.stop, state_);
+    report_.iterations += summary.iterations;
+    report_.termination = std::move(summary.termination);
+    if (summary.usable) report_.cost_final = summary.cost;
+    return summary.usable;
   }
 
   bool AtBound(std::size_t index) const {
@@ -253,25 +216,68 @@ class Fitter {
     return equations;
   }
 
+  // Leaves the covariance at an optimum that exchanged curves do not better, and what they say of it.
+  CurveAlternatives TestCurves() {
+    for (int move = 0;; ++move) {
+      const NormalEquations equations = AccumulateInterior();
+      covariance_ = JackknifeCovariance(equations);
+      student_ = StudentFactors(equations);
+      if (!options_.test_curves || interior_.empty()) return {};
+      Say("looking for other curves that fit as well");
+      CurveAlternatives curves = FindCurveAlternatives(
+          model_, catalog_,
+          {.values = state_.values, .free = state_.active, .interior = interior_, .covariance = covariance_},
+          options_.stop);
+      if (move == kMovesToBetter || !TakeBetter(curves.better)) return curves;
+    }
+  }
+
+  // Goes to the first of these starts from which a solve of all parameters ends lower.
+  bool TakeBetter(const std::vector<ParameterValues>& starts) {
+    const ParameterValues values = state_.values;
+    const double cost = report_.cost_final;
+    const std::string termination = report_.termination;
+    for (const ParameterValues& start : starts) {
+      state_.values = start;
+      if (Solve(model_, Tolerance(), options_.max_iterations) && report_.cost_final < cost - kBetterNats) {
+        OrderGaussians(catalog_, Free(), state_.values);
+        return true;
+      }
+    }
+    state_.values = values;
+    report_.cost_final = cost;
+    report_.termination = termination;
+    return false;
+  }
+
   // With priors nothing is singular, and nothing needs to be held: what the data leave to the prior is
-  // flagged.
+  // flagged, and so is what they do not determine by itself.
   void FlagWhatPriorsDecide() {
-    const NormalEquations equations = AccumulateInterior();
+    const CurveAlternatives curves = TestCurves();
     if (interior_.empty()) return;
-    covariance_ = JackknifeCovariance(equations);
+    widening_ = curves.widening;
     std::vector<NamedCoordinate> coordinates;
     for (std::size_t i = 0; i < interior_.size(); ++i) {
       const CatalogEntry& entry = catalog_[interior_[i]];
       const double step = std::min(entry.prior->sigma, entry.typical_step);
       coordinates.push_back({entry.name, step, entry.logarithmic});
-      const auto k = static_cast<Eigen::Index>(i);
       // Not a number where one block alone determines a parameter: that counts as open.
-      if (!(covariance_(k, k) <= kOpenShare * step * step))
+      if (!(Sigma(i) <= std::sqrt(kOpenShare) * step))
         status_[interior_[i]] = ParameterStatus::kUnidentifiable;
     }
+    for (const int entry : curves.not_separate) status_[entry] = ParameterStatus::kUnidentifiable;
+    report_.unidentifiable_directions.insert(report_.unidentifiable_directions.end(),
+                                             curves.sentences.begin(), curves.sentences.end());
     if (!covariance_.allFinite()) return;
     for (std::string& words : OpenDirections(covariance_, coordinates))
       report_.unidentifiable_directions.push_back(std::move(words));
+  }
+
+  // Standard error of the coordinate of an entry of `interior_`: 1.96 of it either way is a 95 % interval.
+  double Sigma(std::size_t i) const {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double student = student_.size() > 0 ? student_(k) : 1.0;
+    return student * std::sqrt(covariance_(k, k)) * (widening_.empty() ? 1.0 : widening_[interior_[i]]);
   }
 
   // Freezes what the data leave open, one parameter after the other until the rest is determined; false where
@@ -315,12 +321,14 @@ class Fitter {
     if (covariance_.rows() == static_cast<Eigen::Index>(interior_.size())) {
       for (std::size_t i = 0; i < interior_.size(); ++i) {
         const CatalogEntry& entry = catalog_[interior_[i]];
-        const auto k = static_cast<Eigen::Index>(i);
-        sigma[interior_[i]] = std::sqrt(covariance_(k, k)) * entry.ValueSlope(state_.values[interior_[i]]);
+        sigma[interior_[i]] = Sigma(i) * entry.ValueSlope(state_.values[interior_[i]]);
         report_.correlation_names.push_back(entry.name);
       }
       report_.correlation = CorrelationFromCovariance(covariance_);
-      report_.curves = FittedCurves(catalog_, model_.material_names(), state_.values, interior_, covariance_);
+      Eigen::MatrixXd covariance = covariance_;
+      if (student_.size() > 0 && student_.allFinite())
+        covariance = student_.asDiagonal() * covariance_ * student_.asDiagonal();
+      report_.curves = FittedCurves(catalog_, model_.material_names(), state_.values, interior_, covariance);
     }
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       const CatalogEntry& entry = catalog_[i];
@@ -360,6 +368,14 @@ class Fitter {
         fmt::format("held {} at the values given: source level {}, and a common factor on A, C and E of all "
                     "materials are one number, carried by the materials",
                     fmt::join(held, " and "), acoustic ? "and gain" : "minus db_min"));
+    if (!acoustic) {
+      report_.gauge.emplace_back(
+          "A, C and E of every material have a prior about the paper's curve 70 dB above db_min at 1 m, 20 "
+          "dB "
+          "wide; B, D and F about the paper's values, a factor of e, 1 and a factor of e wide; other free "
+          "parameters about the value given, one surprising step wide; a configuration (--config) may give "
+          "others");
+    }
     if (acoustic) {
       report_.gauge.emplace_back(
           "every free parameter has a prior about the value given, one surprising step wide: a factor of ten "
@@ -376,6 +392,8 @@ class Fitter {
   FitState state_;
   std::vector<int> interior_;
   Eigen::MatrixXd covariance_;
+  Eigen::VectorXd student_;       // of standard errors, by entry of `interior_`; empty: 1
+  std::vector<double> widening_;  // of standard errors, by catalog entry; empty: 1
   FitReport report_;
 };
 
@@ -407,6 +425,13 @@ std::vector<double> MeasuredForFit(const PolarImage& image) {
   return measured;
 }
 
+double GreyLevel(const PolarImage& image) {
+  const auto whole = [](float value) { return value == std::round(value); };
+  return std::all_of(image.value.values().begin(), image.value.values().end(), whole)
+             ? 1.0 / image.scale.full_scale
+             : 0.0;
+}
+
 ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
              const FitOptions& options) {
   options.Check();
@@ -414,22 +439,6 @@ ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitC
   if (options.threads == 0) return Fitter(model, initial, config, options).Run();
   tbb::task_arena arena(options.threads);
   return arena.execute([&] { return Fitter(model, initial, config, options).Run(); });
-}
-
-std::vector<std::string> PaperFreeByDefault() {
-  return {"materials", "display.db_max", "jitter.sigma_range_m", "jitter.sigma_azimuth_deg"};
-}
-
-FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
-                        const std::vector<std::string>& material_names, const ParameterSet& initial,
-                        const FitConfig& config, const FitOptions& options) {
-  const PaperFrameModel model(frames, geometry, material_names, initial);
-  FitConfig complete = config;
-  if (!complete.free) complete.free = PaperFreeByDefault();
-  ModelFit fit = Fit(model, model.Values(initial), complete, options);
-  FitResult result{.parameters = initial, .report = std::move(fit.report), .usable = fit.usable};
-  model.Store(fit.values, result.parameters);
-  return result;
 }
 
 }  // namespace sonarcal

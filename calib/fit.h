@@ -1,13 +1,17 @@
-// Fits the paper model's parameters to recorded polar images by least squares (Ceres).
+// Fits a model's parameters to recorded polar images by least squares (Ceres).
 //
-// The residual of a pixel is the expected image (sim/expected_paper_image.h, the function that also renders)
-// minus the recorded one, in units of full scale. Frames are given as echo histograms, so a fit of materials
-// casts no ray. Sigmas come from a sandwich covariance over blocks of pixels: neighbouring pixels share
-// speckle grain and range errors, and the plain least-squares covariance would be too small.
+// The residual of a pixel of the paper's model is the expected recorded value minus the recorded one
+// (calib/paper_likelihood.h), in units of the noise that the frames show. Frames are given as echo
+// histograms, so a fit of materials casts no ray. Sigmas come from a sandwich covariance over blocks of
+// pixels: neighbouring pixels share speckle grain and range errors, and the plain least-squares covariance
+// would be too small.
 //
-// What the data cannot tell is found and said: a parameter whose material is in no frame, one that makes the
-// scaled Jacobian singular, and one whose sigma exceeds a surprising step (parameter_catalog.h) are frozen at
-// their initial value, reported as unidentifiable, and the rest is solved again.
+// What the data cannot tell is found and said: a parameter whose material is in no frame stays where it was;
+// others have priors, and where the data leave most of a prior's variance, a parameter is reported as
+// unidentifiable. (Without noise there are no priors: then parameters that the data leave open are held at
+// their initial value, and the rest is solved again.)
+// In a fit by likelihood, what other curves fit as well (calib/curve_alternatives.h) is reported alike,
+// without sigma.
 #pragma once
 
 #include <string>
@@ -23,6 +27,9 @@ namespace sonarcal {
 
 // Values of an image as a fit wants them. Throws DataError where they are not grey levels.
 std::vector<double> MeasuredForFit(const PolarImage& image);
+
+// One grey level, of full scale, where all values are whole; 0 where they are not rounded.
+double GreyLevel(const PolarImage& image);
 
 // What a fit of any model found.
 struct ModelFit {

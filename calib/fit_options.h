@@ -21,6 +21,7 @@ struct FitOptions {
   int block_bins = 8;                // pixels of a covariance block, at least: where pulse or beam are wide,
   int block_beams = 16;              // eight of their widths
   bool search_level = true;          // look for a starting level and dB range before the first solve
+  bool test_curves = true;   // ask whether other values of a curve fit as well (calib/curve_alternatives.h)
   bool rough = false;        // end after the starts, with values but no sigmas: for a round among others
   bool down_weight = false;  // let pixels that the scene does not explain count less (acoustic model)
   std::function<void(const std::string&)> progress;  // told what is being done, one line at a time

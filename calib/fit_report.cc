@@ -1,5 +1,6 @@
 #include "calib/fit_report.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -38,9 +39,15 @@ const FittedParameter* FitReport::Find(const std::string& name) const {
   return nullptr;
 }
 
+bool HasTruth(const FitReport& report) {
+  return std::any_of(report.parameters.begin(), report.parameters.end(),
+                     [](const FittedParameter& p) { return p.truth.has_value(); });
+}
+
 std::string FitReportJson(const FitReport& report, const std::string& extra_members) {
   Json json;
   json["format"] = "sonar-fit/1";
+  json["warnings"] = report.warnings;
   json["parameters"] = Json::array();
   for (const FittedParameter& p : report.parameters) {
     json["parameters"].push_back({{"name", p.name},
@@ -50,7 +57,8 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
                                   {"initial", FiniteOrNull(p.initial)},
                                   {"lower", p.lower},
                                   {"upper", p.upper},
-                                  {"status", ToString(p.status)}});
+                                  {"status", ToString(p.status)},
+                                  {"truth", p.truth ? Json(*p.truth) : Json(nullptr)}});
   }
   json["gauge"] = report.gauge;
   json["unidentifiable_directions"] = report.unidentifiable_directions;
@@ -78,6 +86,7 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
                               {"incidence_deg", curve.incidence_deg},
                               {"backscatter_db", curve.backscatter_db},
                               {"sigma_db", std::move(sigma_db)}});
+    if (!curve.truth_db.empty()) json["curves"].back()["truth_db"] = curve.truth_db;
   }
   if (report.down_weighted_share) json["down_weighted_share"] = *report.down_weighted_share;
   json["start_costs"] = report.start_costs;

@@ -23,6 +23,7 @@ struct FittedParameter {
   double lower = 0.0;
   double upper = 0.0;
   ParameterStatus status = ParameterStatus::kFixed;
+  std::optional<double> truth = {};  // known of simulated recordings only
 };
 
 struct ResidualSummary {
@@ -31,6 +32,8 @@ struct ResidualSummary {
 };
 
 struct FitReport {
+  // What makes the fit doubtful: one full sentence each, without a full stop. Shown before any figure.
+  std::vector<std::string> warnings;
   std::vector<FittedParameter> parameters;
   std::vector<std::string> gauge;                      // what was fixed and why, in words
   std::vector<std::string> unidentifiable_directions;  // in words
@@ -55,6 +58,9 @@ struct FitReport {
 
   const FittedParameter* Find(const std::string& name) const;
 };
+
+// Whether the true value of any parameter is known.
+bool HasTruth(const FitReport& report);
 
 // The object of `fit.json` as JSON text; `extra_members` is JSON text of further members, such as
 // `"metrics_before": {...}`, or empty.

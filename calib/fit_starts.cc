@@ -9,16 +9,9 @@
 namespace sonarcal {
 namespace {
 
-// Curves to start from, relative to C = 1: narrow, middling and wide peaks.
-struct StartShape {
-  double a;
-  double b_deg;
-  double e;
-  double f_deg;
-  double d;
-};
-constexpr std::array<StartShape, 3> kStartShapes = {
-    {{100.0, 2.0, 10.0, 10.0, 1.0}, {30.0, 5.0, 5.0, 16.0, 1.5}, {10.0, 8.0, 3.0, 30.0, 2.0}}};
+// Narrow, middling and wide peaks: A, B, C, D, E, F.
+constexpr std::array<std::array<double, 6>, kStartShapeCount> kStartShapes = {
+    {{100.0, 2.0, 1.0, 1.0, 10.0, 10.0}, {30.0, 5.0, 1.0, 1.5, 5.0, 16.0}, {10.0, 8.0, 1.0, 2.0, 3.0, 30.0}}};
 
 }  // namespace
 
@@ -73,14 +66,17 @@ ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEn
   return best;
 }
 
+std::array<double, 6> StartCurve(int shape) {
+  return kStartShapes[(shape - 1) % kStartShapes.size()];
+}
+
 ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
                                const ParameterValues& start, int shape_number) {
-  const StartShape& shape = kStartShapes[(shape_number - 1) % kStartShapes.size()];
+  const std::array<double, 6> of = StartCurve(shape_number);
   ParameterValues values = start;
   for (std::size_t i = 0; i < catalog.size(); ++i) {
     const CatalogEntry& entry = catalog[i];
     if (entry.group != ParameterGroup::kGsab || !free[i]) continue;
-    const std::array<double, 6> of = {shape.a, shape.b_deg, 1.0, shape.d, shape.e, shape.f_deg};
     values[i] = std::clamp(of[entry.index], entry.lower, entry.upper);
   }
   return values;

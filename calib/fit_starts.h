@@ -2,6 +2,7 @@
 // a slope; and a backscatter curve has more than one valley, as narrow and wide Gaussians can trade places.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "calib/frame_model.h"
@@ -20,6 +21,11 @@ inline bool IsAmplitude(const CatalogEntry& entry) {
 // returns the values that explain it best, within the bounds.
 ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                             const std::vector<bool>& free, const ParameterValues& start);
+
+// A, B, C, D, E and F of the curves that a fit starts from besides the given one, relative to C = 1; `shape`
+// counts from 1, any number of them.
+inline constexpr int kStartShapeCount = 3;
+std::array<double, 6> StartCurve(int shape);
 
 // The values with other curves for the materials that are free: `shape` counts from 1, any number of them.
 ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,

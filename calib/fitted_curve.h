@@ -14,7 +14,8 @@ struct FittedCurve {
   std::string material;
   std::vector<double> incidence_deg;
   std::vector<double> backscatter_db;
-  std::vector<double> sigma_db;  // by linear propagation; 1.96 of it either way is a 95 % band
+  std::vector<double> sigma_db;       // by linear propagation; 1.96 of it either way is a 95 % band
+  std::vector<double> truth_db = {};  // of simulated recordings; empty: not known
 };
 
 // The curves of the materials that `fitted` entries of the catalog belong to, every degree of 0 .. 90;

@@ -8,7 +8,7 @@
 //   expected information     = information x (d eta / d parameter)(d eta / d parameter)^T
 //
 // and half the sum of squared residuals is the negative log-likelihood, up to a constant and, for the paper
-// model, which knows no noise, up to a factor.
+// model as long as its noise is not known, up to a factor.
 #pragma once
 
 #include <cstddef>
@@ -69,6 +69,9 @@ class FrameModel {
   // Whether half the sum of squares is a negative log-likelihood, noise and all: then a prior can be weighed
   // against it.
   virtual bool IsLikelihood() const = 0;
+
+  // Whether derivatives cost little more than the residuals alone.
+  virtual bool DerivativesAreCheap() const { return true; }
 
   // What is asked for besides the residuals: nothing, what a solver needs (slope and Jacobian with respect
   // to the entries `active` of the catalog), or information too.

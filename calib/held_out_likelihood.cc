@@ -182,6 +182,15 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
   });
 }
 
+BlockedLikelihood GreyError(const std::vector<GreyFrame>& frames,
+                            const std::vector<std::vector<double>>& shown, int block_bins, int block_beams) {
+  return InBlocks(frames, block_bins, block_beams, [&](std::size_t f) {
+    return [full_scale = FullScale(frames[f].image), &of = shown[f]](int level, std::size_t pixel) {
+      return std::abs(level - of[pixel]) / full_scale;
+    };
+  });
+}
+
 LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelihood& b) {
   SONARCAL_CHECK(a.pixels == b.pixels, "likelihoods of other pixels");
   const double pixels = a.Pixels();

@@ -68,13 +68,18 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& expected_grey,
                                  const NormalGreyLaw& law, int block_bins, int block_beams);
 
+// Absolute differences between the frames and `shown` (grey values by frame, range_bins x beams), of full
+// scale, over the same blocks: sums stand in place of nats.
+BlockedLikelihood GreyError(const std::vector<GreyFrame>& frames,
+                            const std::vector<std::vector<double>>& shown, int block_bins, int block_beams);
+
 // What one model has over another, nats a pixel.
 struct LikelihoodDifference {
   double mean = 0.0;
   double sigma = 0.0;  // standard error over blocks; 0 of a single block
 };
 
-// a - b, of the same pixels in the same blocks.
+// a - b, of the same pixels in the same blocks; of errors, of full scale.
 LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelihood& b);
 
 // The number of looks, kFewestLooks..kMostLooks, that explains the frames best about these means.

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -136,6 +137,32 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
     covariance += of_prior * of_prior.transpose();
   }
   return covariance;
+}
+
+Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
+  constexpr double kFewest = 2.0;  // degrees of freedom
+  constexpr double z = 1.959964;
+  const Eigen::Index n = equations.information.rows();
+  Eigen::MatrixXd information = equations.information;
+  if (equations.prior.size() > 0) information.diagonal() += equations.prior;
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::MatrixXd inverse = scale.asDiagonal() * Eigen::MatrixXd(scaled.inverse()) * scale.asDiagonal();
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd square = Eigen::VectorXd::Zero(n);
+  for (const NormalEquations::Block& block : equations.blocks) {
+    const Eigen::VectorXd share = (inverse * block.information).cwiseProduct(inverse).rowwise().sum();
+    sum += share;
+    square += share.cwiseAbs2();
+  }
+  // The quantile of Student's law by its expansion about the normal one (Abramowitz & Stegun 26.7.5).
+  return sum.cwiseAbs2().cwiseQuotient(square).unaryExpr([](double freedom) {
+    if (!(freedom >= kFewest)) return std::numeric_limits<double>::infinity();
+    const double z2 = z * z;
+    return 1.0 + (z2 + 1.0) / (4.0 * freedom) +
+           (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * freedom * freedom) +
+           (3.0 * z2 * z2 * z2 + 19.0 * z2 * z2 + 17.0 * z2 - 15.0) / (384.0 * std::pow(freedom, 3));
+  });
 }
 
 std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "calib/held_out_frames.h"
 #include "calib/noise_background.h"
 #include "calib/noise_fit_report.h"
 #include "calib/noise_form.h"
@@ -181,6 +182,7 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   for (int frame = 0; frame < recording.frame_count(); ++frame) {
     if (!std::binary_search(held_out.begin(), held_out.end(), frame)) frames_used.push_back(frame);
   }
+  CheckHeldOut(recording, {.used = frames_used, .held_out = held_out});
   SetJudges(held_out, frames_used, fit);
   Pings used = ReadPings(recording, frames_used, fit.cells);
   const std::vector<NoiseForm> forms = DisplayForms(recording.info(), options);

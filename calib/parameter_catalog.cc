@@ -75,13 +75,8 @@ struct Limits {
   double lower;
   double upper;
 };
-constexpr std::array<Limits, 6> kAcousticGsabBounds = {
+constexpr std::array<Limits, 6> kRealGsabBounds = {
     {{1e-7, 100.0}, {0.5, 20.0}, {1e-7, 1.0}, {0.0, 5.0}, {1e-7, 10.0}, {3.0, 60.0}}};
-
-void Narrow(const Limits& limits, CatalogEntry& entry) {
-  entry.lower = limits.lower;
-  entry.upper = limits.upper;
-}
 
 // How far aside a transmitter sends: to the outer beams, and no further than rays for ghosts go.
 CatalogEntry TransmitEntry(const SonarModel& sonar) {
@@ -161,6 +156,11 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
   return catalog;
 }
 
+void NarrowToRealCurves(CatalogEntry& gsab_entry) {
+  gsab_entry.lower = kRealGsabBounds[gsab_entry.index].lower;
+  gsab_entry.upper = kRealGsabBounds[gsab_entry.index].upper;
+}
+
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors) {
@@ -192,7 +192,7 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
       WidthEntry("pulse.length_m", "m", ParameterGroup::kPulse, sonar.axes.range_bin_m(), 16.0));
   AddMaterials(material_names, catalog);
   for (auto& entry : catalog) {
-    if (entry.group == ParameterGroup::kGsab) Narrow(kAcousticGsabBounds[entry.index], entry);
+    if (entry.group == ParameterGroup::kGsab) NarrowToRealCurves(entry);
   }
   if (std::count(mirrors.begin(), mirrors.end(), 1) > 0) {
     catalog.push_back(TransmitEntry(sonar));

@@ -99,6 +99,10 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors = {});
 
+// Narrows the bounds of a curve's entry to what curves of real surfaces stay within: of widths and the
+// exponent; and of amplitudes, as backscatter per unit area.
+void NarrowToRealCurves(CatalogEntry& gsab_entry);
+
 // Beam, pulse and pose: what decides where an echo arrives; and how far aside is sent, which decides whether
 // it does. None of them can be changed without tracing or gathering again.
 inline bool IsGeometric(const CatalogEntry& entry) {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "calib/power_likelihood.h"
 #include "sim/vector_versions.h"
 
 namespace sonarcal::pixel_math {
@@ -93,7 +94,7 @@ void Likelihood(const double* __restrict power, const double* __restrict mean, i
   constexpr double kNear = 1e-4;
   const double root_looks = std::sqrt(looks);
   for (int i = 0; i < count; ++i) {
-    const double x = std::max(power[i] / mean[i], 1e-300);
+    const double x = std::min(std::max(power[i] / mean[i], kLeastRatio), kMostRatio);
     const double e = x - 1.0;
     const double size = std::abs(e);
     const bool near = size < kNear;
@@ -110,13 +111,14 @@ void SingleLookInformation(double lowest, double highest, const double* __restri
                            double* __restrict information) {
   // The integrals of ExpectedInformation, summed: with a and b the display's ends over the mean,
   // (1 + a^2) exp(-a) + a^2 exp(-2 a) / (1 - exp(-a)) - exp(-b).
+  constexpr double kFarthest = 700.0;  // exp(-kFarthest) is as good as 0, and its square times that no NaN
   for (int i = 0; i < count; ++i) {
-    const double a = lowest / mean[i];
-    const double b = highest / mean[i];
+    const double a = std::min(lowest / mean[i], kFarthest);
+    const double b = std::min(highest / mean[i], kFarthest);
     const double beyond_a = std::exp(-a);
     const double beyond_b = std::exp(-b);
-    // 1 - exp(-a) keeps enough digits: what it divides is less by a^2 than what it is added to.
-    const double below = std::max(1.0 - beyond_a, 1e-300);
+    // 1 - exp(-a) is no less than a - a^2 / 2, which keeps its digits near 0. Not 0, where a is.
+    const double below = std::max(std::max(1.0 - beyond_a, a - 0.5 * a * a), 1e-300);
     const double of_bottom = a * beyond_a;
     information[i] = std::max((1.0 + a * a) * beyond_a + of_bottom * of_bottom / below - beyond_b, 0.0);
   }

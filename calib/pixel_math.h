@@ -3,8 +3,8 @@
 // sim/pixel_echoes.h, stated there; here they are only evaluated, and the tests hold the two against each
 // other.
 //
-// This file's source is compiled with relaxed floating point (no NaN, no infinity), in one version for any
-// processor and one for those with AVX2, chosen when the program starts.
+// This file's source is compiled in one version for any processor and one for those with AVX2, chosen when
+// the program starts. Infinities and NaN keep their meaning in both.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,11 @@ void SumCurves(const PixelEchoes& echoes, std::span<const std::uint32_t> pixels,
 void AddGhosts(const PixelEchoes& ghosts, std::span<const std::uint32_t> pixels,
                std::span<const double> parts, std::span<const double> passed, double* sums, double* by_way);
 
-// PowerLikelihood of pixels that are not clipped. power, mean > 0.
+// PowerLikelihood of pixels that are not clipped. power >= 0, mean > 0.
 void Likelihood(const double* power, const double* mean, int count, double looks, double* residual,
                 double* slope);
 
-// ExpectedInformation of a single look.
+// ExpectedInformation of a single look. 0 <= lowest < highest, which may be infinite; mean > 0.
 void SingleLookInformation(double lowest, double highest, const double* mean, int count, double* information);
 
 // Adds to sum (n x n, row by row; its lower triangle is what counts) the weighted outer products of rows

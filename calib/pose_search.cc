@@ -14,7 +14,6 @@
 
 #include "calib/smoothing.h"
 #include "data_io/types/units.h"
-#include "sim/physics/receiver.h"
 
 namespace sonarcal {
 namespace {
@@ -90,22 +89,20 @@ class Matcher {
   const PolarAxes& axes() const { return simulator_->sonar().axes; }
   long rays_cast() const { return simulator_->caster().rays_cast(); }
 
-  // Echo power of the target alone, at no gain.
-  PolarImage EchoPower(const TargetPose& pose) const {
+  // Mean echo power of the target, without the candidate's gain.
+  Grid<double> EchoPower(const TargetPose& pose) const {
     const EchoList echoes = simulator_->TraceEchoes(pose.WorldFromSonar());
-    ParameterSet silent = parameters_;
-    silent.receiver.noise_db.reset();
-    const AcousticGeometry geometry{simulator_->sonar(), simulator_->absorption_db_per_m()};
-    return ExpectedPower(MakeScatterMap(echoes, simulator_->fan(), geometry, silent), geometry, silent);
+    const ScatterMap scatter = MakeScatterMap(echoes, simulator_->fan(), geometry(), parameters_);
+    return EchoPowerImage(scatter, geometry(), parameters_);
   }
 
-  // What the display shows of that power, smoothed, full scale 1.
-  Grid<float> Displayed(const PolarImage& echo_power, double gain_db) const {
-    PolarImage power = echo_power;
+  // Expected display of echoes of that power and of the noise floor, smoothed, full scale 1. The gain is the
+  // target's: it does not change the noise.
+  Grid<float> Displayed(Grid<double> power, double gain_db) const {
     const double gain = PowerFromDb(gain_db);
-    const double noise = parameters_.receiver.noise_db ? PowerFromDb(*parameters_.receiver.noise_db) : 0.0;
-    for (float& value : power.value.values()) value = static_cast<float>(gain * value + noise);
-    PolarImage shown = ExpectedDisplay(power, parameters_, 1.0);
+    for (double& value : power.values()) value *= gain;
+    AddNoiseFloor(geometry(), parameters_, power);
+    PolarImage shown = ExpectedDisplay(PowerImage(axes(), power), parameters_, 1.0);
     Smooth(shown.value, options_.smooth_bins / factor_, options_.smooth_beams);
     return shown.value;
   }
@@ -121,7 +118,7 @@ class Matcher {
 
   // The best of a range of gains at a pose.
   PoseCandidate BestGain(const TargetPose& pose) const {
-    const PolarImage power = EchoPower(pose);
+    const Grid<double> power = EchoPower(pose);
     PoseCandidate best{.pose = pose, .gain_db = 0.0, .cost = std::numeric_limits<double>::infinity()};
     for (double gain_db = -30.0; gain_db <= 30.0; gain_db += 5.0) {
       const double cost = Cost(Displayed(power, gain_db));
@@ -180,6 +177,8 @@ class Matcher {
   }
 
  private:
+  AcousticGeometry geometry() const { return {simulator_->sonar(), simulator_->absorption_db_per_m()}; }
+
   const PoseSearchOptions& options_;
   int factor_;
   ParameterSet parameters_;

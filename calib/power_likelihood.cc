@@ -41,10 +41,11 @@ LikelihoodTerm Censored(double probability, double rest, double slope_of_log) {
 }  // namespace
 
 LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, double looks) {
-  // A power of nothing is as far away as the smallest number.
-  const double x = std::max(recorded.power / mean, 1e-300);
+  const double x = std::min(std::max(recorded.power / mean, kLeastRatio), kMostRatio);
   switch (recorded.censoring) {
     case Censoring::kAtMost: {
+      // Of no power at all every mean is as unlikely.
+      if (recorded.power == 0.0) return {std::sqrt(-2.0 * std::log(kTiny)), 0.0};
       // For tiny x, F(x) -> (L x)^L / Gamma(L + 1) and x f / F -> L.
       const double below = looks == 1.0 ? -std::expm1(-x) : igamma(looks, looks * x);
       if (below < kTiny) return Censored(kTiny, 1.0, -looks);
@@ -80,6 +81,8 @@ double ExpectedInformation(double lowest, double highest, double mean, double lo
   double information = looks;
   // What lies beyond x has a probability of at most exp(-L (x - 1 - ln x)).
   const auto is_reached = [looks](double x) { return looks * (x - 1.0 - std::log(x)) < 40.0; };
+  // Everything is clipped.
+  if ((a > 1.0 && !is_reached(a)) || !(b > 0.0)) return 0.0;
   if (b < 1.0 || is_reached(b)) {
     const double above = looks == 1.0 ? std::exp(-b) : igammac(looks, looks * b);
     information = interior_below(b);

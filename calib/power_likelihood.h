@@ -26,11 +26,17 @@ struct LikelihoodTerm {
   double slope = 0.0;  // d residual / d eta
 };
 
-// mean > 0, looks > 0.
+// Ratios of a power to its mean are kept within these: a power of nothing, or one without end, is as far
+// away.
+inline constexpr double kLeastRatio = 1e-300;
+inline constexpr double kMostRatio = 1e300;
+
+// power >= 0, mean > 0, looks > 0.
 LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, double looks);
 
 // Expected square of the score d (residual^2 / 2) / d eta of a pixel whose display shows powers between
-// `lowest` and `highest`: L where nothing is clipped, less where something is.
+// `lowest` and `highest`: L where nothing is clipped, less where something is. 0 <= lowest < highest, which
+// may be infinite; mean > 0, looks > 0.
 double ExpectedInformation(double lowest, double highest, double mean, double looks);
 
 }  // namespace sonarcal

@@ -134,8 +134,8 @@ class FrameCost final : public ceres::CostFunction {
     const FitState state{.active = mine_.active, .values = std::move(all.values)};
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
     // A step is tried first, and its derivatives asked for when it was good: summed at once, and kept, where
-    // they cost little more (the paper model's cost ten times the image).
-    const bool differentiate = derivatives || model_.IsLikelihood();
+    // they cost little more.
+    const bool differentiate = derivatives || model_.DerivativesAreCheap();
     const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
     if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
       sums_ = SumFrame(model_, catalog_, state, frame_, differentiate);

@@ -21,6 +21,7 @@
 #include "calib/background_display.h"
 #include "calib/bomb_fit.h"
 #include "calib/target_fit.h"
+#include "data_io/aris3000_frames_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/types/units.h"
 #include "metrics/compare.h"
@@ -153,7 +154,7 @@ TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
 TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
   const auto recording = OpenRecording(folder);
-  const auto other = OpenRecording(folder / "other_pose_fan.png");
+  const auto other = OpenAris3000FanPicture(folder / "other_pose_fan.png", BombOtherPoseFan());
   const PolarImage judged = other->ReadFrame(0).image;
   ParameterSet known = FitFrame0(*recording).fit.parameters;
   // Level and display count from the noise of each image; all else stays.

@@ -4,12 +4,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
 #include "calib/acoustic_fit.h"
 #include "calib/problem_builder.h"
 #include "data_io/types/units.h"
+#include "sim/physics/gsab.h"
 #include "sim/random.h"
 #include "tests/calib/small_tank.h"
 
@@ -69,7 +71,7 @@ class Study {
  public:
   explicit Study(const CoverageOptions& options)
       : options_(options),
-        truth_(WithPulse(options)),
+        truth_(Truth(options)),
         simulator_(SmallTank(), Sonar(options), Noisy()),
         frames_(TraceFrames()),
         model_(simulator_, frames_, truth_),
@@ -105,18 +107,29 @@ class Study {
         ++table.failed;
         continue;
       }
+      CountCurves(fit);
       pooled += Count(fit, LinearError(initial), tallies);
       if (options_.progress) options_.progress(set + 1);
     }
     const double counted = std::max(1, options_.data_sets - table.failed);
     table.variance_over_bound = pooled / counted / static_cast<double>(free_.size());
+    table.curves_covered_95 =
+        static_cast<double>(curve_covered_) / static_cast<double>(std::max(1L, curve_points_));
     for (std::size_t k = 0; k < free_.size(); ++k) table.rows.push_back(Row(k, tallies[k]));
     return table;
   }
 
  private:
-  static ParameterSet WithPulse(const CoverageOptions& options) {
+  static ParameterSet Truth(const CoverageOptions& options) {
     ParameterSet truth = SmallTankAcousticTruth();
+    if (options.tank_curves) {
+      truth.materials["floor"].gsab = {
+          .a = 0.1, .b_deg = 5.0, .c = 0.002, .d = 1.8, .e = 0.01, .f_deg = 11.0};
+      truth.materials["box"].gsab = {
+          .a = 0.126, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0};
+      truth.receiver.noise_db = 112.0;
+      truth.display = {.db_min = 102.0, .db_max = 152.0};
+    }
     truth.pulse.length_m = options.pulse_bins * SmallSonar().axes.range_bin_m();
     return truth;
   }
@@ -153,8 +166,19 @@ class Study {
     return shown;
   }
 
+  ParameterValues ReadmeInitial() const {
+    constexpr std::array<double, 6> kCurve = {0.05, 5.0, 0.005, 1.5, 0.02, 15.0};
+    ParameterValues initial = model_.initial_values();
+    for (const int i : free_) {
+      initial[i] = catalog_[i].group == ParameterGroup::kGsab ? kCurve[catalog_[i].index]
+                                                              : NoiseStartDb(frames_, truth_.receiver.looks);
+    }
+    return initial;
+  }
+
   // What somebody knew beforehand: values about the truth, as the priors say.
   ParameterValues DrawInitial(int set) const {
+    if (options_.start == Start::kReadme) return ReadmeInitial();
     const CounterRandom random(options_.seed << 32 | static_cast<std::uint64_t>(set), 1);
     ParameterValues initial = model_.initial_values();
     for (const int i : free_) {
@@ -186,6 +210,18 @@ class Study {
     Eigen::VectorXd gradient = -prior_.cwiseProduct(FromTruth(prior_centre));
     for (const NormalEquations::Block& block : EquationsAtTruth().blocks) gradient += block.score;
     return -bound_ * gradient;
+  }
+
+  // Adds the points of a fit's curves.
+  void CountCurves(const ModelFit& fit) {
+    for (const FittedCurve& curve : fit.report.curves) {
+      for (std::size_t i = 0; i < curve.incidence_deg.size(); ++i) {
+        if (curve.incidence_deg[i] < 5.0 || curve.incidence_deg[i] > 80.0) continue;
+        const double true_db = GsabDb(truth_.Material(curve.material).gsab, curve.incidence_deg[i]);
+        ++curve_points_;
+        if (std::abs(curve.backscatter_db[i] - true_db) <= kTwoSided95 * curve.sigma_db[i]) ++curve_covered_;
+      }
+    }
   }
 
   // Adds a fit's errors; returns their square in units of the bound.
@@ -243,6 +279,8 @@ class Study {
   Eigen::VectorXd prior_;        // 1 / variance
   Eigen::MatrixXd information_;  // expected, the priors' included
   Eigen::MatrixXd bound_;        // its inverse
+  long curve_points_ = 0;
+  long curve_covered_ = 0;
 };
 
 }  // namespace

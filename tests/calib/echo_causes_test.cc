@@ -22,6 +22,9 @@ class EchoCausesTest : public ::testing::Test {
     for (const char* name : {"wall", "board"}) parameters.materials[name] = parameters.materials["box"];
     parameters.mirrors["floor"].loss_db = 3.0;
     parameters.mirrors["wall"].loss_db = 5.0;
+    const int beams = testing::SmallSonar().axes.beam_count();
+    for (int beam = 0; beam < beams; ++beam)
+      parameters.beam.sensitivity_db.push_back(0.1 * (beam % 20) - 1.5);
     return parameters;
   }
 
@@ -71,7 +74,7 @@ TEST_F(EchoCausesTest, TogetherTheyAreTheExpectedPower) {
 // Rendered one by one, the slow way: a material alone, a mirror's ghosts as what it adds. Where lobes matter
 // this can't tell, and is not asked.
 TEST_F(EchoCausesTest, TheLargestIsThatOfImagesRenderedOneByOne) {
-  const ElevationResponse elevation = ElevationResponseOf(simulator_.sonar(), Parameters());
+  const ElevationResponse elevation = ElevationResponseOf(simulator_.sonar(), Parameters().beam);
   const double end_rad = MainLobeEndRad(elevation);
   long compared = 0;
   long lobes = 0;

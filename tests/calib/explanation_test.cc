@@ -109,6 +109,19 @@ TEST_F(ExplanationTest, GhostsThatAreThereAreWorthIt) {
   EXPECT_TRUE(StepOf(explanation, ExplainedPart::kSpeckle).knows_speckle);
   EXPECT_LT(ErrorOf(explanation.steps.back(), frames.held_out),
             ErrorOf(explanation.steps.front(), frames.held_out));
+  // By hand: the error of the image of which half of each pixel's law lies below. Before speckle that is what
+  // is expected, by medians; with a single look ln 2 of the mean power.
+  for (const ExplainedPart part : {ExplainedPart::kMaterials, ExplainedPart::kGhosts}) {
+    const ExplainedStep& step = StepOf(explanation, part);
+    const double pixels = step.error_held_out.Pixels();
+    EXPECT_NEAR(255.0 * pixels * step.error_held_out.PerPixel(), ErrorOf(step, frames.held_out),
+                0.01 * pixels);
+  }
+  EXPECT_LT(ghosts.error_change.mean, 0.0);
+  const ExplainedStep& speckle = StepOf(explanation, ExplainedPart::kSpeckle);
+  EXPECT_LT(speckle.error_held_out.PerPixel(),
+            ErrorOf(speckle, frames.held_out) / 255.0 / speckle.error_held_out.Pixels())
+      << "no image has a lower mean absolute error than the median";
   // By hand: the criteria are twice the nats of independent cells, and what values cost.
   const double cells = explanation.pixels_used / explanation.pixels_a_cell;
   const double nats = cells * (ghosts.nats_used - before.nats_used);
@@ -171,6 +184,20 @@ TEST_F(ExplanationTest, ASingleMaterialMakesNoStep) {
   EXPECT_EQ(explanation.steps.size(), 5U);
   EXPECT_EQ(explanation.left_out.size(), 2U);
   EXPECT_TRUE(explanation.steps.back().parameters.materials.contains("wall"));
+}
+
+TEST(VerdictOnAStep, IsPraiseOnlyWhereLikelihoodAndErrorAgree) {
+  const auto verdict = [](double gain, double bic, double error) {
+    return VerdictOn({.mean = gain, .sigma = 0.1}, bic, {.mean = error, .sigma = 0.01}, 2.0);
+  };
+  EXPECT_EQ(verdict(0.3, -10.0, -0.05), Verdict::kWorthIt);
+  EXPECT_EQ(verdict(0.3, -10.0, 0.0), Verdict::kWorthIt);
+  EXPECT_EQ(verdict(0.3, -10.0, 0.019), Verdict::kWorthIt) << "less than two standard errors";
+  EXPECT_EQ(verdict(0.3, -10.0, 0.021), Verdict::kContradicted);
+  EXPECT_EQ(verdict(0.3, 10.0, 0.021), Verdict::kNoMore) << "the criterion on the frames used rises";
+  EXPECT_EQ(verdict(0.1, -10.0, -0.05), Verdict::kNoMore);
+  EXPECT_EQ(verdict(-0.3, -10.0, 0.05), Verdict::kWorse);
+  EXPECT_EQ(verdict(-0.3, -10.0, -0.021), Verdict::kContradicted);
 }
 
 // The plain law against its closed form: a normal law's mean log-likelihood about its own mean and spread.

@@ -25,6 +25,9 @@ class GhostEchoesTest : public ::testing::Test {
     for (const char* name : {"wall", "board"}) parameters.materials[name] = parameters.materials["box"];
     parameters.beam.transmit_even_deg = 15.0;
     parameters.beam.transmit_end_deg = 30.0;
+    const int beams = testing::SmallSonar().axes.beam_count();
+    for (int beam = 0; beam < beams; ++beam)
+      parameters.beam.sensitivity_db.push_back(0.1 * (beam % 20) - 1.5);
     return parameters;
   }
 

@@ -5,10 +5,12 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
 #include "calib/power_likelihood.h"
+#include "sim/physics/display.h"
 
 namespace sonarcal {
 namespace {
@@ -46,6 +48,90 @@ TEST(PixelMathTest, InformationIsThatOfOnePixel) {
                                     information.data());
   for (std::size_t i = 0; i < mean.size(); ++i)
     EXPECT_NEAR(information[i], ExpectedInformation(lowest, highest, mean[i], 1.0), 1e-7) << mean[i];
+}
+
+// Powers from nothing to without end: ends of displays, denormals, and what over- and underflows.
+std::vector<double> EveryPower() {
+  std::vector<double> powers = {0.0,
+                                std::numeric_limits<double>::denorm_min(),
+                                1e-310,
+                                std::numeric_limits<double>::min(),
+                                1e-30,
+                                1e-17,
+                                1e-9,
+                                0.3,
+                                1.0,
+                                2.0,
+                                40.0,
+                                5e6,
+                                1e12,
+                                1e30,
+                                std::numeric_limits<double>::max(),
+                                std::numeric_limits<double>::infinity()};
+  for (const DisplayLaw law :
+       {DisplayLaw::kLog, DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude, DisplayLaw::kPower}) {
+    // Below, at and above the display's lower end.
+    for (const double soft_db : {80.0, 100.0, 100.1, 130.0}) {
+      const DisplayParameters<double> display{
+          .db_min = 100.0, .db_max = 160.0, .law = law, .soft_db = soft_db};
+      for (const double value : {0.0, 0.5 / 255.0, 0.2, 1.0})
+        powers.push_back(PowerFromDisplay(display, value));
+    }
+  }
+  return powers;
+}
+
+std::vector<double> EveryMean() {
+  std::vector<double> means;
+  for (const double power : EveryPower()) {
+    if (power > 0.0 && std::isfinite(power)) means.push_back(power);
+  }
+  return means;
+}
+
+TEST(PixelMathTest, LikelihoodOverItsWholeDomain) {
+  const std::vector<double> means = EveryMean();
+  for (const double power : EveryPower()) {
+    const std::vector<double> powers(means.size(), power);
+    for (const double looks : {1.0, 3.5, 32.0}) {
+      std::vector<double> residual(means.size());
+      std::vector<double> slope(means.size());
+      pixel_math::Likelihood(powers.data(), means.data(), static_cast<int>(means.size()), looks,
+                             residual.data(), slope.data());
+      for (std::size_t i = 0; i < means.size(); ++i) {
+        const LikelihoodTerm one = PowerLikelihood({power, Censoring::kNone}, means[i], looks);
+        ASSERT_TRUE(std::isfinite(one.residual) && std::isfinite(one.slope)) << power << ", " << means[i];
+        EXPECT_NEAR(residual[i], one.residual, 1e-9 * std::abs(one.residual) + 1e-12)
+            << power << ", " << means[i];
+        EXPECT_NEAR(slope[i], one.slope, 1e-7 * std::abs(one.slope)) << power << ", " << means[i];
+      }
+    }
+  }
+}
+
+TEST(PixelMathTest, InformationOverItsWholeDomain) {
+  const std::vector<double> means = EveryMean();
+  std::vector<double> information(means.size());
+  for (const double lowest : EveryPower()) {
+    for (const double highest : EveryPower()) {
+      if (!(lowest < highest)) continue;
+      pixel_math::SingleLookInformation(lowest, highest, means.data(), static_cast<int>(means.size()),
+                                        information.data());
+      for (std::size_t i = 0; i < means.size(); ++i) {
+        const double one = ExpectedInformation(lowest, highest, means[i], 1.0);
+        ASSERT_TRUE(one >= 0.0 && one <= 1.0 + 1e-7) << lowest << " to " << highest << ", " << means[i];
+        EXPECT_NEAR(information[i], one, 1e-7) << lowest << " to " << highest << ", " << means[i];
+      }
+    }
+  }
+}
+
+TEST(PixelMathTest, ADisplayWithoutEndsTellsOneLook) {
+  const std::vector<double> means = EveryMean();
+  std::vector<double> information(means.size());
+  pixel_math::SingleLookInformation(0.0, std::numeric_limits<double>::infinity(), means.data(),
+                                    static_cast<int>(means.size()), information.data());
+  for (const double one : information) EXPECT_EQ(one, 1.0);
 }
 
 TEST(PixelMathTest, CurvesAreSummedAsForOnePixel) {

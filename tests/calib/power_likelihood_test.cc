@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace sonarcal {
 namespace {
@@ -105,6 +106,29 @@ TEST_P(PowerLikelihoodTest, InformationIsTheMeanSquareOfTheScore) {
     EXPECT_NEAR(ExpectedInformation(lowest, highest, 1.0, looks), sum, 1e-3 * looks)
         << lowest << " to " << highest;
   }
+}
+
+// Powers and display ends of nothing and without end, against the limits that they have.
+TEST_P(PowerLikelihoodTest, HasItsLimitsAtTheEndsOfTheDomain) {
+  const double looks = GetParam();
+  constexpr double kEnd = std::numeric_limits<double>::infinity();
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  for (const double mean : {kLeast, 1e-300, 1.0, 1e300}) {
+    for (const Censoring censoring : {Censoring::kNone, Censoring::kAtMost, Censoring::kAtLeast}) {
+      for (const double power : {0.0, kLeast, 1e300, kEnd}) {
+        const LikelihoodTerm term = PowerLikelihood({power, censoring}, mean, looks);
+        EXPECT_TRUE(std::isfinite(term.residual) && std::isfinite(term.slope))
+            << power << " about " << mean << ", " << static_cast<int>(censoring);
+      }
+    }
+    EXPECT_EQ(PowerLikelihood({kEnd, Censoring::kAtMost}, mean, looks).residual, 0.0);
+    EXPECT_NEAR(PowerLikelihood({0.0, Censoring::kAtLeast}, mean, looks).slope, 0.0, 1e-100);
+    EXPECT_EQ(PowerLikelihood({0.0, Censoring::kAtMost}, mean, looks).slope, 0.0)
+        << "no mean makes nothing likelier than another";
+    EXPECT_EQ(ExpectedInformation(0.0, kEnd, mean, looks), looks);
+  }
+  EXPECT_NEAR(ExpectedInformation(1e300, kEnd, 1.0, looks), 0.0, 1e-12) << "all clipped at the bottom";
+  EXPECT_NEAR(ExpectedInformation(0.0, 1e-300, 1.0, looks), 0.0, 1e-12) << "all clipped at the top";
 }
 
 INSTANTIATE_TEST_SUITE_P(Looks, PowerLikelihoodTest, ::testing::Values(1.0, 1.4, 4.0));

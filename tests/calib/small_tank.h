@@ -31,9 +31,11 @@ std::vector<FitFrame> MakeFitFrames(const Simulator& simulator, Render&& render)
   const std::vector<Pose> poses = SmallTankPoses();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const EchoList echoes = simulator.TraceEchoes(poses[i]);
+    const PolarImage image = render(echoes, static_cast<int>(i));
     frames.push_back({.index = static_cast<int>(i),
                       .echoes = GatherEchoes(echoes, simulator.sonar().axes),
-                      .measured = MeasuredForFit(render(echoes, static_cast<int>(i)))});
+                      .measured = MeasuredForFit(image),
+                      .level = GreyLevel(image)});
   }
   return frames;
 }

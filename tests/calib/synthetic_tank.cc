@@ -27,6 +27,7 @@ ParameterSet Known(const ImageScale& scale) {
 SimulationOptions Options(const RecordingInfo& info, const ParameterSet& parameters) {
   SimulationOptions options;
   options.water = info.water.value();
+  options.absorption = AbsorptionFormula::kAinslieMcColm;  // of the simulation that made the recording
   options.fan = AcousticFanOptions(info.sonar, parameters);
   return options;
 }

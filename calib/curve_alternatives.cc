@@ -1,0 +1,314 @@
+#include "calib/curve_alternatives.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "calib/fit_starts.h"
+#include "calib/solve.h"
+#include "sim/physics/gsab.h"
+
+namespace sonarcal {
+namespace {
+
+// Pixels of all frames together in which alternatives are looked for.
+constexpr std::size_t kCoarsePixels = 40'000;
+constexpr int kExchangeIterations = 40;
+constexpr int kProfileIterations = 12;
+constexpr double kCostTolerance = 0.02;  // nats
+constexpr double kBetterNats = 0.05;
+constexpr std::size_t kMaxBetter = 2;
+
+// An optimum is nearly as good if the odds against it are less than a hundred to one, in nats.
+const double kAlikeNats = std::log(100.0);
+// Standard errors by which a parameter of such an optimum may differ and still count as the same.
+constexpr double kSameSigmas = 1.0;
+constexpr double kProfileSigmas = 2.5;
+// A profile that reaches a bound before this share of the way says nothing.
+constexpr double kLeastReach = 0.3;
+// A profile that rises by less than this share of the parabola's rise: no standard error describes it.
+constexpr double kLeastRise = 0.3;
+
+constexpr int kMembers = 6;
+using Curve = std::array<double, kMembers>;  // A, B, C, D, E, F
+
+// Half-width of the Gaussian nearest to cos^d, and the exponent of the cosine nearest to a Gaussian.
+double WidthOfExponent(double d) {
+  return 180.0 / std::numbers::pi / std::sqrt(std::max(d, 0.3));
+}
+double ExponentOfWidth(double width_deg) {
+  return std::pow(180.0 / std::numbers::pi / width_deg, 2);
+}
+
+// Curves much like this one in which bumps have taken other places.
+std::vector<Curve> Exchanged(const Curve& curve) {
+  const auto [a, b, c, d, e, f] = curve;
+  constexpr double kWeak = 0.3;
+  return {
+      // The wide Gaussian takes the narrow one's place, the cosine the wide one's.
+      {e, f, kWeak * c, 1.5, c, WidthOfExponent(d)},
+      // The cosine takes the wide Gaussian's place.
+      {a, b, e, ExponentOfWidth(f), kWeak * c, f},
+      // And the wide Gaussian takes the narrow one's.
+      {kWeak * a, 0.5 * b, e, ExponentOfWidth(f), a, b},
+      // The narrow Gaussian splits into two; so does the wide one.
+      {kWeak * a, 0.5 * b, c, d, a, b},
+      {e, f, c, d, kWeak * e, 2.0 * f},
+  };
+}
+
+double PowerOf(const Curve& c, double incidence_deg) {
+  return GsabPower(GsabParameters<double>{c[0], c[1], c[2], c[3], c[4], c[5]}, incidence_deg);
+}
+
+// The second curve with the level of the first at oblique incidence.
+Curve AtLevelOf(const Curve& level, Curve curve) {
+  constexpr double kObliqueDeg = 30.0;
+  const double factor = PowerOf(level, kObliqueDeg) / PowerOf(curve, kObliqueDeg);
+  for (const int amplitude : {0, 2, 4}) curve[amplitude] *= factor;
+  return curve;
+}
+
+struct Optimum {
+  double cost = 0.0;
+  ParameterValues values;
+};
+
+// The free entries of one material's curve.
+struct MaterialEntries {
+  int material = 0;
+  int first = 0;            // entry of A; the others follow
+  std::vector<int> free;    // entries
+  std::vector<int> inside;  // those not at a bound, as indices into FittedPoint::interior
+};
+
+class Search {
+ public:
+  Search(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FittedPoint& point,
+         const std::function<bool()>& stop)
+      : catalog_(catalog), point_(point), stop_(stop), coarse_(model.Coarse(kCoarsePixels)) {
+    model_ = coarse_ != nullptr ? coarse_.get() : &model;
+    result_.widening.assign(catalog.size(), 1.0);
+  }
+
+  CurveAlternatives Run(const std::vector<std::string>& material_names) {
+    std::vector<Optimum> better;
+    for (const MaterialEntries& material : Materials()) {
+      if (material.inside.empty()) continue;
+      const std::optional<Optimum> base = Solve(material.free, point_.values, kExchangeIterations);
+      if (!base) continue;
+      const Eigen::MatrixXd information = Information(material, base->values);
+      if (!(information.diagonal().minCoeff() > 0.0)) continue;
+      std::vector<bool> open(catalog_.size(), false);
+      TryExchanges(material, *base, DesignEffect(material, information), open, better);
+      TryProfiles(material, *base, information, open);
+      Report(material, material_names[material.material], open);
+    }
+    std::sort(better.begin(), better.end(),
+              [](const Optimum& x, const Optimum& y) { return x.cost < y.cost; });
+    better.resize(std::min(better.size(), kMaxBetter));
+    for (Optimum& optimum : better) result_.better.push_back(std::move(optimum.values));
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<MaterialEntries> Materials() const {
+    std::vector<MaterialEntries> materials;
+    for (std::size_t i = 0; i + kMembers <= catalog_.size(); ++i) {
+      if (catalog_[i].group != ParameterGroup::kGsab || catalog_[i].index != 0) continue;
+      MaterialEntries material{
+          .material = catalog_[i].material, .first = static_cast<int>(i), .free = {}, .inside = {}};
+      const auto is_of = [&](int entry) {
+        return entry >= material.first && entry < material.first + kMembers;
+      };
+      std::copy_if(point_.free.begin(), point_.free.end(), std::back_inserter(material.free), is_of);
+      for (std::size_t k = 0; k < point_.interior.size(); ++k) {
+        if (is_of(point_.interior[k])) material.inside.push_back(static_cast<int>(k));
+      }
+      materials.push_back(std::move(material));
+    }
+    return materials;
+  }
+
+  std::optional<Optimum> Solve(const std::vector<int>& active, const ParameterValues& start,
+                               int max_iterations) const {
+    FitState state{.active = active, .values = start};
+    double cost = 0.0;
+    if (!active.empty()) {
+      const double about = std::max(1.0, CostAt(*model_, start, model_->frame_count()));
+      const SolveSummary summary = SolveFit(
+          *model_, catalog_,
+          {.function_tolerance = std::min(1e-4, kCostTolerance / about), .max_iterations = max_iterations},
+          stop_, state);
+      if (!summary.usable) return std::nullopt;
+    }
+    cost = CostAt(*model_, state.values, model_->frame_count());
+    for (const int entry : point_.free)
+      cost += 0.5 * std::pow(catalog_[entry].FromPrior(state.values[entry]), 2);
+    if (!std::isfinite(cost)) return std::nullopt;
+    return Optimum{cost, std::move(state.values)};
+  }
+
+  std::vector<bool> Flags(const std::vector<int>& entries) const {
+    std::vector<bool> flags(catalog_.size(), false);
+    for (const int entry : entries) flags[entry] = true;
+    return flags;
+  }
+
+  double Sigma(int inside) const { return std::sqrt(point_.covariance(inside, inside)); }
+
+  // Of the material's entries inside their bounds, the priors' included.
+  Eigen::MatrixXd Information(const MaterialEntries& material, const ParameterValues& values) const {
+    std::vector<int> active;
+    for (const int k : material.inside) active.push_back(point_.interior[k]);
+    const NormalEquations equations =
+        Accumulate(*model_, catalog_, {.active = active, .values = values}, FitOptions());
+    Eigen::MatrixXd information = equations.information;
+    information.diagonal() += equations.prior;
+    return information;
+  }
+
+  // By how much larger the fit's variances are than those of independent pixels: a nat of cost counts for as
+  // much less. The geometric mean over the material's entries, and never less than 1.
+  double DesignEffect(const MaterialEntries& material, const Eigen::MatrixXd& information) const {
+    const Eigen::MatrixXd covariance = point_.covariance(material.inside, material.inside);
+    const Eigen::LDLT<Eigen::MatrixXd> of_covariance(covariance);
+    const Eigen::LDLT<Eigen::MatrixXd> of_information(information);
+    const double logarithm = of_covariance.vectorD().array().abs().log().sum() +
+                             of_information.vectorD().array().abs().log().sum();
+    const double effect = std::exp(logarithm / static_cast<double>(material.inside.size()));
+    return std::isfinite(effect) ? std::max(1.0, effect) : 1.0;
+  }
+
+  ParameterValues With(const MaterialEntries& material, const Curve& curve) const {
+    ParameterValues values = point_.values;
+    for (const int entry : material.free)
+      values[entry] = std::clamp(curve[entry - material.first], catalog_[entry].lower, catalog_[entry].upper);
+    return values;
+  }
+
+  void TryExchanges(const MaterialEntries& material, const Optimum& base, double design_effect,
+                    std::vector<bool>& open, std::vector<Optimum>& better) const {
+    if (material.free.size() < 2) return;
+    Curve curve{};
+    std::copy_n(point_.values.begin() + material.first, kMembers, curve.begin());
+    std::vector<Curve> starts = Exchanged(curve);
+    for (int shape = 1; shape <= kStartShapeCount; ++shape)
+      starts.push_back(AtLevelOf(curve, StartCurve(shape)));
+    for (const Curve& start : starts) {
+      std::optional<Optimum> other = Solve(material.free, With(material, start), kExchangeIterations);
+      if (!other || other->cost - base.cost > kAlikeNats * design_effect) continue;
+      OrderGaussians(catalog_, Flags(material.free), other->values);
+      for (const int k : material.inside) {
+        const int entry = point_.interior[k];
+        const double moved = catalog_[entry].CoordinateFromValue(other->values[entry]) -
+                             catalog_[entry].CoordinateFromValue(base.values[entry]);
+        if (std::abs(moved) > kSameSigmas * Sigma(k)) open[entry] = true;
+      }
+      if (other->cost < base.cost - kBetterNats) better.push_back(std::move(*other));
+    }
+  }
+
+  void TryProfiles(const MaterialEntries& material, const Optimum& base, const Eigen::MatrixXd& information,
+                   std::vector<bool>& open) {
+    const Eigen::MatrixXd conditional = information.inverse();
+    const auto n = static_cast<Eigen::Index>(material.inside.size());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const int entry = point_.interior[material.inside[k]];
+      if (open[entry] || !(conditional(k, k) > 0.0) || !std::isfinite(Sigma(material.inside[k]))) continue;
+      double wide = 0.0;
+      for (const double side : {-1.0, 1.0}) {
+        const double rise = RiseOverParabola(material, base, conditional, k, side);
+        if (rise < kLeastRise) open[entry] = true;
+        wide += 0.5 / std::sqrt(std::max(rise, kLeastRise));
+      }
+      result_.widening[entry] = std::max(1.0, wide);
+    }
+  }
+
+  // Rise of the cost where entry k is held off its optimum and the material's others follow, over what the
+  // curvature at the optimum predicts; 1 where there is no room to try.
+  double RiseOverParabola(const MaterialEntries& material, const Optimum& base,
+                          const Eigen::MatrixXd& conditional, Eigen::Index k, double side) const {
+    const int held = point_.interior[material.inside[k]];
+    const double step = side * kProfileSigmas * Sigma(material.inside[k]);
+    ParameterValues start = base.values;
+    for (Eigen::Index i = 0; i < conditional.rows(); ++i) {
+      const int entry = point_.interior[material.inside[i]];
+      const CatalogEntry& of = catalog_[entry];
+      const double moved =
+          of.CoordinateFromValue(base.values[entry]) + step * conditional(i, k) / conditional(k, k);
+      start[entry] = std::clamp(of.ValueFromCoordinate(moved), of.lower, of.upper);
+    }
+    const CatalogEntry& of = catalog_[held];
+    const double moved = of.CoordinateFromValue(start[held]) - of.CoordinateFromValue(base.values[held]);
+    if (std::abs(moved) < kLeastReach * std::abs(step)) return 1.0;
+    std::vector<int> others = material.free;
+    std::erase(others, held);
+    const std::optional<Optimum> profile = Solve(others, start, kProfileIterations);
+    if (!profile) return 1.0;
+    return (profile->cost - base.cost) / (0.5 * moved * moved / conditional(k, k));
+  }
+
+  void Report(const MaterialEntries& material, const std::string& name, const std::vector<bool>& open) {
+    std::vector<std::string> members;
+    for (const int entry : material.free) {
+      if (!open[entry]) continue;
+      result_.not_separate.push_back(entry);
+      members.push_back(catalog_[entry].name.substr(catalog_[entry].name.rfind('.') + 1));
+    }
+    if (members.empty()) return;
+    std::string list = members.back();
+    if (members.size() > 1) {
+      members.pop_back();
+      list = fmt::format("{} and {}", fmt::join(members, ", "), list);
+    }
+    result_.sentences.push_back(
+        fmt::format("Not determined separately: {} {} (curves with other values fit alike); the curve itself "
+                    "is determined",
+                    name, list));
+  }
+
+  const std::vector<CatalogEntry>& catalog_;
+  const FittedPoint& point_;
+  const std::function<bool()>& stop_;
+  std::unique_ptr<FrameModel> coarse_;
+  const FrameModel* model_ = nullptr;
+  CurveAlternatives result_;
+};
+
+}  // namespace
+
+CurveAlternatives FindCurveAlternatives(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                                        const FittedPoint& point, const std::function<bool()>& stop) {
+  return Search(model, catalog, point, stop).Run(model.material_names());
+}
+
+bool OrderGaussians(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
+                    ParameterValues& values) {
+  bool exchanged = false;
+  for (std::size_t a = 0; a + kMembers <= catalog.size(); ++a) {
+    if (catalog[a].group != ParameterGroup::kGsab || catalog[a].index != 0) continue;
+    const std::size_t b = a + 1;
+    const std::size_t e = a + 4;
+    const std::size_t f = a + 5;
+    const auto fits = [&](std::size_t from, std::size_t to) {
+      return free[to] && values[from] >= catalog[to].lower && values[from] <= catalog[to].upper;
+    };
+    if (values[b] <= values[f] || !fits(a, e) || !fits(e, a) || !fits(b, f) || !fits(f, b)) continue;
+    std::swap(values[a], values[e]);
+    std::swap(values[b], values[f]);
+    exchanged = true;
+  }
+  return exchanged;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,68 @@
+#include "calib/degenerate_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sonarcal {
+namespace {
+
+// One value at a bound may be a curve without that term. From two on, the model asks for what is refused.
+constexpr std::size_t kBoundsTolerated = 1;
+// Pixels with echoes that the model clips and the recording does not, as a share.
+constexpr double kClippedTolerated = 0.1;
+// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam.
+constexpr double kNarrowSpanDb = 1.0;
+// Relative difference of cost by which no optimum is better than another, and the difference of their images
+// (of full scale, RMS) by which they are two.
+constexpr double kEqualCost = 0.01;
+constexpr double kOtherImage = 0.01;
+
+}  // namespace
+
+std::vector<std::string> DegenerateFitWarnings(const FitReport& report, const PaperClipping& clipping,
+                                               const std::vector<OtherOptimum>& others) {
+  std::vector<std::string> warnings;
+  std::vector<std::string> at_bounds;
+  std::size_t fitted = 0;
+  for (const FittedParameter& parameter : report.parameters) {
+    if (parameter.status == ParameterStatus::kFixed) continue;
+    ++fitted;
+    if (parameter.status == ParameterStatus::kAtBound) at_bounds.push_back(parameter.name);
+  }
+  if (at_bounds.size() > kBoundsTolerated) {
+    warnings.push_back(
+        fmt::format("the fit is degenerate: {} of {} free values ended at a bound ({}), so the model asks "
+                    "for values that "
+                    "no surface or display has",
+                    at_bounds.size(), fitted, fmt::join(at_bounds, ", ")));
+  }
+  if (clipping.modelled > clipping.recorded + kClippedTolerated) {
+    warnings.push_back(
+        fmt::format("the fit is degenerate: {:.0f} % of the pixels in which the model shows an echo are at "
+                    "full scale there, "
+                    "{:.0f} % of the same pixels in the recording, so the model makes outlines, not levels",
+                    100.0 * clipping.modelled, 100.0 * clipping.recorded));
+  }
+  const FittedParameter* high = report.Find("display.db_max");
+  const FittedParameter* low = report.Find("display.db_min");
+  const bool span_is_fitted =
+      high != nullptr && low != nullptr &&
+      (high->status != ParameterStatus::kFixed || low->status != ParameterStatus::kFixed);
+  if (span_is_fitted && high->value - low->value < kNarrowSpanDb) {
+    warnings.push_back(fmt::format(
+        "the fit is degenerate: the fitted display spans {:.2g} dB, but the paper's model needs 1 to 3 dB",
+        high->value - low->value));
+  }
+  for (const OtherOptimum& other : others) {
+    if (other.difference < kOtherImage || other.cost > (1.0 + kEqualCost) * report.cost_final) continue;
+    warnings.push_back(fmt::format(
+        "the fit has several optima: another start ended at a cost of {:.6g} beside {:.6g}, with images that "
+        "differ by {:.3f} of full scale (RMS)",
+        other.cost, report.cost_final, other.difference));
+    break;
+  }
+  return warnings;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,179 @@
+// The fit of the paper's model (declared in calib/fit.h): the noise is not known beforehand, so that values
+// and noise are found in turn.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calib/coarse_paper.h"
+#include "calib/degenerate_fit.h"
+#include "calib/fit.h"
+#include "calib/fit_starts.h"
+#include "calib/problem_builder.h"
+
+namespace sonarcal {
+namespace {
+
+// Before anything is fitted: a tenth of full scale, and enough dither to keep the way to faint pixels even.
+constexpr PaperNoise kFirstNoise = {.sigma = 0.1, .knee_sigma = 0.1, .variance_levels = 0.7};
+constexpr int kNoiseRounds = 3;
+// RMS difference of images, of full scale, from which on two ends of a search are two places.
+constexpr double kOtherImage = 0.01;
+
+// So nearly that another round would change no value by what it is uncertain by.
+bool AreAlike(const PaperNoise& a, const PaperNoise& b) {
+  constexpr double kRelative = 0.1;
+  constexpr double kUnrounded = 1.3;  // variances as large as this make no difference (paper_likelihood.h)
+  const auto alike = [](double x, double y) { return std::abs(x - y) <= kRelative * std::max(x, y); };
+  return alike(a.sigma, b.sigma) && alike(a.knee_sigma, b.knee_sigma) &&
+         alike(std::min(a.variance_levels, kUnrounded), std::min(b.variance_levels, kUnrounded));
+}
+
+class PaperFitter {
+ public:
+  PaperFitter(PaperFrameModel& model, ParameterValues given, const FitConfig& config,
+              const FitOptions& options)
+      : model_(model), given_(std::move(given)), config_(config), options_(options) {}
+
+  // `coarse`: of the same frames, to search on.
+  ModelFit Run(PaperFrameModel& coarse) {
+    model_.SetNoise(kFirstNoise);
+    coarse.SetNoise(kFirstNoise);
+    Search(coarse);
+    if (ends_.empty() || options_.rough) return ends_.empty() ? last_ : ends_.front();
+    ModelFit fit = Settle(ends_.front());
+    if (!fit.usable) return fit;
+    // The runner-up, where it is another place: it may be the better one once it is solved as far.
+    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage) {
+      Say("solving from the second best start");
+      ModelFit other = Fit(model_, ends_[1].values, config_, Again(/*rough=*/true));
+      if (other.usable && CostOf(other.values) < CostOf(fit.values)) {
+        ModelFit better = Settle(other);
+        if (better.usable && CostOf(better.values) < CostOf(fit.values)) std::swap(fit, better);
+        other = std::move(better);
+      }
+      if (other.usable) other_ = std::move(other.values);
+    }
+    Complete(fit);
+    return fit;
+  }
+
+ private:
+  void Say(const std::string& line) const {
+    if (options_.progress) options_.progress(line);
+  }
+
+  double CostOf(const ParameterValues& values) const { return CostAt(model_, values, model_.frame_count()); }
+
+  FitOptions Again(bool rough) const {
+    FitOptions again = options_;
+    again.starts = 1;
+    again.search_level = false;
+    again.rough = rough;
+    return again;
+  }
+
+  // Roughly from every start; ends_ are where they ended, best first.
+  void Search(const PaperFrameModel& model) {
+    // Bounds in bins and beams are those of the recording, not of its blocks.
+    FitConfig config = config_;
+    for (const CatalogEntry& entry : model_.catalog()) {
+      if (entry.group == ParameterGroup::kJitter)
+        config.bounds.try_emplace(entry.name, entry.lower, entry.upper);
+    }
+    std::vector<CatalogEntry> catalog = model.catalog();
+    const std::vector<bool> free = ApplyFitConfig(config, catalog);
+    for (int start = 0; start < options_.starts; ++start) {
+      if (options_.starts > 1) Say(fmt::format("start {} of {}", start + 1, options_.starts));
+      FitOptions search = Again(/*rough=*/true);
+      search.search_level = options_.search_level;
+      last_ = Fit(model, start == 0 ? given_ : WithCurveShape(catalog, free, given_, start), config, search);
+      Count(last_);
+      if (!last_.usable) continue;
+      start_costs_.push_back(last_.report.cost_final);
+      ends_.push_back(last_);
+    }
+    std::stable_sort(ends_.begin(), ends_.end(), [](const ModelFit& a, const ModelFit& b) {
+      return a.report.cost_final < b.report.cost_final;
+    });
+  }
+
+  // Values and noise in turn.
+  ModelFit Settle(const ModelFit& from) {
+    ModelFit fit = from;
+    bool settled = false;
+    for (int round = 1; !settled && fit.usable; ++round) {
+      const PaperNoise noise = model_.NoiseAbout(fit.values);
+      settled = round == kNoiseRounds || AreAlike(noise, model_.noise());
+      model_.SetNoise(noise);
+      fit = Fit(model_, fit.values, config_, Again(/*rough=*/!settled));
+      Count(fit);
+    }
+    return fit;
+  }
+
+  void Count(const ModelFit& fit) {
+    iterations_ += fit.report.iterations;
+    solve_s_ += fit.report.solve_s;
+  }
+
+  void Complete(ModelFit& fit) {
+    FitReport& report = fit.report;
+    model_.SetNoise(model_.NoiseAbout(fit.values));
+    std::vector<OtherOptimum> others;
+    if (!other_.empty()) {
+      others.push_back({.cost = CostOf(other_), .difference = model_.RmsDifference(fit.values, other_)});
+    }
+    report.start_costs = start_costs_;
+    report.iterations = iterations_;
+    report.solve_s = solve_s_;
+    for (std::size_t i = 0; i < report.parameters.size(); ++i) report.parameters[i].initial = given_[i];
+    report.cost_initial = CostOf(given_);
+    report.cost_final = CostOf(fit.values);
+    const double sigma = model_.noise().sigma;
+    report.raw =
+        ResidualSummary{.mean = report.whitened.mean * sigma, .spread = report.whitened.spread * sigma};
+    for (std::string& warning : DegenerateFitWarnings(report, model_.ClippingAt(fit.values), others))
+      report.warnings.push_back(std::move(warning));
+  }
+
+  PaperFrameModel& model_;
+  const ParameterValues given_;
+  const FitConfig& config_;
+  const FitOptions& options_;
+  std::vector<ModelFit> ends_;
+  ModelFit last_;
+  std::vector<double> start_costs_;
+  ParameterValues other_;  // where another start ended; empty: at the same place
+  int iterations_ = 0;
+  double solve_s_ = 0.0;
+};
+
+}  // namespace
+
+std::vector<std::string> PaperFreeByDefault() {
+  return {"materials", "display.db_max", "jitter.sigma_range_m", "jitter.sigma_azimuth_deg"};
+}
+
+FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+                        const std::vector<std::string>& material_names, const ParameterSet& initial,
+                        const FitConfig& config, const FitOptions& options) {
+  PaperFrameModel model(frames, geometry, material_names, initial);
+  FitConfig complete = config;
+  if (!complete.free) complete.free = PaperFreeByDefault();
+  const CoarsePaperFrames coarse = MakeCoarse(frames, geometry);
+  PaperFrameModel coarse_model(coarse.frames, coarse.geometry, material_names, initial);
+  ModelFit fit = PaperFitter(model, model.Values(initial), complete, options).Run(coarse_model);
+  // Where the data determine nothing, only the priors are left: that is no solution.
+  const bool determined = std::any_of(
+      fit.report.parameters.begin(), fit.report.parameters.end(), [](const FittedParameter& parameter) {
+        return parameter.status == ParameterStatus::kFree || parameter.status == ParameterStatus::kAtBound;
+      });
+  FitResult result{
+      .parameters = initial, .report = std::move(fit.report), .usable = fit.usable && determined};
+  model.Store(fit.values, result.parameters);
+  return result;
+}
+
+}  // namespace sonarcal

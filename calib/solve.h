@@ -1,0 +1,29 @@
+// One solve of a fit's least-squares problem.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "calib/problem_builder.h"
+
+namespace sonarcal {
+
+struct SolveLimits {
+  double function_tolerance = 1e-8;  // relative change of cost that ends it
+  int max_iterations = 100;
+};
+
+struct SolveSummary {
+  bool usable = false;
+  double cost = 0.0;  // half the sum of squares, the priors' included
+  int iterations = 0;
+  std::string termination;
+};
+
+// Moves the active entries of `state` to the nearest optimum, unless there is no usable solution. Throws
+// FitStopped once `stop` says so.
+SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                      const SolveLimits& limits, const std::function<bool()>& stop, FitState& state);
+
+}  // namespace sonarcal
