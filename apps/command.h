@@ -39,6 +39,7 @@ enum class ExitStatus {
 struct CommonOptions {
   bool json = false;   // results as JSON on stdout
   bool quiet = false;  // nothing on stderr but errors
+  bool force = false;  // of commands with --out DIR (apps/run_output.h): write whatever the folder holds
 };
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description);

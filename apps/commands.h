@@ -24,5 +24,6 @@ void SetupConvert(CLI::App& app);     // apps/convert_command.h
 void SetupExport(CLI::App& app);      // apps/export_command.h
 void SetupPoses(CLI::App& app);       // apps/poses_command.h
 void SetupRecordings(CLI::App& app);  // apps/recordings_command.h
+void SetupSonars(CLI::App& app);      // apps/sonars_command.h
 
 }  // namespace sonarcal

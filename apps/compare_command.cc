@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -16,21 +17,26 @@
 #include "apps/drawn_floor.h"
 #include "apps/frame_gatherer.h"
 #include "apps/frame_range.h"
+#include "apps/given_options.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/against_section.h"
 #include "apps/report/agreement_section.h"
 #include "apps/report/comparison_section.h"
+#include "apps/report/html_text.h"
 #include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/report/residual_section.h"
 #include "apps/run_output.h"
+#include "apps/scene_geometry.h"
 #include "apps/shown_frames.h"
 #include "apps/threshold_check.h"
 #include "data_io/atomic_output.h"
 #include "data_io/file_bytes.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/printable.h"
 #include "metrics/figures.h"
 
 namespace sonarcal {
@@ -101,10 +107,10 @@ std::string SummaryText(const MetricsReport& metrics) {
 }
 
 HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, int pictured,
-                      bool real_is_synthetic, const Json& provenance) {
-  HtmlReport report("Simulated against recorded",
+                      const Json& provenance) {
+  HtmlReport report(fmt::format("Simulated against {} images", RealWord(metrics.real_is_synthetic)),
                     fmt::format("{} against {}", metrics.simulated, metrics.real));
-  AddSyntheticCallout(report, real_is_synthetic, metrics.real);
+  AddSyntheticCallout(report, metrics.real_is_synthetic, metrics.real);
   report.List(SummaryInWords(metrics));
   AddKeyFigures(report, metrics);
   report.Section("Agreement");
@@ -117,10 +123,10 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
       pictured == metrics.aggregate.frame_count
           ? "all frames"
           : fmt::format("{} of the {} frames, evenly spread,", pictured, metrics.aggregate.frame_count)));
-  AddPictureLegend(report);
+  AddPictureLegend(report, RealWord(metrics.real_is_synthetic));
   if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
   for (const FramePictures& frame : shown.telling) {
-    AddFramePictures(report, frame, fmt::format("Frame {}", frame.index));
+    AddFramePictures(report, frame, fmt::format("Frame {}", frame.index), metrics.real_is_synthetic);
   }
   report.Section("Where the simulation is wrong");
   AddResiduals(report, metrics);
@@ -135,14 +141,45 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
   return report;
 }
 
-// The frames that are asked for; empty: all.
-std::vector<int> AskedFrames(const std::string& range, const RecordingSource& real,
+// The frames that are asked for, in ranges with commas between them; empty: all.
+std::vector<int> AskedFrames(const std::string& ranges, const RecordingSource& real,
                              const RecordingSource& simulated) {
   std::vector<int> frames;
-  if (range.empty()) return frames;
-  const FrameRange asked = ParseFrameRange(range, std::min(real.frame_count(), simulated.frame_count()));
-  for (int frame = asked.begin; frame < asked.end; ++frame) frames.push_back(frame);
+  if (ranges.empty()) return frames;
+  std::stringstream parts(ranges);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const FrameRange asked = ParseFrameRange(part, std::min(real.frame_count(), simulated.frame_count()));
+    for (int frame = asked.begin; frame < asked.end; ++frame) {
+      if (std::find(frames.begin(), frames.end(), frame) != frames.end())
+        throw UsageError("--frames '{}' names frame {} twice", Printable(ranges), frame);
+      frames.push_back(frame);
+    }
+  }
   return frames;
+}
+
+// The scene that --scene names, or with --object the one that a recording names; nothing without either.
+std::optional<SceneGeometry> SceneOf(const CompareCommandOptions& options, const RecordingSource& real,
+                                     const RecordingSource& simulated) {
+  std::filesystem::path scene = options.scene;
+  const bool with_object = !options.comparison.object.object.empty();
+  for (const RecordingSource* recording : {&simulated, &real}) {
+    if (scene.empty() && with_object) scene = recording->info().scene_path.value_or("");
+  }
+  if (scene.empty() && with_object) {
+    throw UsageError("--object needs --scene, because neither recording names its scene");
+  }
+  if (scene.empty()) return std::nullopt;
+  return std::optional<SceneGeometry>(
+      std::in_place, ReadSceneFile(scene, options.scene_format, options.common), real.info().sonar);
+}
+
+// Poses of the simulation: the model is shown where it was simulated. Those of the real recording where the
+// simulation states none.
+std::vector<TimedPose> ObjectPoses(const RecordingSource& real, const RecordingSource& simulated) {
+  const bool states_pose =
+      simulated.frame_count() > 0 && simulated.frame_info(0).world_from_sonar.has_value();
+  return PosesOfRecording(states_pose ? simulated : real);
 }
 
 }  // namespace
@@ -170,7 +207,12 @@ Comparison MeasureComparison(const CompareCommandOptions& options, const Recordi
     progress(0, frames_in_all);
     compare.progress = [&](int frames_done) { progress(frames_done, frames_in_all); };
   }
-  FrameGatherer gatherer(options, real, simulated, comparison.frames, pictures);
+  const std::optional<SceneGeometry> scene = SceneOf(options, real, simulated);
+  if (compare.compare.object) {
+    compare.boxes = scene->ObjectBoxes(ObjectPoses(real, simulated), *compare.compare.object);
+  }
+  FrameGatherer gatherer(options, real, simulated, comparison.frames, pictures,
+                         scene && !options.scene.empty() ? &*scene : nullptr);
   MetricsReport& metrics = comparison.metrics;
   metrics = CompareRecordings(real, simulated, compare,
                               [&](const PolarImage& recorded, const PolarImage& rendered,
@@ -178,7 +220,8 @@ Comparison MeasureComparison(const CompareCommandOptions& options, const Recordi
   compare.progress = {};
   gatherer.MoveInto(metrics);
   if (parameters) {
-    metrics.noise_floor.drawn = DrawFloor(simulated, comparison.frames, *parameters, metrics.options);
+    metrics.noise_floor.drawn =
+        DrawFloor(simulated, comparison.frames, *parameters, metrics.options, compare.boxes);
   }
   if (!options.against.empty()) metrics.against = CompareAgainst(metrics, earlier, options.against.string());
   return comparison;
@@ -188,7 +231,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   const std::vector<Threshold> thresholds = ParseThresholds(options.fail_above);
   const auto real = OpenRecording(options.real);
   const auto simulated = OpenRecording(options.simulated);
-  RunOutput output(options.out);
+  RunOutput output(options.out, "compare", options.common.force);
   std::optional<Progress> progress;
   Comparison comparison = MeasureComparison(
       options, *real, *simulated, output.staging(), [&](int frames_done, int frames_in_all) {
@@ -214,8 +257,7 @@ ExitStatus RunCompare(const CompareCommandOptions& options) {
   if (options.sweep_csv) WriteFileWhole(output / "threshold_sweep.csv", metrics.sweep.value().Csv());
   WriteFileWhole(output / "per_frame.csv", PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
   const int pictured = std::min(options.pictures, metrics.aggregate.frame_count);
-  const HtmlReport report =
-      MakeReport(metrics, shown, pictured, real->info().synthetic, ProvenanceToJson(provenance));
+  const HtmlReport report = MakeReport(metrics, shown, pictured, ProvenanceToJson(provenance));
   WriteReport(report, output.staging());
   WriteProvenance(output.staging(), provenance);
   const std::vector<std::string> passed =
@@ -240,13 +282,13 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
   command->add_option("--sim", options->simulated, "Recording of the simulation, frames in the same order")
       ->type_name("REC")
       ->required();
-  command->add_option("--out", options->out, "Folder for metrics, pictures and report")
-      ->type_name("DIR")
+  AddOutFolder(*command, options->out, options->common, "Folder for metrics, pictures and report")
       ->required();
   command
       ->add_option("--frames", options->frames,
-                   "Frames of both: from A, counted from 0, up to but without B; all if not given")
-      ->type_name("A:B");
+                   "Frames of both: from A, counted from 0, up to but without B, or several such ranges "
+                   "(default: all)")
+      ->type_name("A:B,...");
   AddComparisonOptions(*command, options->comparison);
   command
       ->add_option("--sweep-steps", options->sweep_steps,
@@ -272,7 +314,9 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
           "than the noise")
       ->type_name("JSON");
   AddSceneOptions(*command, options->scene, options->scene_format,
-                  "Scene of the recording, to tell the difference by incidence angle and material", false);
+                  "Scene of the recording, to tell the difference by incidence angle and material, and for "
+                  "--object (default for --object: the one that a recording names)",
+                  false);
   command
       ->add_option(
           "--params", options->params,
@@ -291,7 +335,13 @@ void SetupCompare(CLI::App& app) {
   CLI::App* command =
       AddCommand(app, "compare", "Measures how well a simulated recording agrees with a real one");
   AddCompareOptions(command, options.get());
-  OnRun(command, options->common, [options] { return RunCompare(*options); });
+  OnRun(command, options->common, [command, options] {
+    if (options->sweep_steps == 0)
+      RefuseGiven(*command, {"--sweep-range", "--sweep-csv"}, "without --sweep-steps");
+    RefuseSceneFormatAlone(*command);
+    RefuseUnusedSegmentation(*command, options->comparison.object);
+    return RunCompare(*options);
+  });
 }
 
 }  // namespace sonarcal

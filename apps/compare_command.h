@@ -24,7 +24,7 @@ struct CompareCommandOptions {
   std::filesystem::path real;
   std::filesystem::path simulated;
   std::filesystem::path out;
-  std::string frames;  // "A:B" of both, see apps/frame_range.h; empty for all
+  std::string frames;  // "A:B,..." of both, see apps/frame_range.h; empty for all
   ComparisonOptions comparison;
   int sweep_steps = 21;     // settings of the segmentation that are tried, 0: none
   std::string sweep_range;  // "A:B"; empty for the method's own
@@ -32,7 +32,7 @@ struct CompareCommandOptions {
   bool as_displayed = false;
   int pictures = 100;             // frames that get pictures, evenly spread
   std::filesystem::path against;  // metrics.json of an earlier run; empty: none
-  std::filesystem::path scene;    // for residuals by incidence and material; empty: none
+  std::filesystem::path scene;    // for residuals by incidence and material, and for --object; empty: none
   SceneFormat scene_format;
   std::filesystem::path params;         // for a floor drawn from its speckle; empty: none
   std::vector<std::string> fail_above;  // "intensity_error.polar=0.1", see apps/threshold_check.h

@@ -84,16 +84,22 @@ class PairComparer {
     return pair;
   }
 
+  // Null where no object is asked for.
+  const PixelBox* BoxFor(int frame, const Pair& pair) const {
+    if (!compare_.object) return nullptr;
+    const auto box = options_.boxes.find(frame);
+    SONARCAL_CHECK(box != options_.boxes.end(), "no box for the object in frame {}", frame);
+    std::string why;
+    if (!real_.info().sonar.axes.Matches(pair.real.image.axes, &why)) {
+      throw DataError("the frame and the recording have {}; expected the same, to search the object '{}'",
+                      why, compare_.object->material);
+    }
+    return &box->second;
+  }
+
   void Compare(int frame, Pair& pair) {
     try {
-      const auto region = options_.regions.find(frame);
-      if (region == options_.regions.end()) {
-        pair.metrics = comparers_.local().Compare(pair.real.image, pair.simulated.image);
-      } else {
-        CompareOptions of_frame = compare_;
-        of_frame.region = region->second;
-        pair.metrics = CompareFrames(pair.real.image, pair.simulated.image, of_frame);
-      }
+      pair.metrics = comparers_.local().Compare(pair.real.image, pair.simulated.image, BoxFor(frame, pair));
     } catch (const DataError& error) {
       pair.error = error.what();
     }
@@ -141,6 +147,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
                                 const CompareRecordingsOptions& options, const OnComparedFrame& on_frame) {
   MetricsReport report{.real = RecordingName(real.info()),
                        .simulated = RecordingName(simulated.info()),
+                       .real_is_synthetic = real.info().synthetic,
                        .options = options.compare,
                        .scale = real.info().scale,
                        .frames = {},
@@ -184,7 +191,7 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
     of_floor.simulated_object = SimulatedObject::kSameRule;
     of_floor.region_margin_m.reset();
     of_floor.sweep = {};
-    report.noise_floor = MeasureNoiseFloor(real, of_floor);
+    report.noise_floor = MeasureNoiseFloor(real, of_floor, options.boxes);
   }
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");

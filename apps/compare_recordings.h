@@ -19,8 +19,8 @@ struct CompareRecordingsOptions {
   bool noise_floor = true;  // measure it, which compares the real recording with itself
   // To compare, same number in both; empty: all, and both must have as many.
   std::vector<int> frames = {};
-  // Where the object may be, by frame; frames without one take compare.region.
-  std::map<int, Mask> regions = {};
+  // With compare.object: by frame, where the object is searched (apps/scene_geometry.h, ObjectBoxes).
+  std::map<int, PixelBox> boxes = {};
   std::function<void(int frames_done)> progress = {};
 };
 

@@ -11,6 +11,7 @@
 #include "apps/choice_option.h"
 #include "apps/commands.h"
 #include "apps/frame_range.h"
+#include "apps/given_options.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
@@ -86,7 +87,7 @@ ExitStatus RunConvert(const ConvertOptions& options) {
     recording = std::move(with_poses);
   }
 
-  RunOutput output(options.out);
+  RunOutput output(options.out, "convert", options.common.force);
   const int count = recording->frame_count();
   Progress progress("Converting", count, options.common);
   WriteRecording(*recording, output.directory(),
@@ -135,7 +136,7 @@ void SetupConvert(CLI::App& app) {
       AddCommand(app, "convert", "Writes any recording that can be read as a recording folder");
   command->add_option("FILE", options->file, "Recording folder, or file of a sonar's native format")
       ->required();
-  command->add_option("--out", options->out, "Recording folder to write")->type_name("DIR")->required();
+  AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
   command
       ->add_option("--frames", options->frames,
                    "Frames to take: from A, counted from 0, up to but without B; all if not given")
@@ -175,7 +176,14 @@ void SetupConvert(CLI::App& app) {
       "--salvage", options->salvage,
       "Leave out the frames of a damaged recording that cannot be read, with a note of each, rather "
       "than end at the first");
-  OnRun(command, options->common, [options] { return RunConvert(*options); });
+  OnRun(command, options->common, [command, options] {
+    if (options->trajectory.empty()) {
+      RefuseGiven(*command, {"--trajectory-format"}, "without --trajectory");
+      if (options->pose_topic.empty())
+        RefuseGiven(*command, {"--time-offset", "--most-gap"}, "without --trajectory or --pose-topic");
+    }
+    return RunConvert(*options);
+  });
 }
 
 }  // namespace sonarcal

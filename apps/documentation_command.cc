@@ -25,7 +25,7 @@ struct DocumentationOptions {
 
 ExitStatus RunDocumentation(const DocumentationOptions& options, const CLI::App& root) {
   const std::string version = "sonarcal " SONARCAL_VERSION;
-  RunOutput output(options.out);
+  RunOutput output = RunOutput::Beside(options.out);
   std::vector<std::string> files;
   const auto write = [&](const std::string& name, const std::string& text) {
     WriteFileWhole(output / name, text);

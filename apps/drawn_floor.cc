@@ -62,7 +62,8 @@ Grid<float> SpeckleDraw::Draw(const Grid<float>& mean, std::uint64_t seed) const
 }
 
 DrawnFloor DrawFloor(const RecordingSource& simulated, const std::vector<int>& frames,
-                     const ParameterSet& parameters, const CompareOptions& options, int max_frames) {
+                     const ParameterSet& parameters, const CompareOptions& options,
+                     const std::map<int, PixelBox>& boxes, int max_frames) {
   CompareOptions of_draws = options;
   of_draws.keep_masks = false;
   of_draws.sweep = {};
@@ -79,7 +80,8 @@ DrawnFloor DrawFloor(const RecordingSource& simulated, const std::vector<int>& f
     }
     PolarImage drawn = frame.image;
     drawn.value = draw->Draw(frame.image.value, kSeed + static_cast<std::uint64_t>(index));
-    FrameMetrics& of_frame = metrics.emplace_back(comparer.Compare(drawn, frame.image));
+    const PixelBox* box = options.object ? &boxes.at(index) : nullptr;
+    FrameMetrics& of_frame = metrics.emplace_back(comparer.Compare(drawn, frame.image, box));
     of_frame.index = index;
     of_frame.name = frame.info.name;
     of_frame.time_s = frame.info.time_s;

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <vector>
 
 #include "data_io/types/parameters.h"
@@ -33,8 +34,10 @@ class SpeckleDraw {
   std::vector<std::vector<float>> cumulative_;  // by mean value: chance of at most each level
 };
 
-// At most `max_frames` of `frames`, evenly spread; each compared with its draw by `options`.
+// At most `max_frames` of `frames`, evenly spread; each compared with its draw by `options`, with
+// CompareOptions::object in its box.
 DrawnFloor DrawFloor(const RecordingSource& simulated, const std::vector<int>& frames,
-                     const ParameterSet& parameters, const CompareOptions& options, int max_frames = 100);
+                     const ParameterSet& parameters, const CompareOptions& options,
+                     const std::map<int, PixelBox>& boxes = {}, int max_frames = 100);
 
 }  // namespace sonarcal

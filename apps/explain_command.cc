@@ -12,6 +12,7 @@
 #include "apps/choice_option.h"
 #include "apps/commands.h"
 #include "apps/explain_recording.h"
+#include "apps/given_options.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/cause_pictures.h"
@@ -83,11 +84,10 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
   WritePrepared(prepared, output / "recording");
   ComparisonOptions comparison = options.comparison;
   CompareOptions compare = comparison.For(prepared.recording->info().sonar.axes);
-  // A method that is asked for by name wins over the recording's own.
-  SegmentationOptions& rule = comparison.object.rule;
+  // A method that is asked for by name, or by --object, wins over the recording's own.
   const SegmentationOptions& own = prepared.comparison.segmentation;
-  if (rule.method == SegmentationOptions{}.method && own.method != rule.method) {
-    rule.method = compare.segmentation.method = own.method;
+  if (!comparison.object.method && !compare.object && own.method != compare.segmentation.method) {
+    comparison.object.method = compare.segmentation.method = own.method;
     compare.segmentation.background_law = own.background_law;
     if (own.background_law) comparison.object.background_params = options.out / "recording/params.json";
   }
@@ -101,6 +101,7 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
           .telling = {.title = std::move(prepared.title),
                       .about = true,
                       .apart = prepared.apart || options.apart,
+                      .warnings = std::move(prepared.warnings),
                       .caveats = std::move(prepared.caveats)},
           .inputs = std::move(prepared.inputs)};
 }
@@ -154,9 +155,10 @@ ExitStatus RunExplain(const ExplainCommandOptions& options) {
   CheckSubject(options);
   std::optional<Subject> opened;
   if (!options.known) opened = OpenFiles(options);  // a mistake in them leaves nothing behind
-  RunOutput output(options.out);
+  RunOutput output(options.out, "explain", options.common.force);
   if (options.known) opened = OpenKnown(options, output);
   Subject& subject = *opened;
+  subject.telling.synthetic = subject.recording->info().synthetic;
   ExplainRecordingOptions explain{.poses = options.poses};
   explain.rays = options.rays;
   explain.comparison = subject.compare;
@@ -224,9 +226,7 @@ void SetupExplain(CLI::App& app) {
       ->add_option("--recordings", options->recordings,
                    "Where it is looked for [$SONARCAL_RECORDINGS, else ./recordings]")
       ->type_name("DIR");
-  command->add_option("--out", options->out, "Folder for figures, maps and report")
-      ->type_name("DIR")
-      ->required();
+  AddOutFolder(*command, options->out, options->common, "Folder for figures, maps and report")->required();
   command
       ->add_option("--held-out", options->held_out,
                    "Frames that no fit sees, counted from 0 (default: the last third)")
@@ -243,7 +243,14 @@ void SetupExplain(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(1, 100000).description(""));
   AddComparisonOptions(*command, options->comparison);
-  OnRun(command, options->common, [options] { return RunExplain(*options); });
+  OnRun(command, options->common, [command, options] {
+    RefuseSceneFormatAlone(*command);
+    if (!options->known) {
+      RefuseGiven(*command, {"--recordings"}, "without --known");
+      RefuseUnusedSegmentation(*command, options->comparison.object);
+    }
+    return RunExplain(*options);
+  });
 }
 
 }  // namespace sonarcal

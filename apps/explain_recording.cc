@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "apps/fit_recording.h"
+#include "apps/scene_geometry.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
+#include "calib/held_out_frames.h"
 #include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "data_io/recording_io.h"
@@ -63,6 +65,7 @@ MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<G
   for (std::size_t f = 0; f < frames.size(); ++f) {
     Frame frame{recorded.frame_info(frames[f].index), images != nullptr ? (*images)[f] : frames[f].image};
     frame.image.scale = info.scale;
+    for (float& value : frame.image.value.values()) value = std::round(value);  // as a recording has it
     all.push_back(std::move(frame));
   }
   return {std::move(info), std::move(all)};
@@ -117,11 +120,13 @@ class RecordingExplainer {
                      const ExplainRecordingOptions& options)
       : recording_(recording), options_(options), given_(given) {
     CheckExplainable(recording, given);
+    if (options.comparison.object) CheckObject(*options.comparison.object, scene.material_names);
     CheckRayWeight(options.rays.weight, given.model);
     const SonarModel& sonar = recording.info().sonar;
     FitConfig config{.held_out = options.held_out};
     result_.split = SplitFrames(config, recording.frame_count());
     CheckSettings(recording, result_.split);
+    CheckHeldOut(recording, result_.split);
     const std::vector<TimedPose> poses = PosesOfRecording(recording);
     used_ = Read(recording, poses, result_.split.used);
     held_out_ = Read(recording, poses, result_.split.held_out);
@@ -136,6 +141,7 @@ class RecordingExplainer {
     result_.rays = {explain_.simulation.fan.cols, explain_.simulation.fan.rows};
     result_.explanation = Explain(scene, sonar, used_, held_out_, given_, explain_);
     simulator_.emplace(scene, sonar, explain_.simulation);
+    if (options.comparison.object) geometry_.emplace(simulator_->caster(), sonar);
   }
 
   ExplainedRecording Run() {
@@ -178,9 +184,14 @@ class RecordingExplainer {
     const std::optional<Mask>& valid = recording_.info().valid;
     std::vector<GreyFrame> about = held_out_;
     for (GreyFrame& frame : about) {
-      const Mask object = Segment(frame.image, rule.segmentation, rule.region ? &*rule.region : nullptr,
-                                  valid ? &*valid : nullptr)
-                              .object;
+      std::optional<Mask> region = rule.region;
+      if (geometry_) {
+        const PixelBox box = geometry_->ObjectBox(frame.world_from_sonar, *rule.object);
+        region = Both(region, MaskOf(box, frame.image.value.rows(), frame.image.value.cols()));
+      }
+      const Mask object =
+          Segment(frame.image, rule.segmentation, region ? &*region : nullptr, valid ? &*valid : nullptr)
+              .object;
       const Mask near = Dilated(object, kAboutBins, kAboutBeams);
       if (frame.use.empty()) frame.use.assign(near.size(), 1);
       for (std::size_t i = 0; i < near.size(); ++i) {
@@ -199,19 +210,30 @@ class RecordingExplainer {
     for (const ExplainedStep& step : result_.explanation.steps) {
       const Shown shown{ExpectedGrey(step, held_out_),
                         step.knows_speckle ? Drawn(step) : std::vector<PolarImage>{}};
-      JudgeStep(shown, all, step.held_out, step.gain, step.verdict, result_.judged);
-      for (const std::size_t f : all) {
-        const JudgedFrame& frame = step.by_frame[f];
-        JudgeStep(shown, {f}, frame.likelihood, frame.gain, frame.verdict, result_.by_frame[f]);
+      JudgeStep(shown, step.poses_held_out, all,
+                {.likelihood = step.held_out,
+                 .gain = step.gain,
+                 .error = step.error_held_out,
+                 .error_change = step.error_change,
+                 .verdict = step.verdict},
+                result_.judged);
+      if (&step == &result_.explanation.steps.back()) {
+        result_.metrics_after = Compared(held_out_, shown.expected, step.poses_held_out);
+        if (!shown.draws.empty())
+          result_.sample_metrics_after = Compared(held_out_, shown.draws, step.poses_held_out);
       }
+      for (const std::size_t f : all)
+        JudgeStep(shown, step.poses_held_out, {f}, step.by_frame[f], result_.by_frame[f]);
     }
   }
 
-  void JudgeStep(const Shown& shown, const std::vector<std::size_t>& of, const BlockedLikelihood& likelihood,
-                 const LikelihoodDifference& gain, Verdict verdict, JudgedSteps& judged) const {
-    judged.nats_per_pixel.push_back(likelihood.PerPixel());
-    judged.gain.push_back(gain);
-    judged.verdict.push_back(verdict);
+  void JudgeStep(const Shown& shown, const std::vector<Pose>& poses_held_out,
+                 const std::vector<std::size_t>& of, const JudgedFrame& by, JudgedSteps& judged) const {
+    judged.nats_per_pixel.push_back(by.likelihood.PerPixel());
+    judged.gain.push_back(by.gain);
+    judged.median_error.push_back(by.error.PerPixel());
+    judged.error_change.push_back(by.error_change);
+    judged.verdict.push_back(by.verdict);
     std::vector<GreyFrame> frames;
     std::vector<GreyFrame> about;
     std::vector<PolarImage> recorded;
@@ -226,10 +248,12 @@ class RecordingExplainer {
     }
     StepFigures figures{.intensity_error = MeanDifference(recorded, expected, frames)};
     figures.about_error = MeanDifference(recorded, expected, about);
-    const ViewSummary of_expected = Compared(frames, expected);
+    std::vector<Pose> poses;
+    for (const std::size_t f : of) poses.push_back(poses_held_out[f]);
+    const ViewSummary of_expected = Pooled(frames, expected, poses);
     figures.union_error = of_expected.Over(IntensityDomain::kUnion).mean_absolute.value;
     figures.overlap_error = of_expected.Over(IntensityDomain::kOverlap).mean_absolute.value;
-    const ViewSummary of_shown = draws.empty() ? of_expected : Compared(frames, draws);
+    const ViewSummary of_shown = draws.empty() ? of_expected : Pooled(frames, draws, poses);
     figures.iou = of_shown.At("iou").value;
     figures.ns_over_nr = of_shown.At("ns_over_nr").value;
     if (!draws.empty()) {
@@ -239,13 +263,22 @@ class RecordingExplainer {
     judged.figures.push_back(figures);
   }
 
-  // Pooled over the frames.
-  ViewSummary Compared(const std::vector<GreyFrame>& frames, const std::vector<PolarImage>& images) const {
-    const CompareRecordingsOptions judge{
+  ViewSummary Pooled(const std::vector<GreyFrame>& frames, const std::vector<PolarImage>& images,
+                     const std::vector<Pose>& poses) const {
+    return Compared(frames, images, poses).aggregate.micro.polar;
+  }
+
+  // The frames against images that were simulated from `poses`.
+  MetricsReport Compared(const std::vector<GreyFrame>& frames, const std::vector<PolarImage>& images,
+                         const std::vector<Pose>& poses) const {
+    CompareRecordingsOptions judge{
         .compare = options_.comparison, .as_displayed = true, .noise_floor = false};
-    return CompareRecordings(AsRecording(recording_, frames, nullptr),
-                             AsRecording(recording_, frames, &images), judge)
-        .aggregate.micro.polar;
+    for (std::size_t f = 0; geometry_ && f < poses.size(); ++f)
+      judge.boxes[static_cast<int>(f)] = geometry_->ObjectBox(poses[f], *judge.compare.object);
+    MetricsReport report = CompareRecordings(AsRecording(recording_, frames, nullptr),
+                                             AsRecording(recording_, frames, &images), judge);
+    for (std::size_t f = 0; f < frames.size(); ++f) report.frames[f].index = frames[f].index;
+    return report;
   }
 
   std::uint8_t NameIndex(const EchoCause& cause) {
@@ -324,6 +357,7 @@ class RecordingExplainer {
   std::vector<GreyFrame> held_out_;
   std::vector<GreyFrame> about_object_;
   std::optional<Simulator> simulator_;
+  std::optional<SceneGeometry> geometry_;  // with --object
   ExplainedRecording result_;
 };
 
@@ -331,7 +365,8 @@ class RecordingExplainer {
 
 ExplainedRecording ExplainRecording(const RecordingSource& recording, const Scene& scene,
                                     const ParameterSet& given, const ExplainRecordingOptions& options) {
-  return RecordingExplainer(recording, scene, given, options).Run();
+  RecordingExplainer explainer(recording, scene, given, options);
+  return explainer.Run();
 }
 
 }  // namespace sonarcal

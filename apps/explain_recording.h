@@ -50,6 +50,9 @@ struct JudgedSteps {
   std::vector<StepFigures> figures = {};
   std::vector<double> nats_per_pixel = {};
   std::vector<LikelihoodDifference> gain = {};
+  // Error of the median image (full scale 1), and its change by a step. A verdict must not contradict it.
+  std::vector<double> median_error = {};
+  std::vector<LikelihoodDifference> error_change = {};
   std::vector<Verdict> verdict = {};
   // What a draw of the last step's model itself differs from its expected image by, over the whole image and
   // about the object: the error that is left to speckle and noise.
@@ -69,7 +72,11 @@ struct ExplainedRecording {
   RayGridSize rays;
   FrameSplit split;
   Explanation explanation;
-  JudgedSteps judged;                 // by all frames held out together
+  JudgedSteps judged;  // by all frames held out together
+  // The last step on these frames, as `compare` scores it: its expected image, and a draw where it knows
+  // speckle.
+  std::optional<MetricsReport> metrics_after = {};
+  std::optional<MetricsReport> sample_metrics_after = {};
   std::vector<JudgedSteps> by_frame;  // by each alone
   // The first two are kNotBright and kUnexplained.
   std::vector<std::string> cause_names;

@@ -14,6 +14,7 @@
 #include "apps/commands.h"
 #include "apps/export/simulator_configs.h"
 #include "apps/frame_range.h"
+#include "apps/given_options.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
@@ -80,6 +81,7 @@ void CheckOptions(const ExportOptions& options) {
   }
   const bool draws = options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4;
   if (!draws) refuse(options.height_px != 0, "--height", "png and mp4");
+  if (options.to != ExportTarget::kPng) refuse(options.common.force, "--force", "png");
   if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
   if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
     throw UsageError(
@@ -107,6 +109,12 @@ Json Configuration(const ExportOptions& options) {
 // The folder that --out lies in, and the name of its file with another extension or none.
 fs::path FolderOf(const fs::path& out) {
   return out.has_parent_path() ? out.parent_path() : fs::path(".");
+}
+
+// A folder of pictures, or the file beside whatever else lies in its folder.
+RunOutput OutputOf(const ExportOptions& options) {
+  return options.to == ExportTarget::kPng ? RunOutput(options.out, "export", options.common.force)
+                                          : RunOutput::Beside(FolderOf(options.out));
 }
 
 struct ChosenSource {
@@ -151,7 +159,7 @@ ExitStatus ExportConfiguration(const ExportOptions& options, const SimulatorExpo
   side["provenance"] = ProvenanceToJson(
       {.command = "export", .configuration = Configuration(options), .inputs = chosen.inputs});
 
-  RunOutput output(FolderOf(options.out));
+  RunOutput output = RunOutput::Beside(FolderOf(options.out));
   std::vector<std::string> files;
   for (const ExportedFile& file : config.files) {
     files.push_back(file.suffix.empty() ? options.out.filename().string() : stem + file.suffix);
@@ -202,7 +210,7 @@ ExitStatus ExportRecording(const ExportOptions& options) {
   const Provenance provenance{.command = "export", .configuration = Configuration(options), .inputs = inputs};
 
   const bool is_folder = options.to == ExportTarget::kPng;
-  RunOutput output(is_folder ? options.out : FolderOf(options.out));
+  RunOutput output = OutputOf(options);
   const fs::path file = output / options.out.filename();
   Progress progress("Exporting", recording->frame_count(), options.common, "frames");
   const auto advance = [&](int frames_done) { progress.Update(frames_done); };
@@ -259,17 +267,16 @@ void SetupExport(CLI::App& app) {
                       "Simulator whose configuration is written, or format of a recording",
                       [options](ExportTarget to) { options->to = to; })
       ->required();
-  command
-      ->add_option("--out", options->out,
-                   "File to write (a folder for png); beside it, what was exported and how, as JSON")
+  AddOutFolder(*command, options->out, options->common,
+               "File to write (a folder for png); beside it, what was exported and how, as JSON")
       ->type_name("FILE")
       ->required();
   command->add_option("--params", options->params, "Parameters to export to a simulator")->type_name("JSON");
   command
-      ->add_option(
-          "--sonar", options->sonar,
-          "Sonar of a simulator's configuration: p900-45, a recording, or a JSON file with a 'sonar' "
-          "object")
+      ->add_option("--sonar", options->sonar,
+                   "Sonar of a simulator's configuration: a name (see sonarcal sonars), a recording, or a "
+                   "JSON file with a 'sonar' "
+                   "object")
       ->type_name("NAME|FILE");
   AddAbsorption(*command, options->absorption);
   command
@@ -293,7 +300,14 @@ void SetupExport(CLI::App& app) {
       ->type_name("HZ")
       ->default_str("")
       ->check(CLI::Range(0.01, 1000.0).description(""));
-  OnRun(command, options->common, [options] { return RunExport(*options); });
+  OnRun(command, options->common, [command, options] {
+    if (SimulatorOf(options->to) == nullptr)
+      RefuseGiven(*command, {"--absorption"}, "on the export of a recording");
+    if (options->recording.empty())
+      RefuseGiven(*command, {"--topic", "--sample-order", "--mirror", "--picture-geometry"},
+                  "without --recording");
+    return RunExport(*options);
+  });
 }
 
 }  // namespace sonarcal

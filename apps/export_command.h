@@ -20,7 +20,7 @@ struct ExportOptions {
   // Of a simulator's configuration:
   std::filesystem::path params;
   std::string sonar;  // a preset's name, a recording or a JSON file
-  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
+  AbsorptionFormula absorption = AbsorptionFormula::kAuto;
   // Of a recording:
   std::filesystem::path recording;
   BagArguments bag;

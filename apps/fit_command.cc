@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include "apps/commands.h"
 #include "apps/fit_noise.h"
 #include "apps/fit_recording.h"
+#include "apps/given_options.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/choice_section.h"
@@ -72,10 +74,9 @@ Json ConfigurationJson(const FitCommandOptions& options, const FitConfig& config
                {"trust_all", options.trust_all},
                {"held_out", fit.fit.report.frames_held_out},
                {"max_iterations", options.max_iterations},
-               {"starts", options.starts},
-               {"object", options.object.empty() ? Json(nullptr) : Json(options.object)}};
+               {"starts", options.starts}};
   json.update(SceneFormatJson(options.scene_format));
-  json.update(RayOptionsJson(options.rays, fit.rays));
+  json.update(RayOptionsJson(fit.ray_options, fit.rays));
   json.update(ComparisonOptionsJson(options.comparison));
   return json;
 }
@@ -84,18 +85,40 @@ std::string FigureText(const Statistic& statistic) {
   return statistic.value ? fmt::format("{:.3f}", *statistic.value) : "none";
 }
 
-// What a person wants to see in a terminal: what moved, how sure it is, and whether it helped.
-std::string SummaryText(const RecordingFit& fit, const std::string& recording,
-                        const std::filesystem::path& out) {
-  const FitReport& report = fit.fit.report;
-  std::string text = fit.choice ? ModelChoiceText(*fit.choice) : std::string();
-  text += fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
-                      fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
-                                             : "the same frames, as none is held out");
+std::size_t NameWidth(const FitReport& report) {
   std::size_t width = 0;
   for (const FittedParameter& p : report.parameters) width = std::max(width, p.name.size());
-  text += fmt::format("  {:<{}}  {:>9}  {:>9}  {:>8}  {}\n", "parameter", width, "initial", "fitted", "sigma",
-                      "unit");
+  return width;
+}
+
+// Curves at a few of the angles that the frames show, each with its 95 % band. They come before the
+// parameters: a curve is determined better than the values that make it.
+std::string CurvesText(const FitReport& report, const std::map<std::string, IncidenceRange>& seen) {
+  constexpr double kSigmasOf95 = 1.96;
+  constexpr std::array kAnglesDeg = {0, 5, 10, 20, 30, 45, 60, 75};
+  std::string text;
+  for (const FittedCurve& curve : report.curves) {
+    const auto range = seen.find(curve.material);
+    if (range == seen.end()) continue;
+    text += fmt::format("  {}, backscatter at incidence where the frames show it, dB\n", curve.material);
+    for (const int deg : kAnglesDeg) {
+      const auto i = static_cast<std::size_t>(deg);  // a value every degree
+      if (deg < range->second.low_deg || deg > range->second.high_deg || i >= curve.backscatter_db.size())
+        continue;
+      text += fmt::format("    {:>2} deg  {:>7.2f} +- {:.2f}{}\n", deg, curve.backscatter_db[i],
+                          kSigmasOf95 * curve.sigma_db[i],
+                          curve.truth_db.empty() ? "" : fmt::format("  truth {:>7.2f}", curve.truth_db[i]));
+    }
+  }
+  return text.empty() ? text : text + "    (+-: 95 % band)\n";
+}
+
+std::string ParametersText(const FitReport& report) {
+  const std::size_t width = NameWidth(report);
+  const bool truth = HasTruth(report);
+  const auto true_text = [&](const std::string& value) { return truth ? fmt::format("  {:>9}", value) : ""; };
+  std::string text = fmt::format("  {:<{}}  {:>9}  {:>9}  {:>8}{}  {}\n", "parameter", width, "initial",
+                                 "fitted", "sigma", true_text("truth"), "unit");
   int fixed = 0;
   for (const FittedParameter& p : report.parameters) {
     if (p.status == ParameterStatus::kFixed) {
@@ -105,33 +128,49 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
     const std::string remark = p.status == ParameterStatus::kFree      ? std::string()
                                : p.status == ParameterStatus::kAtBound ? "  at a bound"
                                                                        : "  unidentifiable";
-    text += fmt::format("  {:<{}}  {:>9.4g}  {:>9.4g}  {:>8}  {}{}\n", p.name, width, p.initial, p.value,
-                        p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit, remark);
+    text += fmt::format("  {:<{}}  {:>9.4g}  {:>9.4g}  {:>8}{}  {}{}\n", p.name, width, p.initial, p.value,
+                        p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-",
+                        true_text(p.truth ? fmt::format("{:.4g}", *p.truth) : "-"), p.unit, remark);
   }
   if (fixed > 0) text += fmt::format("  and {} fixed\n", fixed);
+  return text;
+}
+
+// What a person wants to see in a terminal: what moved, how sure it is, and whether it helped.
+std::string SummaryText(const RecordingFit& fit, const std::string& recording,
+                        const std::filesystem::path& out) {
+  const FitReport& report = fit.fit.report;
+  std::string text = fit.choice ? ModelChoiceText(*fit.choice) : std::string();
+  for (const std::string& sentence : report.warnings) text += fmt::format("warning: {}\n", sentence);
+  text += fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
+                      fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
+                                             : "the same frames, as none is held out");
+  const std::size_t width = NameWidth(report);
+  text += CurvesText(report, fit.seen) + ParametersText(report);
   for (const std::string& sentence : report.unidentifiable_directions)
     text += fmt::format("  left open: {}\n", sentence);
   for (const std::string& sentence : report.other_poses) text += fmt::format("  left open: {}\n", sentence);
 
   const IntensityDomain domain = fit.after.options.intensity_domain;
-  const Aggregate::Views& before = fit.before.aggregate.macro;
-  const Aggregate::Views& after = fit.after.aggregate.macro;
   text += fmt::format("  {:<{}}  {:>9}  {:>9}\n", fit.judged_on_held_out ? "held-out frames" : "frames used",
                       width, "before", "after");
   const auto add = [&](const char* label, const Statistic& old, const Statistic& now) {
     text += fmt::format("  {:<{}}  {:>9}  {:>9}\n", label, width, FigureText(old), FigureText(now));
   };
-  add("intensity error, polar", before.polar.Over(domain).mean_absolute,
-      after.polar.Over(domain).mean_absolute);
-  add("intensity error, whole image", before.polar.Over(IntensityDomain::kWhole).mean_absolute,
-      after.polar.Over(IntensityDomain::kWhole).mean_absolute);
-  add("intensity error, fan", before.fan.Over(domain).mean_absolute, after.fan.Over(domain).mean_absolute);
-  if (fit.sample_before && fit.sample_after) {
-    add("IoU, speckled sample", fit.sample_before->aggregate.macro.polar.At("iou"),
-        fit.sample_after->aggregate.macro.polar.At("iou"));
-  } else {
-    add("IoU", before.polar.At("iou"), after.polar.At("iou"));
-  }
+  const auto add_image = [&](const char* image, const MetricsReport& before, const MetricsReport& after) {
+    text += fmt::format("  {}\n", image);
+    const Aggregate::Views& old = before.aggregate.macro;
+    const Aggregate::Views& now = after.aggregate.macro;
+    add("  IoU", old.polar.At("iou"), now.polar.At("iou"));
+    add("  intensity error, polar", old.polar.Over(domain).mean_absolute,
+        now.polar.Over(domain).mean_absolute);
+    add("  intensity error, whole image", old.polar.Over(IntensityDomain::kWhole).mean_absolute,
+        now.polar.Over(IntensityDomain::kWhole).mean_absolute);
+    add("  intensity error, fan", old.fan.Over(domain).mean_absolute, now.fan.Over(domain).mean_absolute);
+  };
+  add_image("expected image", fit.before, fit.after);
+  if (fit.sample_before && fit.sample_after)
+    add_image("speckled sample", *fit.sample_before, *fit.sample_after);
   if (report.down_weighted_share) {
     text +=
         fmt::format("{:.1f} % of the pixels used count for less than half: the scene does not explain them\n",
@@ -143,9 +182,28 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
 
+// Throws UsageError for options that the chosen way to fit does not take.
+void RefuseWithoutEffect(const CLI::App& command, const FitCommandOptions& options) {
+  const OptionNames noise_options = {"--range-min", "--range-max", "--find-background", "--hold-out-bands",
+                                     "--reject-beyond"};
+  if (options.noise_only) {
+    OptionNames taken = {"--noise-only", "--real",    "--params", "--out",
+                         "--held-out",   "--threads", "--choose"};
+    taken.insert(taken.end(), noise_options.begin(), noise_options.end());
+    RefuseGivenExcept(command, taken, "with --noise-only");
+  } else if (options.still) {
+    RefuseGivenExcept(command, {"--still", "--real", "--params", "--out", "--threads"}, "with --still");
+  } else {
+    RefuseGiven(command, noise_options, "without --noise-only");
+    RefuseSceneFormatAlone(command);
+    RefuseUnusedSegmentation(command, options.comparison.object);
+  }
+}
+
 HtmlReport MakeReport(const RecordingFit& fit, const RecordingInfo& info, const Json& provenance) {
   HtmlReport report("Fit of a sonar's parameters", RecordingName(info));
   AddSyntheticCallout(report, info.synthetic, RecordingName(info));
+  AddFitWarnings(report, fit.fit.report);
   AddFitKeyFigures(report, fit);
   report.Section("Before and after");
   AddFitComparison(report, fit);
@@ -177,9 +235,10 @@ FitConfig ResolveFitConfig(const FitCommandOptions& options, const ParameterSet&
 RecordingFit FitAsAsked(const FitCommandOptions& options, const RecordingSource& recording,
                         const Scene& scene, const FitConfig& config, const ParameterSet& initial,
                         const FitListener& listener) {
+  if (options.trust_all && initial.model != EchoModel::kAcoustic)
+    throw UsageError("--trust-all has no effect: the paper's model counts all pixels in full");
   FitRecordingOptions fit_options{.rays = options.rays, .config = config, .fit = {}, .comparison = {}};
   fit_options.comparison = options.comparison.For(recording.info().sonar.axes);
-  fit_options.object_material = options.object;
   fit_options.choose = ResolveAxes(options.choose);
   fit_options.fit.max_iterations = options.max_iterations;
   fit_options.fit.starts = options.starts;
@@ -223,7 +282,7 @@ ExitStatus RunFit(const FitCommandOptions& options) {
   const FitConfig config = ResolveFitConfig(options, initial, scene);
   for (const std::string& sentence : MirrorCaveats(initial, scene.material_names))
     PrintNote(options.common, sentence);
-  RunOutput output(options.out);
+  RunOutput output(options.out, "fit", options.common.force);
   Progress progress("Tracing", recording->frame_count(), options.common);
   const RecordingFit fit =
       FitAsAsked(options, *recording, scene, config, initial,
@@ -274,9 +333,7 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
                    "Parameters to start from; with --noise-only its display is kept, with --still also its "
                    "looks and floor")
       ->type_name("JSON");
-  command->add_option("--out", options->out, "Folder for parameters, fit and report")
-      ->type_name("DIR")
-      ->required();
+  AddOutFolder(*command, options->out, options->common, "Folder for parameters, fit and report")->required();
   command->add_option("--config", options->config, "What is free, its bounds, and which frames are held out")
       ->type_name("JSON");
   const auto add_list = [&](const char* name, auto& list, const char* description, const char* type) {
@@ -332,10 +389,6 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
   command->add_option("--starts", options->starts, "Backscatter curves to start from, the best is kept")
       ->type_name("N")
       ->check(CLI::Range(1, 100).description(""));
-  command
-      ->add_option("--object", options->object,
-                   "Material of the object: metrics look for it in a box around what the scene shows of it")
-      ->type_name("MATERIAL");
   AddComparisonOptions(*command, options->comparison);
 }
 
@@ -345,7 +398,10 @@ void SetupFit(CLI::App& app) {
       app, "fit",
       "Fits the parameters of the model that --params names, paper or acoustic, to a recording with poses");
   AddFitOptions(command, options.get());
-  OnRun(command, options->common, [options] { return RunFit(*options); });
+  OnRun(command, options->common, [command, options] {
+    RefuseWithoutEffect(*command, *options);
+    return RunFit(*options);
+  });
 }
 
 }  // namespace sonarcal

@@ -31,7 +31,7 @@ struct FitCommandOptions {
   std::vector<std::string> free;
   std::vector<std::string> fixed;
   std::vector<int> held_out;
-  RayOptions rays{Sampling::kBeams};
+  RayOptions rays;
   int max_iterations = 100;
   int starts = 4;
   std::vector<std::string> choose;  // axes of calib/model_choice.h, by the likelihood of the held-out frames
@@ -45,7 +45,6 @@ struct FitCommandOptions {
   double reject_beyond = 0.0;
   bool find_background = false;
   bool hold_out_bands = false;
-  std::string object;  // material that the object is made of; empty: look in the whole image
   ComparisonOptions comparison;
 };
 

@@ -49,10 +49,12 @@ std::vector<FitFrame> PaperFrames(const RecordingSource& recording, const std::v
   std::vector<FitFrame> frames;
   frames.reserve(indices.size());
   for (const int index : indices) {
+    const PolarImage image = recording.ReadFrame(index).image;
     frames.push_back({.index = index,
                       .echoes = echoes[index],
-                      .measured = MeasuredForFit(recording.ReadFrame(index).image),
-                      .use = ValidPixels(recording.info(), options.pixels)});
+                      .measured = MeasuredForFit(image),
+                      .use = ValidPixels(recording.info(), options.pixels),
+                      .level = GreyLevel(image)});
   }
   return frames;
 }

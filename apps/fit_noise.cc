@@ -141,7 +141,7 @@ HtmlReport MakeReport(const NoiseFit& fit, const RecordingInfo& info, const Json
     report.Callout(CalloutKind::kSynthetic, "The recording is synthetic",
                    RecordingName(info) + " is simulated, not recorded by a sonar.");
   }
-  AddNoiseSections(report, fit);
+  AddNoiseSections(report, fit, info.synthetic);
   EndReport(report, provenance);
   return report;
 }
@@ -150,7 +150,7 @@ HtmlReport MakeReport(const NoiseFit& fit, const RecordingInfo& info, const Json
 
 ExitStatus RunFitNoise(const FitCommandOptions& options) {
   const auto recording = OpenRecording(options.real);
-  RunOutput output(options.out);
+  RunOutput output(options.out, "fit", options.common.force);
   const NoiseFit fit = FitNoise(*recording, ToNoiseOptions(options));
   const Provenance provenance = ProvenanceOf(options, fit);
   const std::string fit_json = FitJson(fit);

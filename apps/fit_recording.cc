@@ -8,10 +8,16 @@
 #include <numeric>
 #include <optional>
 
+#include "apps/fit_doubts.h"
 #include "apps/fit_frames.h"
+#include "apps/fit_worse.h"
+#include "apps/known_truth.h"
+#include "apps/recorded_rays.h"
+#include "apps/scene_geometry.h"
 #include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
+#include "calib/held_out_frames.h"
 #include "calib/mirror_start.h"
 #include "data_io/parameters_io.h"
 #include "data_io/types/error.h"
@@ -23,6 +29,9 @@ namespace sonarcal {
 namespace {
 
 constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
+
+// Frames of which two samples are compared with each other: each is traced twice more.
+constexpr int kPairFrames = 4;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
@@ -45,7 +54,8 @@ class ExpectedRecording final : public RecordingSource {
   Frame ReadFrame(int index) const override {
     Frame frame{frame_info(index), render_(index)};
     const double factor = info_.scale.full_scale / frame.image.scale.full_scale;
-    for (float& value : frame.image.value.values()) value = static_cast<float>(value * factor);
+    for (float& value : frame.image.value.values())
+      value = static_cast<float>(std::round(value * factor));  // as a recording has it
     frame.image.scale = info_.scale;
     return frame;
   }
@@ -77,28 +87,6 @@ std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<EchoHistog
     seen[material_names[material]] = {low * kIncidenceStepDeg, high * kIncidenceStepDeg};
   }
   return seen;
-}
-
-// By frame, a box around the pixels that show a material.
-std::map<int, Mask> RegionsAround(const std::string& material, const std::vector<EchoHistogram>& echoes,
-                                  const std::vector<std::string>& material_names, const PolarAxes& axes) {
-  constexpr int kMarginBins = 12;
-  constexpr int kMarginBeams = 12;
-  const auto found = std::find(material_names.begin(), material_names.end(), material);
-  if (found == material_names.end()) throw DataError("the scene has no material '{}'", material);
-  const auto index = static_cast<std::uint32_t>(found - material_names.begin());
-  std::map<int, Mask> regions;
-  for (std::size_t frame = 0; frame < echoes.size(); ++frame) {
-    Mask shows(axes.range_bins, axes.beam_count());
-    for (const EchoHistogram::Cell& cell : echoes[frame].cells) {
-      for (std::uint32_t entry = cell.first_entry; entry < cell.last_entry; ++entry) {
-        if (echoes[frame].entries[entry].node / kIncidenceNodes == index)
-          shows(cell.row / kRangeSteps, cell.col) = 1;
-      }
-    }
-    regions[static_cast<int>(frame)] = BoxAround(shows, kMarginBins, kMarginBeams);
-  }
-  return regions;
 }
 
 FitResult FitPaper(const RecordingSource& recording, const std::vector<EchoHistogram>& echoes,
@@ -149,18 +137,14 @@ std::vector<TimedPose> FittedPoses(const RecordingSource& recording, const Simul
   return fitted;
 }
 
-// What the parameters expect of a pose's echoes, without noise; pixels, beams fastest.
+// Mean power of a pose's echoes, without noise; pixels, beams fastest.
 std::vector<double> EchoesExpected(const Simulator& simulator, const ParameterSet& parameters,
                                    const Pose& world_from_sonar) {
   const AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
   const ScatterMap scatter = simulator.Scatter(simulator.TraceEchoes(world_from_sonar), parameters,
                                                simulator.TraceGhosts(world_from_sonar, parameters));
-  const PolarImage power = ExpectedPower(scatter, geometry, parameters);
-  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
-  std::vector<double> echoes(noise.size());
-  std::transform(noise.values().begin(), noise.values().end(), power.value.values().begin(), echoes.begin(),
-                 [](double floor, float sum) { return std::max(0.0, sum - floor); });
-  return echoes;
+  const Grid<double> echoes = EchoPowerImage(scatter, geometry, parameters);
+  return {echoes.values().begin(), echoes.values().end()};
 }
 
 }  // namespace
@@ -212,14 +196,18 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     if (options.on_note && !sentence.empty()) options.on_note(sentence);
   };
   CheckFittable(recording, initial, options);
+  if (options.comparison.object) CheckObject(*options.comparison.object, scene.material_names);
   const std::vector<TimedPose> poses = PosesOfRecording(recording);
   const FrameSplit split = SplitFrames(options.config, recording.frame_count());
   CheckSettings(recording, split);
+  CheckHeldOut(recording, split);
   const SonarModel& sonar = recording.info().sonar;
   const WaterChoice water = ChooseWater(initial, recording.info().water);
   say(water.note);
   ParameterSet start = initial;
   CheckRayWeight(options.rays.weight, initial.model);
+  const RaysForFit rays = ChooseRays(options.rays, recording.info(), initial.model);
+  say(rays.note);
   const bool acoustic = initial.model == EchoModel::kAcoustic;
   if (acoustic) {
     say(TakeDisplay(recording.info().scale, start));
@@ -229,11 +217,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   if (std::count(options.choose.begin(), options.choose.end(), ChoiceAxis::kElevation) > 0)
     rays_for.beam.elevation_pattern = ElevationPattern::kCosine;
   const Simulator simulator(scene, sonar,
-                            acoustic ? AcousticSimulation(options.rays, sonar, water.water, rays_for)
-                                     : options.rays.For(sonar, water.water));
+                            acoustic ? AcousticSimulation(rays.rays, sonar, water.water, rays_for)
+                                     : rays.rays.For(sonar, water.water));
+  say(RaysNote(rays.rays, simulator));
   if (const std::string caveat = AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
       !caveat.empty()) {
-    say("warning: " + caveat);
+    say(caveat);
   }
 
   const auto trace_start = std::chrono::steady_clock::now();
@@ -243,6 +232,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
 
   const std::vector<std::string>& materials = simulator.caster().material_names();
   RecordingFit result{.rays = {simulator.fan().cols(), simulator.fan().rows()},
+                      .ray_options = rays.rays,
                       .fit = {},
                       .initial = start,
                       .seen = IncidenceSeen(echoes, split.used, materials),
@@ -289,10 +279,14 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
       };
     };
   }
+  result.ray_options.sampling = simulator.options().fan.sampling;
   FitReport& report = result.fit.report;
+  if (!rays.warning.empty()) report.warnings.insert(report.warnings.begin(), rays.warning);
   report.frames_held_out = split.held_out;
   report.trace_s = trace_s;
   report.rays_cast = simulator.caster().rays_cast();
+  if (const auto truth = options.truth ? options.truth : ReadTruth(recording.info()))
+    AddTruth(*truth, result.fit.parameters, scene, sonar, report);
   if (!result.fit.usable) return result;
 
   const std::vector<TimedPose>& fitted_poses = result.poses.empty() ? poses : result.poses;
@@ -300,8 +294,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const ExpectedRecording after(recording, expected_by(result.fit.parameters, fitted_poses),
                                 "fitted parameters");
   CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
-  if (!options.object_material.empty()) {
-    judge.regions = RegionsAround(options.object_material, echoes, materials, sonar.axes);
+  if (const std::optional<ObjectSearch>& object = options.comparison.object) {
+    judge.boxes = SceneGeometry(simulator.caster(), sonar).ObjectBoxes(fitted_poses, *object);
   }
   judge.frames = result.judged_on_held_out ? split.held_out : split.used;
   result.after = CompareRecordings(recording, after, judge);
@@ -309,12 +303,14 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   result.before = CompareRecordings(recording, before, judge);
   result.before.noise_floor = result.after.noise_floor;
   if (acoustic) {
-    const auto sample_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from) {
+    const auto sample_by = [&](const ParameterSet& parameters, const std::vector<TimedPose>& from,
+                               int draw = 0) {
       return ExpectedRecording(
           recording,
-          [&](int frame) {
+          [&, draw](int frame) {
             const Pose& pose = from[frame].world_from_sonar;
-            return simulator.RenderEchoes(simulator.TraceEchoes(pose), parameters, frame,
+            return simulator.RenderEchoes(simulator.TraceEchoes(pose), parameters,
+                                          frame + draw * recording.frame_count(),
                                           simulator.TraceGhosts(pose, parameters));
           },
           "a speckled sample");
@@ -322,11 +318,19 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     result.sample_before = CompareRecordings(recording, sample_by(result.initial, poses), judge);
     result.sample_after = CompareRecordings(recording, sample_by(result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
+    CompareRecordingsOptions judge_pair = judge;
+    judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
+    result.sample_pair =
+        CompareRecordings(sample_by(fitted, fitted_poses, 1), sample_by(fitted, fitted_poses), judge_pair);
     result.still = TellStillPoses(
         recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
         &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
   }
+  std::vector<std::string> doubts = DoubtsAbout(result, options.config);
+  const std::vector<std::string> worse = WorseFigures(result);
+  doubts.insert(doubts.end(), worse.begin(), worse.end());
+  report.warnings.insert(report.warnings.begin(), doubts.begin(), doubts.end());
   if (options.pictures) {
     const std::vector<int> telling = TellingFrames(result.after);
     result.pictures_before =

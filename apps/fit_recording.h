@@ -23,17 +23,18 @@
 namespace sonarcal {
 
 struct FitRecordingOptions {
-  RayOptions rays{Sampling::kBeams};
+  RayOptions rays;  // without a sampling: that of the recording, where it states one, else beams
   FitConfig config;
   FitOptions fit;
+  // With `object`, all figures, also those before the fit, search the boxes of the poses after the fit.
   CompareOptions comparison;
   // Pixels the fit looks at, range_bins x beams; absent: all. For what the scene does not contain.
   std::optional<Mask> pixels = {};
-  // Where it is set, the object is looked for in a box around what this material shows, not in the whole
-  // image.
-  std::string object_material = {};
   // Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, in this order.
   std::vector<ChoiceAxis> choose = {};
+  // The parameters that a simulated recording was made with, set beside the fitted ones; absent: those that
+  // ReadTruth finds.
+  std::optional<ParameterSet> truth = {};
   bool pictures = true;                                                   // of a few frames
   std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
   std::function<void(const std::string& sentence)> on_note = {};          // what a user should not miss
@@ -46,8 +47,9 @@ struct IncidenceRange {
 };
 
 struct RecordingFit {
-  RayGridSize rays;  // as cast
-  FitResult fit;     // its report complete: frames, rays, times
+  RayGridSize rays;        // as cast
+  RayOptions ray_options;  // with a sampling
+  FitResult fit;           // its report complete: frames, rays, times
   ParameterSet initial;
   // Of every frame of the recording, where the fit moved poses; empty: as recorded.
   std::vector<TimedPose> poses = {};
@@ -61,6 +63,9 @@ struct RecordingFit {
   // occupancy and distributions are to be read from. The acoustic model only.
   std::optional<MetricsReport> sample_before = {};
   std::optional<MetricsReport> sample_after = {};
+  // Two speckled samples with the fitted parameters against each other, on a few of the frames judged:
+  // the agreement that a recording of the model itself would reach. The acoustic model only.
+  std::optional<MetricsReport> sample_pair = {};
   std::optional<ModelChoice> choice = {};  // where one was asked for
   // Of poses shown more than once, whether fitted or held out: what they tell by themselves, beside the fit.
   // The acoustic model only.

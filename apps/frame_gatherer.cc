@@ -10,19 +10,20 @@ namespace sonarcal {
 
 FrameGatherer::FrameGatherer(const CompareCommandOptions& options, const RecordingSource& real,
                              const RecordingSource& simulated, const std::vector<int>& frames,
-                             std::filesystem::path folder)
-    : real_(real), folder_(std::move(folder)), valid_(ValidInBoth(real.info(), simulated.info())) {
+                             std::filesystem::path folder, const SceneGeometry* scene)
+    : real_(real),
+      folder_(std::move(folder)),
+      valid_(ValidInBoth(real.info(), simulated.info())),
+      geometry_(scene) {
   for (const int frame : EvenlySpread(frames, options.pictures)) pictured_.insert(frame);
-  if (options.scene.empty()) return;
-  geometry_.emplace(ReadSceneFile(options.scene, options.scene_format, options.common), real.info().sonar);
-  by_scene_.emplace(geometry_->material_names());
+  if (geometry_ != nullptr) by_scene_.emplace(geometry_->material_names());
 }
 
 void FrameGatherer::Add(const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame) {
   const Mask& real_object = frame.masks->polar_real;
   const Mask& simulated_object = frame.masks->polar_simulated;
   residuals_.Add(recorded, rendered, real_object, simulated_object, valid_ ? &*valid_ : nullptr);
-  if (geometry_) AddGeometry(recorded, rendered, frame);
+  if (geometry_ != nullptr) AddGeometry(recorded, rendered, frame);
   if (pictured_.contains(frame.index)) WritePictures(folder_, maker_.Make(recorded, rendered, frame));
 }
 

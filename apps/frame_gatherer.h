@@ -17,10 +17,11 @@ namespace sonarcal {
 
 class FrameGatherer {
  public:
-  // Pictures go to `folder`. Throws DataError where the scene can't be read.
+  // Pictures go to `folder`. `scene` must outlive this; null: there are no residuals by incidence and
+  // material.
   FrameGatherer(const CompareCommandOptions& options, const RecordingSource& real,
                 const RecordingSource& simulated, const std::vector<int>& frames,
-                std::filesystem::path folder);
+                std::filesystem::path folder, const SceneGeometry* scene);
 
   // `frame.masks` must be set.
   void Add(const PolarImage& recorded, const PolarImage& rendered, const FrameMetrics& frame);
@@ -36,7 +37,7 @@ class FrameGatherer {
   std::set<int> pictured_;
   PictureMaker maker_;
   ResidualCollector residuals_;
-  std::optional<SceneGeometry> geometry_;
+  const SceneGeometry* geometry_;
   std::optional<GeometryResiduals> by_scene_;
   int without_geometry_ = 0;
 };

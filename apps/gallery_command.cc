@@ -13,6 +13,7 @@
 
 #include "apps/commands.h"
 #include "apps/gallery_pictures.h"
+#include "apps/given_options.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/report/html_report.h"
@@ -142,7 +143,7 @@ ExitStatus RunGallery(const GalleryOptions& options) {
       "from "
       "left to right, range from top (nearest) to bottom.");
 
-  RunOutput output(options.out);
+  RunOutput output(options.out, "gallery", options.common.force);
   std::vector<std::string> files;
   Json names = Json::array();
   {
@@ -190,9 +191,7 @@ void SetupGallery(CLI::App& app) {
   auto options = std::make_shared<GalleryOptions>();
   CLI::App* command = AddCommand(
       app, "gallery", "Shows each scene as a sonar sees it: depth, fan and polar image, several viewpoints");
-  command->add_option("--out", options->out, "Folder for the page and its pictures")
-      ->type_name("DIR")
-      ->required();
+  AddOutFolder(*command, options->out, options->common, "Folder for the page and its pictures")->required();
   AddEnvironmentOptions(*command, options->only, options->environment);
   command->add_flag("--no-bed", options->no_bed,
                     "Leave mock-up, bridge pier and jacket without the flat bed they stand on");
@@ -206,13 +205,18 @@ void SetupGallery(CLI::App& app) {
       ->type_name("JSON");
   command
       ->add_option("--sonar", options->sonar,
-                   "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")
+                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object")
       ->type_name("NAME|FILE");
   command->add_option("--views", options->views, "The first so many viewpoints of each scene, 0 for all")
       ->type_name("N")
       ->check(CLI::Range(0, 10000).description(""));
   AddRayOptions(*command, options->rays);
-  OnRun(command, options->common, [options] { return RunGallery(*options); });
+  OnRun(command, options->common, [command, options] {
+    RefuseSceneFormatAlone(*command);
+    if (!options->scene.empty())
+      RefuseGiven(*command, {"--edge", "--seed", "--surface", "--no-bed"}, "with --scene");
+    return RunGallery(*options);
+  });
 }
 
 }  // namespace sonarcal

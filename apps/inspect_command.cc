@@ -67,8 +67,11 @@ std::string BeamWidthText(const SonarModel& sonar) {
   const auto width = [](double width_deg) {
     return width_deg > 0.0 ? fmt::format("{:.3g}°", width_deg) : std::string("unknown");
   };
-  return fmt::format("{} in azimuth, {} in elevation", width(sonar.azimuth_beam_width_deg),
-                     width(sonar.elevation_beam_width_deg));
+  std::string text = fmt::format("{} in azimuth, {} in elevation", width(sonar.azimuth_beam_width_deg),
+                                 width(sonar.elevation_beam_width_deg));
+  if (sonar.beam_forming != BeamForming::kUnknown)
+    text += fmt::format(", formed by {}", sonar.beam_forming == BeamForming::kLens ? "a lens" : "an array");
+  return text;
 }
 
 std::string WaterText(const Water& water) {
@@ -136,7 +139,10 @@ Json SonarToJson(const SonarModel& sonar, const RecordingSummary& summary) {
           {"beam_spacing_max_deg", summary.beam_spacing_max_deg},
           {"azimuth_beam_width_deg", sonar.azimuth_beam_width_deg},
           {"elevation_beam_width_deg", sonar.elevation_beam_width_deg},
-          {"sound_speed_m_per_s", sonar.sound_speed_m_per_s}};
+          {"sound_speed_m_per_s", sonar.sound_speed_m_per_s},
+          {"beam_forming", sonar.beam_forming == BeamForming::kUnknown
+                               ? Json(nullptr)
+                               : Json(JsonWord(kBeamFormings, sonar.beam_forming))}};
 }
 
 Json ImageToJson(const ImageScale& scale, const RecordingSummary& summary) {

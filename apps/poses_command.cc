@@ -65,10 +65,9 @@ TimedImages ListImages(const PosesOptions& options) {
   return timed;
 }
 
-void WriteOutputs(const PosesOptions& options, const TimedImages& timed,
+void WriteOutputs(const PosesOptions& options, RunOutput& output, const TimedImages& timed,
                   const std::vector<MarkerImage>& images, const MarkerPosesInputs& inputs,
                   const MarkerPoses& poses) {
-  RunOutput output(options.out);
   std::vector<TimedPose> list;
   for (std::size_t i = 0; i < poses.frames.size(); ++i) {
     if (poses.frames[i].refused.empty())
@@ -156,6 +155,7 @@ void PrintNotes(const PosesOptions& options, const TimedImages& timed, const Mar
 ExitStatus RunPoses(const PosesOptions& options) {
   const MarkerPosesInputs inputs = ReadInputs(options);
   const TimedImages timed = ListImages(options);
+  RunOutput output(options.out, "poses", options.common.force);
   std::vector<MarkerImage> images;
   {
     Progress progress("Finding markers", static_cast<int>(timed.images.size()), options.common, "images");
@@ -179,7 +179,7 @@ ExitStatus RunPoses(const PosesOptions& options) {
     throw DataError("{}: none of {} images gives a pose; of the first: {}", options.images.string(),
                     images.size(), poses.frames.front().refused);
   }
-  WriteOutputs(options, timed, images, inputs, poses);
+  WriteOutputs(options, output, timed, images, inputs, poses);
   PrintNotes(options, timed, poses);
 
   const double sigma_m = Median(poses, [](const auto& f) { return SigmaPositionM(f.sonar_covariance); });
@@ -232,7 +232,7 @@ void SetupPoses(CLI::App& app) {
           "Flat window before a camera calibrated in air (sonar-port/1); no refraction is modelled if not "
           "given, which is right for a camera calibrated under water")
       ->type_name("JSON");
-  command->add_option("--out", options->out, "Folder to write")->type_name("DIR")->required();
+  AddOutFolder(*command, options->out, options->common, "Folder to write")->required();
   AddChoice(
       *command, "--time-unit", options->time_unit, kTimeUnits,
       "Unit of the times that the pictures' names are (default: by their digits: 10 s, 13 ms, 16 us, 19 ns)");

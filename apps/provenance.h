@@ -3,7 +3,11 @@
 //
 //   {"format": "sonarcal-provenance/1", "program": "sonarcal", "version": "0.1.0", "command": "convert",
 //    "command_line": ["sonarcal", "convert", ...], "configuration": {...}, "seed": 1,
-//    "inputs": [{"path": "tank", "files": 9, "bytes": 1234, "sha256": "..."}]}
+//    "inputs": [{"path": "tank", "files": 9, "bytes": 1234, "sha256": "..."}],
+//    "outputs": ["frame_0000.png", "recording.json"]}
+//
+// `outputs` are the files of the folder that the run wrote, except this one: the next run of the same command
+// into the folder removes those that it does not replace (apps/run_output.h).
 //
 // A run that can be resumed also has "made_of": {...}, what decides its outputs.
 //

@@ -24,8 +24,9 @@ constexpr JsonWords<RayWeight, 2> kWeights = {
     {{"even", RayWeight::kEven}, {"solid_angle", RayWeight::kSolidAngle}}};
 constexpr JsonWords<NormalSource, 2> kNormals = {
     {{"geometric", NormalSource::kGeometric}, {"depth", NormalSource::kDepth}}};
-constexpr JsonWords<AbsorptionFormula, 2> kAbsorptions = {
-    {{"ainslie-mccolm", AbsorptionFormula::kAinslieMcColm},
+constexpr JsonWords<AbsorptionFormula, 3> kAbsorptions = {
+    {{"auto", AbsorptionFormula::kAuto},
+     {"ainslie-mccolm", AbsorptionFormula::kAinslieMcColm},
      {"francois-garrison", AbsorptionFormula::kFrancoisGarrison}}};
 
 constexpr RayGridSize kFrustumRays = {1500, 1200};  // the paper's
@@ -42,6 +43,17 @@ std::optional<int> ParseCount(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < 1) return std::nullopt;
   return value;
+}
+
+// A beam without a ray would be dark, so that RayFan casts more columns than were asked for.
+void CheckColumns(const RayFanOptions& fan, const SonarModel& sonar, const std::string& rays) {
+  const int beams = sonar.axes.beam_count();
+  if (rays.empty() || fan.sampling != Sampling::kBeams || fan.cols >= beams) return;
+  throw UsageError(
+      "--rays {} has fewer columns than the {} beams of the sonar, expected at least {}, best a multiple of "
+      "it, or "
+      "--sampling frustum",
+      rays, beams, beams);
 }
 
 }  // namespace
@@ -77,6 +89,7 @@ SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water, E
     options.fan.cols = grid.cols;
     options.fan.rows = grid.rows;
   }
+  CheckColumns(options.fan, sonar, rays);
   options.fan.weight = weight;
   options.trace.normals = normals;
   options.absorption = absorption;
@@ -100,6 +113,7 @@ SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& water,
                    .elevation_span_deg = std::min(options.fan.elevation_span_deg, kWidestFrustumDeg),
                    .azimuth_margin_deg = options.fan.azimuth_margin_deg};
   }
+  CheckColumns(options.fan, sonar, rays);
   return options;
 }
 
@@ -133,7 +147,9 @@ void AddRayWeight(CLI::App& command, RayWeight& weight) {
 }
 
 void AddAbsorption(CLI::App& command, AbsorptionFormula& absorption) {
-  AddChoice(command, "--absorption", absorption, kAbsorptions, "Formula for absorption in water");
+  AddChoice(command, "--absorption", absorption, kAbsorptions,
+            "Formula for absorption in water: the paper's (ainslie-mccolm), francois-garrison, or auto: the "
+            "paper's where its limits hold, else francois-garrison");
 }
 
 void AddReachOptions(CLI::App& command, int& ghost_order, std::optional<double>& margin_deg) {
@@ -153,6 +169,17 @@ void CheckRayWeight(RayWeight weight, EchoModel model) {
   if (weight == RayWeight::kEven || model == EchoModel::kPaper) return;
   throw UsageError("--ray-weight {} is for the paper's model: '{}' takes solid angles in any case",
                    ToString(weight), ToString(model));
+}
+
+std::string RaysNote(const RayOptions& options, const Simulator& simulator) {
+  const RayFan& fan = simulator.fan();
+  if (options.rays.empty() || fan.sampling() != Sampling::kBeams) return {};
+  const int asked = ParseRayGridSize(options.rays).cols;
+  const int beams = simulator.sonar().axes.beam_count();
+  const int within = (asked + beams - 1) / beams * beams;
+  if (within == asked) return {};
+  return fmt::format("--rays {} becomes {}x{}: each of the {} beams takes {} whole columns", options.rays,
+                     within, fan.rows(), beams, within / beams);
 }
 
 std::string_view ToString(Sampling sampling) {

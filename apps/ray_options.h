@@ -28,7 +28,7 @@ struct RayOptions {
   std::string rays;  // "WxH"; empty: 1500x1200 for frustum (the paper's), 2 a beam x 330 for beams
   RayWeight weight = RayWeight::kEven;
   NormalSource normals = NormalSource::kGeometric;
-  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
+  AbsorptionFormula absorption = AbsorptionFormula::kAuto;
   int threads = 0;  // 0: all cores
 
   RayOptions() = default;
@@ -47,6 +47,8 @@ struct RayOptions {
   // The same for these parameters and their model. Of other models than the paper's rays are those of
   // sim/acoustic_fan.h unless a pinhole is asked for, and the fan reaches as far as the beam hears, however
   // many rays are asked for; a pinhole's as far as it can.
+  //
+  // Both throw UsageError for fewer columns than beams, where each beam takes columns of its own.
   SimulationOptions For(const SonarModel& sonar, const Water& water, const ParameterSet& parameters) const;
 };
 
@@ -64,6 +66,9 @@ void AddReachOptions(CLI::App& command, int& ghost_order, std::optional<double>&
 
 // Throws UsageError where a weight is chosen for a model that takes none: only the paper's sums over rays.
 void CheckRayWeight(RayWeight weight, EchoModel model);
+
+// Where other rays are cast than --rays says, because each beam takes whole columns: a sentence, else empty.
+std::string RaysNote(const RayOptions& options, const Simulator& simulator);
 
 std::string_view ToString(Sampling sampling);
 std::string_view ToString(RayWeight weight);

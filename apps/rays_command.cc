@@ -223,7 +223,7 @@ ExitStatus RunRays(const RaysOptions& options) {
   for (const TimedPose& pose : ReadPosesOrRecording(options.poses)) poses.push_back(pose.world_from_sonar);
   const RayCaster caster(ReadSceneFile(options.scene, options.scene_format, options.common));
   std::optional<RunOutput> output;
-  if (!options.out.empty()) output.emplace(options.out);
+  if (!options.out.empty()) output.emplace(options.out, "rays", options.common.force);
 
   if (options.display_db) {
     parameters.display = DisplayUpToBrightest(caster, choice.sonar, parameters, simulation, poses,
@@ -265,7 +265,7 @@ void SetupRays(CLI::App& app) {
                   /*required=*/true);
   command
       ->add_option("--sonar", options->sonar,
-                   "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")
+                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object")
       ->type_name("NAME|FILE")
       ->required();
   command->add_option("--params", options->params, "Parameters of the paper's model")
@@ -274,9 +274,8 @@ void SetupRays(CLI::App& app) {
   command->add_option("--poses", options->poses, "Poses: a recording that has them, or a JSON file")
       ->type_name("REC|FILE")
       ->required();
-  command
-      ->add_option("--out", options->out, "Folder for rays.json and report.html (default: none is written)")
-      ->type_name("DIR");
+  AddOutFolder(*command, options->out, options->common,
+               "Folder for rays.json and report.html (default: none is written)");
   AddChoice(*command, "--sampling", options->sampling, kSamplings,
             "How rays are spread (default: both ways)");
   command

@@ -26,7 +26,7 @@ struct RaysOptions {
   double denser = 64.0;
   RayWeight weight = RayWeight::kEven;
   std::optional<double> display_db;  // up to the brightest echo; absent: the parameters' display
-  AbsorptionFormula absorption = AbsorptionFormula::kAinslieMcColm;
+  AbsorptionFormula absorption = AbsorptionFormula::kAuto;
   int threads = 0;
 };
 

@@ -17,6 +17,7 @@
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
 #include "apps/run_output.h"
+#include "apps/seed_option.h"
 #include "data_io/atomic_output.h"
 #include "data_io/image_io.h"
 #include "data_io/open_recording.h"
@@ -71,8 +72,11 @@ std::string SummaryText(const Reproduction& reproduction, const std::filesystem:
   std::string text =
       fmt::format("{:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", "held-out frames, polar, means",
                   kWidth, "Ns/Nr", "Na/Ns", "Na/Nr", "IoU", "union", "overlap");
-  const auto add = [&](const std::string& what, const std::vector<SummaryRow>& rows) {
+  const auto add = [&](const std::string& what, const std::vector<SummaryRow>& rows,
+                       const RecordingFit& paper_fit) {
     text += what + "\n";
+    for (const std::string& sentence : paper_fit.fit.report.warnings)
+      text += fmt::format("  warning: paper model, {}\n", sentence);
     for (const SummaryRow& row : rows) {
       const ViewSummary& view = row.metrics->aggregate.macro.polar;
       text += fmt::format("  {:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", row.name, kWidth - 2,
@@ -82,15 +86,17 @@ std::string SummaryText(const Reproduction& reproduction, const std::filesystem:
                           figure(view.Over(IntensityDomain::kOverlap).mean_absolute, 3));
     }
   };
-  add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank));
+  add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank), reproduction.tank.fit);
   if (reproduction.bomb) {
-    add("bomb, ARIS 3000 (recorded), outline and pose found beforehand", BombRows(*reproduction.bomb));
-    add("bomb, plain outline, pose found by the search", SearchedBombRows(*reproduction.bomb));
+    add("bomb, ARIS 3000 (recorded), outline and pose found beforehand", BombRows(*reproduction.bomb),
+        reproduction.bomb->fitted.paper);
+    add("bomb, plain outline, pose found by the search", SearchedBombRows(*reproduction.bomb),
+        reproduction.bomb->fit);
   }
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
 
-// With its scene, so that the folder can be fitted and compared by itself.
+// With its scene, so that the folder can be fitted and compared by itself, and with its true parameters.
 void WriteSyntheticRecording(const TankComparison& tank, const std::filesystem::path& folder) {
   RecordingInfo info = tank.recording->info();
   info.scene_path = (folder / "scene.gltf").string();
@@ -98,6 +104,7 @@ void WriteSyntheticRecording(const TankComparison& tank, const std::filesystem::
   for (int i = 0; i < tank.recording->frame_count(); ++i) frames.push_back(tank.recording->ReadFrame(i));
   WriteRecording(MemoryRecording(info, std::move(frames)), folder);
   WriteGltf(tank.scene, folder / "scene.gltf");
+  WriteParameters(folder / "params.json", tank.truth);
 }
 
 void WriteAll(const std::filesystem::path& folder, const std::vector<FramePictures>& frames) {
@@ -138,7 +145,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
   const ThreadLimit threads(options.threads);
   const std::filesystem::path recordings = RecordingsFolder(options);
   const auto note = [&](const std::string& line) { PrintNote(options.common, line); };
-  RunOutput output(options.out);
+  RunOutput output(options.out, "reproduce", options.common.force);
 
   note("making the SYNTHETIC recording of the paper's tank, by the coherent model");
   Progress progress("Recording", 0, options.common);
@@ -204,8 +211,7 @@ ExitStatus RunReproduce(const ReproduceOptions& options) {
 void SetupReproduce(CLI::App& app) {
   auto options = std::make_shared<ReproduceOptions>();
   CLI::App* command = AddCommand(app, "reproduce", "The paper's tank comparison, start to end");
-  command->add_option("--out", options->out, "Folder for report, metrics and pictures")
-      ->type_name("DIR")
+  AddOutFolder(*command, options->out, options->common, "Folder for report, metrics and pictures")
       ->required();
   command
       ->add_option("--recordings", options->recordings,
@@ -213,8 +219,7 @@ void SetupReproduce(CLI::App& app) {
       ->type_name("DIR");
   command->add_flag("--text-sizes", options->text_sizes,
                     "Tank and mock-ups of the sizes in the paper's text, not of its Table 5");
-  command->add_option("--seed", options->seed, "Of the synthetic recording's speckle and noise")
-      ->type_name("N");
+  AddSeed(*command, options->seed, "Of the synthetic recording's speckle and noise");
   command->add_option("--threads", options->threads, "0 for all cores")->type_name("N");
   command->add_flag("--quick", options->quick, "Few rays and starts: to try the way, not for figures");
   OnRun(command, options->common, [options] { return RunReproduce(*options); });

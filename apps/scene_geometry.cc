@@ -1,5 +1,7 @@
 #include "apps/scene_geometry.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -24,20 +26,37 @@ RayFanOptions FanOptionsFor(const SonarModel& sonar) {
   return options;
 }
 
+int BinOf(double range_m, const PolarAxes& axes) {
+  const double bin = std::floor((range_m - axes.range_min_m) / axes.range_bin_m());
+  return std::clamp(static_cast<int>(bin), 0, axes.range_bins - 1);
+}
+
 }  // namespace
 
+void CheckObject(const ObjectSearch& object, const std::vector<std::string>& material_names) {
+  if (std::find(material_names.begin(), material_names.end(), object.material) != material_names.end())
+    return;
+  throw DataError("the scene has no material '{}' to be the object, expected one of {}", object.material,
+                  fmt::join(material_names, ", "));
+}
+
 SceneGeometry::SceneGeometry(Scene scene, const SonarModel& sonar)
-    : caster_(std::move(scene)), axes_(sonar.axes), fan_(sonar, FanOptionsFor(sonar)) {}
+    : SceneGeometry(std::make_unique<const RayCaster>(std::move(scene)), sonar) {}
+
+SceneGeometry::SceneGeometry(std::unique_ptr<const RayCaster> own, const SonarModel& sonar)
+    : own_(std::move(own)), caster_(own_.get()), axes_(sonar.axes), fan_(sonar, FanOptionsFor(sonar)) {}
+
+SceneGeometry::SceneGeometry(const RayCaster& caster, const SonarModel& sonar)
+    : caster_(&caster), axes_(sonar.axes), fan_(sonar, FanOptionsFor(sonar)) {}
 
 CellGeometry SceneGeometry::At(const Pose& world_from_sonar) const {
-  const EchoList echoes = Trace(caster_, fan_, world_from_sonar, axes_);
+  const EchoList echoes = Trace(*caster_, fan_, world_from_sonar, axes_);
   const auto materials = static_cast<int>(material_names().size());
   // Solid angle, and solid angle times incidence, of each material in each cell.
   std::vector<Grid<float>> solid_angle(materials, Grid<float>(axes_.range_bins, axes_.beam_count()));
   std::vector<Grid<float>> weighted = solid_angle;
   for (std::size_t i = 0; i < echoes.size(); ++i) {
-    const double bin = std::floor((echoes.range_m[i] - axes_.range_min_m) / axes_.range_bin_m());
-    const int row = std::clamp(static_cast<int>(bin), 0, axes_.range_bins - 1);
+    const int row = BinOf(echoes.range_m[i], axes_);
     const int col = echoes.Beam(i);
     solid_angle[echoes.material[i]](row, col) += echoes.solid_angle_sr[i];
     weighted[echoes.material[i]](row, col) += echoes.solid_angle_sr[i] * echoes.incidence_rad[i];
@@ -55,6 +74,26 @@ CellGeometry SceneGeometry::At(const Pose& world_from_sonar) const {
     }
   }
   return geometry;
+}
+
+PixelBox SceneGeometry::ObjectBox(const Pose& world_from_sonar, const ObjectSearch& object) const {
+  CheckObject(object, material_names());
+  const EchoList echoes = Trace(*caster_, fan_, world_from_sonar, axes_);
+  Mask shown(axes_.range_bins, axes_.beam_count());
+  for (std::size_t i = 0; i < echoes.size(); ++i) {
+    if (material_names()[echoes.material[i]] == object.material)
+      shown(BinOf(echoes.range_m[i], axes_), echoes.Beam(i)) = 1;
+  }
+  return BoxOf(shown, object.margin);
+}
+
+std::map<int, PixelBox> SceneGeometry::ObjectBoxes(const std::vector<TimedPose>& poses,
+                                                   const ObjectSearch& object) const {
+  CheckObject(object, material_names());
+  std::map<int, PixelBox> boxes;
+  for (const TimedPose& pose : poses)
+    boxes.emplace(static_cast<int>(boxes.size()), ObjectBox(pose.world_from_sonar, object));
+  return boxes;
 }
 
 GeometryResiduals::GeometryResiduals(const std::vector<std::string>& material_names) {

@@ -5,11 +5,15 @@
 // those rays, weighted by solid angle.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "data_io/pose_io.h"
 #include "data_io/types/mask.h"
+#include "metrics/object_region.h"
 #include "metrics/residuals.h"
 #include "sim/ray_caster.h"
 
@@ -22,17 +26,33 @@ struct CellGeometry {
   Grid<float> incidence_rad;  // 0 .. pi/2; 0 where nothing is met
 };
 
+// Throws DataError where none of the scene's materials is the object.
+void CheckObject(const ObjectSearch& object, const std::vector<std::string>& material_names);
+
 class SceneGeometry {
  public:
   // Throws DataError as RayFan and RayCaster do.
   SceneGeometry(Scene scene, const SonarModel& sonar);
+  // The same of a scene that others trace as well. `caster` must outlive this.
+  SceneGeometry(const RayCaster& caster, const SonarModel& sonar);
 
   CellGeometry At(const Pose& world_from_sonar) const;
 
-  const std::vector<std::string>& material_names() const { return caster_.material_names(); }
+  // The box in which the object is searched in a frame of this pose: around every cell that shows anything of
+  // the material within the sonar's elevation beam width. The rays are always the same, so that compare, fit,
+  // explain and view search the same box. Throws DataError as CheckObject.
+  PixelBox ObjectBox(const Pose& world_from_sonar, const ObjectSearch& object) const;
+
+  // The same for each of these poses, by index.
+  std::map<int, PixelBox> ObjectBoxes(const std::vector<TimedPose>& poses, const ObjectSearch& object) const;
+
+  const std::vector<std::string>& material_names() const { return caster_->material_names(); }
 
  private:
-  RayCaster caster_;
+  SceneGeometry(std::unique_ptr<const RayCaster> own, const SonarModel& sonar);
+
+  std::unique_ptr<const RayCaster> own_;  // null where the caster is another's
+  const RayCaster* caster_;
   PolarAxes axes_;
   RayFan fan_;
 };

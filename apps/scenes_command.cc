@@ -9,13 +9,17 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/given_options.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
+#include "apps/seed_option.h"
 #include "data_io/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "data_io/scene_io.h"
 #include "data_io/types/error.h"
+#include "sim/paper_values.h"
 #include "sim/scenes.h"
+#include "sim/sonar_presets.h"
 
 namespace sonarcal {
 namespace {
@@ -56,17 +60,11 @@ ExitStatus ListScenes(const ScenesOptions& options) {
 
 }  // namespace
 
-// The paper gives no dB_min and dB_max: with these the floor shows faintly and the mock-up brightly. Each
-// material under its own name, so that a file can change one. Errors of half a range resolution and half a
-// beam.
+// Each material under its own name, so that a file can change one.
 ParameterSet EnvironmentParameters() {
-  ParameterSet parameters;
-  parameters.display = {.db_min = 150.0, .db_max = 153.0};
-  for (const std::string& material : EnvironmentMaterials()) parameters.materials[material];
-  parameters.materials["default"];  // whatever else a user's scene names, and STL, which names nothing
-  parameters.jitter.sigma_range_m = 0.0127;
-  parameters.jitter.sigma_azimuth_deg = 0.5;
-  return parameters;
+  std::vector<std::string> names = EnvironmentMaterials();
+  names.emplace_back("default");  // whatever else a user's scene names, and STL, which names nothing
+  return PaperValues(FindSonarPreset("p900-45").sonar, names);
 }
 
 std::vector<const Environment*> ChosenEnvironments(const std::vector<std::string>& only) {
@@ -87,7 +85,7 @@ void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only, En
                   "Longest side of the meshes' cells, metres; 0 for each scene's own resolution")
       ->type_name("M")
       ->check(CLI::Range(0.0, 1e6).description(""));
-  command.add_option("--seed", options.seed, "Seed of the seabed's relief")->type_name("N");
+  AddSeed(command, options.seed, "Seed of the seabed's relief");
   command.add_flag("--surface", options.surface, "Add the water's surface to the tank");
 }
 
@@ -98,7 +96,7 @@ ExitStatus RunScenes(const ScenesOptions& given) {
   if (options.out.empty()) throw UsageError("--out is required, except with --list");
   const std::vector<const Environment*> chosen = ChosenEnvironments(options.only);
 
-  RunOutput output(options.out);
+  RunOutput output(options.out, "scenes", options.common.force);
   std::vector<std::string> files;
   const auto file = [&](const std::string& name) {
     files.push_back(name);
@@ -145,9 +143,8 @@ void SetupScenes(CLI::App& app) {
   CLI::App* command = AddCommand(
       app, "scenes",
       "Writes the paper's scenes (tank, mock-up, seabed, bridge pier, jacket), with parameters and poses");
-  command
-      ->add_option("--out", options->out, "Folder for scenes, parameters and poses; required without --list")
-      ->type_name("DIR");
+  AddOutFolder(*command, options->out, options->common,
+               "Folder for scenes, parameters and poses; required without --list");
   command->add_flag("--list", options->list,
                     "Say what scenes there are, with their triangles; write nothing");
   AddEnvironmentOptions(*command, options->only, options->environment);
@@ -157,7 +154,10 @@ void SetupScenes(CLI::App& app) {
       "--text-sizes", options->text_sizes,
       "Sizes of the paper's text (15 x 10 x 2 m, 1 m cube), not of its Table 5 (12 x 10 x 1.5 m, "
       "1 x 1 x 1.5 m)");
-  OnRun(command, options->common, [options] { return RunScenes(*options); });
+  OnRun(command, options->common, [command, options] {
+    if (options->list) RefuseGiven(*command, {"--out", "--force"}, "with --list, which writes nothing");
+    return RunScenes(*options);
+  });
 }
 
 }  // namespace sonarcal

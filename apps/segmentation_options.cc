@@ -12,6 +12,7 @@
 
 #include "apps/background_law_of.h"
 #include "apps/choice_option.h"
+#include "apps/given_options.h"
 #include "data_io/image_io.h"
 #include "data_io/parameters_io.h"
 #include "data_io/printable.h"
@@ -126,6 +127,10 @@ std::optional<Mask> RegionOf(const SegmentationCommandOptions& options, const Po
 
 SegmentationOptions RuleOf(const SegmentationCommandOptions& options) {
   SegmentationOptions rule = options.rule;
+  const SegmentationOptions by_default = options.object.empty() ? SegmentationOptions() : SegmentationInBox();
+  rule.method = options.method.value_or(by_default.method);
+  rule.largest_component_only =
+      options.all_components ? !*options.all_components : by_default.largest_component_only;
   TakeSize("--cell", options.cell, rule.cell_rows, rule.cell_cols);
   TakeSize("--guard", options.guard, rule.guard_rows, rule.guard_cols);
   TakeSize("--training", options.training, rule.training_rows, rule.training_cols);
@@ -136,9 +141,23 @@ SegmentationOptions RuleOf(const SegmentationCommandOptions& options) {
   return rule;
 }
 
+std::optional<ObjectSearch> SearchOf(const SegmentationCommandOptions& options) {
+  ObjectSearch search{.material = options.object};
+  TakeSize("--object-margin", options.object_margin, search.margin.bins, search.margin.beams);
+  if (search.margin.bins < 0 || search.margin.beams < 0) {
+    throw UsageError("--object-margin '{}', expected 0 or more range bins and beams", options.object_margin);
+  }
+  if (!search.material.empty()) return search;
+  if (!options.object_margin.empty()) throw UsageError("--object-margin needs --object");
+  return std::nullopt;
+}
+
 void AddMethodOptions(CLI::App& command, SegmentationCommandOptions& options) {
   SegmentationOptions& rule = options.rule;
-  AddChoice(command, "--segmentation", rule.method, kMethods, "How the object is told from background");
+  AddChoice(command, "--segmentation", options.method, kMethods,
+            fmt::format("How the object is told from background (default: {}; with --object {})",
+                        JsonWord(kMethods, SegmentationOptions().method),
+                        JsonWord(kMethods, SegmentationInBox().method)));
   command
       .add_option("--sigma-count", rule.sigma_count,
                   "background_sigma: standard deviations above the background's median")
@@ -200,12 +219,29 @@ void AddTidyingOptions(CLI::App& command, SegmentationCommandOptions& options) {
   add_size("--max-size", options.max_size,
            "Drop connected regions that reach over more range bins or beams; 0 for any", rule.max_rows,
            rule.max_cols);
-  command.add_flag("--all-components{false}", rule.largest_component_only,
-                   "Take every connected region as object, not the largest one alone");
+  CLI::Option* all = command.add_flag_callback(
+      "--all-components", [&options] { options.all_components = true; },
+      "Take every connected region as object (default: with --object)");
+  command
+      .add_flag_callback(
+          "--largest-component", [&options] { options.all_components = false; },
+          "Take the largest connected region alone as object (default: without --object)")
+      ->excludes(all);
   AddChoice(command, "--fill", rule.fill, kFills, "Fill the holes of each region, or its convex hull");
 }
 
 void AddRegionOptions(CLI::App& command, SegmentationCommandOptions& options) {
+  command
+      .add_option("--object", options.object,
+                  "Material of the object: it is searched in a box around what the scene shows of it "
+                  "(default: anywhere)")
+      ->type_name("MATERIAL");
+  command
+      .add_option("--object-margin", options.object_margin,
+                  fmt::format("Width of that box beyond the material, range bins x beams on each side "
+                              "(default: {}x{})",
+                              ObjectMargin().bins, ObjectMargin().beams))
+      ->type_name("RxC");
   command
       .add_option("--region", options.region, "Where the object may be: PNG of range bins x beams, 0 for not")
       ->type_name("PNG");
@@ -249,11 +285,12 @@ void SegmentationCommandOptions::Apply(const PolarAxes& axes, CompareOptions& co
   if (!background_params.empty()) {
     compare.segmentation.background_law = std::make_shared<BackgroundLaw>(
         BackgroundLawOf(ReadParameters(background_params), axes, background_params.string()));
-  } else if (rule.method == SegmentationMethod::kLikelihoodRatio) {
+  } else if (compare.segmentation.method == SegmentationMethod::kLikelihoodRatio) {
     throw UsageError(
         "--segmentation likelihood_ratio needs --background-params, which fit --noise-only writes");
   }
   compare.region = RegionOf(*this, axes);
+  compare.object = SearchOf(*this);
   compare.region_margin_m = region_margin_m;
   compare.simulated_object = simulated_object;
   compare.echo_fraction = echo_fraction;
@@ -265,10 +302,33 @@ void AddSegmentationOptions(CLI::App& command, SegmentationCommandOptions& optio
   AddRegionOptions(command, options);
 }
 
+void RefuseUnusedSegmentation(const CLI::App& command, const SegmentationCommandOptions& options) {
+  using Method = SegmentationMethod;
+  const Method method = RuleOf(options).method;
+  const bool is_cfar = method == Method::kCaCfar || method == Method::kOsCfar;
+  const bool has_rate = is_cfar || method == Method::kLikelihoodRatio;
+  const bool has_ring = is_cfar || method == Method::kLocalContrast;
+  const std::string why = fmt::format("with --segmentation {}", JsonWord(kMethods, method));
+  const auto refuse_unless = [&](bool is_used, const OptionNames& names) {
+    if (!is_used) RefuseGiven(command, names, why);
+  };
+  refuse_unless(method == Method::kBackgroundSigma, {"--sigma-count"});
+  refuse_unless(method == Method::kFixedThreshold, {"--threshold"});
+  refuse_unless(method == Method::kLocalContrast, {"--contrast", "--contrast-db"});
+  refuse_unless(has_rate, {"--false-alarm-rate", "--cell", "--background-params"});
+  refuse_unless(has_ring, {"--guard", "--training"});
+  refuse_unless(is_cfar, {"--looks", "--cfar-domain"});
+  refuse_unless(method == Method::kOsCfar, {"--os-quantile"});
+  refuse_unless(!has_rate, {"--blur"});
+  if (options.simulated_object != SimulatedObject::kEchoes)
+    RefuseGiven(command, {"--echo-level"}, "without --simulated-object echoes");
+}
+
 nlohmann::ordered_json SegmentationOptionsJson(const SegmentationCommandOptions& options) {
   using Json = nlohmann::ordered_json;
   const auto or_null = [](const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); };
   const Json rule = SegmentationJson(RuleOf(options));
+  const std::optional<ObjectSearch> object = SearchOf(options);
   return {{"segmentation", rule["method"]},
           {"segmentation_parameters", rule["parameters"]},
           {"background_params", or_null(options.background_params.string())},
@@ -277,6 +337,8 @@ nlohmann::ordered_json SegmentationOptionsJson(const SegmentationCommandOptions&
           {"region_azimuth_deg", or_null(options.region_azimuth_deg)},
           {"region_polygon", or_null(options.region_polygon)},
           {"region_margin_m", options.region_margin_m ? Json(*options.region_margin_m) : Json(nullptr)},
+          {"object", or_null(options.object)},
+          {"object_margin", object ? Json{object->margin.bins, object->margin.beams} : Json(nullptr)},
           {"simulated_object", ToString(options.simulated_object)},
           {"echo_level", options.echo_fraction}};
 }

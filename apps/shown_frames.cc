@@ -26,6 +26,7 @@ ShownFrames ShowFrames(const RecordingSource& real, const RecordingSource& simul
                       if (std::ranges::find(telling, metrics.index) == telling.end()) return;
                       shown.telling.push_back(maker.Make(recorded, rendered, metrics));
                     });
+  shown.viewer.real_is_synthetic = real.info().synthetic;
   shown.viewer.caption = ViewerCaption(shown.viewer.frames.size(), compared);
   return shown;
 }

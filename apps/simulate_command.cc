@@ -12,10 +12,12 @@
 #include "apps/choice_option.h"
 #include "apps/commands.h"
 #include "apps/depth_picture.h"
+#include "apps/empty_frames.h"
 #include "apps/interruption.h"
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
+#include "apps/seed_option.h"
 #include "apps/simulate_recording.h"
 #include "apps/simulate_resume.h"
 #include "data_io/fan_image.h"
@@ -33,7 +35,7 @@ constexpr JsonWords<EchoModel, 3> kModels = {
     {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
 
 bool IsRandom(const SimulateOptions& options, EchoModel model) {
-  return options.noise || model == EchoModel::kCoherent;
+  return options.noise || (model == EchoModel::kCoherent && !options.expected);
 }
 
 void CheckFrozenSpeckle(const SimulateOptions& options, EchoModel model) {
@@ -41,7 +43,30 @@ void CheckFrozenSpeckle(const SimulateOptions& options, EchoModel model) {
   if (model == EchoModel::kPaper) {
     throw UsageError("--frozen-speckle is for the models acoustic and coherent: the paper's has no speckle");
   }
+  if (options.expected)
+    throw UsageError("--frozen-speckle has no effect with --expected, which has no speckle");
   if (!IsRandom(options, model)) throw UsageError("--frozen-speckle needs --noise: without it is no speckle");
+}
+
+// Throws UsageError for options that change nothing with these parameters.
+void RefuseWithoutEffect(const SimulateOptions& options, const ParameterSet& parameters) {
+  const EchoModel model = parameters.model;
+  if (options.seed && !IsRandom(options, model))
+    throw UsageError("--seed has no effect without --noise: nothing is random");
+  if (options.noise && model == EchoModel::kPaper && parameters.jitter.sigma_range_m == 0.0 &&
+      parameters.jitter.sigma_azimuth_deg == 0.0) {
+    throw UsageError(
+        "--noise has no effect: the paper's model draws range and azimuth errors, and jitter.sigma_range_m "
+        "and "
+        "jitter.sigma_azimuth_deg are both 0");
+  }
+  if (options.ghost_order > 1 && (model == EchoModel::kPaper || parameters.mirrors.empty())) {
+    throw UsageError(
+        "--ghost-order {} has no effect: {}", options.ghost_order,
+        model == EchoModel::kPaper ? "the paper's model has no ghosts" : "the parameters name no mirror");
+  }
+  if (options.rays.normals == NormalSource::kDepth && model == EchoModel::kCoherent)
+    throw UsageError("--normals depth has no effect: the coherent model takes those of the mesh");
 }
 
 // A grey image as the file of a frame has it: 8 bits where they hold it, else 16.
@@ -72,6 +97,7 @@ Json ConfigurationJson(const SimulateOptions& options, const Simulator& simulato
   json.update({{"margin_deg", fan.azimuth_margin_deg},
                {"bits", options.bits},
                {"noise", IsRandom(options, model)},
+               {"expected", options.expected},
                {"frozen_speckle", options.frozen_speckle},
                {"ghost_order", options.ghost_order},
                {"fan", options.fan},
@@ -146,8 +172,12 @@ int WriteMissingFrames(const SimulatedRecording& recording, const FilesBeside& b
 ResolvedSimulation ResolveSimulation(const SimulateOptions& options, const SonarChoice& choice,
                                      ParameterSet parameters) {
   if (options.model) parameters.model = *options.model;
+  if (options.expected && options.noise)
+    throw UsageError(
+        "--expected does not go with --noise: an expected image is the mean over noise and speckle");
   CheckFrozenSpeckle(options, parameters.model);
   CheckRayWeight(options.rays.weight, parameters.model);
+  RefuseWithoutEffect(options, parameters);
   const WaterChoice water = ChooseWater(parameters, choice.water);
   SimulationOptions simulation = options.rays.For(choice.sonar, water.water, parameters);
   simulation.bits = options.bits;
@@ -155,7 +185,7 @@ ResolvedSimulation ResolveSimulation(const SimulateOptions& options, const Sonar
   simulation.frozen_speckle = options.frozen_speckle;
   simulation.ghost_order = options.ghost_order;
   if (options.margin_deg) simulation.fan.azimuth_margin_deg = *options.margin_deg;
-  simulation.seed = options.seed;
+  if (options.seed) simulation.seed = *options.seed;
   return {.parameters = std::move(parameters), .simulation = simulation, .water_note = water.note};
 }
 
@@ -165,16 +195,12 @@ std::vector<std::string> SimulationCaveats(const SimulateOptions& options, const
   if (!resolved.water_note.empty()) sentences.push_back(resolved.water_note);
   const std::string caveat = AbsorptionCaveat(simulator.options().absorption, simulator.sonar().frequency_hz,
                                               simulator.options().water);
-  if (!caveat.empty()) sentences.push_back(fmt::format("warning: {}", caveat));
+  if (!caveat.empty()) sentences.push_back(caveat);
   const ParameterSet& parameters = resolved.parameters;
   for (std::string& sentence : MirrorCaveats(parameters, simulator.caster().material_names()))
     sentences.push_back(std::move(sentence));
-  const auto& jitter = parameters.jitter;
-  if (options.noise && parameters.model == EchoModel::kPaper && jitter.sigma_range_m == 0.0 &&
-      jitter.sigma_azimuth_deg == 0.0) {
-    sentences.emplace_back(
-        "warning: --noise changes nothing, as jitter.sigma_range_m and jitter.sigma_azimuth_deg are both 0");
-  }
+  if (std::string note = RaysNote(options.rays, simulator); !note.empty())
+    sentences.push_back(std::move(note));
   return sentences;
 }
 
@@ -190,21 +216,29 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
   for (const std::string& sentence : SimulationCaveats(options, simulator, resolved))
     PrintNote(options.common, sentence);
 
+  std::vector<Pose> world_from_sonar;
+  for (const TimedPose& pose : poses) world_from_sonar.push_back(pose.world_from_sonar);
+  const std::vector<int> empty = PosesThatSeeNothing(simulator, world_from_sonar);
+  if (!empty.empty()) PrintNote(options.common, EmptyFramesWarning(simulator, world_from_sonar, empty));
+  const std::int64_t rays_to_look = simulator.caster().rays_cast();
+
   const Interruption interruption;  // before anything is aside that a run could go on with
   const FilesBeside beside(options, simulator);
-  RunOutput output(options.out, options.resume ? Aside::kFound : Aside::kAnew);
-  const SimulatedRecording recording(simulator, std::move(poses), parameters, options.scene.string(),
-                                     [&](int index, const Pose& pose, const PolarImage& image) {
-                                       beside.Write(output, index, pose, image);
-                                     });
+  RunOutput output(options.out, "simulate", options.common.force,
+                   options.resume ? Aside::kFound : Aside::kAnew);
+  const SimulatedRecording recording(
+      simulator, std::move(poses), parameters, options.scene.string(),
+      [&](int index, const Pose& pose, const PolarImage& image) { beside.Write(output, index, pose, image); },
+      options.expected);
   Provenance provenance{.command = "simulate",
                         .configuration = ConfigurationJson(options, simulator, parameters.model),
                         .inputs = {options.scene, options.params, options.poses}};
-  if (IsRandom(options, parameters.model)) provenance.seed = options.seed;
+  if (IsRandom(options, parameters.model)) provenance.seed = resolved.simulation.seed;
   if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
   provenance.made_of = FramesMadeOf(recording, scene_digest, parameters, provenance);
   FinishedFrames finished;
   if (options.resume) finished = FinishedFrames(output, provenance.made_of);
+  if (finished.in_folder()) output.GoOn();
   // Before any frame: what is found after a kill says what it is.
   WriteProvenance(output.staging(), provenance);
   const int frames_done =
@@ -227,8 +261,9 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
     PrintJson({{"recording", output.final_path().string()},
                {"frames", recording.frame_count()},
                {"model", ToString(parameters.model)},
-               {"rays_cast", simulator.caster().rays_cast()},
-               {"absorption_db_per_m", simulator.absorption_db_per_m()}});
+               {"rays_cast", simulator.caster().rays_cast() - rays_to_look},
+               {"absorption_db_per_m", simulator.absorption_db_per_m()},
+               {"frames_without_echo", empty}});
   } else {
     PrintResult(fmt::format("{}: {} {} by the {} model, {} x {} rays each\n", options.out.string(),
                             recording.frame_count(), recording.frame_count() == 1 ? "frame" : "frames",
@@ -242,7 +277,7 @@ void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
                   /*required=*/true);
   command
       ->add_option("--sonar", options->sonar,
-                   "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object")
+                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object")
       ->type_name("NAME|FILE")
       ->required();
   command->add_option("--params", options->params, "Parameters: materials, levels in dB, errors")
@@ -252,7 +287,7 @@ void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
       ->add_option("--poses", options->poses, "Poses, one a frame: a recording that has them, or a JSON file")
       ->type_name("REC|FILE")
       ->required();
-  command->add_option("--out", options->out, "Recording folder to write")->type_name("DIR")->required();
+  AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
   AddChoice(*command, "--model", options->model, kModels, "Echo model (default: that of the parameters)");
   AddRayOptions(*command, options->rays);
   command->add_option("--bits", options->bits, "Bits of a grey value: 8, 12 or 16")
@@ -261,11 +296,16 @@ void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
   command->add_flag("--noise", options->noise,
                     "Add noise: range and azimuth errors (paper), speckle and receiver noise (acoustic; "
                     "coherent has them anyway)");
+  command->add_flag(
+      "--expected", options->expected,
+      "Write the expected image, which fit and reproduce score: the mean over range and azimuth "
+      "errors (paper) or over speckle and receiver noise (acoustic, coherent)");
   command->add_flag("--frozen-speckle", options->frozen_speckle,
                     "Speckle from the seed alone, the same in every frame as long as nothing moves; receiver "
                     "noise stays fresh (acoustic, coherent)");
   AddReachOptions(*command, options->ghost_order, options->margin_deg);
-  command->add_option("--seed", options->seed, "Seed of the noise; frame i uses seed + i")->type_name("N");
+  AddSeed(*command, options->seed, "Seed of the noise; frame i uses seed + i")
+      ->default_str(std::to_string(SimulationOptions().seed));
   command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
   command->add_flag("--depth", options->depth,
                     "Write the depth image as well: range along each ray, in metres (range_NNNN.tiff) and in "

@@ -37,13 +37,14 @@ struct SimulateOptions {
   std::optional<EchoModel> model;  // default: the parameters'
   RayOptions rays;
   int bits = 8;        // 8, 12 or 16
-  bool noise = false;  // coherent: in any case
+  bool noise = false;  // coherent: unless `expected`
+  bool expected = false;
   bool frozen_speckle = false;
   int ghost_order = 1;  // of paths by mirrors: 1 or 2
   // Azimuth cast beyond the outer beams; default: none for paper, three beam widths for acoustic and
   // coherent.
   std::optional<double> margin_deg;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;  // default: 1
   bool fan = false;
   bool depth = false;
   bool resume = false;  // go on with what an interrupted run of the same command left in `out`

@@ -20,7 +20,11 @@ std::string WaterText(const Water& water) {
 }
 
 // What the random numbers of a model stand for.
-std::string NoiseText(const Simulator& simulator, const ParameterSet& parameters) {
+std::string NoiseText(const Simulator& simulator, const ParameterSet& parameters, bool expected) {
+  if (expected)
+    return fmt::format("none: expected image, the mean over {}", parameters.model == EchoModel::kPaper
+                                                                     ? "range and azimuth errors"
+                                                                     : "speckle and noise");
   if (!simulator.options().noise && parameters.model != EchoModel::kCoherent) return "none";
   const std::uint64_t seed = simulator.options().seed;
   if (parameters.model == EchoModel::kPaper) {
@@ -86,7 +90,7 @@ SonarSettings SettingsOf(const ParameterSet& parameters) {
 }  // namespace
 
 RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const ParameterSet& parameters,
-                                     const std::string& scene_path) {
+                                     const std::string& scene_path, bool expected) {
   const SimulationOptions& options = simulator.options();
   RecordingInfo info;
   info.source = "simulation";
@@ -108,21 +112,30 @@ RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const Parameter
                            ToString(options.fan.sampling), options.fan.stagger ? ", staggered" : "")},
       {"normals", std::string(ToString(options.trace.normals))},
       {"absorption",
-       fmt::format("{:.4f} dB/m, {}", simulator.absorption_db_per_m(), ToString(options.absorption))},
-      {"noise", NoiseText(simulator, parameters)}};
+       fmt::format("{:.4f} dB/m, {}", simulator.absorption_db_per_m(),
+                   ToString(ResolvedAbsorption(options.absorption, info.sonar.frequency_hz, options.water)))},
+      {"noise", NoiseText(simulator, parameters, expected)}};
   if (parameters.model == EchoModel::kPaper)
     info.details.emplace_back("ray weight", std::string(ToString(options.fan.weight)));
   return info;
 }
 
+PolarImage ExpectedFrame(const Simulator& simulator, const EchoList& echoes, const ParameterSet& parameters,
+                         const GhostList& ghosts) {
+  PolarImage image = simulator.RenderExpected(echoes, parameters, ghosts);
+  QuantiseImage(image);
+  return image;
+}
+
 SimulatedRecording::SimulatedRecording(const Simulator& simulator, std::vector<TimedPose> poses,
                                        ParameterSet parameters, const std::string& scene_path,
-                                       OnFrame on_frame)
+                                       OnFrame on_frame, bool expected)
     : simulator_(simulator),
       poses_(std::move(poses)),
       parameters_(std::move(parameters)),
-      info_(SimulatedRecordingInfo(simulator, parameters_, scene_path)),
-      on_frame_(std::move(on_frame)) {}
+      info_(SimulatedRecordingInfo(simulator, parameters_, scene_path, expected)),
+      on_frame_(std::move(on_frame)),
+      expected_(expected) {}
 
 FrameInfo SimulatedRecording::frame_info(int index) const {
   const TimedPose& pose = poses_.at(index);
@@ -132,7 +145,14 @@ FrameInfo SimulatedRecording::frame_info(int index) const {
 Frame SimulatedRecording::ReadFrame(int index) const {
   Frame frame{frame_info(index), {}};
   const Pose& pose = *frame.info.world_from_sonar;
-  frame.image = simulator_.Render(pose, parameters_, index);
+  // Without noise the acoustic model's images are the expected ones, in one pass over the rays.
+  if (expected_ && parameters_.model != EchoModel::kAcoustic) {
+    const bool coherent = parameters_.model == EchoModel::kCoherent;
+    frame.image = ExpectedFrame(simulator_, simulator_.TraceEchoes(pose), parameters_,
+                                coherent ? simulator_.TraceGhosts(pose, parameters_) : GhostList{});
+  } else {
+    frame.image = simulator_.Render(pose, parameters_, index);
+  }
   if (on_frame_) on_frame_(index, pose, frame.image);
   return frame;
 }
@@ -141,8 +161,8 @@ std::unique_ptr<MemoryRecording> SimulateRecording(const Simulator& simulator,
                                                    const std::vector<TimedPose>& poses,
                                                    const ParameterSet& parameters,
                                                    const std::string& scene_path,
-                                                   const std::function<void(int)>& progress) {
-  const SimulatedRecording recording(simulator, poses, parameters, scene_path);
+                                                   const std::function<void(int)>& progress, bool expected) {
+  const SimulatedRecording recording(simulator, poses, parameters, scene_path, {}, expected);
   std::vector<Frame> frames;
   for (int index = 0; index < recording.frame_count(); ++index) {
     frames.push_back(recording.ReadFrame(index));

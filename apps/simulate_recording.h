@@ -44,9 +44,14 @@ std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
                                        const std::vector<std::string>& material_names);
 
 // What a recording says of itself that `simulator` makes: synthetic, by which model, rays and noise.
-// `scene_path` as in RecordingInfo; empty for none.
+// `scene_path` as in RecordingInfo; empty for none. `expected`: its frames are those of ExpectedFrame.
 RecordingInfo SimulatedRecordingInfo(const Simulator& simulator, const ParameterSet& parameters,
-                                     const std::string& scene_path);
+                                     const std::string& scene_path, bool expected = false);
+
+// The expected image of echoes that were traced before, and of ghosts (not of the paper's model), in whole
+// grey levels, as fits and comparisons score it.
+PolarImage ExpectedFrame(const Simulator& simulator, const EchoList& echoes, const ParameterSet& parameters,
+                         const GhostList& ghosts);
 
 // Frames that are rendered when they are read, so that a recording of any length is written in constant
 // memory. Frame i is of pose i, its noise of seed + i: the same frame each time, in any order.
@@ -57,7 +62,7 @@ class SimulatedRecording final : public RecordingSource {
 
   // `simulator` must outlive the recording.
   SimulatedRecording(const Simulator& simulator, std::vector<TimedPose> poses, ParameterSet parameters,
-                     const std::string& scene_path, OnFrame on_frame = {});
+                     const std::string& scene_path, OnFrame on_frame = {}, bool expected = false);
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(poses_.size()); }
@@ -70,6 +75,7 @@ class SimulatedRecording final : public RecordingSource {
   ParameterSet parameters_;
   RecordingInfo info_;
   OnFrame on_frame_;
+  bool expected_;
 };
 
 // The same, all of it made at once. `progress` is told after each frame.
@@ -77,7 +83,8 @@ std::unique_ptr<MemoryRecording> SimulateRecording(const Simulator& simulator,
                                                    const std::vector<TimedPose>& poses,
                                                    const ParameterSet& parameters,
                                                    const std::string& scene_path,
-                                                   const std::function<void(int frames_done)>& progress = {});
+                                                   const std::function<void(int frames_done)>& progress = {},
+                                                   bool expected = false);
 
 // Range along each ray of the fan in metres, rows x columns of rays; 0 where a ray gives no echo.
 Grid<float> RangeAlongRays(const EchoList& echoes, const RayFan& fan);

@@ -23,9 +23,9 @@ using Json = nlohmann::ordered_json;
 // Contents, of which a difference is all that can be said.
 constexpr const char* kDigests[] = {"scene", "sonar", "parameters", "poses"};
 // Options that decide what is written; the rest of a configuration are paths, and threads.
-constexpr const char* kOptions[] = {"model",       "sampling",   "rays", "ray_weight", "normals",
-                                    "absorption",  "margin_deg", "bits", "noise",      "frozen_speckle",
-                                    "ghost_order", "fan",        "depth"};
+constexpr const char* kOptions[] = {"model",          "sampling",    "rays", "ray_weight", "normals",
+                                    "absorption",     "margin_deg",  "bits", "noise",      "expected",
+                                    "frozen_speckle", "ghost_order", "fan",  "depth"};
 
 template <typename T>
 std::string DigestOf(const std::vector<T>& values) {

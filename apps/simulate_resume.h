@@ -33,6 +33,9 @@ class FinishedFrames {
   // but `made_of`.
   FinishedFrames(const RunOutput& output, const nlohmann::ordered_json& made_of);
 
+  // Whether frames are in the folder itself, which the run goes on with.
+  bool in_folder() const { return !folder_.empty(); }
+
   // Whether the image of a frame and all files beside it are there.
   bool Has(const std::string& image, const std::vector<std::string>& beside) const;
 

@@ -23,5 +23,6 @@ int main(int argc, char** argv) {
   sonarcal::SetupExport(app);
   sonarcal::SetupPoses(app);
   sonarcal::SetupRecordings(app);
+  sonarcal::SetupSonars(app);
   return sonarcal::RunApp(app, argc, argv);
 }

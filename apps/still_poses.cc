@@ -151,7 +151,7 @@ ExitStatus RunFitStill(const FitCommandOptions& options) {
   using Json = nlohmann::ordered_json;
   const auto recording = OpenRecording(options.real);
   ParameterSet parameters = ParametersFor(options, recording->info());
-  RunOutput output(options.out);
+  RunOutput output(options.out, "fit", options.common.force);
   const StillPoses still = TellStillPoses(*recording, parameters, 0.0, {});
   if (still.poses.empty()) {
     throw DataError("{}: {}", options.real.string(),

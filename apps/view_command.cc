@@ -18,6 +18,7 @@
 #include "apps/commands.h"
 #include "apps/interruption.h"
 #include "apps/locked_recording.h"
+#include "apps/run_output.h"
 #include "apps/scenes_command.h"
 #include "apps/simulate_recording.h"
 #include "apps/view/view_api.h"
@@ -145,15 +146,15 @@ ViewSetup SetUpView(const ViewOptions& options) {
   setup.rays = options.rays;
   setup.margin_deg = options.margin_deg;
   setup.ghost_order = options.ghost_order;
-  setup.object = options.object;
   setup.compare = options.comparison.For(setup.sonar.axes);
   return setup;
 }
 
 ExitStatus RunView(const ViewOptions& options) {
   const ThreadLimit threads(options.rays.threads);
+  if (!options.out.empty()) CheckOutFolder(options.out, "view", options.common.force);
   ViewSession session(SetUpView(options));
-  ViewApi api(session, options.out);
+  ViewApi api(session, options.out, options.common.force);
   ViewServer server(api, options.port);
   const Interruption interruption;  // until here there is nothing to bring to an end
   server.Start();
@@ -179,9 +180,9 @@ void SetupView(CLI::App& app) {
   AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
                   /*required=*/true);
   command
-      ->add_option(
-          "--sonar", options->sonar,
-          "Sonar: p900-45, a recording, or a JSON file with a 'sonar' object (default: that of --real)")
+      ->add_option("--sonar", options->sonar,
+                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object "
+                   "(default: that of --real)")
       ->type_name("NAME|FILE");
   command
       ->add_option("--params", options->params,
@@ -195,17 +196,11 @@ void SetupView(CLI::App& app) {
       ->type_name("REC|FILE");
   command->add_option("--real", options->real, "Recording to show beside the simulation, and to fit to")
       ->type_name("REC");
-  command
-      ->add_option("--out", options->out,
-                   "Folder that the page writes parameters and poses into (default: none, only downloads)")
-      ->type_name("DIR");
+  AddOutFolder(*command, options->out, options->common,
+               "Folder that the page writes parameters and poses into (default: none, only downloads)");
   AddChoice(*command, "--model", options->model, kModels, "Echo model (default: that of the parameters)");
   AddRayOptions(*command, options->rays);
   AddReachOptions(*command, options->ghost_order, options->margin_deg);
-  command
-      ->add_option("--object", options->object,
-                   "Material of the object: a fit is judged in a box around it (default: the whole image)")
-      ->type_name("NAME");
   AddComparisonOptions(*command, options->comparison);
   command->add_option("--port", options->port, "Port of 127.0.0.1 to listen on, 0 for any that is free")
       ->type_name("N")

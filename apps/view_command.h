@@ -30,7 +30,6 @@ struct ViewOptions {
   RayOptions rays;
   std::optional<double> margin_deg;
   int ghost_order = 1;
-  std::string object;
   ComparisonOptions comparison;
   int port = 8765;  // 0: any free one
   bool open = false;

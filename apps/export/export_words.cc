@@ -80,10 +80,12 @@ void AccountForTheRest(const std::string& simulator, ExportAccount& account) {
   no("beam.elevation_width_deg", "width of the beams in elevation of the parameters' own");
   no("beam.elevation_", "shape of the beams in elevation: it ends at a hard edge");
   no("beam.transmit_", "sound sent beyond the field of view");
+  no("beam.sensitivity_db", "sensitivity that differs by beam");
   no("pulse.", "length of the pulse");
   no("jitter.", "errors of a ray in range and azimuth");
   no("display.", "display in dB: its values are linear");
   no("sonar.azimuth_beam_width_deg", "width of one beam: beams are as wide as their spacing");
+  no("sonar.beam_forming", "receiver noise that neighbouring beams share");
   no("sonar.frequency_hz", "frequency");
   no("sonar.sound_speed_m_per_s", "speed of sound");
   no("source_level_db", "source level");

@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
 
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/simulate_recording.h"
 #include "data_io/fan_image.h"
+#include "data_io/json_fields.h"
 #include "data_io/types/pose.h"
 #include "data_io/types/units.h"
 #include "sim/environments.h"
@@ -264,11 +267,18 @@ void BindSonar(py::module_& module) {
       .def_property_readonly(
           "azimuth_beam_width_deg",
           [](const SonarChoice& choice) { return choice.sonar.azimuth_beam_width_deg; },
-          "Half-power width of a beam, degrees; 0 where unknown.")
+          "Two-way half-power width of a beam, degrees; 0 where unknown.")
       .def_property_readonly(
           "elevation_beam_width_deg",
           [](const SonarChoice& choice) { return choice.sonar.elevation_beam_width_deg; },
-          "Vertical field of view, degrees.")
+          "Two-way half-power width in elevation, degrees; 0 where unknown.")
+      .def_property_readonly(
+          "beam_forming",
+          [](const SonarChoice& choice) -> std::optional<std::string> {
+            if (choice.sonar.beam_forming == BeamForming::kUnknown) return std::nullopt;
+            return std::string(JsonWord(kBeamFormings, choice.sonar.beam_forming));
+          },
+          "\"array\" or \"lens\"; None where unknown.")
       .def_property_readonly("sound_speed_m_per_s",
                              [](const SonarChoice& choice) { return choice.sonar.sound_speed_m_per_s; })
       .def_property_readonly(

@@ -5,9 +5,11 @@
 #include <memory>
 
 #include "apps/locked_recording.h"
+#include "apps/provenance.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
+#include "apps/run_output.h"
 #include "apps/simulate_recording.h"
 #include "data_io/open_recording.h"
 #include "data_io/pose_io.h"
@@ -172,17 +174,25 @@ void BindRecordingClass(py::module_& module) {
           "When each frame was taken, seconds; None where unknown.")
       .def(
           "save",
-          [](const Source& r, const std::filesystem::path& folder, int bits, py::object progress) {
+          [](const Source& r, const std::filesystem::path& folder, int bits, bool force,
+             py::object progress) {
             const Listener listener(std::move(progress), py::none());
             const py::gil_scoped_release release;
-            WriteRecording(r, folder, {.bits = bits, .progress = [&](int done, int in_all) {
-                                         listener.Progress("Writing", done, in_all);
-                                       }});
+            RunOutput output(folder, "save", force);
+            WriteRecording(r, output.directory(), {.bits = bits, .progress = [&](int done, int in_all) {
+                                                     listener.Progress("Writing", done, in_all);
+                                                   }});
+            WriteProvenance(output.staging(), {.command = "save",
+                                               .configuration = {{"source", r.info().source}, {"bits", bits}},
+                                               .inputs = {}});
+            output.Commit();
           },
-          py::arg("folder"), py::arg("bits") = 0, py::arg("progress") = py::none(),
-          "Writes a recording folder, whole or not at all. bits: 8, 16, 32 (float), or 0 for the fewest that "
-          "hold the\n"
-          "values. progress(what, done, total) is told of each frame.")
+          py::arg("folder"), py::arg("bits") = 0, py::arg("force") = false, py::arg("progress") = py::none(),
+          "Writes a recording folder, whole or not at all, in place of what an earlier save wrote there. "
+          "bits: 8, 16,\n"
+          "32 (float), or 0 for the fewest that hold the values. force: write into a folder that holds "
+          "something else,\n"
+          "which is refused otherwise. progress(what, done, total) is told of each frame.")
       .def("__repr__", [](const Source& r) {
         return fmt::format("Recording({}, {} frame{}, {} beams x {} range bins{})", r.info().source,
                            r.frame_count(), r.frame_count() == 1 ? "" : "s", r.info().sonar.axes.beam_count(),

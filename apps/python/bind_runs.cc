@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/compare_command.h"
+#include "apps/empty_frames.h"
 #include "apps/fit_command.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
@@ -49,9 +50,12 @@ Recording Simulate(const Scene& scene, const SonarChoice& sonar, const std::stri
   const ResolvedSimulation resolved = ResolveSimulation(options, sonar, ParseParameters(params, kGiven));
   const Simulator simulator(scene, sonar.sonar, resolved.simulation);
   for (const std::string& sentence : SimulationCaveats(options, simulator, resolved)) listener.Say(sentence);
+  const std::vector<int> empty = PosesThatSeeNothing(simulator, poses);
+  if (!empty.empty()) listener.Say(EmptyFramesWarning(simulator, poses, empty));
   const int frames_in_all = static_cast<int>(poses.size());
-  return SimulateRecording(simulator, Timed(poses, times_s), resolved.parameters, scene_path,
-                           [&](int done) { listener.Progress("Simulating", done, frames_in_all); });
+  return SimulateRecording(
+      simulator, Timed(poses, times_s), resolved.parameters, scene_path,
+      [&](int done) { listener.Progress("Simulating", done, frames_in_all); }, options.expected);
 }
 
 std::string Compare(const RecordingSource& real, const RecordingSource& simulated, const Words& words,
@@ -124,6 +128,8 @@ py::array SegmentImage(const PolarImage& image, const Words& words) {
     AddComparisonOptions(command, options);
     ParseWords(command, words);
     const CompareOptions compare = options.For(image.axes);
+    if (compare.object)
+      throw UsageError("object: one image has no scene to search it by, expected compare()");
     found = Segment(image, compare.segmentation, compare.region ? &*compare.region : nullptr);
   }
   const auto grid = std::make_shared<Mask>(std::move(found.object));

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "apps/recorded_rays.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
 #include "data_io/types/error.h"
@@ -47,7 +48,8 @@ ResidualView::ResidualView(std::shared_ptr<const RecordingSource> recording, con
     point_ = initial_values_;
     return;
   }
-  simulator_ = std::make_unique<Simulator>(scene, info.sonar, options.rays.For(info.sonar, water.water));
+  simulator_ = std::make_unique<Simulator>(
+      scene, info.sonar, ChooseRays(options.rays, info, EchoModel::kPaper).rays.For(info.sonar, water.water));
   geometry_.emplace(info.sonar, simulator_->absorption_db_per_m());
   std::vector<TimedPose> of_frames;
   for (const int frame : frames_) of_frames.push_back(poses[frame]);

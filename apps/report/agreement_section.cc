@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/report/figure_words.h"
+#include "apps/report/html_text.h"
 #include "apps/report/residual_section.h"
 #include "metrics/figures.h"
 #include "metrics/scored_image.h"
@@ -35,9 +36,9 @@ std::string OccupancyInWords(const MetricsReport& metrics) {
   const std::optional<double> size = macro.At("ns_over_nr").value;
   const std::optional<double> covered = macro.At("na_over_nr").value;
   if (size && covered) {
-    text += fmt::format(
-        "; the simulated one is {:.2f} times as large as the recorded one and covers {:.0f} % of it", *size,
-        100.0 * *covered);
+    text +=
+        fmt::format("; the simulated one is {:.2f} times as large as the {} one and covers {:.0f} % of it",
+                    *size, RealWord(metrics.real_is_synthetic), 100.0 * *covered);
   }
   if (const std::optional<double> apart_m = macro.At("outline.mean_m").value) {
     text += fmt::format("; their outlines lie {:.3g} m apart on average", *apart_m);
@@ -62,13 +63,34 @@ std::string IntensityInWords(const MetricsReport& metrics) {
   return text + ".";
 }
 
+// What is known of the floor where nothing was measured.
+std::string SpeckleInWords(const NoiseFloor& floor) {
+  const std::string& reason = floor.real_against_real.absent_reason;
+  const std::string unmeasured =
+      fmt::format("What no simulator could beat on this recording was not measured{}.",
+                  reason.empty() ? "" : ": " + reason);
+  if (!floor.speckle) return unmeasured + " Its display states no dB, so theory gives no value either.";
+  return fmt::format(
+      "{} In theory, where a pixel shows the speckle of a single look and the display clips nothing, an "
+      "expected "
+      "image differs by {} on average and a speckled sample by {}.",
+      unmeasured, FigureText(floor.speckle->smooth_simulation),
+      FigureText(floor.speckle->speckled_simulation));
+}
+
 std::string FloorInWords(const MetricsReport& metrics) {
   const Aggregate* floor = metrics.noise_floor.Beside();
   const IntensityDomain domain = metrics.options.intensity_domain;
   const std::optional<double> error = metrics.aggregate.macro.polar.Over(domain).mean_absolute.value;
-  if (floor == nullptr || !error) return "What no simulator could beat on this recording is not known.";
-  const std::optional<double> best = floor->macro.polar.Over(domain).mean_absolute.value;
-  if (!best || !(*best > 0.0)) return "What no simulator could beat on this recording is not known.";
+  const std::optional<double> best =
+      floor == nullptr ? std::nullopt : floor->macro.polar.Over(domain).mean_absolute.value;
+  if (!error) return {};
+  if (best == 0.0) {
+    return "What no simulator could beat on this recording was not found: the frames that show one still "
+           "scene "
+           "are the same to the last grey level.";
+  }
+  if (!best) return SpeckleInWords(metrics.noise_floor);
   return fmt::format(
       "What no simulator could beat on this recording is about {}: the error is {:.2f} times that. {}",
       FigureText(best), *error / *best, FloorNote(metrics.noise_floor));
@@ -87,7 +109,7 @@ std::string WorstInWords(const MetricsReport& metrics) {
 }
 
 // Shares of the levels, grouped so that a chart can show them; x in grey levels of `full_scale`.
-ChartSeries HistogramSeries(const char* name, const std::vector<double>& counts, double full_scale,
+ChartSeries HistogramSeries(const std::string& name, const std::vector<double>& counts, double full_scale,
                             int colour) {
   ChartSeries series{.name = name, .x = {}, .y = {}, .colour = colour};
   double total = 0.0;
@@ -119,16 +141,18 @@ std::vector<double> Quantiles(const std::vector<double>& counts, const std::vect
   return quantiles;
 }
 
-LineChart HistogramChart(const LevelCounts& counts, const std::string& title, double full_scale) {
+LineChart HistogramChart(const LevelCounts& counts, const std::string& title, double full_scale,
+                         const std::string& real) {
   return {.title = title,
           .x = {.label = "grey level"},
           .y = {.label = "pixels", .unit = "%"},
-          .series = {HistogramSeries("recorded", counts.real, full_scale, 0),
+          .series = {HistogramSeries(real, counts.real, full_scale, 0),
                      HistogramSeries("simulated", counts.simulated, full_scale, 1)},
-          .alt = title + ": histograms of the recorded and the simulated grey values"};
+          .alt = title + ": histograms of the " + real + " and the simulated grey values"};
 }
 
-LineChart QuantileChart(const LevelCounts& counts, const std::string& title, double full_scale) {
+LineChart QuantileChart(const LevelCounts& counts, const std::string& title, double full_scale,
+                        const std::string& real) {
   std::vector<double> shares;
   for (int i = 1; i < 100; ++i) shares.push_back(0.01 * i);
   for (const double share : {0.995, 0.999}) shares.push_back(share);
@@ -140,10 +164,10 @@ LineChart QuantileChart(const LevelCounts& counts, const std::string& title, dou
   const double end = std::max(quantiles.x.back(), quantiles.y.back());
   return {
       .title = title,
-      .x = {.label = "recorded grey level", .min = 0.0},
+      .x = {.label = real + " grey level", .min = 0.0},
       .y = {.label = "simulated grey level", .min = 0.0},
       .series = {{"equal", {0.0, end}, {0.0, end}, SeriesStyle::kDashed, {}, {}, 5}, std::move(quantiles)},
-      .alt = title + ": quantiles of the simulated over those of the recorded grey values"};
+      .alt = title + ": quantiles of the simulated over those of the " + real + " grey values"};
 }
 
 }  // namespace
@@ -200,9 +224,10 @@ void AddGreyLevels(HtmlReport& report, const MetricsReport& metrics) {
     const LevelCounts& counts = levels.Over(domain);
     if (counts.real.size() < 2) continue;
     const double full_scale = metrics.scale.full_scale;
+    const std::string real = RealWord(metrics.real_is_synthetic);
     report.Add(
-        {HistogramChart(counts, fmt::format("{}: grey values", name), full_scale),
-         QuantileChart(counts, fmt::format("{}: quantiles", name), full_scale)},
+        {HistogramChart(counts, fmt::format("{}: grey values", name), full_scale, real),
+         QuantileChart(counts, fmt::format("{}: quantiles", name), full_scale, real)},
         fmt::format("{}: how often each grey value occurs, and the quantiles of the one image over those of "
                     "the other; on the dashed line the two are distributed alike.",
                     name));

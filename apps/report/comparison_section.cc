@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/report/figure_words.h"
+#include "apps/report/html_text.h"
 #include "apps/report/segmentation_text.h"
 
 namespace sonarcal {
@@ -151,7 +152,7 @@ void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::
   if (real_is_synthetic) {
     report.Callout(CalloutKind::kSynthetic, "Both sides are synthetic",
                    fmt::format("No sonar recorded {}: it was made by a simulation and stands in for a real "
-                               "recording. Where this page says recorded or real, it means that side.",
+                               "recording. Where this page says real, it means that side.",
                                real_name));
   } else {
     report.Callout(
@@ -199,33 +200,38 @@ void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const 
   report.Add(table);
 }
 
-void AddPictureLegend(HtmlReport& report) {
-  report.Paragraph(
-      "In an overlay blue is brighter in the recorded image and orange brighter in the simulated one; where "
-      "the "
-      "two agree it is grey. Object regions are blue where only the recorded image has an object, orange "
-      "where "
+void AddPictureLegend(HtmlReport& report, const std::string& real) {
+  report.ParagraphOnce(fmt::format(
+      "In an overlay blue is brighter in the {0} image and orange brighter in the simulated one; where the "
+      "two agree it is grey. Object regions are blue where only the {0} image has an object, orange where "
       "only the simulated one has, and white where both have. Polar pictures run from the nearest range at "
-      "the "
-      "top to the farthest, fans from the sonar upwards.");
+      "the top to the farthest, fans from the sonar upwards.",
+      real));
 }
 
-void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption) {
+void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption,
+                      bool real_is_synthetic) {
   const FramePictures pictures = ForPage(of_frame);
+  const std::string real = RealCaption(real_is_synthetic);
   const std::vector<LegendEntry> legend = {
-      {"#0072b2", "recorded only"}, {"#e69f00", "simulated only"}, {"#ebebeb", "both"}};
+      {"#0072b2", RealWord(real_is_synthetic) + " only"}, {"#e69f00", "simulated only"}, {"#ebebeb", "both"}};
+  const bool any_object = !IsOneColour(pictures.polar.regions);
   const auto add = [&](const ViewPictures& view, const char* kind) {
-    const auto alt = [&](const char* what) {
+    const auto alt = [&](const std::string& what) {
       return fmt::format("{}, {} view of frame {}", what, kind, pictures.index);
     };
-    report.Add(
-        PictureRow{.caption = fmt::format("{}, {} view.", caption, kind),
-                   .pictures = {{view.real, "Recorded", alt("Recorded image")},
+    PictureRow row{.caption = fmt::format("{}, {} view.", caption, kind),
+                   .pictures = {{view.real, real, alt(real + " image")},
                                 {view.simulated, "Simulated", alt("Simulated image")},
-                                {view.overlay, "Overlay", alt("Both images superimposed")},
-                                {view.regions, "Object regions", alt("Object regions of both images")}},
+                                {view.overlay, "Overlay", alt("Both images superimposed")}},
                    .columns = 4,
-                   .legend = legend});
+                   .legend = legend};
+    if (any_object) {
+      row.pictures.push_back({view.regions, "Object regions", alt("Object regions of both images")});
+    } else {
+      row.caption += " No object is found in either image.";
+    }
+    report.Add(row);
   };
   add(pictures.polar, "polar");
   add(pictures.fan, "fan");

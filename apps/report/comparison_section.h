@@ -24,11 +24,13 @@ void AddMetricTables(HtmlReport& report, const MetricsReport& metrics);
 void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
                          const std::string& caption);
 
-// What the colours of overlays and regions mean, once for all pictures that follow.
-void AddPictureLegend(HtmlReport& report);
+// What the colours of overlays and regions mean, once for all pictures of a page. `real`: how their real side
+// is called.
+void AddPictureLegend(HtmlReport& report, const std::string& real);
 
-// Recorded, simulated, overlay and regions of one frame, polar and fan.
-void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption);
+// Recorded (or synthetic), simulated, overlay and regions of one frame, polar and fan.
+void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption,
+                      bool real_is_synthetic);
 
 // What the numbers mean, how the object is found and what no simulator can beat, in words. Adds a section.
 void AddMetricDefinitions(HtmlReport& report, const MetricsReport& metrics);

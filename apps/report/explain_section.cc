@@ -59,6 +59,8 @@ WaterfallMood MoodOf(Verdict verdict) {
       return WaterfallMood::kSame;
     case Verdict::kWorse:
       return WaterfallMood::kWorse;
+    case Verdict::kContradicted:
+      return WaterfallMood::kSame;
   }
   return WaterfallMood::kSame;
 }
@@ -79,6 +81,7 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
   Table table{.caption = "Each part added to those above it, fitted again, and judged " + by,
               .columns = {{"Added"},
                           {"Intensity error", "of full scale"},
+                          {"Median image", "of full scale"},
                           {"About the object", "of full scale"},
                           {"IoU"},
                           {"Ns/Nr"},
@@ -95,8 +98,9 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
     const bool first = i == 0;
     table.rows.push_back(
         {.cells = {
-             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4), Text(figures.about_error, 4),
-             Text(figures.iou, 3), Text(figures.ns_over_nr, 3),
+             std::string(TitleOf(step.part)), Text(figures.intensity_error, 4),
+             Text(judged.median_error[i], 4), Text(figures.about_error, 4), Text(figures.iou, 3),
+             Text(figures.ns_over_nr, 3),
              first ? "–" : fmt::format("{} ± {}", FormatNumber(gain.mean, 4), FormatNumber(gain.sigma, 4)),
              first
                  ? "–"
@@ -104,15 +108,21 @@ Table StepTable(const ExplainedRecording& explained, const JudgedSteps& judged, 
              fmt::format("{}", step.determined), std::string(ToString(judged.verdict[i]))}});
   }
   table.notes.push_back(fmt::format(
-      "Worth it: likelier on the frames held out by more than two standard errors, and BIC falls. Both "
-      "criteria count {:.0f} independent cells in the frames used, not {:.0f} pixels: speckle is alike over "
+      "Worth it: likelier on the frames held out by more than two standard errors, BIC falls, and the error "
+      "of the median image does not rise by more than two standard errors. Where likelihood and error say "
+      "opposite things the part is contradicted by the error. Both criteria count {:.0f} independent cells "
+      "in the frames used, not {:.0f} pixels: speckle is alike over "
       "{:.1f} "
       "of them.",
       explained.explanation.pixels_used / explained.explanation.pixels_a_cell,
       explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
   table.notes.emplace_back(
-      "Intensity error: mean absolute difference of grey values over the whole polar image. About the "
-      "object: the same within 20 range bins and 4 beams of it, as found in the recorded image. Until "
+      "Intensity error: mean absolute difference of grey values over the whole polar image. Median image: "
+      "the "
+      "same, from speckle on of the image of which half of the law of each pixel lies below, which makes "
+      "this "
+      "error least. About the object: the same within 20 range bins and 4 beams of it, as found in the "
+      "recorded image. Until "
       "speckle is "
       "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
       "draw, and means little where the segmentation does not find an object. Fitted values: those that the "
@@ -156,6 +166,9 @@ Json FiguresJson(const JudgedSteps& judged, std::size_t i) {
   const auto change = [&](double value) { return i == 0 ? Json(nullptr) : Json(value); };
   return {{"verdict", ToString(judged.verdict[i])},
           {"intensity_error", NumberOrNull(figures.intensity_error)},
+          {"median_image_error", judged.median_error[i]},
+          {"median_image_error_change", change(judged.error_change[i].mean)},
+          {"median_image_error_change_sigma", change(judged.error_change[i].sigma)},
           {"about_object_error", NumberOrNull(figures.about_error)},
           {"union_error", NumberOrNull(figures.union_error)},
           {"overlap_error", NumberOrNull(figures.overlap_error)},
@@ -168,8 +181,8 @@ Json FiguresJson(const JudgedSteps& judged, std::size_t i) {
 
 std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judged) {
   std::string text =
-      fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added", "intensity",
-                  "about", "IoU", "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
+      fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", "part added",
+                  "intensity", "median", "about", "IoU", "Ns/Nr", "gain, nats a pixel", "BIC", "verdict");
   const std::vector<ExplainedStep>& steps = explained.explanation.steps;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const StepFigures& figures = judged.figures[i];
@@ -177,18 +190,44 @@ std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judge
         i == 0 ? std::string("-")
                : fmt::format("{:+.4f} +- {:.4f}", judged.gain[i].mean, judged.gain[i].sigma);
     const std::string bic = i == 0 ? std::string("-") : fmt::format("{:+.0f}", steps[i].bic_change);
-    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n", TitleOf(steps[i].part),
-                        Text(figures.intensity_error, 4), Text(figures.about_error, 4), Text(figures.iou, 3),
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  {:>6}  {:>6}  {:>19}  {:>9}  {}\n",
+                        TitleOf(steps[i].part), Text(figures.intensity_error, 4),
+                        Text(judged.median_error[i], 4), Text(figures.about_error, 4), Text(figures.iou, 3),
                         Text(figures.ns_over_nr, 3), gain, bic, i == 0 ? "" : ToString(judged.verdict[i]));
   }
   if (judged.floor_error) {
-    text += fmt::format("  {:<20}  {:>9}  {:>6}  of the last model's own draws\n", "speckle alone",
-                        Text(judged.floor_error, 4), Text(judged.about_floor_error, 4));
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  of the last model's own draws\n", "speckle alone",
+                        Text(judged.floor_error, 4), "", Text(judged.about_floor_error, 4));
   }
   return text;
 }
 
+// Nothing, where likelihood and error of the frames held out do not say opposite things.
+std::optional<std::string> ContradictionOf(const ExplainedRecording& explained, const JudgedSteps& judged,
+                                           std::size_t i) {
+  if (judged.verdict[i] != Verdict::kContradicted) return std::nullopt;
+  const bool likelier = judged.gain[i].mean > 0.0;
+  return fmt::format(
+      "'{}' makes {} {} likely ({:+.4f} +- {:.4f} nats a pixel), but the error of the median image {} by "
+      "{:.4f} +- {:.4f} of full scale to {:.4f}",
+      TitleOf(explained.explanation.steps[i].part), Frames(judged.frames), likelier ? "more" : "less",
+      judged.gain[i].mean, judged.gain[i].sigma, likelier ? "rises" : "falls",
+      std::abs(judged.error_change[i].mean), judged.error_change[i].sigma, judged.median_error[i]);
+}
+
 }  // namespace
+
+std::vector<std::string> WarningsOf(const ExplainedRecording& explained, const ExplanationTelling& telling) {
+  std::vector<std::string> warnings = telling.warnings;
+  const std::vector<std::string>& ends = explained.explanation.warnings;
+  warnings.insert(warnings.end(), ends.begin(), ends.end());
+  for (const JudgedSteps& judged : Judges(explained, telling)) {
+    for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
+      if (const auto sentence = ContradictionOf(explained, judged, i)) warnings.push_back(*sentence);
+    }
+  }
+  return warnings;
+}
 
 std::string_view TitleOf(ExplainedPart part) {
   switch (part) {
@@ -231,6 +270,8 @@ std::string CauseSentence(const ExplainedRecording& explained) {
 void AddWaterfall(HtmlReport& report, const ExplainedRecording& explained,
                   const ExplanationTelling& telling) {
   report.Section("What each part is worth");
+  for (const std::string& sentence : WarningsOf(explained, telling))
+    report.Callout(CalloutKind::kWarning, "Doubtful", sentence + ".");
   if (!telling.caveats.empty()) {
     report.Callout(CalloutKind::kLimit, "What to know", "What was assumed, and what figures do not show.");
     report.List(telling.caveats);
@@ -273,7 +314,8 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained, const Ex
   report.Paragraph(sentence + ".");
   PictureRow row{
       .caption = (telling.title.empty() ? std::string() : telling.title + ". ") +
-                 "Recorded (left) and what each bright cell comes from by the last model (right); "
+                 RealCaption(telling.synthetic) +
+                 " (left) and what each bright cell comes from by the last model (right); "
                  "nearest range at the top. A cell is bright where the recorded power about it is "
                  "twice the noise floor, and not explained where it is three times what is expected.",
       .pictures = {},
@@ -283,7 +325,7 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained, const Ex
   for (std::size_t i = 0; i < std::min(kMost, explained.maps.size()); ++i) {
     const CauseMap& map = explained.maps[i];
     row.pictures.push_back({.png = EncodePng(StretchPolar(Colorize(map.recorded))),
-                            .caption = fmt::format("Frame {}, recorded", map.index)});
+                            .caption = fmt::format("Frame {}, {}", map.index, RealWord(telling.synthetic))});
     row.pictures.push_back({.png = EncodePng(CausePicture(map.cause)),
                             .caption = fmt::format("Frame {}, causes", map.index),
                             .crisp = true});
@@ -348,29 +390,37 @@ Json ExplanationJson(const ExplainedRecording& explained, const ExplanationTelli
   }
   Json floors = Json::array();
   for (const JudgedSteps& judged : explained.by_frame) floors.push_back(NumberOrNull(judged.floor_error));
-  return {{"format", "sonar-explanation/1"},
-          {"title", telling.title},
-          {"caveats", telling.caveats},
-          {"judged_apart", telling.apart},
-          {"frames_used", explained.split.used},
-          {"frames_held_out", explained.split.held_out},
-          {"steps", steps},
-          {"left_out", of.left_out},
-          {"speckle_floor_error", NumberOrNull(explained.judged.floor_error)},
-          {"speckle_floor_error_by_frame", floors},
-          {"pixels_used", of.pixels_used},
-          {"pixels_a_cell", of.pixels_a_cell},
-          {"causes",
-           {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
+  Json json = {{"format", "sonar-explanation/1"},
+               {"title", telling.title},
+               {"warnings", WarningsOf(explained, telling)},
+               {"caveats", telling.caveats},
+               {"judged_apart", telling.apart},
+               {"frames_used", explained.split.used},
+               {"frames_held_out", explained.split.held_out},
+               {"steps", steps},
+               {"left_out", of.left_out},
+               {"speckle_floor_error", NumberOrNull(explained.judged.floor_error)},
+               {"speckle_floor_error_by_frame", floors},
+               {"pixels_used", of.pixels_used},
+               {"pixels_a_cell", of.pixels_a_cell},
+               {"causes",
+                {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
+  json["metrics_after"] = Json::parse(MetricsJson(explained.metrics_after.value()));
+  if (explained.sample_metrics_after)
+    json["sample_metrics_after"] = Json::parse(MetricsJson(*explained.sample_metrics_after));
+  return json;
 }
 
 std::string ExplanationText(const ExplainedRecording& explained, const ExplanationTelling& telling) {
   std::string text;
+  for (const std::string& sentence : WarningsOf(explained, telling))
+    text += fmt::format("warning: {}\n", sentence);
   for (const JudgedSteps& judged : Judges(explained, telling)) {
     text += fmt::format("fitted to {}, judged on {}, which no fit saw\n", Frames(explained.split.used),
                         Frames(judged.frames));
     text += TextOf(explained, judged);
   }
+  text += "  errors are those of the expected image; IoU and Ns/Nr too, from 'speckle' on those of a draw\n";
   for (const std::string& sentence : explained.explanation.left_out)
     text += fmt::format("  left out: {}\n", sentence);
   text += CauseSentence(explained) + "\n";

@@ -17,10 +17,12 @@ std::string_view TitleOf(ExplainedPart part);
 
 // How an explanation is told.
 struct ExplanationTelling {
-  std::string title = {};                 // of the recording, said wherever a picture is shown; empty: none
-  bool about = false;                     // a waterfall of what lies about the object, too
-  bool apart = false;                     // held-out frames judge one by one, not together
-  std::vector<std::string> caveats = {};  // what was assumed and what figures do not show, a sentence each
+  std::string title = {};                  // of the recording, said wherever a picture is shown; empty: none
+  bool about = false;                      // a waterfall of what lies about the object, too
+  bool apart = false;                      // held-out frames judge one by one, not together
+  bool synthetic = false;                  // a simulation made the recording
+  std::vector<std::string> warnings = {};  // of how it was prepared, such as a search that ended at its end
+  std::vector<std::string> caveats = {};   // what was assumed and what figures do not show, a sentence each
 };
 
 // The waterfall, its table, and what was left out; several of the first two where frames judge apart. Adds a
@@ -35,6 +37,10 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained,
 // "of the bright cells 71 % show floor, 12 % ghost by wall, ...": causes by their share, those below half a
 // percent together.
 std::string CauseSentence(const ExplainedRecording& explained);
+
+// What makes the explanation doubtful, a sentence each: values and searches that ended at the end of their
+// range, and steps of which likelihood and error of the frames held out say opposite things.
+std::vector<std::string> WarningsOf(const ExplainedRecording& explained, const ExplanationTelling& telling);
 
 // The object of explain.json.
 nlohmann::ordered_json ExplanationJson(const ExplainedRecording& explained,

@@ -23,6 +23,7 @@ constexpr double kCurveStepDeg = 0.5;
 constexpr double kCurveDepthDb = 60.0;
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMapsShown = 3;
+constexpr double kLeastMapShare = 1e-3;  // of a frame's pixels: fewer are not to be seen on a map
 constexpr double kSigmasOf95 = 1.96;
 constexpr double kWidestSigmaDb = 5.0;
 constexpr std::size_t kCorrelationsShown = 8;
@@ -71,15 +72,29 @@ Table ValueTable(const FitReport& fit) {
       .notes = {"Sigma: one standard deviation, from leaving out one block of neighbouring pixels after "
                 "another, so that speckle and errors that neighbours share are not counted as "
                 "independent. It tells what the data allow within this model, not how wrong the model is."}};
+  constexpr std::ptrdiff_t kTruthColumn = 4;
+  const bool truth = HasTruth(fit);
+  if (truth) {
+    table.columns.insert(table.columns.begin() + kTruthColumn, {"Truth"});
+    table.notes.emplace_back(
+        "Truth: the value that the simulation of this recording used, where it means the same as the fitted "
+        "one.");
+  }
   std::string group;
   for (const FittedParameter& p : fit.parameters) {
     if (GroupOf(p.name) != group) {
       group = GroupOf(p.name);
       table.rows.push_back({{group}, RowStyle::kGroup});
     }
-    table.rows.push_back({{p.name, Value(p.initial), Value(p.value), p.sigma ? Value(*p.sigma) : "–", p.unit,
-                           fmt::format("{:g} to {:g}", p.lower, p.upper), StatusText(p.status)},
-                          StyleOf(p.status)});
+    std::vector<std::string> cells = {p.name,
+                                      Value(p.initial),
+                                      Value(p.value),
+                                      p.sigma ? Value(*p.sigma) : "–",
+                                      p.unit,
+                                      fmt::format("{:g} to {:g}", p.lower, p.upper),
+                                      StatusText(p.status)};
+    if (truth) cells.insert(cells.begin() + kTruthColumn, p.truth ? Value(*p.truth) : "–");
+    table.rows.push_back({std::move(cells), StyleOf(p.status)});
   }
   return table;
 }
@@ -100,7 +115,7 @@ ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab,
 // The 95 % band, where it says anything.
 ChartSeries BandOf(const FittedCurve& curve) {
   ChartSeries band{
-      .name = "95 %", .x = curve.incidence_deg, .y = curve.backscatter_db, .style = SeriesStyle::kLine};
+      .name = "95 %", .x = curve.incidence_deg, .y = curve.backscatter_db, .style = SeriesStyle::kBand};
   band.colour = 0;
   for (std::size_t i = 0; i < band.y.size(); ++i) {
     if (!(curve.sigma_db[i] < kWidestSigmaDb)) band.y[i] = std::numeric_limits<double>::quiet_NaN();
@@ -129,15 +144,22 @@ LineChart CurveChart(const std::string& material, const RecordingFit& fit) {
                   .series = {},
                   .alt = "Backscatter of " + material + " against incidence, before and after the fit"};
   const GsabParameters<double>& fitted = fit.fit.parameters.Material(material).gsab;
-  chart.series.push_back(
-      CurveOf("initial", fit.initial.Material(material).gsab, 1, SeriesStyle::kDashed, {}));
+  const GsabParameters<double>& initial = fit.initial.Material(material).gsab;
+  if (initial != fitted) chart.series.push_back(CurveOf("initial", initial, 1, SeriesStyle::kDashed, {}));
   const auto seen = fit.seen.find(material);
   if (seen != fit.seen.end()) {
     chart.series.push_back(CurveOf("fitted, angles seen", fitted, 0, SeriesStyle::kLine, seen->second));
     chart.series.push_back(CurveOf("fitted, not seen", fitted, 0, SeriesStyle::kDashed, {}));
   }
   for (const FittedCurve& curve : fit.fit.report.curves) {
-    if (curve.material == material) chart.series.push_back(BandOf(curve));
+    if (curve.material != material) continue;
+    chart.series.push_back(BandOf(curve));
+    if (curve.truth_db.empty()) continue;
+    chart.series.push_back({.name = "truth",
+                            .x = curve.incidence_deg,
+                            .y = curve.truth_db,
+                            .style = SeriesStyle::kDashed,
+                            .colour = 2});
   }
   ClipBelow(chart.series);
   return chart;
@@ -178,10 +200,11 @@ std::string JudgedText(const RecordingFit& fit) {
     return "No frame was held out: the figures below are of the frames the fit has seen, and flatter it.";
   }
   return fmt::format(
-             "The fit saw frames {} and was judged on frames {}, which it did not see. Recorded frames are "
+             "The fit saw frames {} and was judged on frames {}, which it did not see. {} frames are "
              "compared "
              "with the expected image, the mean over {}, as grey levels are displayed.",
              FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
+             RealCaption(fit.after.real_is_synthetic),
              fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle") +
          (fit.poses.empty()
               ? ""
@@ -200,35 +223,43 @@ std::string FrameList(const std::vector<int>& frames) {
   return text;
 }
 
+void AddFitWarnings(HtmlReport& report, const FitReport& fit, const std::string& model) {
+  const std::string title =
+      model.empty() ? "This fit is doubtful" : fmt::format("The fit of the {} is doubtful", model);
+  for (const std::string& sentence : fit.warnings)
+    report.Callout(CalloutKind::kWarning, title, sentence + ".");
+}
+
 void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit) {
-  const IntensityDomain domain = fit.after.options.intensity_domain;
-  const auto figure = [](const char* label, const Statistic& before, const Statistic& after) {
+  std::vector<KeyFigure> figures;
+  const auto add = [&](const std::string& label, const Statistic& before, const Statistic& after) {
     const auto text = [](const Statistic& s) { return s.value ? FormatNumber(*s.value, 3) : "–"; };
-    return KeyFigure{
-        .label = label, .value = text(after), .unit = {}, .note = "was " + text(before) + " before the fit"};
+    figures.push_back({.label = label,
+                       .value = text(after),
+                       .unit = {},
+                       .note = "was " + text(before) + " before the fit"});
   };
-  const Aggregate::Views& before = fit.before.aggregate.macro;
-  const Aggregate::Views& after = fit.after.aggregate.macro;
-  // No detector finds an object of speckle in an image without any: occupancy is that of a sample.
-  KeyFigure iou = figure("IoU of the object regions", before.polar.At("iou"), after.polar.At("iou"));
-  if (fit.sample_before && fit.sample_after) {
-    iou = figure("IoU of the object regions, speckled sample",
-                 fit.sample_before->aggregate.macro.polar.At("iou"),
-                 fit.sample_after->aggregate.macro.polar.At("iou"));
-  }
+  const auto add_image = [&](const std::string& image, const MetricsReport& before,
+                             const MetricsReport& after) {
+    const IntensityDomain domain = after.options.intensity_domain;
+    const ViewSummary& polar_before = before.aggregate.macro.polar;
+    const ViewSummary& polar_after = after.aggregate.macro.polar;
+    add(image + ": IoU of the object regions", polar_before.At("iou"), polar_after.At("iou"));
+    add(image + ": intensity error, polar", polar_before.Over(domain).mean_absolute,
+        polar_after.Over(domain).mean_absolute);
+  };
+  add_image("Expected image", fit.before, fit.after);
+  if (fit.sample_before && fit.sample_after)
+    add_image("Speckled sample", *fit.sample_before, *fit.sample_after);
   const auto& parameters = fit.fit.report.parameters;
   const auto fitted = std::count_if(parameters.begin(), parameters.end(), [](const FittedParameter& p) {
     return p.status == ParameterStatus::kFree || p.status == ParameterStatus::kAtBound;
   });
-  report.KeyFigures({figure("Intensity error, polar", before.polar.Over(domain).mean_absolute,
-                            after.polar.Over(domain).mean_absolute),
-                     figure("Intensity error, fan", before.fan.Over(domain).mean_absolute,
-                            after.fan.Over(domain).mean_absolute),
-                     iou,
-                     {.label = "Parameters fitted",
-                      .value = fmt::format("{}", fitted),
-                      .unit = {},
-                      .note = fmt::format("on {} frames", fit.fit.report.frames_used.size())}});
+  figures.push_back({.label = "Parameters fitted",
+                     .value = fmt::format("{}", fitted),
+                     .unit = {},
+                     .note = fmt::format("on {} frames", fit.fit.report.frames_used.size())});
+  report.KeyFigures(figures);
 }
 
 void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
@@ -238,22 +269,24 @@ void AddFitComparison(HtmlReport& report, const RecordingFit& fit) {
     report.Callout(CalloutKind::kLimit, "Not judged on unseen frames", JudgedText(fit));
   }
   AddBeforeAfterTable(report, fit.before, fit.after,
-                      fit.judged_on_held_out ? "Before and after the fit, on frames it did not see"
-                                             : "Before and after the fit, on the frames it used");
+                      fit.judged_on_held_out
+                          ? "Before and after the fit, on frames it did not see: the expected image"
+                          : "Before and after the fit, on the frames it used: the expected image");
   if (fit.sample_before && fit.sample_after) {
     AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
                         "The same with a speckled sample in place of the expected image");
   }
-  report.Paragraph("After the fit:");
+  report.Paragraph("The expected image after the fit:");
   report.List(SummaryInWords(fit.after));
-  AddPictureLegend(report);
+  const bool synthetic = fit.after.real_is_synthetic;
+  if (!fit.pictures_after.empty()) AddPictureLegend(report, RealWord(synthetic));
   if (!fit.viewer.frames.empty()) report.Add(fit.viewer);
   for (std::size_t i = 0; i < fit.pictures_after.size(); ++i) {
     const std::string frame = fmt::format("Frame {}", fit.pictures_after[i].index);
     if (i < fit.pictures_before.size()) {
-      AddFramePictures(report, fit.pictures_before[i], frame + ", before the fit");
+      AddFramePictures(report, fit.pictures_before[i], frame + ", before the fit", synthetic);
     }
-    AddFramePictures(report, fit.pictures_after[i], frame + ", after the fit");
+    AddFramePictures(report, fit.pictures_after[i], frame + ", after the fit", synthetic);
   }
 }
 
@@ -267,35 +300,31 @@ void AddUnexplained(HtmlReport& report, const RecordingFit& fit) {
   PictureRow row{.caption = "Pixels used by the fit: black counts in full, the brighter the less",
                  .pictures = {}};
   constexpr int kHeightPx = 360;
-  for (std::size_t i = 0; i < std::min(fit.weights.size(), kMapsShown); ++i) {
+  std::vector<int> dark;  // frames whose map would show nothing
+  for (std::size_t i = 0; i < fit.weights.size() && row.pictures.size() < kMapsShown; ++i) {
     Grid<float> missing = fit.weights[i];
     for (float& value : missing.values()) value = 1.0F - value;
+    const auto less = std::count_if(missing.values().begin(), missing.values().end(),
+                                    [](float value) { return value > 0.5F; });
+    if (static_cast<double>(less) < kLeastMapShare * static_cast<double>(missing.size())) {
+      dark.push_back(fit.fit.report.frames_used[i]);
+      continue;
+    }
     const RgbImage map = Colorize(missing, ValueWindow{0.0, 1.0}, ColorMap::kInferno);
     row.pictures.push_back({.png = EncodePng(StretchPolar(map, kHeightPx)),
                             .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i])});
   }
-  report.Add(row);
+  if (!dark.empty()) {
+    report.Paragraph(
+        fmt::format("No map is shown of frame{} {}: fewer than {:g} % of the pixels counted for "
+                    "less than half.",
+                    dark.size() == 1 ? "" : "s", FrameList(dark), 100.0 * kLeastMapShare));
+  }
+  if (!row.pictures.empty()) report.Add(row);
 }
 
 void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
   const FitReport& result = fit.fit.report;
-  for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
-  if (!result.unidentifiable_directions.empty()) {
-    report.Callout(
-        CalloutKind::kLimit, "What these frames leave open",
-        "The values below could not be told from the frames used. They stand where they were held, "
-        "or where what was assumed beforehand puts them, and no sigma is given for them.");
-    report.List(result.unidentifiable_directions);
-  }
-  if (!result.other_poses.empty()) {
-    report.Callout(CalloutKind::kLimit, "Poses with a double",
-                   "These frames look as likely from another place. The one nearer to what was recorded is "
-                   "given, and its sigmas are about it alone.");
-    report.List(result.other_poses);
-  }
-  report.Add(ValueTable(result));
-  AddCorrelations(report, result);
-
   std::vector<LineChart> charts;
   std::vector<std::string> unseen;
   for (const auto& [material, parameters] : fit.fit.parameters.materials) {
@@ -315,6 +344,24 @@ void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
   }
   for (const std::string& material : unseen)
     report.Paragraph("Not seen in the frames used: " + material + ".");
+
+  report.Subsection("Parameters");
+  for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
+  if (!result.unidentifiable_directions.empty()) {
+    report.Callout(
+        CalloutKind::kLimit, "What these frames leave open",
+        "The frames used do not determine these values separately. Each stands where it was held, where its "
+        "prior puts it, or at one of several values that fit alike. No sigma is given for it.");
+    report.List(result.unidentifiable_directions);
+  }
+  if (!result.other_poses.empty()) {
+    report.Callout(CalloutKind::kLimit, "Poses with a double",
+                   "These frames look as likely from another place. The one nearer to what was recorded is "
+                   "given, and its sigmas are about it alone.");
+    report.List(result.other_poses);
+  }
+  report.Add(ValueTable(result));
+  AddCorrelations(report, result);
 
   report.Subsection("Residuals and run");
   const char* unit = result.raw ? "of full scale" : "(deviance of speckle)";

@@ -8,6 +8,9 @@
 
 namespace sonarcal {
 
+// What makes the fit doubtful, before any figure; nothing where nothing does.
+void AddFitWarnings(HtmlReport& report, const FitReport& fit, const std::string& model = {});
+
 // The few numbers to look at first: agreement before and after.
 void AddFitKeyFigures(HtmlReport& report, const RecordingFit& fit);
 

@@ -20,16 +20,10 @@ using Json = nlohmann::ordered_json;
 
 struct Choice {
   const char* value;
-  const char* label;
+  std::string label;
 };
 
-constexpr std::array<Choice, 6> kShow = {{{"real", "Recorded"},
-                                          {"simulated", "Simulated"},
-                                          {"blink", "Blink"},
-                                          {"overlay", "Overlay"},
-                                          {"difference", "Difference"},
-                                          {"regions", "Regions"}}};
-constexpr std::array<Choice, 2> kViews = {{{"fan", "Fan"}, {"polar", "Polar"}}};
+const std::array<Choice, 2> kViews = {{{"fan", "Fan"}, {"polar", "Polar"}}};
 
 Json ColourJson(const Rgb& colour) {
   return {colour[0], colour[1], colour[2]};
@@ -64,7 +58,8 @@ Json ViewerJson(const FrameViewer& viewer) {
                       {"geometry", geometries.size() - 1},
                       {"full_scale", frame.full_scale}});
   }
-  return {{"geometries", geometries},
+  return {{"real", RealWord(viewer.real_is_synthetic)},
+          {"geometries", geometries},
           {"frames", frames},
           {"inferno", InfernoHex()},
           {"alike", kAlikeGrey},
@@ -91,10 +86,18 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
   SONARCAL_CHECK(!viewer.frames.empty(), "a viewer without frames");
   const std::string name = fmt::format("viewer-{}", number);
   const Json data = ViewerJson(viewer);
-  std::string html =
-      fmt::format("<div class=\"viewer\" hidden=\"hidden\" data-viewer=\"{}\">\n<div class=\"controls\">",
-                  EscapeHtml(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
-  html += ChoiceHtml(name, "show", "Show", kShow) + ChoiceHtml(name, "view", "As", kViews);
+  std::string html = fmt::format(
+      "<details hidden=\"hidden\"><summary>Go through the frames: blink, overlay, difference, "
+      "values under the pointer</summary>\n<div class=\"viewer\" data-viewer=\"{}\">\n"
+      "<div class=\"controls\">",
+      EscapeHtml(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  const std::array<Choice, 6> show = {{{"real", RealCaption(viewer.real_is_synthetic)},
+                                       {"simulated", "Simulated"},
+                                       {"blink", "Blink"},
+                                       {"overlay", "Overlay"},
+                                       {"difference", "Difference"},
+                                       {"regions", "Regions"}}};
+  html += ChoiceHtml(name, "show", "Show", show) + ChoiceHtml(name, "view", "As", kViews);
   html +=
       "<label>Colours <select data-part=\"colours\"><option value=\"inferno\">Inferno</option>"
       "<option value=\"grey\">Grey</option></select></label>"
@@ -120,7 +123,7 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
     image("simulated", viewer.frames[i].simulated);
     image("objects", viewer.frames[i].objects);
   }
-  return html + "</div>\n";
+  return html + "</div></details>\n";
 }
 
 }  // namespace sonarcal

@@ -1,7 +1,7 @@
 // Frames of two polar images, one recorded and one simulated, for a reader to go through: a slider, the two
 // in turn, on top of each other, their difference and their object regions, polar or as a fan, with the
-// values under the pointer. Drawn in the browser (frame_viewer.js) from pictures within the page; where
-// scripts do not run, and on paper, it is not there.
+// values under the pointer. Drawn in the browser (frame_viewer.js) from pictures within the page; folded away
+// until it is asked for, and not there where scripts do not run and on paper.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,7 @@ struct ViewerFrame {
 struct FrameViewer {
   std::string caption;
   std::vector<ViewerFrame> frames;
+  bool real_is_synthetic = false;
 };
 
 // `number` tells the viewers of one page apart.

@@ -1,21 +1,22 @@
 'use strict';
 // The frame viewer of a report (frame_viewer.h): draws two polar images and their object regions as the reader
-// asks for them, from the embedded pictures, whose grey values are the data. Without this script the viewer
-// stays hidden, and the page is whole without it.
+// asks for them, from the embedded pictures, whose grey values are the data. The viewer is folded away until it is
+// asked for, as the page shows some of its pictures; without this script it stays hidden.
 
 const kHeightPx = 520;
 const kLargestWidthPx = 960;
 const kBlinkMs = 600;  // slower than the three flashes a second that some people must not see
 const kDifferenceShown = 0.5;  // of full scale: as blue or orange as it gets
 
-const kKeys = {
+// By what is shown; `real` is how the real side is called, recorded or synthetic.
+const keysOf = (real) => ({
   real: 'Dark is 0, bright is full scale.',
   simulated: 'Dark is 0, bright is full scale.',
-  blink: 'Recorded and simulated in turn; the space bar changes over.',
-  overlay: 'Blue: brighter in the recorded image. Orange: brighter in the simulated one. Grey: alike.',
-  difference: 'Blue: recorded brighter. Orange: simulated brighter. Full colour at half of full scale.',
-  regions: 'Object in the recorded image alone: blue; in the simulated one alone: orange; in both: white.',
-};
+  blink: `The ${real} and the simulated image in turn; the space bar changes over.`,
+  overlay: `Blue: brighter in the ${real} image. Orange: brighter in the simulated one. Grey: alike.`,
+  difference: `Blue: ${real} brighter. Orange: simulated brighter. Full colour at half of full scale.`,
+  regions: `Object in the ${real} image alone: blue; in the simulated one alone: orange; in both: white.`,
+});
 
 // Index of the sample (bin x beams + beam) that each pixel of a picture shows, -1 outside.
 function polarLookup(geometry, bins) {
@@ -119,6 +120,7 @@ async function greyValues(image) {
 
 function startViewer(root) {
   const data = JSON.parse(root.dataset.viewer);
+  const keys = keysOf(data.real);
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const canvas = part('canvas');
   const slider = part('slider');
@@ -200,8 +202,8 @@ function startViewer(root) {
     }
     context.putImageData(picture, 0, 0);
     drawRing(context, shown.lookup, cursor);
-    part('key').textContent = kKeys[show];
-    part('which').textContent = show !== 'blink' ? '' : second ? 'simulated' : 'recorded';
+    part('key').textContent = keys[show];
+    part('which').textContent = show !== 'blink' ? '' : second ? 'simulated' : data.real;
   }
 
   function read() {
@@ -220,7 +222,7 @@ function startViewer(root) {
     const number = (value, digits) => value.toFixed(digits).replace('-', '\u2212');
     part('readout').textContent =
         `${number(range, 3)} m, ${number(geometry.azimuth_deg[beam], 2)}\u00b0 (bin ${bin}, beam ${beam}): ` +
-        `recorded ${grey('real')}, simulated ${grey('simulated')}, ` +
+        `${data.real} ${grey('real')}, simulated ${grey('simulated')}, ` +
         `difference ${number(grey('simulated') - grey('real'), 0)} of ${frame.full_scale}`;
   }
 
@@ -302,7 +304,7 @@ function startViewer(root) {
     second = !second;
     draw();
   }, kBlinkMs);
-  root.hidden = false;
+  root.closest('details').hidden = false;
   showFrame();
 }
 

@@ -6,11 +6,14 @@
 #include <array>
 #include <charconv>
 #include <fstream>
+#include <functional>
 #include <iterator>
 
 #include "apps/report/html_text.h"
 #include "apps/report/report_css.h"
 #include "apps/report/report_script.h"
+#include "data_io/image_io.h"
+#include "data_io/picture.h"
 #include "data_io/types/error.h"
 
 namespace sonarcal {
@@ -148,8 +151,21 @@ void HtmlReport::AddHeading(int level, std::string_view title) {
   headings_.push_back({level, std::string(title), anchor});
 }
 
+bool IsOneColour(const std::vector<std::uint8_t>& png) {
+  const ImageFile file({reinterpret_cast<const char*>(png.data()), png.size()}, "picture");
+  const RgbImage image = file.DecodeRgb();
+  const auto is_outside = [](const Rgb& colour) { return colour == kOutsideColor; };
+  const auto first = std::find_if_not(image.values().begin(), image.values().end(), is_outside);
+  return std::all_of(first, image.values().end(),
+                     [&](const Rgb& colour) { return colour == *first || is_outside(colour); });
+}
+
 void HtmlReport::Paragraph(std::string_view text) {
   Append(body_, "<p>{}</p>\n", EscapeHtml(text));
+}
+
+void HtmlReport::ParagraphOnce(std::string_view text) {
+  if (said_once_.emplace(text).second) Paragraph(text);
 }
 
 void HtmlReport::List(const std::vector<std::string>& items) {
@@ -207,13 +223,31 @@ void HtmlReport::Add(const Table& table) {
 void HtmlReport::Add(const PictureRow& row) {
   SONARCAL_CHECK(!row.pictures.empty() && row.columns > 0, "{} pictures in {} columns", row.pictures.size(),
                  row.columns);
-  const int columns = std::min(row.columns, static_cast<int>(row.pictures.size()));
-  Append(body_, "<figure class=\"pictures\"><div class=\"columns\" style=\"--columns:{}\">\n", columns);
-  for (std::size_t i = 0; i < row.pictures.size(); ++i) {
-    body_ += PictureHtml(row.pictures[i], i, row.pictures.size() > 1);
+  std::vector<const Picture*> shown;
+  std::string caption = row.caption;
+  for (const Picture& picture : row.pictures) {
+    if (IsOneColour(picture.png)) {
+      caption += fmt::format(" {}: one colour throughout, not shown.", picture.caption);
+      continue;
+    }
+    const std::string_view bytes(reinterpret_cast<const char*>(picture.png.data()), picture.png.size());
+    const auto [at, is_new] =
+        pictured_in_.try_emplace(std::hash<std::string_view>{}(bytes), figure_count_ + 1);
+    if (is_new) {
+      shown.push_back(&picture);
+    } else if (at->second <= figure_count_) {
+      caption += fmt::format(" {}: as in figure {}.", picture.caption, at->second);
+    }
   }
+  if (shown.empty()) {
+    Paragraph(caption);
+    return;
+  }
+  const int columns = std::min(row.columns, static_cast<int>(shown.size()));
+  Append(body_, "<figure class=\"pictures\"><div class=\"columns\" style=\"--columns:{}\">\n", columns);
+  for (std::size_t i = 0; i < shown.size(); ++i) body_ += PictureHtml(*shown[i], i, shown.size() > 1);
   Append(body_, "</div>{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n", LegendHtml(row.legend),
-         ++figure_count_, EscapeHtml(row.caption));
+         ++figure_count_, EscapeHtml(caption));
 }
 
 void HtmlReport::Add(const std::vector<LineChart>& charts, std::string_view caption) {

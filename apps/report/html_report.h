@@ -14,6 +14,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -69,6 +72,9 @@ struct LegendEntry {
   std::string label;
 };
 
+// Whether a picture (PNG) is of one colour throughout, but for what lies outside a fan: it shows nothing.
+bool IsOneColour(const std::vector<std::uint8_t>& png);
+
 // Pictures side by side, lettered a, b, c... and wrapped after `columns` of them.
 struct PictureRow {
   std::string caption;
@@ -92,11 +98,14 @@ class HtmlReport {
   void Subsection(std::string_view title);  // within a section
 
   void Paragraph(std::string_view text);
+  void ParagraphOnce(std::string_view text);  // nothing, where the page has it already
   void List(const std::vector<std::string>& items);
   void Facts(const std::vector<std::pair<std::string, std::string>>& facts);  // name, value
   void Callout(CalloutKind kind, std::string_view title, std::string_view text);
   void KeyFigures(const std::vector<KeyFigure>& figures);
   void Add(const Table& table);
+  // A picture that the page shows already is named in the caption, not shown again; one of one colour
+  // throughout is not shown either.
   void Add(const PictureRow& row);
   void Add(const std::vector<LineChart>& charts, std::string_view caption);  // one numbered figure
   void Add(const FrameViewer& viewer);
@@ -152,6 +161,8 @@ class HtmlReport {
   std::vector<Table> tables_;
   std::vector<ChartFigure> chart_figures_;
   std::vector<WaterfallFigure> waterfalls_;
+  std::set<std::string, std::less<>> said_once_;
+  std::map<std::size_t, int> pictured_in_;  // figure by hash of the picture
   int figure_count_ = 0;
   int viewer_count_ = 0;
 };

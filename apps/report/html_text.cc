@@ -129,4 +129,12 @@ std::string FormatNumber(double value, int decimals) {
   return negative ? std::string(kMinus) + digits : digits;
 }
 
+std::string RealWord(bool is_synthetic) {
+  return is_synthetic ? "synthetic" : "recorded";
+}
+
+std::string RealCaption(bool is_synthetic) {
+  return is_synthetic ? "Synthetic" : "Recorded";
+}
+
 }  // namespace sonarcal

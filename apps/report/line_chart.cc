@@ -72,21 +72,28 @@ struct Scales {
   Scale y;
 };
 
+// A band has a place only where its curve has a value.
+bool HasBand(const ChartSeries& series, std::size_t i) {
+  return !series.low.empty() && std::isfinite(series.x[i]) && std::isfinite(series.y[i]) &&
+         std::isfinite(series.low[i]) && std::isfinite(series.high[i]);
+}
+
 Scales FitScales(const LineChart& chart) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double bounds[2][2] = {{kInfinity, -kInfinity}, {kInfinity, -kInfinity}};
-  const auto include = [&](int axis, const std::vector<double>& values) {
-    for (const double value : values) {
-      if (!std::isfinite(value)) continue;
-      bounds[axis][0] = std::min(bounds[axis][0], value);
-      bounds[axis][1] = std::max(bounds[axis][1], value);
-    }
+  const auto include = [&](int axis, double value) {
+    if (!std::isfinite(value)) return;
+    bounds[axis][0] = std::min(bounds[axis][0], value);
+    bounds[axis][1] = std::max(bounds[axis][1], value);
   };
   for (const ChartSeries& series : chart.series) {
-    include(0, series.x);
-    include(1, series.y);
-    include(1, series.low);
-    include(1, series.high);
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      include(0, series.x[i]);
+      include(1, series.y[i]);
+      if (!HasBand(series, i)) continue;
+      include(1, series.low[i]);
+      include(1, series.high[i]);
+    }
   }
   return {MakeScale(chart.x, bounds[0][0], bounds[0][1], 6),
           MakeScale(chart.y, bounds[1][0], bounds[1][1], 5)};
@@ -126,15 +133,20 @@ class Drawing {
   }
   void ClosePlot() { Append("</svg>"); }
 
+  // One outline for each run of values: there along the upper edge, back along the lower one.
   void Band(const ChartSeries& series, int colour) {
     std::string path;
-    for (std::size_t i = 0; i < series.x.size(); ++i) {
-      if (Finite(series, i)) AppendPoint(path, series.x[i], series.high[i]);
+    for (std::size_t first = 0; first < series.x.size(); ++first) {
+      std::size_t end = first;
+      while (end < series.x.size() && HasBand(series, end)) ++end;
+      if (end == first) continue;
+      for (std::size_t i = first; i < end; ++i)
+        AppendPoint(path, i == first ? 'M' : 'L', series.x[i], series.high[i]);
+      for (std::size_t i = end; i-- > first;) AppendPoint(path, 'L', series.x[i], series.low[i]);
+      path += 'Z';
+      first = end;
     }
-    for (std::size_t i = series.x.size(); i-- > 0;) {
-      if (Finite(series, i)) AppendPoint(path, series.x[i], series.low[i]);
-    }
-    if (!path.empty()) Append("<path class=\"band c{}\" d=\"{}Z\"/>", colour, path);
+    if (!path.empty()) Append("<path class=\"band c{}\" d=\"{}\"/>", colour, path);
   }
 
   void Line(const ChartSeries& series, int colour) {
@@ -145,8 +157,7 @@ class Drawing {
         pen_down = false;
         continue;
       }
-      fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", pen_down ? 'L' : 'M', PlotX(series.x[i]),
-                     PlotY(series.y[i]));
+      AppendPoint(path, pen_down ? 'L' : 'M', series.x[i], series.y[i]);
       pen_down = true;
     }
     const char* dash = series.style == SeriesStyle::kDashed ? " dashed" : "";
@@ -170,9 +181,6 @@ class Drawing {
     fmt::format_to(std::back_inserter(svg_), format, std::forward<Args>(args)...);
   }
 
-  static bool Finite(const ChartSeries& series, std::size_t i) {
-    return std::isfinite(series.x[i]) && std::isfinite(series.low[i]) && std::isfinite(series.high[i]);
-  }
   static double FirstTick(const Scale& scale) {
     return std::ceil(scale.min / scale.step - 1e-9) * scale.step;
   }
@@ -184,8 +192,8 @@ class Drawing {
 
   double PlotX(double value) const { return kPlotWidth * scales_.x.Fraction(value); }
   double PlotY(double value) const { return kPlotHeight * (1.0 - scales_.y.Fraction(value)); }
-  void AppendPoint(std::string& path, double x, double y) const {
-    fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', PlotX(x), PlotY(y));
+  void AppendPoint(std::string& path, char command, double x, double y) const {
+    fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", command, PlotX(x), PlotY(y));
   }
 
   Scales scales_;
@@ -201,6 +209,7 @@ int ColourOf(const ChartSeries& series, std::size_t place) {
 std::string Swatch(const ChartSeries& series, int colour) {
   std::string swatch;
   if (!series.low.empty()) swatch += fmt::format("<path class=\"band c{}\" d=\"M0 1H26V11H0Z\"/>", colour);
+  if (series.style == SeriesStyle::kBand) return swatch;
   if (series.style == SeriesStyle::kPoints) {
     return swatch + fmt::format("<circle class=\"point c{}\" cx=\"13\" cy=\"6\" r=\"4\"/>", colour);
   }
@@ -238,7 +247,8 @@ std::string PlotSvg(const LineChart& chart) {
   }
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
-    if (series.style != SeriesStyle::kPoints) drawing.Line(series, ColourOf(series, i));
+    const bool is_line = series.style == SeriesStyle::kLine || series.style == SeriesStyle::kDashed;
+    if (is_line) drawing.Line(series, ColourOf(series, i));
   }
   drawing.ClosePlot();
   for (std::size_t i = 0; i < chart.series.size(); ++i) {

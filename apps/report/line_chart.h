@@ -15,12 +15,12 @@ struct ChartAxis {
   std::optional<double> max = {};
 };
 
-enum class SeriesStyle { kLine, kDashed, kPoints };
+enum class SeriesStyle { kLine, kDashed, kPoints, kBand };  // kBand: the band alone
 
 struct ChartSeries {
   std::string name;
   std::vector<double> x;
-  std::vector<double> y;  // a value that is not finite interrupts the line
+  std::vector<double> y;  // a value that is not finite interrupts line and band
   SeriesStyle style = SeriesStyle::kLine;
   std::vector<double> low = {};  // the band, one value an x; empty for none
   std::vector<double> high = {};

@@ -49,8 +49,8 @@ Table ValueTable(const NoiseFit& fit) {
   return table;
 }
 
-LineChart HistogramChart(const NoiseAgreement& agreement) {
-  ChartSeries recorded{.name = "recorded", .x = {}, .y = {}, .style = SeriesStyle::kPoints};
+LineChart HistogramChart(const NoiseAgreement& agreement, const std::string& real) {
+  ChartSeries recorded{.name = real, .x = {}, .y = {}, .style = SeriesStyle::kPoints};
   ChartSeries predicted{.name = "predicted", .x = {}, .y = {}};
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   constexpr double kLeastShown = 1e-7;
@@ -69,9 +69,9 @@ LineChart HistogramChart(const NoiseAgreement& agreement) {
 }
 
 // Mean grey along one axis, cells that were left out apart.
-LineChart MeanChart(const NoiseFit& fit, bool by_range) {
+LineChart MeanChart(const NoiseFit& fit, bool by_range, const std::string& real) {
   const NoiseAgreement& agreement = fit.judged;
-  ChartSeries recorded{.name = "recorded", .x = {}, .y = {}, .style = SeriesStyle::kPoints};
+  ChartSeries recorded{.name = real, .x = {}, .y = {}, .style = SeriesStyle::kPoints};
   ChartSeries predicted{.name = "predicted", .x = {}, .y = {}};
   const int count = by_range ? fit.cells.bands() : fit.cells.beams();
   const int across = by_range ? fit.cells.beams() : fit.cells.bands();
@@ -114,7 +114,7 @@ LineChart TaperChart(const NoiseFit& fit) {
   return chart;
 }
 
-Picture ResidualMap(const NoiseFit& fit) {
+Picture ResidualMap(const NoiseFit& fit, bool is_synthetic) {
   const NoiseAgreement& agreement = fit.judged;
   Grid<float> residual(agreement.recorded_mean.rows(), agreement.recorded_mean.cols());
   double square = 0.0;
@@ -128,9 +128,10 @@ Picture ResidualMap(const NoiseFit& fit) {
   const double limit = std::max(1e-3, 3.0 * std::sqrt(square / std::max(1, cells)));
   return {.png = EncodePng(StretchPolar(Colorize(residual, {-limit, limit}, ColorMap::kViridis))),
           .caption = fmt::format(
-              "Recorded less predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); "
+              "{} less predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); "
               "beams from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
-              -limit, limit, fit.cells.RangeM(0), fit.cells.RangeM(fit.cells.bands() - 1),
+              RealCaption(is_synthetic), -limit, limit, fit.cells.RangeM(0),
+              fit.cells.RangeM(fit.cells.bands() - 1),
               cells < static_cast<int>(residual.size()) ? "; cells left out are darkest" : ""),
           .alt = "map of residuals by range band and beam",
           .crisp = true};
@@ -175,7 +176,7 @@ std::string NoiseJudgedText(const NoiseFit& fit) {
                      Pings(fit.frames_judged_on.size()));
 }
 
-void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
+void AddNoiseSections(HtmlReport& report, const NoiseFit& fit, bool is_synthetic) {
   const std::string on = fit.bands_held_out       ? "on bands that were not fitted"
                          : fit.judged_on_held_out ? "on pings that were not fitted"
                                                   : "on the pings fitted";
@@ -205,10 +206,12 @@ void AddNoiseSections(HtmlReport& report, const NoiseFit& fit) {
     report.Paragraph(judged);
   }
   if (fit.window_found) report.Paragraph("Background: " + NoiseWindowText(fit) + ".");
-  report.Section("Grey values recorded and predicted");
-  report.Add({HistogramChart(fit.judged), MeanChart(fit, true), MeanChart(fit, false)},
-             "Recorded " + on + ", and predicted by the law");
-  report.Add(PictureRow{.caption = "What the law leaves", .pictures = {ResidualMap(fit)}, .columns = 1});
+  const std::string real = RealWord(is_synthetic);
+  report.Section(fmt::format("Grey values {} and predicted", real));
+  report.Add({HistogramChart(fit.judged, real), MeanChart(fit, true, real), MeanChart(fit, false, real)},
+             RealCaption(is_synthetic) + " " + on + ", and predicted by the law");
+  report.Add(PictureRow{
+      .caption = "What the law leaves", .pictures = {ResidualMap(fit, is_synthetic)}, .columns = 1});
   report.Section("The law");
   report.Add(ChoiceTable(fit));
   report.Add(ValueTable(fit));

@@ -10,7 +10,7 @@ namespace sonarcal {
 
 // Agreement, the choice of model, values, grey values recorded against predicted, noise by range and by beam,
 // and the map of what is left.
-void AddNoiseSections(HtmlReport& report, const NoiseFit& fit);
+void AddNoiseSections(HtmlReport& report, const NoiseFit& fit, bool is_synthetic);
 
 // "window ...": where it was found, and how.
 std::string NoiseWindowText(const NoiseFit& fit);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/report/figure_words.h"
+#include "apps/report/html_text.h"
 #include "data_io/image_io.h"
 #include "data_io/picture.h"
 
@@ -21,7 +22,8 @@ double Middle(const ResidualClass& of) {
 }
 
 // Mean difference and mean |difference| over the classes of a table.
-LineChart ResidualChart(const ResidualTable& table, const char* title, const char* axis) {
+LineChart ResidualChart(const ResidualTable& table, const char* title, const char* axis,
+                        const std::string& real) {
   ChartSeries bias{.name = "mean difference, object regions", .x = {}, .y = {}, .colour = 1};
   ChartSeries absolute{.name = "mean |difference|, object regions", .x = {}, .y = {}, .colour = 0};
   ChartSeries whole{
@@ -38,7 +40,7 @@ LineChart ResidualChart(const ResidualTable& table, const char* title, const cha
   }
   return {.title = title,
           .x = {.label = axis, .unit = table.unit},
-          .y = {.label = "simulated \u2212 recorded", .unit = "part of full scale"},
+          .y = {.label = "simulated \u2212 " + real, .unit = "part of full scale"},
           .series = {std::move(bias), std::move(absolute), std::move(whole)},
           .alt = fmt::format("{}: lines of mean difference and mean absolute difference", title)};
 }
@@ -60,7 +62,7 @@ Table ResidualTableOf(const ResidualTable& table) {
   return shown;
 }
 
-void AddMap(HtmlReport& report, const ResidualMap& map) {
+void AddMap(HtmlReport& report, const ResidualMap& map, const std::string& real) {
   Grid<float> bias(map.cells.rows(), map.cells.cols());
   std::vector<double> sizes;
   for (std::size_t i = 0; i < bias.size(); ++i) {
@@ -78,10 +80,10 @@ void AddMap(HtmlReport& report, const ResidualMap& map) {
           "Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. "
           "Full colour at {:.3f} of full scale.",
           map.bins, map.beams, limit),
-      .pictures = {{EncodePng(StretchPolar(Diverging(bias, limit), 400)), "Simulated \u2212 recorded",
+      .pictures = {{EncodePng(StretchPolar(Diverging(bias, limit), 400)), "Simulated \u2212 " + real,
                     "Map of the mean difference over range and beam", true}},
       .columns = 1,
-      .legend = {{"#0072b2", "recorded brighter"}, {"#e2e2e2", "alike"}, {"#e69f00", "simulated brighter"}}});
+      .legend = {{"#0072b2", real + " brighter"}, {"#e2e2e2", "alike"}, {"#e69f00", "simulated brighter"}}});
 }
 
 }  // namespace
@@ -110,16 +112,17 @@ std::optional<WorstBand> FindWorstBand(const ResidualTable& table, int bands) {
 
 void AddResiduals(HtmlReport& report, const MetricsReport& metrics) {
   if (metrics.residuals.frames() == 0) return;
-  report.Add({ResidualChart(metrics.residuals.ByRange(), "Over range", "range"),
-              ResidualChart(metrics.residuals.ByBeam(), "Over azimuth", "azimuth")},
-             "Difference between the simulated and the recorded image, above 0 where the simulated one is "
-             "brighter; all frames.");
-  AddMap(report, metrics.residuals.map());
+  const std::string real = RealWord(metrics.real_is_synthetic);
+  report.Add({ResidualChart(metrics.residuals.ByRange(), "Over range", "range", real),
+              ResidualChart(metrics.residuals.ByBeam(), "Over azimuth", "azimuth", real)},
+             "Difference between the simulated and the " + real +
+                 " image, above 0 where the simulated one is brighter; all frames.");
+  AddMap(report, metrics.residuals.map(), real);
   for (const ResidualTable& table : metrics.residuals_by_scene) {
     const bool numeric =
         std::ranges::any_of(table.classes, [](const auto& of) { return of.from.has_value(); });
     if (numeric) {
-      report.Add({ResidualChart(table, "Over incidence", "incidence")},
+      report.Add({ResidualChart(table, "Over incidence", "incidence", real)},
                  "The same by the mean angle between the rays and the surface's normal.");
     } else {
       report.Add(ResidualTableOf(table));

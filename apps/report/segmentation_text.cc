@@ -92,9 +92,18 @@ std::string DetectorText(const CompareOptions& options) {
     text += fmt::format("The recorded object is looked for within {:g} m of the simulated one. ",
                         *options.region_margin_m);
   }
-  text += options.region ? "Only a given region of interest is searched."
-                         : "The whole image is searched: no region of interest was given.";
-  return text + " Occupancy depends on these settings.";
+  if (const std::optional<ObjectSearch>& object = options.object) {
+    text += fmt::format(
+        "The object is searched in a box only, {} range bins and {} beams wider on each side than what the "
+        "scene's model shows of '{}'. The box comes from the model, not from the recorded image. It flatters "
+        "every ratio, because nothing outside it can be taken for the object. ",
+        object->margin.bins, object->margin.beams, object->material);
+    if (options.region) text += "The box is cut to a given region of interest. ";
+  } else {
+    text += options.region ? "Only a given region of interest is searched. "
+                           : "The whole image is searched: no region of interest was given. ";
+  }
+  return text + "Occupancy depends on these settings.";
 }
 
 }  // namespace sonarcal

@@ -7,8 +7,10 @@
 
 #include "calib/background_display.h"
 #include "calib/bomb_fit.h"
+#include "calib/held_out_frames.h"
 #include "data_io/aris3000_frames_io.h"
 #include "data_io/types/units.h"
+#include "sim/paper_values.h"
 #include "sim/physics/receiver.h"
 #include "sim/scenes.h"
 #include "sim/scenes/bomb.h"
@@ -48,19 +50,6 @@ ParameterSet AcousticFor(const PolarImage& image, const SonarModel& sonar) {
   // No ray meets the body within 5 degrees of its normal for long: the specular terms are left out.
   parameters.materials["body"].gsab = {.a = 0.0, .b_deg = 4.0, .c = 1.0, .d = 1.5, .e = 0.0, .f_deg = 10.0};
   return parameters;
-}
-
-// The paper's values, its dB limits chosen as for the tank; errors of range and azimuth are bounded by what
-// is known of pulse and beam, or they would smear the object over the background that the model does not
-// have.
-ParameterSet PaperInitial(const SonarModel& sonar) {
-  ParameterSet initial;
-  initial.display = {.db_min = 150.0, .db_max = 220.0};
-  initial.materials["body"];
-  initial.jitter.sigma_range_m = sonar.axes.range_bin_m();
-  initial.jitter.sigma_azimuth_deg = 0.5 * kAzimuthBeamDeg;
-  initial.jitter.reference_frequency_hz = sonar.frequency_hz;
-  return initial;
 }
 
 // Pixels within reach of the object found in the recorded image: the model has no background to explain the
@@ -112,6 +101,7 @@ class Comparison {
       throw DataError("{}: {} frames, expected two: one to fit and one to judge", folder.string(),
                       recorded_->frame_count());
     }
+    CheckHeldOut(*recorded_, {.used = {0}, .held_out = {1}});
     frames_ = {recorded_->ReadFrame(0), recorded_->ReadFrame(1)};
     water_ = recorded_->info().water.value_or(Water{});
     bomb_.info = recorded_->info();
@@ -166,11 +156,15 @@ class Comparison {
     fit.fit.starts = options_.quick ? 1 : 4;
     fit.on_note = options_.on_note;
     fit.config.held_out = {1};
+    // Errors are bounded by what is known of pulse and beam. Wider ones would smear the object over the
+    // background that the model does not have.
     fit.config.bounds["jitter.sigma_range_m"] = {1e-4, 2.0 * info.sonar.axes.range_bin_m()};
     fit.config.bounds["jitter.sigma_azimuth_deg"] = {1e-3, kAzimuthBeamDeg};
     fit.pixels = AroundObject(frames[0].image, options_.comparison.segmentation);
     fit.fit.block_beams = 4;
-    return FitRecording(MemoryRecording(info, frames), body, PaperInitial(info.sonar), fit);
+    SonarModel sonar = info.sonar;
+    sonar.azimuth_beam_width_deg = kAzimuthBeamDeg;
+    return FitRecording(MemoryRecording(info, frames), body, PaperValues(sonar, {"body"}), fit);
   }
 
   void JudgeAsFound() {

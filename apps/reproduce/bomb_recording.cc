@@ -7,6 +7,7 @@
 #include "apps/reproduce/bomb_comparison.h"
 #include "apps/reproduce/known_recording.h"
 #include "calib/bomb_fit.h"
+#include "calib/held_out_frames.h"
 #include "data_io/aris3000_frames_io.h"
 #include "data_io/types/error.h"
 #include "sim/physics/display.h"
@@ -63,7 +64,8 @@ PreparedRecording PrepareBombRecording(const std::filesystem::path& folder, cons
   if (recorded->frame_count() < 2) {
     throw DataError("{}: {} frame, expected two of the bomb", folder.string(), recorded->frame_count());
   }
-  const auto other = OpenAris3000Frames(folder / kOtherPose);
+  CheckHeldOut(*recorded, {.used = {0}, .held_out = {1}});
+  const auto other = OpenAris3000FanPicture(folder / kOtherPose, BombOtherPoseFan());
   RecordingInfo info = recorded->info();
   std::vector<Frame> frames = {recorded->ReadFrame(0), recorded->ReadFrame(1), other->ReadFrame(0)};
 
@@ -101,9 +103,10 @@ PreparedRecording PrepareBombRecording(const std::filesystem::path& folder, cons
            "own pose is in all steps alike.",
            "Beam, pulse and elevation pattern are those of a fit to frame 0. They stand in part for an "
            "outline that is not quite right, and are no measurement of the sonar.",
-           "Of full scale means of 97 counts of 80/255 dB, to which the frames are stretched. Frame 2 had 80 "
-           "dB of its own; it is shown here on the display of frame 0, its powers counted from its own "
-           "noise."},
+           fmt::format("Full scale is {:.0f} counts of 80/255 dB, to which the frames are stretched. Frame 2 "
+                       "had 80 dB of its own; it is shown here on the display of frame 0, its powers counted "
+                       "from its own noise.",
+                       info.scale.db_span.value_or(0.0) * 255.0 / 80.0)},
       .inputs = {folder}};
   return prepared;
 }

@@ -6,7 +6,10 @@
 
 #include "apps/report/comparison_section.h"
 #include "apps/report/fit_section.h"
+#include "apps/report/html_text.h"
+#include "apps/report/segmentation_text.h"
 #include "data_io/types/units.h"
+#include "sim/paper_values.h"
 
 namespace sonarcal {
 namespace {
@@ -51,6 +54,8 @@ void AddPose(HtmlReport& report, const BombComparison& bomb) {
 
 void AddFittedOutline(HtmlReport& report, const BombComparison& bomb) {
   report.Subsection("Both models on the other frame");
+  report.Callout(CalloutKind::kLimit, "The paper model's own values", kPaperDisplayRule);
+  AddFitWarnings(report, bomb.fitted.paper.fit.report, "paper model");
   report.Add(RowTable(
       BombRows(bomb), "The frame that was not fitted (recorded by a sonar), polar image",
       {"Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
@@ -69,13 +74,14 @@ void AddFittedOutline(HtmlReport& report, const BombComparison& bomb) {
       "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
       "pulse, which the acoustic model has, are what brings the simulated image near the recorded one.");
   const BombComparison::Fitted& fitted = bomb.fitted;
-  AddPictureLegend(report);
+  const bool synthetic = bomb.info.synthetic;
+  AddPictureLegend(report, RealWord(synthetic));
   for (const FramePictures& frame : fitted.paper.pictures_after)
-    AddFramePictures(report, frame, "The paper's model, fitted");
+    AddFramePictures(report, frame, "The paper's model, fitted", synthetic);
   for (const FramePictures& frame : fitted.expected_pictures)
-    AddFramePictures(report, frame, "The acoustic model, fitted: expected image");
+    AddFramePictures(report, frame, "The acoustic model, fitted: expected image", synthetic);
   for (const FramePictures& frame : fitted.sample_pictures)
-    AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample");
+    AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample", synthetic);
   for (const RecordingFit* fit : {&fitted.paper, &fitted.acoustic}) {
     const char* name = fit == &fitted.paper ? "paper's" : "acoustic";
     report.Subsection(fmt::format("Values of the {} model, fitted to the bomb", name));
@@ -131,18 +137,22 @@ void AddBomb(HtmlReport& report, const BombComparison& bomb) {
       CalloutKind::kLimit, "What the second frame can show",
       "Both frames show one still scene, and its speckle is frozen: judging on the second guards against "
       "fitting receiver noise, not against a wrong pose, shape or speckle grain.");
+  report.Paragraph("How the bomb is found: " + DetectorText(bomb.acoustic_expected.options));
   AddFittedOutline(report, bomb);
   AddPose(report, bomb);
+  AddFitWarnings(report, bomb.fit.fit.report, "paper model at the pose found");
   report.Add(RowTable(SearchedBombRows(bomb),
                       "The same frame with the plain outline and the pose found by the search",
                       {"Acoustic model: the one the pose was searched with, its noise floor read off the "
                        "fitted frame's background and its strength found with the pose; its curve is not "
                        "fitted."}));
-  AddPictureLegend(report);
+  const bool synthetic = bomb.info.synthetic;
+  AddPictureLegend(report, RealWord(synthetic));
   for (const FramePictures& frame : bomb.fit.pictures_after)
-    AddFramePictures(report, frame, "The paper's model, fitted, at the pose found");
+    AddFramePictures(report, frame, "The paper's model, fitted, at the pose found", synthetic);
   for (const FramePictures& frame : bomb.acoustic_pictures)
-    AddFramePictures(report, frame, "The acoustic model, not fitted, at the pose found: expected image");
+    AddFramePictures(report, frame, "The acoustic model, not fitted, at the pose found: expected image",
+                     synthetic);
 }
 
 }  // namespace sonarcal

@@ -71,9 +71,11 @@ class HullMaker {
     ParameterSet parameters = Initial();
     double best = -std::numeric_limits<double>::infinity();
     double lean_deg = 0.0;
+    double largest_deg = 0.0;
     std::string table;
     for (std::size_t i = 0; i < std::size(kLeansDeg); i += options_.quick ? 3 : 1) {
       const double lean = kLeansDeg[i];
+      largest_deg = lean;
       const auto [fitted, nats] = FitAt(lean, Initial());
       Say(fmt::format("leaning {:g} degrees: {:.4f} nats a pixel of the pings used", lean, nats));
       table += fmt::format("{}{:g}: {:.4f}", table.empty() ? "" : ", ", lean, nats);
@@ -89,6 +91,8 @@ class HullMaker {
         "The marked pings of a folder, {:g} m apart so that each has a hull strip from marks of its own: "
         "positions are made up.",
         kApartM));
+    std::vector<std::string> warnings;
+    if (const auto at_end = LeanAtEnd(lean_deg, largest_deg)) warnings.push_back(*at_end);
     CompareOptions comparison;
     // Where most of the picture is clipped to black, spreads of grey find nothing.
     comparison.segmentation.method = SegmentationMethod::kLikelihoodRatio;
@@ -102,6 +106,7 @@ class HullMaker {
             .held_out = {static_cast<int>(kHeldOut)},
             .apart = false,
             .hold_noise = true,
+            .warnings = std::move(warnings),
             .caveats = Caveats(lean_deg, table),
             .inputs = {folder_}};
   }

@@ -1,5 +1,7 @@
 #include "apps/reproduce/hull_strip.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -123,6 +125,18 @@ std::vector<std::optional<double>> SmoothedRangesM(const FirstReturn& marks, con
     smoothed[beam] = AtZero(offset, range_m);
   }
   return smoothed;
+}
+
+std::optional<std::string> LeanAtEnd(double lean_deg, double largest_tried_deg) {
+  if (lean_deg >= largest_tried_deg) {
+    return fmt::format(
+        "the strip leans by the largest angle that was tried, {:g} degrees: a larger one may be likelier",
+        lean_deg);
+  }
+  if (lean_deg > 0.0) return std::nullopt;
+  return "the strip leans by the least angle that was tried, 0 degrees: leaning the other way looks the "
+         "same, "
+         "but it may also be that no straight strip fits";
 }
 
 double StripRangeRatio(double lean_rad, double half_beam_rad, double elevation_rad) {

@@ -10,11 +10,9 @@
 //     it leans no more than half of that beam's width, at the foot of the perpendicular, and at the beam's
 //     lower edge where it leans more.
 //   - The strip reaches two widths of that beam up and down. Where the line leans more than half of the
-//   beam's
-//     width it ends at the beam's lower edge, below which it would come nearer than the mark.
+//     beam's width it ends at the beam's lower edge, below which it would come nearer than the mark.
 //   - Marks are whole bins, whose steps would make a stair of the surface: they are smoothed by a local
-//   parabola
-//     over kSmoothBeams beams. Beams without a mark have no surface, be there one or not.
+//     parabola over kSmoothBeams beams. Beams without a mark have no surface, be there one or not.
 #pragma once
 
 #include <filesystem>
@@ -48,6 +46,9 @@ struct HullStripOptions {
 // In the sonar's own frame. The strip reaches half a beam beyond the outer marks, and ends 10 % beyond the
 // window. Throws DataError for a lean outside its domain or fewer than two marks next to each other.
 Scene MakeHullStrip(const FirstReturn& marks, const PolarAxes& axes, const HullStripOptions& options);
+
+// What to say of an angle at the end of those that a search tried; nothing of one within.
+std::optional<std::string> LeanAtEnd(double lean_deg, double largest_tried_deg);
 
 // Range, in parts of the mark's, of the assumed line at an elevation.
 double StripRangeRatio(double lean_rad, double half_beam_rad, double elevation_rad);

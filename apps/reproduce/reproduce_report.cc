@@ -13,6 +13,7 @@
 #include "apps/reproduce/paper_tables.h"
 #include "apps/reproduce/summary_rows.h"
 #include "data_io/types/units.h"
+#include "sim/paper_values.h"
 
 namespace sonarcal {
 namespace {
@@ -25,6 +26,10 @@ std::string Figure(const Statistic& statistic, int digits = 2) {
 
 Json JsonOf(const Statistic& statistic) {
   return statistic.value ? Json(*statistic.value) : Json(nullptr);
+}
+
+RowStyle FittedStyle(const RecordingFit& fit) {
+  return IsSound(fit) ? RowStyle::kStrong : RowStyle::kPlain;
 }
 
 void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
@@ -42,7 +47,7 @@ void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
     table.rows.push_back({{fmt::format("Data set {} (held-out frames {})", set + 1, FrameList(data.frames))},
                           RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before.macro.polar, RowStyle::kPlain);
-    add("paper model, fitted (synthetic)", data.after.macro.polar, RowStyle::kStrong);
+    add(FittedName(tank.fit) + " (synthetic)", data.after.macro.polar, FittedStyle(tank.fit));
     add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample.macro.polar,
         RowStyle::kStrong);
     table.rows.push_back({{"published (other recordings)", fmt::format("{:.2f}", paper.ns_over_nr),
@@ -75,8 +80,8 @@ void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
     const PublishedDataSet& paper = kPublished[set];
     table.rows.push_back({{fmt::format("Data set {}", set + 1)}, RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before, "", RowStyle::kPlain);
-    add("paper model, fitted (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
-        RowStyle::kStrong);
+    add(FittedName(tank.fit) + " (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
+        FittedStyle(tank.fit));
     add("acoustic model, fitted, expected image (synthetic)", data.acoustic_expected, "", RowStyle::kStrong);
     add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample, "", RowStyle::kPlain);
     table.rows.push_back(
@@ -121,6 +126,10 @@ void AddTank(HtmlReport& report, const TankComparison& tank) {
                   "first, the second and "
                   "both. Both models are fitted to frames {} and judged on the {} others.",
                   FrameList(tank.fit.fit.report.frames_used), tank.fit.fit.report.frames_held_out.size()));
+  report.Paragraph(tank.absorption + " Recording and both models share it.");
+  report.Callout(CalloutKind::kLimit, "The paper model's own values", kPaperDisplayRule);
+  AddFitWarnings(report, tank.fit.fit.report, "paper model");
+  AddFitWarnings(report, tank.acoustic.fit.report, "acoustic model");
   AddOccupancyTable(report, tank);
   AddIntensityTable(report, tank);
   report.Add(RowTable(TankRows(tank), "All held-out frames of the tank (synthetic), polar image",
@@ -175,16 +184,21 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
     const ViewSummary& p = paper.aggregate.macro.polar;
     const ViewSummary& a = acoustic.aggregate.macro.polar;
     const ViewSummary& s = sample.aggregate.macro.polar;
-    return std::vector<KeyFigure>{
-        {.label = what + ", IoU of the object",
-         .value = Figure(s.At("iou")),
-         .unit = {},
-         .note = fmt::format("acoustic model, fitted; the paper's, fitted: {}", Figure(p.At("iou")))},
-        {.label = what + ", intensity error",
-         .value = Figure(a.Over(domain).mean_absolute),
-         .unit = "of full scale",
-         .note = fmt::format("acoustic model, fitted; the paper's, fitted: {}",
-                             Figure(p.Over(domain).mean_absolute))}};
+    const auto figure = [&](const char* label, const ViewSummary& view, const char* image) {
+      const bool iou = std::string_view(label) == "IoU of the object";
+      return KeyFigure{.label = fmt::format("{}, {}", what, label),
+                       .value = iou ? Figure(view.At("iou")) : Figure(view.Over(domain).mean_absolute, 3),
+                       .unit = iou ? "" : "of full scale",
+                       .note = image};
+    };
+    constexpr const char* kIou = "IoU of the object";
+    constexpr const char* kError = "intensity error";
+    return std::vector<KeyFigure>{figure(kIou, p, "paper model, fitted: expected image"),
+                                  figure(kError, p, "paper model, fitted: expected image"),
+                                  figure(kIou, a, "acoustic model, fitted: expected image"),
+                                  figure(kError, a, "acoustic model, fitted: expected image"),
+                                  figure(kIou, s, "acoustic model, fitted: speckled sample"),
+                                  figure(kError, s, "acoustic model, fitted: speckled sample")};
   };
   const TankComparison& tank = reproduction.tank;
   std::vector<KeyFigure> figures =
@@ -227,6 +241,8 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
                  {{"polar", JsonOf(all.macro.polar.Over(domain).mean_absolute)},
                   {"fan", JsonOf(all.macro.fan.Over(domain).mean_absolute)}}}};
   };
+  json["paper_display_rule"] = kPaperDisplayRule;
+  json["paper_fit_warnings"] = tank.fit.fit.report.warnings;
   json["acoustic"] = {{"metrics_before", Json::parse(MetricsJson(tank.acoustic.before))},
                       {"metrics_after", Json::parse(MetricsJson(tank.acoustic.after))},
                       {"sample_metrics_after", Json::parse(MetricsJson(*tank.acoustic.sample_after))}};

@@ -4,10 +4,18 @@
 
 namespace sonarcal {
 
+bool IsSound(const RecordingFit& fit) {
+  return fit.fit.report.warnings.empty();
+}
+
+std::string FittedName(const RecordingFit& fit) {
+  return IsSound(fit) ? "paper model, fitted" : "paper model, fitted (doubtful)";
+}
+
 std::vector<SummaryRow> TankRows(const TankComparison& tank) {
   return {
       {"paper_initial", "paper model, its own values", &tank.fit.before},
-      {"paper_fitted", "paper model, fitted", &tank.fit.after, true},
+      {"paper_fitted", FittedName(tank.fit), &tank.fit.after, IsSound(tank.fit)},
       {"acoustic_initial", "acoustic model, before its fit, expected image", &tank.acoustic.before},
       {"acoustic_expected", "acoustic model, fitted, expected image", &tank.acoustic.after, true},
       {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*tank.acoustic.sample_after, true}};
@@ -18,7 +26,7 @@ std::vector<SummaryRow> BombRows(const BombComparison& bomb) {
   const BombComparison::Fitted& fitted = bomb.fitted;
   if (fitted.paper.fit.usable) {
     rows.push_back({"paper_initial", "paper model, its own values", &fitted.paper.before});
-    rows.push_back({"paper_fitted", "paper model, fitted", &fitted.paper.after, true});
+    rows.push_back({"paper_fitted", FittedName(fitted.paper), &fitted.paper.after, IsSound(fitted.paper)});
   }
   if (fitted.acoustic.fit.usable) {
     rows.push_back({"acoustic_expected", "acoustic model, fitted, expected image", &fitted.expected, true});
@@ -33,7 +41,7 @@ std::vector<SummaryRow> SearchedBombRows(const BombComparison& bomb) {
   std::vector<SummaryRow> rows;
   if (bomb.fit.fit.usable) {
     rows.push_back({"paper_initial", "paper model, its own values", &bomb.fit.before});
-    rows.push_back({"paper_fitted", "paper model, fitted", &bomb.fit.after});
+    rows.push_back({"paper_fitted", FittedName(bomb.fit), &bomb.fit.after});
   }
   rows.push_back(
       {"acoustic_expected", "acoustic model, not fitted, expected image", &bomb.acoustic_expected});

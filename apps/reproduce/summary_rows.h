@@ -18,6 +18,12 @@ struct SummaryRow {
   bool muted = false;   // no simulation of a model: what to read the others beside
 };
 
+// Whether a fit has no warnings. One that has is not printed in bold.
+bool IsSound(const RecordingFit& fit);
+
+// A row's name for a fit of the paper's model.
+std::string FittedName(const RecordingFit& fit);
+
 // On the held-out frames of the synthetic tank.
 std::vector<SummaryRow> TankRows(const TankComparison& tank);
 

@@ -9,6 +9,7 @@
 #include "apps/simulate_recording.h"
 #include "data_io/parameters_io.h"
 #include "sim/acoustic_fan.h"
+#include "sim/paper_values.h"
 #include "sim/sonar_presets.h"
 
 namespace sonarcal {
@@ -33,18 +34,6 @@ ParameterSet SyntheticTruth() {
   // near range to where the paper's model, which knows no elevation pattern, has no answer.
   truth.beam.elevation_pattern = ElevationPattern::kGaussian;
   return truth;
-}
-
-// Tables 4 and 5. The paper gives no dB_min and dB_max: these enclose the levels that its other values
-// produce between 0.62 and 9 m. The errors of range and azimuth start at half a pulse and half a beam.
-ParameterSet PaperInitial() {
-  ParameterSet initial;
-  initial.source_level_db = 200.0;
-  initial.display = {.db_min = 150.0, .db_max = 220.0};
-  for (const char* material : {"floor", "wall", "mockup"}) initial.materials[material];
-  initial.jitter.sigma_range_m = 0.0127;
-  initial.jitter.sigma_azimuth_deg = 0.5;
-  return initial;
 }
 
 // What one knows of such a sonar, for the acoustic model: display, beam and pulse; and that no surface is a
@@ -111,11 +100,11 @@ FitRecordingOptions ForAcoustic(FitRecordingOptions fit, bool quick) {
 
 }  // namespace
 
-// A tank's floor shines as well as the mock-ups on it: they are told apart within a box around them.
+// As `fit --object mockup` and `compare --object mockup` do.
 CompareOptions TankRules() {
   CompareOptions rules;
-  rules.segmentation.method = SegmentationMethod::kOtsu;
-  rules.segmentation.largest_component_only = false;
+  rules.object = ObjectSearch{.material = "mockup"};
+  rules.segmentation = SegmentationInBox();
   return rules;
 }
 
@@ -123,13 +112,14 @@ TankComparison CompareTank(const TankComparisonOptions& options) {
   TankComparison tank;
   tank.scene = MakePaperTank(PaperTankOfPaper(options.size));
   tank.truth = SyntheticTruth();
-  tank.initial = PaperInitial();
   const std::vector<TimedPose> poses = AllPoses();
   const SonarPreset& preset = FindSonarPreset("p900-45");
+  tank.initial = PaperValues(preset.sonar, {"floor", "wall", "mockup"});
   tank.acoustic_initial = AcousticInitial(tank.truth, preset.sonar);
 
   SimulationOptions recorder;
   recorder.water = preset.water;
+  tank.absorption = AbsorptionStatement(recorder.absorption, preset.sonar.frequency_hz, preset.water);
   recorder.noise = true;
   recorder.seed = options.seed;
   // Two scatterers a beam of 0.18 degrees, in elevation as far as a beam hears.
@@ -146,7 +136,7 @@ TankComparison CompareTank(const TankComparisonOptions& options) {
   fit.rays.threads = options.threads;
   if (options.quick) fit.rays.rays = "256x200";
   fit.comparison = options.comparison;
-  fit.object_material = "mockup";
+  fit.truth = tank.truth;
   fit.fit.starts = 1;
   fit.fit.max_iterations = options.quick ? 10 : 40;
   fit.fit.function_tolerance = 1e-5;

@@ -49,6 +49,7 @@ struct TankComparison {
   RecordingFit acoustic;  // of the acoustic one
   std::array<TankDataSet, kTankDataSets> data_sets;
   RayGridSize paper_rays;
+  std::string absorption;  // a sentence: the formula of recording and models
 };
 
 // How the mock-ups are found.

@@ -96,9 +96,10 @@ export class Fit {
     const {before, after, frames_held_out: heldOut} = result;
     const judged = result.judged_on_held_out ? `frames ${heldOut.join(', ')}, which the fit did not see`
                                              : 'the frames it was fitted to, as none is held out';
-    const figures = [['Intensity error', 'intensity_error'], ['of the whole image', 'intensity_error_whole'],
-                     ['IoU', 'iou']];
+    const figures = [['Expected image: IoU', 'iou'], ['intensity error', 'intensity_error'],
+                     ['intensity error, whole image', 'intensity_error_whole']];
     this.part('result').replaceChildren(
+        ...result.warnings.map((sentence) => make('p', {class: 'fault'}, `Warning: ${sentence}.`)),
         make('p', {}, `Its values are in the sliders now; Undo puts the earlier ones back. Judged on ${judged}:`),
         table(['', 'before', 'after'],
               figures.map(([label, name]) => cells(label, figure(before[name]), figure(after[name])))),

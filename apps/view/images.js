@@ -1,7 +1,7 @@
 // The two pictures, fan and polar, of the simulated and the recorded image: one of them, both in turn, on top
 // of each other, their difference or their object regions. Which sample a pixel shows, and where regions end, is
 // known to frame_viewer.js, which draws the frames of reports by the same rules.
-/* global polarLookup, fanLookup, edgesAt, drawRing, kBlinkMs, kDifferenceShown, kKeys */
+/* global polarLookup, fanLookup, edgesAt, drawRing, kBlinkMs, kDifferenceShown, keysOf */
 
 const kNotCompared = 'Regions appear once the image was compared with a recording.';
 
@@ -13,6 +13,8 @@ export class Images {
     this.session = session;
     this.simulated = null;
     this.recorded = null;
+    this.real = session.recorded && session.recorded.synthetic ? 'synthetic' : 'recorded';  // as it is called
+    this.keys = keysOf(this.real);
     this.regions = null;  // {values, bins, beams}
     this.second = false;  // of the two that blink
     this.cursor = -1;     // a sample
@@ -126,11 +128,11 @@ export class Images {
       context.putImageData(picture, 0, 0);
       drawRing(context, lookup, this.cursor);
     }
-    let key = kKeys[show];
-    if (alone) key = 'The simulated image alone: it has other bins or beams than the recorded one.';
+    let key = this.keys[show];
+    if (alone) key = `The simulated image alone: it has other bins or beams than the ${this.real} one.`;
     else if (show === 'regions' && !this.regions) key = kNotCompared;
     this.part('key').textContent = key;
-    this.part('which').textContent = show !== 'blink' || alone ? '' : this.second ? 'Simulated.' : 'Recorded.';
+    this.part('which').textContent = show !== 'blink' || alone ? '' : `The ${this.second ? 'simulated' : this.real} one.`;
     this.read();
   }
 
@@ -164,10 +166,10 @@ export class Images {
     let text = `${number(range, 3)} m, ${number(axes.azimuth_deg[beam], 2)}\u00b0 (bin ${bin}, beam ${beam}): `;
     if (this.comparable) {
       const difference = simulated.values[cursor] - recorded.values[cursor];
-      text += `recorded ${recorded.values[cursor]}, simulated ${simulated.values[cursor]}, difference ` +
+      text += `${this.real} ${recorded.values[cursor]}, simulated ${simulated.values[cursor]}, difference ` +
           number(difference, 0);
     } else {
-      text += `${shown === simulated ? 'simulated' : 'recorded'} ${shown.values[cursor]}`;
+      text += `${shown === simulated ? 'simulated' : this.real} ${shown.values[cursor]}`;
     }
     out.textContent = `${text} of ${shown.fullScale}`;
   }

@@ -155,7 +155,9 @@ function showFigures(figures) {
       make('tr', {}, make('th', {scope: 'row'}, label), make('td', {class: 'now'}, text(of(figures))),
            make('td', {}, text(of(firstFigures))))));
   byId('compared').textContent =
-      [`Object by ${session.segmentation}: ${figures.ns} pixels simulated, ${figures.nr} recorded.`,
+      [`${view.state.noise ? 'Sample with noise' : 'Expected image'} against the ${images.real} frame.`,
+       `Object by ${session.segmentation}${session.object ? ` in the box of '${session.object}'` : ''}:`,
+       `${figures.ns} pixels simulated, ${figures.nr} ${images.real}.`,
        ...figures.notes].join(' ');
 }
 
@@ -336,7 +338,9 @@ function describe() {
   byId('what').textContent = `${session.sonar.name} in ${tail(session.scene)}`;
   byId('what').title = session.scene;
   document.title = `${tail(session.scene)} \u2013 sonarcal view`;
-  byId('recorded').textContent = recorded ? `Recorded: ${tail(recorded.name)}` : 'No recording beside it';
+  const real = recorded && recorded.synthetic ? 'Synthetic' : 'Recorded';
+  byId('recorded').textContent = recorded ? `${real}: ${tail(recorded.name)}` : 'No recording beside it';
+  document.querySelector('[data-part="real"]').textContent = real;
   byId('recorded').title = recorded ? recorded.name : '';
   byId('recorded').classList.toggle('synthetic', Boolean(recorded && recorded.synthetic));
   document.body.classList.toggle('alone', !recorded);

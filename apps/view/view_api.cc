@@ -134,7 +134,8 @@ Json RecordedJson(const ViewSetup& setup) {
 
 }  // namespace
 
-ViewApi::ViewApi(ViewSession& session, std::filesystem::path out) : session_(session), out_(std::move(out)) {}
+ViewApi::ViewApi(ViewSession& session, std::filesystem::path out, bool force)
+    : session_(session), out_(std::move(out)), force_(force) {}
 
 ViewAnswer ViewApi::Answer(std::string_view method, std::string_view path, std::string_view body) {
   try {
@@ -202,6 +203,7 @@ ViewAnswer ViewApi::Session() const {
        {"poses_given", setup.poses_given},
        {"recorded", RecordedJson(setup)},
        {"segmentation", ToString(setup.compare.segmentation.method)},
+       {"object", setup.compare.object ? Json(setup.compare.object->material) : Json(nullptr)},
        {"intensity_domain", ToString(setup.compare.intensity_domain)},
        {"out", out_.string()},
        {"colours", {{"inferno", RampJson(ColorMap::kInferno)}, {"viridis", RampJson(ColorMap::kViridis)}}},
@@ -265,7 +267,7 @@ ViewAnswer ViewApi::Save(std::string_view body) {
   if (out_.empty()) return Refusal(422, "no folder to write into was given: start with --out");
   const ViewFiles files = FilesOf(session_, state, out_.string());
   const std::scoped_lock lock(save_mutex_);
-  RunOutput output(out_);
+  RunOutput output(out_, "view", force_);
   for (const auto& [name, text] : files.text) WriteFileWhole(output / name, text);
   const ViewSetup& setup = session_.setup();
   Provenance provenance{.command = "view",
@@ -307,9 +309,6 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   if (state.sonar != SonarChanges()) {
     return Refusal(422, "a fit takes the sonar as recorded: put its controls back first");
   }
-  // `fit` spreads the rays of the paper's model over the beams where nobody says otherwise; so does this.
-  if (!options.rays.sampling) options.rays.sampling = Sampling::kBeams;
-  options.object_material = setup.object;
   const bool acoustic = state.parameters.model == EchoModel::kAcoustic;
   options.config.free = acoustic ? AcousticFreeByDefault(state.parameters, session_.scene().material_names)
                                  : PaperFreeByDefault();

@@ -38,8 +38,9 @@ struct ViewAnswer {
 
 class ViewApi {
  public:
-  // `out`: the folder that /api/save writes; empty for none. `session` must outlive this.
-  ViewApi(ViewSession& session, std::filesystem::path out);
+  // `out`: the folder that /api/save writes; empty for none; `force` as of RunOutput. `session` must outlive
+  // this.
+  ViewApi(ViewSession& session, std::filesystem::path out, bool force = false);
 
   // Any thread; never throws.
   ViewAnswer Answer(std::string_view method, std::string_view path, std::string_view body);
@@ -57,6 +58,7 @@ class ViewApi {
 
   ViewSession& session_;
   std::filesystem::path out_;
+  bool force_;
   std::mutex save_mutex_;
   ViewFit fit_;
 };

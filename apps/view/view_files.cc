@@ -72,7 +72,7 @@ ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std:
   if (setup.margin_deg) files.command += fmt::format(" --margin {}", *setup.margin_deg);
   if (session.bits() != 8) files.command += fmt::format(" --bits {}", session.bits());
   if (setup.ghost_order != 1) files.command += fmt::format(" --ghost-order {}", setup.ghost_order);
-  if (state.noise) files.command += fmt::format(" --noise --seed {}", state.seed);
+  files.command += state.noise ? fmt::format(" --noise --seed {}", state.seed) : " --expected";
   files.command += fmt::format(" --out {}", Word(in + "sim"));
   return files;
 }

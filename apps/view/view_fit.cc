@@ -30,8 +30,8 @@ Json FiguresJson(const MetricsReport& report) {
 }
 
 // {"parameters": {params.json}, "fitted": [{"name", "initial", "value", "sigma", "unit", "status"}],
-//  "left_open": [...], "frames_used", "frames_held_out", "judged_on_held_out", "before": FIGURES, "after":
-//  FIGURES}
+//  "warnings": [...], "left_open": [...], "frames_used", "frames_held_out", "judged_on_held_out", "before":
+//  FIGURES, "after": FIGURES}
 Json ResultJson(const RecordingFit& fit) {
   const FitReport& report = fit.fit.report;
   Json fitted = Json::array();
@@ -46,6 +46,7 @@ Json ResultJson(const RecordingFit& fit) {
   }
   return {{"parameters", ParametersJson(fit.fit.parameters)},
           {"fitted", std::move(fitted)},
+          {"warnings", report.warnings},
           {"left_open", report.unidentifiable_directions},
           {"frames_used", report.frames_used},
           {"frames_held_out", report.frames_held_out},

@@ -110,7 +110,9 @@ struct ViewSession::Traced {
 
 ViewSession::ViewSession(ViewSetup setup) : setup_(std::move(setup)), bits_(BitsOf(setup_)) {
   SONARCAL_CHECK(!setup_.poses.empty(), "a view without poses");
+  if (setup_.compare.object) CheckObject(*setup_.compare.object, setup_.scene.material_names);
   caster_ = std::make_shared<const RayCaster>(std::move(setup_.scene));
+  if (setup_.compare.object) geometry_.emplace(*caster_, setup_.sonar);
 }
 
 ViewSession::~ViewSession() = default;
@@ -163,15 +165,17 @@ ViewImage ViewSession::RenderNow(const ViewState& state) {
   const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
   ViewImage rendered;
   const auto start = std::chrono::steady_clock::now();
-  if (state.parameters.model == EchoModel::kPaper && setup_.rays.normals == NormalSource::kGeometric) {
+  if (state.noise && state.parameters.model == EchoModel::kPaper &&
+      setup_.rays.normals == NormalSource::kGeometric) {
     rendered.image = simulator->Render(pose, state.parameters, state.frame);
     rendered.traced = true;
     rendered.trace_s = Seconds(std::chrono::steady_clock::now() - start);
   } else {
     const Traced& traced = TraceFor(*simulator, state, pose, rendered);
-    rendered.image =
-        simulator->RenderEchoes(traced.echoes, state.parameters, state.frame,
-                                state.parameters.model == EchoModel::kAcoustic ? traced.ghosts : GhostList{});
+    const GhostList& ghosts = state.parameters.model == EchoModel::kAcoustic ? traced.ghosts : GhostList{};
+    rendered.image = state.noise
+                         ? simulator->RenderEchoes(traced.echoes, state.parameters, state.frame, ghosts)
+                         : ExpectedFrame(*simulator, traced.echoes, state.parameters, ghosts);
     rendered.shade_s = Seconds(std::chrono::steady_clock::now() - start) - rendered.trace_s;
   }
   last_state_ = state;
@@ -209,7 +213,7 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
   {
     const std::scoped_lock lock(render_mutex_);
     simulated.image = RenderNow(state).image;
-    info = SimulatedRecordingInfo(*SimulatorFor(state), state.parameters, setup_.scene_path);
+    info = SimulatedRecordingInfo(*SimulatorFor(state), state.parameters, setup_.scene_path, !state.noise);
   }
   Frame recorded = Recorded(state.frame);
   simulated.info = {.name = recorded.info.name, .time_s = recorded.info.time_s, .world_from_sonar = {}};
@@ -218,10 +222,14 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
   std::vector<Frame> of_simulation;
   of_simulation.push_back(std::move(simulated));
   ViewComparison comparison;
+  CompareRecordingsOptions options{.compare = setup_.compare, .as_displayed = true, .noise_floor = false};
+  if (geometry_) {
+    const Pose& pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
+    options.boxes[0] = geometry_->ObjectBox(pose, *setup_.compare.object);
+  }
   MetricsReport report =
       CompareRecordings(MemoryRecording(setup_.real->info(), std::move(of_real)),
-                        MemoryRecording(std::move(info), std::move(of_simulation)),
-                        {.compare = setup_.compare, .as_displayed = true, .noise_floor = false},
+                        MemoryRecording(std::move(info), std::move(of_simulation)), options,
                         [&](const PolarImage&, const PolarImage&, const FrameMetrics& metrics) {
                           comparison.metrics.masks = metrics.masks;
                         });

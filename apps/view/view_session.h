@@ -1,6 +1,7 @@
 // What `sonarcal view` shows: a scene, a sonar, poses, and a recording beside them where there is one. Images
-// are those of `sonarcal simulate`: of the paper's model to the bit, of the acoustic one within a grey level.
-// Figures are those of `sonarcal compare --as-displayed`.
+// are those of `sonarcal simulate --expected`, or with noise those of `sonarcal simulate --noise`: of the
+// paper's model to the bit, of the acoustic one within a grey level. Figures are those of `sonarcal compare
+// --as-displayed` of these images.
 //
 // A scene is built once. Echoes are traced when pose, sonar or rays change, and shaded again when only
 // parameters do; the paper's model casts and shades in one pass (sim/paper_frame.h), which takes less time
@@ -20,6 +21,7 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/ray_options.h"
+#include "apps/scene_geometry.h"
 #include "apps/view/view_state.h"
 #include "data_io/pose_io.h"
 #include "data_io/types/recording.h"
@@ -42,7 +44,6 @@ struct ViewSetup {
   int ghost_order = 1;
   std::shared_ptr<const RecordingSource> real;  // read by any thread; as many frames as poses; null for none
   CompareOptions compare;
-  std::string object;  // material for fits (apps/fit_recording.h); empty for none
 };
 
 struct ViewImage {
@@ -97,6 +98,7 @@ class ViewSession {
   ViewSetup setup_;
   int bits_ = 8;
   std::shared_ptr<const RayCaster> caster_;
+  std::optional<SceneGeometry> geometry_;  // with an object to search
 
   std::mutex newest_mutex_;
   std::map<std::string, std::int64_t> newest_;  // sequence, by client

@@ -76,7 +76,7 @@ class BatchTest : public ::testing::Test {
     testing::WriteFile(world_ / "plan.json", fmt::format(R"({{"format": "sonarcal-batch/1", "entries": [
       {{"name": "sim", "command": "simulate",
         "options": {{"scene": "scene.gltf", "sonar": "sonar.json", "params": "params.json", "poses": "poses.json",
-                    "rays": "{}", "bits": 12, "noise": [true, false], "seed": [1, 2, 3]}}}},
+                    "rays": "{}", "bits": 12, "noise": true, "sampling": ["beams", "frustum"], "seed": [1, 2, 3]}}}},
       {{"name": "judged", "command": "compare", "for_each": "sim",
         "options": {{"real": "recorded", "sim": "{{out}}", "pictures": "{{seed}}"}}}}]}})",
                                                          rays));
@@ -118,19 +118,19 @@ TEST_F(BatchTest, RunsEveryCombinationAndTheComparisonsAfterThem) {
   const Json summary = ReadJsonFile(world_ / "out" / "summary.json");
   ASSERT_EQ(summary.at("jobs").size(), 12U);
   // The last list runs fastest.
-  EXPECT_EQ(summary.at("jobs").at(4).at("options").at("noise"), "false");
+  EXPECT_EQ(summary.at("jobs").at(4).at("options").at("sampling"), "frustum");
   EXPECT_EQ(summary.at("jobs").at(4).at("options").at("seed"), "2");
   EXPECT_EQ(summary.at("jobs").at(10).at("options").at("sim"), (world_ / "out" / "sim" / "0004").string());
   EXPECT_EQ(summary.at("jobs").at(10).at("options").at("pictures"), "2");
-  // What the table says is what the comparison says, and that is of the simulation it came after: without
-  // noise the seed changes nothing, with it it does.
+  // What the table says is what the comparison says, and that is of the simulation it came after: each seed
+  // is another draw.
   std::map<int, double> iou;
   for (int i = 0; i < 6; ++i) {
     const Json metrics = ReadJsonFile(world_ / "out" / "judged" / fmt::format("{:04}", i) / "metrics.json");
     iou[i] = metrics.at("macro").at("iou");
     EXPECT_EQ(summary.at("jobs").at(6 + i).at("figures").at("iou").get<double>(), iou[i]);
   }
-  EXPECT_EQ(iou[3], iou[4]);
+  EXPECT_NE(iou[3], iou[4]);
   EXPECT_NE(iou[0], iou[1]);
 
   std::istringstream csv(testing::ReadFile(world_ / "out" / "summary.csv"));

@@ -163,7 +163,7 @@ TEST(ConvertTest, PosesComeFromATrajectoryAndAMount) {
 
 TEST(RunOutputTest, AnInterruptionLeavesNothingBehind) {
   const testing::TempDir dir;
-  RunOutput output(dir / "out");
+  RunOutput output(dir / "out", "convert", /*force=*/false);
   testing::WriteFile(output / "half.json", "{");
   ASSERT_FALSE(std::filesystem::is_empty(dir.path()));
   RemoveUnfinishedOutputs();

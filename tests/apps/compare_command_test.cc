@@ -268,13 +268,16 @@ TEST(CompareRecordings, LeaveOutWhatEitherDoesNotShow) {
 }
 
 TEST_F(CompareCommand, EveryMethodOfSegmentationIsToBeHad) {
-  for (const char* method :
-       {"background_sigma", "otsu", "fixed_threshold", "triangle", "local_contrast", "ca_cfar", "os_cfar"}) {
+  const std::string ring = " --guard 6x2 --training 8x3";
+  const std::string rate = " --cell 3x1 --false-alarm-rate 0.01";
+  const std::pair<const char*, std::string> methods[] = {
+      {"background_sigma", " --sigma-count 4"},       {"otsu", " --blur 1x1"},
+      {"fixed_threshold", " --threshold 0.4"},        {"triangle", ""},
+      {"local_contrast", ring + " --contrast 0.05"},  {"ca_cfar", ring + rate + " --looks 1"},
+      {"os_cfar", ring + rate + " --os-quantile 0.7"}};
+  for (const auto& [method, own] : methods) {
     const Outcome outcome =
-        RunSonarcal(Arguments("--json --sweep-steps 0 --guard 6x2 --training 8x3 "
-                              "--cell 3x1 --false-alarm-rate 0.01 --contrast 0.05 "
-                              "--segmentation " +
-                              std::string(method)));
+        RunSonarcal(Arguments("--json --sweep-steps 0 --segmentation " + std::string(method) + own));
     ASSERT_EQ(outcome.status, 0) << method << ": " << outcome.err;
     const nlohmann::json json = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(json["segmentation"]["method"], method);
@@ -283,6 +286,14 @@ TEST_F(CompareCommand, EveryMethodOfSegmentationIsToBeHad) {
       EXPECT_EQ(json["segmentation"]["parameters"]["guard_rows"], 6);
       EXPECT_EQ(json["segmentation"]["parameters"]["training_cols"], 3);
     }
+  }
+  for (const char* unused :
+       {"--segmentation otsu --threshold 0.4", "--guard 6x2", "--echo-level 0.3",
+        "--segmentation ca_cfar --blur 1x1", "--sweep-steps 0 --sweep-csv", "--scene-up z"}) {
+    const Outcome outcome = RunSonarcal(Arguments(unused));
+    EXPECT_EQ(outcome.status, 2) << unused;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("has no effect with")) << unused;
   }
   EXPECT_EQ(RunSonarcal(Arguments("--segmentation magic")).status, 2);
   EXPECT_EQ(RunSonarcal(Arguments("--segmentation ca_cfar --guard 6")).status, 2);

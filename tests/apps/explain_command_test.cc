@@ -67,8 +67,8 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   std::vector<std::string> parts;
   for (const nlohmann::json& step : json["steps"]) {
     parts.push_back(step["part"]);
-    for (const char* key :
-         {"intensity_error", "about_object_error", "iou", "ns_over_nr", "held_out_nats_per_pixel"})
+    for (const char* key : {"intensity_error", "median_image_error", "about_object_error", "iou",
+                            "ns_over_nr", "held_out_nats_per_pixel"})
       EXPECT_TRUE(step[key].is_number()) << parts.back() << " " << key;
     EXPECT_EQ(step["gain_nats_per_pixel"].is_null(), parts.size() == 1) << parts.back();
   }
@@ -101,6 +101,26 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   for (const char* part : {"class=\"chart waterfall\"", "What each part is worth", "worth it", "+ ghosts",
                            "What the bright cells come from", "synthetic"}) {
     EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_THAT(html, HasSubstr("Frame 1, synthetic"));
+  EXPECT_THAT(html, ::testing::Not(HasSubstr("Frame 1, recorded")));
+  EXPECT_EQ(testing::PictureFault(html), "");
+  // Whatever is doubtful is said everywhere.
+  ASSERT_TRUE(json["warnings"].is_array());
+  for (const nlohmann::json& sentence : json["warnings"])
+    EXPECT_THAT(outcome.out, HasSubstr("warning: " + sentence.get<std::string>() + "\n"));
+  for (const nlohmann::json& step : json["steps"]) {
+    const bool contradicted = step["verdict"] == "contradicted by the error";
+    const double gain =
+        step["gain_nats_per_pixel"].is_null() ? 0.0 : step["gain_nats_per_pixel"].get<double>();
+    const double error =
+        step["median_image_error_change"].is_null() ? 0.0 : step["median_image_error_change"].get<double>();
+    if (step["verdict"] == "worth it") {
+      EXPECT_LE(error, 2.0 * step["median_image_error_change_sigma"].get<double>()) << step["part"];
+    }
+    if (contradicted) {
+      EXPECT_GT(gain * error, 0.0) << step["part"];
+    }
   }
   EXPECT_TRUE(std::filesystem::exists(world_ / "out/figures/figure_1.svg"));
   EXPECT_TRUE(std::filesystem::exists(world_ / "out/provenance.json"));

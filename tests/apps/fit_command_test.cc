@@ -6,10 +6,12 @@
 #include <algorithm>
 
 #include "apps/fit_recording.h"
+#include "calib/held_out_frames.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters_io.h"
 #include "data_io/recording_io.h"
 #include "data_io/scene_io.h"
+#include "data_io/types/error.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 
@@ -62,10 +64,15 @@ TEST_F(FitCommand, FindsTheParametersAndJudgesThemOnOtherFrames) {
   EXPECT_TRUE(json["timing_s"].contains("trace"));
   EXPECT_TRUE(json["timing_s"].contains("solve"));
   for (const nlohmann::json& parameter : json["parameters"]) {
-    for (const char* key : {"name", "value", "sigma", "unit", "initial", "lower", "upper", "status"}) {
+    for (const char* key :
+         {"name", "value", "sigma", "unit", "initial", "lower", "upper", "status", "truth"}) {
       EXPECT_TRUE(parameter.contains(key)) << key;
     }
+    if (parameter["name"] == "material.box.gsab.B_deg") {
+      EXPECT_EQ(parameter["truth"], 3.0) << "the recording is simulated";
+    }
   }
+  EXPECT_THAT(outcome.out, HasSubstr("truth"));
   EXPECT_LT(json["metrics_after"]["macro"]["intensity_error"]["polar"].get<double>(),
             json["metrics_before"]["macro"]["intensity_error"]["polar"].get<double>());
   EXPECT_EQ(json["metrics_after"]["frames"][0]["index"], 1);
@@ -92,9 +99,15 @@ TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
   for (const char* part : {"before the fit", "after the fit", "Gauge", "material.box.gsab.C", "<svg",
-                           "which it did not see", "Both sides are synthetic"}) {
+                           "which it did not see", "Both sides are synthetic", "Truth"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
+  EXPECT_LT(html.find("Backscatter curves"), html.find("material.box.gsab.C")) << "the curve comes first";
+  EXPECT_EQ(testing::PictureFault(html), "");
+  EXPECT_FALSE(testing::PicturesOf(html).empty());
+  for (const char* caption : {"</b> Recorded<", "alt=\"Recorded", "recorded only", ">Recorded<"})
+    EXPECT_THAT(html, ::testing::Not(HasSubstr(caption))) << "the recording is synthetic";
+  EXPECT_THAT(html, HasSubstr("</b> Synthetic<"));
 }
 
 TEST_F(FitCommand, TheCommandLineWinsOverTheConfiguration) {
@@ -116,7 +129,8 @@ TEST_F(FitCommand, MistakesCostOneSentence) {
   };
   expect_failure(Arguments("--held-out 9"), "held-out frame 9");
   expect_failure(Arguments("--held-out 0,1,2,3"), "all 4 frames are held out");
-  expect_failure(Arguments("--object lighthouse"), "lighthouse");
+  expect_failure(Arguments("--object lighthouse"),
+                 "the scene has no material 'lighthouse' to be the object, expected one of floor, box");
 
   ParameterSet coherent = StartingParameters();
   coherent.model = EchoModel::kCoherent;
@@ -240,11 +254,26 @@ TEST_F(FitCommand, LossesOfMirrorsAreFittedByDefault) {
   EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("mirror.floor.loss_db"));
 }
 
-TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
-  const TinyWorld world;
-  const auto recording = OpenRecording(world.WriteSimulated("real"));
-  const MemoryRecording single(recording->info(), {recording->ReadFrame(0)});
-  FitRecordingOptions options{.config = {.free = std::vector<std::string>{"display.db_max"},
+TEST_F(FitCommand, OptionsOfOtherWaysToFitAreRefused) {
+  const std::string real = "fit --real " + Quoted(real_) + " --out " + Quoted(world_ / "out");
+  for (const auto& [arguments, name] : std::vector<std::pair<std::string, std::string>>{
+           {Arguments("--find-background"), "--find-background has no effect without --noise-only"},
+           {Arguments("--trust-all"), "--trust-all has no effect"},
+           {Arguments("--echo-level 0.1"), "--echo-level has no effect without --simulated-object echoes"},
+           {real + " --noise-only --object box", "--object has no effect with --noise-only"},
+           {real + " --noise-only --rays 48x40", "--rays has no effect with --noise-only"},
+           {real + " --still --held-out 1", "--held-out has no effect with --still"}}) {
+    const Outcome outcome = RunSonarcal(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(name));
+    EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
+  }
+}
+
+FitRecordingOptions QuickFit() {
+  FitRecordingOptions options{.rays = {},
+                              .config = {.free = std::vector<std::string>{"display.db_max"},
                                          .fixed = {},
                                          .bounds = {},
                                          .held_out = {}},
@@ -253,7 +282,48 @@ TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
   options.rays.rays = "96x200";
   options.fit.starts = 1;
   options.pictures = false;
-  const RecordingFit fit = FitRecording(single, ReadGltf(world.scene()), StartingParameters(), options);
+  return options;
+}
+
+TEST(FitRecording, AMisspeltObjectIsFoundBeforeAnythingIsTraced) {
+  const TinyWorld world;
+  const auto recording = OpenRecording(world.WriteSimulated("real"));
+  FitRecordingOptions options = QuickFit();
+  options.comparison.object = ObjectSearch{.material = "bocks"};
+  options.on_trace = [](int, int) { ADD_FAILURE() << "traced"; };
+  EXPECT_THAT([&] { FitRecording(*recording, ReadGltf(world.scene()), StartingParameters(), options); },
+              ::testing::ThrowsMessage<DataError>(
+                  HasSubstr("no material 'bocks' to be the object, expected one of floor, box")));
+}
+
+TEST(FitRecording, AFrameGivenTwiceDoesNotJudgeTheFit) {
+  const TinyWorld world;
+  const auto recording = OpenRecording(world.WriteSimulated("real", true));
+  const auto with = [&](const Frame& last) {
+    return MemoryRecording(recording->info(), {recording->ReadFrame(0), recording->ReadFrame(1), last});
+  };
+  FitRecordingOptions options = QuickFit();
+  options.config.held_out = std::vector<int>{2};
+  const FrameSplit split{.used = {0, 1}, .held_out = {2}};
+  EXPECT_THAT(
+      [&] {
+        FitRecording(with(recording->ReadFrame(1)), ReadGltf(world.scene()), StartingParameters(), options);
+      },
+      ::testing::ThrowsMessage<DataError>(HasSubstr("held-out frame 2 is the same picture as frame 1")));
+  Frame other = recording->ReadFrame(1);
+  other.image.value(5, 5) += 1.0F;  // as another ping of a still scene
+  CheckHeldOut(with(other), split);
+  // Black pictures are alike, whatever they were taken of.
+  Frame black = recording->ReadFrame(1);
+  for (float& value : black.image.value.values()) value = 0.0F;
+  CheckHeldOut(MemoryRecording(recording->info(), {black, recording->ReadFrame(1), black}), split);
+}
+
+TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
+  const TinyWorld world;
+  const auto recording = OpenRecording(world.WriteSimulated("real"));
+  const MemoryRecording single(recording->info(), {recording->ReadFrame(0)});
+  const RecordingFit fit = FitRecording(single, ReadGltf(world.scene()), StartingParameters(), QuickFit());
   EXPECT_TRUE(fit.fit.usable);
   EXPECT_FALSE(fit.judged_on_held_out);
   EXPECT_EQ(fit.after.frames.size(), 1U);

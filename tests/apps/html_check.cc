@@ -1,7 +1,9 @@
 #include "tests/apps/html_check.h"
 
 #include <functional>
+#include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace sonarcal::testing {
@@ -77,6 +79,38 @@ std::string HtmlFault(std::string_view html) {
     if (!closed) open.push_back(content.substr(0, name_end));
   }
   return open.empty() ? "" : "never closed: " + open.back();
+}
+
+namespace {
+
+// alt text and source of each picture
+std::vector<std::pair<std::string, std::string>> AltAndSource(const std::string& html) {
+  std::vector<std::pair<std::string, std::string>> pictures;
+  const auto attribute = [&](const char* name, std::size_t from) {
+    const std::size_t start = html.find(name, from) + std::string_view(name).size();
+    return html.substr(start, html.find('"', start) - start);
+  };
+  constexpr const char* kFigure = "<figure class=\"picture\"><img";
+  for (std::size_t at = html.find(kFigure); at != std::string::npos; at = html.find(kFigure, at + 1))
+    pictures.emplace_back(attribute(" alt=\"", at), attribute(" src=\"", at));
+  return pictures;
+}
+
+}  // namespace
+
+std::vector<std::string> PicturesOf(const std::string& html) {
+  std::vector<std::string> sources;
+  for (const auto& [alt, source] : AltAndSource(html)) sources.push_back(source);
+  return sources;
+}
+
+std::string PictureFault(const std::string& html) {
+  std::map<std::string, std::string> shown;
+  for (const auto& [alt, source] : AltAndSource(html)) {
+    const auto [at, is_new] = shown.try_emplace(source, alt);
+    if (!is_new) return "shown twice: " + at->second + " and " + alt;
+  }
+  return {};
 }
 
 }  // namespace sonarcal::testing

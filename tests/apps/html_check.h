@@ -5,10 +5,17 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sonarcal::testing {
 
 // Empty where the page is well-formed; else what is wrong, with the text about it.
 std::string HtmlFault(std::string_view html);
+
+// The embedded pictures of a page's figures, in their order; not those that a viewer draws from.
+std::vector<std::string> PicturesOf(const std::string& html);
+
+// Empty where no picture of the page is shown twice; else the description of one that is.
+std::string PictureFault(const std::string& html);
 
 }  // namespace sonarcal::testing

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -25,9 +26,12 @@ using ::testing::Not;
 
 constexpr char kHostile[] = "<script>\"&'</script>\x01\xFF]]> --> {}";
 
-std::vector<std::uint8_t> SmallPng() {
+// A picture of a single colour, but for a pixel of another.
+std::vector<std::uint8_t> SmallPng(int shade = 0) {
+  cv::Mat image(7, 5, CV_8UC1, cv::Scalar(90));
+  image.at<std::uint8_t>(3, 2) = static_cast<std::uint8_t>(shade);
   std::vector<std::uint8_t> png;
-  cv::imencode(".png", cv::Mat(7, 5, CV_8UC1, cv::Scalar(90)), png);
+  cv::imencode(".png", image, png);
   return png;
 }
 
@@ -47,8 +51,9 @@ HtmlReport EveryBlock(const std::string& text) {
                    .rows = {{{text}, RowStyle::kGroup}, {{text, text}, RowStyle::kStrong}},
                    .notes = {text}});
   report.Section(text);
-  report.Add(PictureRow{
-      .caption = text, .pictures = {{SmallPng(), text, text}, {SmallPng(), text}}, .legend = {{text, text}}});
+  report.Add(PictureRow{.caption = text,
+                        .pictures = {{SmallPng(), text, text}, {SmallPng(1), text}},
+                        .legend = {{text, text}}});
   report.Add({{.title = text,
                .x = {text, text},
                .y = {text, text},
@@ -117,11 +122,48 @@ TEST(HtmlReportTest, TablesAndFiguresAreNumbered) {
   HtmlReport report("Title");
   for (int i = 0; i < 2; ++i) {
     report.Add(Table{.caption = "t", .columns = {{"a"}}, .rows = {{{"1"}}}});
-    report.Add(PictureRow{.caption = "p", .pictures = {{SmallPng(), "c"}}});
+    report.Add(PictureRow{.caption = "p", .pictures = {{SmallPng(i), "c"}}});
   }
   const std::string html = report.Html();
   EXPECT_THAT(html, HasSubstr("<b>Table 2.</b>"));
   EXPECT_THAT(html, HasSubstr("<b>Figure 2.</b>"));
+}
+
+TEST(HtmlReportTest, NoPictureIsShownTwice) {
+  HtmlReport report("Title");
+  report.Add(
+      PictureRow{.caption = "Before.", .pictures = {{SmallPng(1), "Recorded"}, {SmallPng(2), "Simulated"}}});
+  report.Add(
+      PictureRow{.caption = "After.", .pictures = {{SmallPng(1), "Recorded"}, {SmallPng(3), "Simulated"}}});
+  report.Add(
+      PictureRow{.caption = "Again.", .pictures = {{SmallPng(2), "Simulated"}, {SmallPng(3), "Fitted"}}});
+  const std::string html = report.Html();
+  EXPECT_EQ(testing::PicturesOf(html).size(), 3U);
+  EXPECT_EQ(testing::PictureFault(html), "");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_THAT(html, HasSubstr("After. Recorded: as in figure 1."));
+  EXPECT_THAT(html, HasSubstr("<p>Again. Simulated: as in figure 1. Fitted: as in figure 2.</p>"));
+  EXPECT_THAT(html, Not(HasSubstr("<b>Figure 3.</b>")));
+  report.ParagraphOnce("What the colours mean.");
+  report.ParagraphOnce("What the colours mean.");
+  const std::string with = report.Html();
+  EXPECT_EQ(with.find("What the colours mean."), with.rfind("What the colours mean."));
+}
+
+TEST(HtmlReportTest, APictureOfOneColourIsSaidNotShown) {
+  HtmlReport report("Title");
+  const std::vector<std::uint8_t> black = SmallPng(90);
+  // A fan has a surrounding of its own.
+  cv::Mat fan(7, 5, CV_8UC3, cv::Scalar(0, 0, 0));
+  fan.row(0).setTo(cv::Scalar(255, 255, 255));
+  std::vector<std::uint8_t> black_fan;
+  cv::imencode(".png", fan, black_fan);
+  EXPECT_TRUE(IsOneColour(black));
+  EXPECT_TRUE(IsOneColour(black_fan));
+  EXPECT_FALSE(IsOneColour(SmallPng()));
+  report.Add(PictureRow{.caption = "Weights.", .pictures = {{black, "Frame 0"}, {black_fan, "Frame 4"}}});
+  EXPECT_TRUE(testing::PicturesOf(report.Html()).empty());
+  EXPECT_THAT(report.Html(), HasSubstr("<p>Weights. Frame 0: one colour throughout, not shown."));
 }
 
 TEST(HtmlReportTest, APictureCarriesItsSize) {
@@ -233,6 +275,49 @@ TEST(LineChartTest, ValuesThatAreNotFiniteBreakTheLine) {
   const std::string drawn = html.substr(path, html.find("/>", path) - path);
   EXPECT_EQ(std::count(drawn.begin(), drawn.end(), 'M'), 2) << drawn;
   EXPECT_THAT(html, Not(HasSubstr("nan")));
+}
+
+// Every outline of a chart's band: pairs of x and y in units of the drawing.
+std::vector<std::vector<std::pair<double, double>>> BandOutlines(const std::string& html) {
+  std::vector<std::vector<std::pair<double, double>>> outlines;
+  const std::size_t path = html.find("<path class=\"band c0\" d=\"M");
+  if (path == std::string::npos) return outlines;
+  const std::size_t start = html.find('M', path);
+  std::istringstream drawn(html.substr(start, html.find('"', start) - start));
+  char command = 0;
+  while (drawn >> command) {
+    if (command == 'Z') continue;
+    if (command == 'M') outlines.emplace_back();
+    double x = 0.0;
+    double y = 0.0;
+    drawn >> x >> y;
+    outlines.back().emplace_back(x, y);
+  }
+  return outlines;
+}
+
+TEST(LineChartTest, ABandBreaksWhereItsCurveHasNoValue) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  // The edges of the gap are finite: they say nothing where there is no curve, far away as they are.
+  const ChartSeries series{.name = "s",
+                           .x = {0, 1, 2, 3, 4, 5},
+                           .y = {10, 20, nan, nan, 20, 10},
+                           .low = {9, 19, -500, -500, 19, 9},
+                           .high = {11, 21, 500, 500, 21, 11}};
+  for (const SeriesStyle style : {SeriesStyle::kLine, SeriesStyle::kBand}) {
+    LineChart chart{.title = "t", .x = {"x", ""}, .y = {"y", ""}, .series = {series}};
+    chart.series[0].style = style;
+    const std::string html = LineChartHtml(chart);
+    const auto outlines = BandOutlines(html);
+    ASSERT_EQ(outlines.size(), 2U) << html;
+    for (const auto& outline : outlines) EXPECT_EQ(outline.size(), 4U) << "there and back over two values";
+    const double left = outlines[0][0].first;
+    const double width = outlines[1][1].first - left;
+    for (const auto& [x, y] : outlines[0]) EXPECT_LE(x, left + 0.21 * width);
+    for (const auto& [x, y] : outlines[1]) EXPECT_GE(x, left + 0.79 * width);
+    EXPECT_THAT(html, Not(HasSubstr("500"))) << "the axis is that of what is drawn";
+    EXPECT_EQ(html.find("<path class=\"line") != std::string::npos, style == SeriesStyle::kLine);
+  }
 }
 
 TEST(LineChartTest, EmptyAndConstantSeriesStillHaveAxes) {

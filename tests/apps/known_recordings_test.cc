@@ -39,6 +39,12 @@ PolarAxes DidsonAxes() {
 
 constexpr double kHalfBeamRad = RadFromDeg(7.0);
 
+TEST(HullStripSearch, SaysThatItEndedAtTheEndOfItsRange) {
+  EXPECT_FALSE(LeanAtEnd(15.0, 40.0).has_value());
+  EXPECT_THAT(LeanAtEnd(40.0, 40.0).value_or(""), ::testing::HasSubstr("largest angle that was tried, 40"));
+  EXPECT_THAT(LeanAtEnd(0.0, 40.0).value_or(""), ::testing::HasSubstr("least angle that was tried, 0"));
+}
+
 // The line's law beside its own construction: a point of the line by its height, upright or not.
 TEST(HullStrip, LineIsNearestWhereTheMarkSays) {
   for (const double lean_deg : {0.0, 3.0, 7.0, 20.0, 60.0}) {

@@ -2,7 +2,7 @@
 
     report_in_browser.py REPORT.html EXPECTED.json [SCREENSHOTS]
 
-EXPECTED.json: {"frames": N, "bins": N, "beams": N, "range_m": [MIN, MAX], "azimuth_deg": [FIRST, LAST],
+The real side of the comparison is a simulation too. EXPECTED.json: {"frames": N, "bins": N, "beams": N, "range_m": [MIN, MAX], "azimuth_deg": [FIRST, LAST],
 "samples": [{"bin": I, "beam": I, "real": GREY, "simulated": GREY}, ...]} of the viewer's first frame.
 Ends with status 77 where there is no Chromium, no ChromeDriver or no Selenium to drive it.
 """
@@ -68,6 +68,12 @@ class Reader:
         WebDriverWait(self.page, 30).until(
             lambda page: page.execute_script(
                 "return [...document.querySelectorAll('.viewer')].every((v) => v.dataset.ready === 'yes')"))
+        folded = self.page.execute_script(
+            "const folds = [...document.querySelectorAll('.viewers details')];"
+            "const folded = folds.every((fold) => !fold.open && !fold.hidden);"
+            "for (const fold of folds) fold.open = true;"
+            "return folded;")
+        self.check(folded, "the viewer shows pictures of the page a second time before it is asked for")
 
     def pixel(self, x_share, y_share):
         return self.page.execute_script(
@@ -105,7 +111,7 @@ class Reader:
                 x, y = self.place(view, sample["bin"], sample["beam"])
                 where = f'{view} view, bin {sample["bin"]}, beam {sample["beam"]}'
                 text = self.point(x, y)
-                numbers = re.search(r"bin (\d+), beam (\d+)\): recorded (\d+), simulated (\d+)", text)
+                numbers = re.search(r"bin (\d+), beam (\d+)\): synthetic (\d+), simulated (\d+)", text)
                 self.check(numbers is not None and [int(n) for n in numbers.groups()] ==
                            [sample["bin"], sample["beam"], sample["real"], sample["simulated"]],
                            f"{where}: reads '{text}', expected {sample}")
@@ -115,6 +121,8 @@ class Reader:
                     grey = sample[show]
                     self.check(self.pixel(x, y) == [grey, grey, grey, 255],
                                f"{where}: {show} is drawn {self.pixel(x, y)}, expected {grey}")
+        self.check("ecorded" not in self.page.find_element(By.CSS_SELECTOR, ".viewers").text,
+                   "the viewer calls a synthetic frame recorded")
         for show in ("overlay", "difference", "regions", "real"):
             self.choose("show", show)
             self.page.execute_script("document.querySelector('.viewer').scrollIntoView()")
@@ -153,7 +161,7 @@ class Reader:
                    f'the slider goes to "{self.part("name").text}"')
         canvas = self.part("canvas")
         canvas.send_keys(Keys.ARROW_UP)
-        self.check("recorded" in self.part("readout").text, "arrow keys on the picture read no value")
+        self.check("synthetic" in self.part("readout").text, "arrow keys on the picture read no value")
         self.choose("show", "blink")
         which = self.part("which").text
         canvas.send_keys(Keys.SPACE)

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "data_io/types/error.h"
+#include "data_io/types/pose.h"
 #include "data_io/types/units.h"
 
 namespace sonarcal {
@@ -74,6 +76,26 @@ TEST(SceneGeometryTest, ResidualsGoToTheirAngleAndMaterial) {
   const ResidualTable& by_incidence = residuals.tables()[0];
   EXPECT_NEAR(*by_incidence.classes[1].sums.whole.bias(), 0.1, 0.02) << "as much steel as wood";
   EXPECT_FALSE(by_incidence.classes[10].sums.whole.bias());
+}
+
+// "wood" is met in beams 20 to 39, from 3 m in the middle to 3 m over the cosine of 20 degrees.
+TEST(SceneGeometryTest, TheBoxOfAnObjectHoldsWhatTheSceneShowsOfItAndItsMargin) {
+  const SceneGeometry scene(Wall(), FlatSonar());
+  const Pose pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}};
+  const int first = 200;  // bins of 10 mm from 1 m
+  const int last = static_cast<int>((3.0 / std::cos(RadFromDeg(19.75)) - 1.0) / 0.01);
+  const PixelBox tight = scene.ObjectBox(pose, {.material = "wood", .margin = {0, 0}});
+  EXPECT_EQ(tight.bin_begin, first);
+  EXPECT_NEAR(tight.bin_end, last + 1, 1);
+  EXPECT_EQ(tight.beam_begin, 20);
+  EXPECT_EQ(tight.beam_end, 40);
+  const PixelBox wide = scene.ObjectBox(pose, {.material = "wood"});
+  EXPECT_EQ(wide, (PixelBox{first - 12, tight.bin_end + 12, 8, 40}));
+  EXPECT_TRUE(scene
+                  .ObjectBox({RotationFromYawPitchRoll(RadFromDeg(60.0), 0.0, 0.0), {0.0, 0.0, 0.0}},
+                             {.material = "wood"})
+                  .empty());
+  EXPECT_THROW(scene.ObjectBox(pose, {.material = "glass"}), DataError);
 }
 
 }  // namespace

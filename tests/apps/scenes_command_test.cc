@@ -32,7 +32,7 @@ TEST(ScenesCommand, WhatItWritesCanBeSimulated) {
     const std::string base = (dir / "scenes").string();
     EXPECT_EQ(
         RunSonarcal(fmt::format("simulate -q --scene {0}/tank.gltf --sonar p900-45 --params {0}/params.json "
-                                "--poses {0}/poses_{1}.json --rays 128x64 --out {0}/sim_{1}",
+                                "--poses {0}/poses_{1}.json --rays 256x64 --out {0}/sim_{1}",
                                 base, set))
             .status,
         0);

@@ -23,6 +23,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::IsOneSentence;
+using ::testing::Not;
 using testing::Outcome;
 using testing::Quoted;
 using testing::RunSonarcal;
@@ -237,14 +238,20 @@ TEST(SimulateCommand, WaterOfTheParametersWinsAndIsSaid) {
   EXPECT_EQ(testing::ReadJsonFile(world / "sim/recording.json")["water"]["temperature_c"], 5.0);
 }
 
-TEST(SimulateCommand, WarnsWhereAbsorptionIsBeyondItsRange) {
+TEST(SimulateCommand, TakesTheAbsorptionWhoseRangeHoldsUnlessToldOtherwise) {
   const TinyWorld world;
   ParameterSet parameters = testing::TinyParameters();
-  parameters.water = Water{};
+  parameters.water = Water{};  // fresh
   WriteParameters(world.params(), parameters);
-  const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --out " + Quoted(world / "sim"));
-  EXPECT_THAT(outcome.err,
-              HasSubstr("warning: absorption by Ainslie-McColm is used outside its stated range"));
+  const auto run = [&](const std::string& more) {
+    return RunSonarcal(world.SimulateArguments() + more + " --out " + Quoted(world / "sim"));
+  };
+  const auto formula = [&] { return testing::ReadJsonFile(world / "sim/recording.json")["details"].dump(); };
+  EXPECT_THAT(run("").err, Not(HasSubstr("absorption")));
+  EXPECT_THAT(formula(), HasSubstr("francois-garrison"));
+  EXPECT_THAT(run(" --absorption ainslie-mccolm").err,
+              HasSubstr("absorption by Ainslie-McColm (0.2277 dB/m) is used outside its stated range"));
+  EXPECT_THAT(formula(), HasSubstr("ainslie-mccolm"));
 }
 
 TEST(SimulateCommand, BothModelsAndAPresetWork) {
@@ -333,7 +340,13 @@ TEST(SimulateCommand, MistakesCostOneSentenceAndWriteNothing) {
                                                              {good + " --sonar no-such-sonar", 2},
                                                              {good + " --frozen-speckle", 2},
                                                              {good + " --model acoustic --frozen-speckle", 2},
-                                                             {good + " --margin 3", 1}};
+                                                             {good + " --margin 3", 1},
+                                                             {good + " --noise --seed -1", 2},
+                                                             {good + " --noise --seed 1.5", 2},
+                                                             {good + " --seed 5", 2},
+                                                             {good + " --ghost-order 2", 2},
+                                                             {good + " --model acoustic --ghost-order 2", 2},
+                                                             {good + " --model coherent --normals depth", 2}};
   for (const auto& [arguments, status] : mistakes) {
     const Outcome outcome = RunSonarcal(arguments);
     EXPECT_EQ(outcome.status, status) << arguments;
@@ -346,6 +359,100 @@ TEST(SimulateCommand, MistakesCostOneSentenceAndWriteNothing) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("params.json"));
+}
+
+// The arguments of the world with other rays than its own.
+std::string WithRays(const TinyWorld& world, const std::string& rays) {
+  const std::string own = "96x200";
+  std::string arguments = world.SimulateArguments();
+  return arguments.replace(arguments.find(own), own.size(), rays);
+}
+
+TEST(SimulateCommand, FewerColumnsThanBeamsAreRefused) {
+  const TinyWorld world;
+  for (const char* model : {"paper", "acoustic", "coherent"}) {
+    const Outcome outcome =
+        RunSonarcal(WithRays(world, "10x10") + " --model " + model + " --out " + Quoted(world / "sim"));
+    EXPECT_EQ(outcome.status, 2) << model;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("--rays 10x10 has fewer columns than the 24 beams")) << model;
+  }
+}
+
+TEST(SimulateCommand, NoiseThatChangesNothingIsRefused) {
+  const TinyWorld world;
+  ParameterSet exact = testing::TinyParameters();
+  exact.jitter = {};
+  WriteParameters(world.params(), exact);
+  const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --noise --out " + Quoted(world / "sim"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("--noise has no effect"));
+}
+
+TEST(SimulateCommand, RaysThatAreRoundedUpAreSaid) {
+  const TinyWorld world;
+  const auto run = [&](const std::string& rays) {
+    return RunSonarcal(WithRays(world, rays) + " --out " + Quoted(world / "sim"));
+  };
+  EXPECT_THAT(run("96x40").err, ::testing::Not(HasSubstr("becomes")));
+  const Outcome rounded = run("50x40");
+  EXPECT_THAT(rounded.err,
+              HasSubstr("--rays 50x40 becomes 72x40: each of the 24 beams takes 3 whole columns"));
+  EXPECT_THAT(rounded.out, HasSubstr("72 x 40 rays"));
+  // A pinhole casts what it is told, however few.
+  EXPECT_THAT(run("10x10 --sampling frustum").out, HasSubstr("10 x 10 rays"));
+}
+
+TEST(SimulateCommand, FramesThatSeeNothingAreSaidWithTheLikelyReason) {
+  const TinyWorld world;
+  const std::string simulate = world.SimulateArguments() + " --json --out " + Quoted(world / "sim");
+  const auto run = [&](const std::vector<Pose>& poses) {
+    std::vector<TimedPose> timed;
+    for (const Pose& pose : poses) timed.push_back({static_cast<double>(timed.size()), pose});
+    WritePoses(world.poses(), timed);
+    const Outcome outcome = RunSonarcal(simulate);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome;
+  };
+  const auto empty_frames = [](const Outcome& outcome) {
+    return nlohmann::json::parse(outcome.out)["frames_without_echo"].get<std::vector<int>>();
+  };
+  const Pose sees = ReadPoses(world.poses()).front().world_from_sonar;
+  Outcome outcome = run({sees});
+  EXPECT_THAT(empty_frames(outcome), IsEmpty());
+  EXPECT_THAT(outcome.err, ::testing::Not(HasSubstr("empty")));
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["rays_cast"], 96 * 200) << "looking costs nothing that counts";
+
+  Pose far = sees;
+  far.position_m *= 1000.0;  // in millimetres
+  outcome = run({sees, far, sees, far});
+  EXPECT_THAT(empty_frames(outcome), ::testing::ElementsAre(1, 3));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("warning: 2 of 4 frames are empty (1, 3): no ray meets the scene within"));
+  EXPECT_THAT(outcome.err, HasSubstr("check the unit of the scene and the positions"));
+
+  Pose away = sees;  // upwards, from above the floor
+  away.position_m.z() = 1.0;
+  away.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()));
+  outcome = run({away, away});
+  EXPECT_THAT(outcome.err, HasSubstr("warning: every frame is empty"));
+  away.position_m.z() = 2.0;  // above the scene's box too
+  EXPECT_THAT(run({away}).err, HasSubstr("the sonar looks along (0.00, 0.07, 1.00)"));
+}
+
+// A thing that few rays miss is no reason for a warning.
+TEST(SimulateCommand, ASmallThingIsSeen) {
+  const TinyWorld world;
+  WriteGltf(Scene{.vertices_m = {{0, 0, 0}, {0.02F, 0, 0}, {0, 0, 0.02F}},
+                  .triangles = {{0, 1, 2}},
+                  .triangle_material = {0},
+                  .material_names = {"box"}},
+            world.scene());
+  WritePoses(world.poses(), {{0.0, Pose{Eigen::Quaterniond::Identity(), {0.005, -2.0, -0.01}}}});
+  const Outcome outcome = RunSonarcal(WithRays(world, "480x1000") + " --json --out " + Quoted(world / "sim"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("empty"), std::string::npos) << outcome.err;
 }
 
 TEST(ChooseSonar, ReadsPresetsRecordingsAndSonarFiles) {

@@ -276,8 +276,9 @@ TEST(SimulateResumed, MemoryDoesNotGrowWithTheSequence) {
   testing::WriteFile(world.sonar(), sonar.dump());
   const auto peak_rss_kib = [&](int frames) {
     WriteTurningPoses(world.poses(), frames);
-    const std::string arguments = fmt::format("{} -q --threads 1 --out {}", world.SimulateArguments(),
-                                              Quoted(world / std::to_string(frames)));
+    const std::string arguments =
+        fmt::format("{} -q --threads 1 --out {}", Replaced(world.SimulateArguments(), "96x200", "512x200"),
+                    Quoted(world / std::to_string(frames)));
     const Ended ended = Running(arguments, world / "err").Wait();
     EXPECT_EQ(ended.wait_status, 0) << ReadFile(world / "err");
     return ended.peak_rss_kib;

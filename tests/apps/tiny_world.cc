@@ -85,7 +85,7 @@ std::string TinyWorld::SimulateArguments() const {
                      Quoted(sonar()), Quoted(params()), Quoted(poses()));
 }
 
-std::filesystem::path TinyWorld::WriteSimulated(const std::string& name, bool noise) const {
+std::filesystem::path TinyWorld::WriteSimulated(const std::string& name, bool noise, bool expected) const {
   SimulateOptions options;
   options.common = {.json = false, .quiet = true};
   options.scene = scene();
@@ -96,6 +96,7 @@ std::filesystem::path TinyWorld::WriteSimulated(const std::string& name, bool no
   options.rays.sampling = Sampling::kBeams;
   options.rays.rays = "96x200";
   options.noise = noise;
+  options.expected = expected;
   options.bits = 12;
   ::testing::internal::CaptureStdout();
   const ExitStatus status = RunSimulate(options);

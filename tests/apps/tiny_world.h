@@ -27,8 +27,9 @@ class TinyWorld {
   // Options of `simulate` (without --out), each path quoted for a shell.
   std::string SimulateArguments() const;
 
-  // A recording made in the world, written to a folder: expected images by default, noisy ones with a seed.
-  std::filesystem::path WriteSimulated(const std::string& name, bool noise = false) const;
+  // A recording made in the world, written to a folder: without noise, with it, or expected images.
+  std::filesystem::path WriteSimulated(const std::string& name, bool noise = false,
+                                       bool expected = false) const;
 
  private:
   TempDir dir_;

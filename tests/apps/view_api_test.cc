@@ -37,11 +37,17 @@ using testing::RunSonarcal;
 using testing::TinyParameters;
 using testing::ViewApiTest;
 
-TEST_F(ViewApiTest, FiguresAreThoseOfCompare) {
-  const auto plain = world_.WriteSimulated("plain");
+class ViewFigures : public ViewApiTest {
+ protected:
+  // The page's figures of every frame against those of `compare` with `extra`.
+  void ExpectThoseOfCompare(const std::string& extra);
+};
+
+void ViewFigures::ExpectThoseOfCompare(const std::string& extra) {
+  const auto expected = world_.WriteSimulated("expected", false, true);
   const auto outcome =
-      RunSonarcal(fmt::format("compare --real {} --sim {} --as-displayed --pictures 0 --out {} -q",
-                              Quoted(world_ / "real"), Quoted(plain), Quoted(world_ / "compared")));
+      RunSonarcal(fmt::format("compare --real {} --sim {} --as-displayed --pictures 0 --out {} -q {}",
+                              Quoted(world_ / "real"), Quoted(expected), Quoted(world_ / "compared"), extra));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Json metrics = ReadJsonFile(world_ / "compared" / "metrics.json");
   for (int frame = 0; frame < session_->frame_count(); ++frame) {
@@ -54,6 +60,18 @@ TEST_F(ViewApiTest, FiguresAreThoseOfCompare) {
     for (const char region : framed.data) simulated += (region & 2) != 0 ? 1 : 0;
     EXPECT_EQ(framed.json["ns"], simulated);
   }
+}
+
+TEST_F(ViewFigures, AreThoseOfCompare) {
+  ExpectThoseOfCompare("");
+}
+
+TEST_F(ViewFigures, AreThoseOfCompareInTheBoxOfAnObject) {
+  ViewOptions options = Options();
+  options.comparison.object.object = "box";
+  session_ = std::make_unique<ViewSession>(SetUpView(options));
+  api_ = std::make_unique<ViewApi>(*session_, options.out);
+  ExpectThoseOfCompare("--object box");
 }
 
 TEST_F(ViewApiTest, RecordedFramesAsTheyAre) {

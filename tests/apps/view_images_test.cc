@@ -27,11 +27,11 @@ void ExpectWithinALevel(const std::vector<float>& image, const std::vector<float
 }
 
 TEST_F(ViewApiTest, ImagesAreThoseOfSimulateToTheBit) {
-  const auto plain = world_.WriteSimulated("plain");
+  const auto expected = world_.WriteSimulated("expected", false, true);
   for (int frame = 0; frame < session_->frame_count(); ++frame) {
     Json state = State();
     state["frame"] = frame;
-    EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), FrameOf(plain, frame)) << frame;
+    EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), FrameOf(expected, frame)) << frame;
   }
 }
 

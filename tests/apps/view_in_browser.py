@@ -206,6 +206,9 @@ class Visitor:
         self.check(self.values() == before, "the pose is not put back")
 
     def go_through_frames(self):
+        for of in ("#pictures", "#recorded"):
+            text = self.find(of).text
+            self.check("ecorded" not in text, f"a synthetic recording is called recorded: '{text}'")
         simulated, recorded = self.values(), self.values("recorded")
         self.find("#frame").send_keys(Keys.END)
         self.settle()

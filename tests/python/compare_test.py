@@ -21,6 +21,17 @@ def test_equals_the_command(world, recorded, simulated, tmp_path, options, words
     assert sonarcal.compare(recorded, simulated, **options) == json.loads(text)
 
 
+def test_an_object_is_searched_as_the_command_does(world, recorded, simulated, tmp_path):
+    text = world.command("compare", "--real", recorded, "--sim", simulated, "--out", tmp_path / "out", "--json",
+                         "--quiet", "--object", "box", "--object-margin", "3x2", "--scene", world.scene_file)
+    metrics = sonarcal.compare(recorded, simulated, object="box", object_margin=(3, 2), scene=world.scene_file)
+    assert metrics == json.loads(text)
+    assert metrics["segmentation"]["object_region"]["object"] == "box"
+    assert metrics["segmentation"]["method"] == "otsu"
+    largest = sonarcal.compare(recorded, simulated, object="box", scene=world.scene_file, largest_component=True)
+    assert largest["segmentation"]["parameters"]["largest_component_only"]
+
+
 def test_residuals_by_scene_and_drawn_floor_as_the_command(world, recorded, simulated, tmp_path):
     text = world.command("compare", "--real", recorded, "--sim", simulated, "--out", tmp_path / "out", "--json",
                          "--quiet", "--scene", world.scene_file, "--params", world.params_file)

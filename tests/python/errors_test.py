@@ -53,6 +53,9 @@ def test_data_errors_say_what_the_command_says(world, recorded, tmp_path):
     (["--model", "acoustic", "--ray-weight", "solid_angle"], {"model": "acoustic", "ray_weight": "solid_angle"}),
     (["--frozen-speckle"], {"frozen_speckle": True}),
     (["--seed", "x"], {"seed": "x"}),
+    (["--noise", "--seed", "-1"], {"noise": True, "seed": -1}),
+    (["--seed", "5"], {"seed": 5}),
+    (["--rays", "10x10"], {"rays": (10, 10)}),
 ])
 def test_usage_errors_say_what_the_command_says(world, words, options):
     expect(sonarcal.UsageError, world.run(*simulate_words(world, *words)),

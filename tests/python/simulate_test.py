@@ -13,9 +13,10 @@ from conftest import ACOUSTIC, PARAMETERS, RAYS
                                           ("coherent", True)])
 def test_equals_the_command(world, tmp_path, model, noise):
     params = world.params_file if model == "paper" else world.acoustic_file
-    words = ["--model", model, "--bits", "12", "--seed", "7"] + (["--noise"] if noise else [])
+    seed = 7 if noise else None
+    words = ["--model", model, "--bits", "12"] + (["--noise", "--seed", "7"] if noise else [])
     by_command = world.simulate_command(f"{model}_{noise}", *words, params=params)
-    recording = world.simulate(params, model=model, bits=12, seed=7, noise=noise)
+    recording = world.simulate(params, model=model, bits=12, seed=seed, noise=noise)
     recording.save(tmp_path / "saved")
 
     names = sorted(path.name for path in by_command.glob("frame_*.png"))
@@ -67,19 +68,18 @@ def test_tells_progress(world):
 
 
 def test_says_what_should_not_be_missed(world, caplog):
-    silent = {**PARAMETERS, "jitter": {"sigma_range_m": 0, "sigma_azimuth_deg": 0}}
+    mirrored = {**PARAMETERS, "mirror": {"floor": {"loss_db": 3}}}
     for _ in range(2):  # it is said once
-        world.simulate(silent, noise=True)
+        world.simulate(mirrored)
     done = world.run("simulate", "--scene", world.scene_file, "--sonar", world.sonar_file, "--params",
-                     _written(world, silent), "--poses", world.poses_file, "--rays", "96x200", "--noise", "--out",
-                     world.folder / "silent")
-    assert [r.message for r in caplog.records] == ["--noise changes nothing, as jitter.sigma_range_m and "
-                                                   "jitter.sigma_azimuth_deg are both 0"]
+                     _written(world, mirrored), "--poses", world.poses_file, "--rays", "96x200", "--out",
+                     world.folder / "mirrored")
+    assert [r.message for r in caplog.records] == ["the paper's model shows no ghosts of the parameters' mirrors"]
     assert f"sonarcal: warning: {caplog.records[0].message}\n" == done.stderr
 
 
 def _written(world, params):
-    file = world.folder / "silent.json"
+    file = world.folder / "mirrored.json"
     sonarcal.write_parameters(params, file)
     return file
 

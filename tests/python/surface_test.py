@@ -76,10 +76,11 @@ def test_functions_take_what_the_stub_says(name):
 # Options of the commands that Python has other ways for: arguments of their own, files that are not written, what
 # a shell needs, and the fits without a scene.
 ELSEWHERE = {
-    "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "fan", "depth", "resume"},
-    "compare": {"real", "sim", "out", "sweep-csv", "pictures", "fail-above"},
-    "fit": {"real", "scene", "scene-unit", "scene-up", "params", "out", "noise-only", "still", "range-min", "range-max",
-            "find-background", "hold-out-bands", "reject-beyond"},
+    "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "force", "fan", "depth",
+                 "resume"},
+    "compare": {"real", "sim", "out", "force", "sweep-csv", "pictures", "fail-above"},
+    "fit": {"real", "scene", "scene-unit", "scene-up", "params", "out", "force", "noise-only", "still", "range-min",
+            "range-max", "find-background", "hold-out-bands", "reject-beyond"},
 }
 
 

@@ -172,6 +172,7 @@ def simulate(
     threads: Optional[int] = None,
     bits: Optional[int] = None,
     noise: bool = False,
+    expected: bool = False,
     frozen_speckle: bool = False,
     ghost_order: Optional[int] = None,
     margin: Optional[float] = None,
@@ -182,12 +183,12 @@ def simulate(
 
     sonar: a Sonar, the name of a preset, a recording, or a file. poses: Pose objects, or a recording that has them,
     or a file. model: "paper", "acoustic" or "coherent" (default: that of the parameters). rays: (columns, rows).
-    margin: azimuth cast beyond the outer beams, degrees. Frames are images of 2^bits - 1 grey levels.
+    margin: azimuth cast beyond the outer beams, degrees. expected: the mean over noise and speckle. Frames are images of 2^bits - 1 grey levels.
     """
     options = {
         "model": model, "sampling": sampling, "rays": rays, "ray_weight": ray_weight, "normals": normals,
         "absorption": absorption, "threads": threads, "bits": bits, "noise": noise,
-        "frozen_speckle": frozen_speckle, "ghost_order": ghost_order, "margin": margin, "seed": seed,
+        "expected": expected, "frozen_speckle": frozen_speckle, "ghost_order": ghost_order, "margin": margin, "seed": seed,
     }
     mesh, scene_path = _scene(scene)
     if isinstance(sonar, Recording):
@@ -229,7 +230,10 @@ def compare(
     min_area: Optional[int] = None,
     max_size: Optional[Size] = None,
     all_components: bool = False,
+    largest_component: bool = False,
     fill: Optional[str] = None,
+    object: Optional[str] = None,
+    object_margin: Optional[Size] = None,
     region: Optional[Path] = None,
     region_range: Optional[Interval] = None,
     region_azimuth: Optional[Interval] = None,
@@ -250,8 +254,9 @@ def compare(
 ) -> dict[str, Any]:
     """metrics.json of the two recordings as a dict, as `sonarcal compare` makes it (docs/metrics.md).
 
-    frames: range(A, B) or "A:B" of both. cell, guard, training, blur, opening, closing, max_size: (range bins,
+    frames: range(A, B), "A:B" or "A:B,C:D" of both. cell, guard, training, blur, opening, closing, max_size: (range bins,
     beams). region_range in metres, region_azimuth in degrees, region_margin in metres, contrast_db in dB.
+    object: material of the scene, in a box around which the object is searched; object_margin: (range bins, beams).
     """
     options = {name: value for name, value in locals().items() if name not in ("real", "simulated", "progress")}
     return json.loads(_sonarcal._compare(_recording(real), _recording(simulated), _words(options), progress))
@@ -298,7 +303,7 @@ class FitResult:
     poses: list[Pose]  # of every frame, where the fit moved poses; else empty
 
     def __getitem__(self, name: str) -> dict[str, Any]:
-        """The entry of fit.json of a parameter: value, sigma, unit, initial, lower, upper, status."""
+        """The entry of fit.json of a parameter: value, sigma, unit, initial, lower, upper, status, truth."""
         for parameter in self.report["parameters"]:
             if parameter["name"] == name:
                 return parameter
@@ -324,7 +329,6 @@ def fit(
     threads: Optional[int] = None,
     max_iterations: Optional[int] = None,
     starts: Optional[int] = None,
-    object: Optional[str] = None,
     segmentation: Optional[str] = None,
     sigma_count: Optional[float] = None,
     threshold: Optional[float] = None,
@@ -344,7 +348,10 @@ def fit(
     min_area: Optional[int] = None,
     max_size: Optional[Size] = None,
     all_components: bool = False,
+    largest_component: bool = False,
     fill: Optional[str] = None,
+    object: Optional[str] = None,
+    object_margin: Optional[Size] = None,
     region: Optional[Path] = None,
     region_range: Optional[Interval] = None,
     region_azimuth: Optional[Interval] = None,
@@ -358,8 +365,8 @@ def fit(
     """Fits the parameters of the model that `params` names to a recording with poses, as `sonarcal fit` does.
 
     config: the file of --config, or what it holds as a dict. held_out: frames that the fit does not see and is
-    judged on (default: the last third). free, fixed: names of parameters, with "*" for any text. object: material
-    of the object, near which the metrics look for it.
+    judged on (default: the last third). free, fixed: names of parameters, with "*" for any text. object and the
+    options after it: those of compare().
     """
     options = {name: value for name, value in locals().items()
                if name not in ("recording", "scene", "params", "config", "progress")}

@@ -6,7 +6,7 @@ import os
 from typing import Any, Iterable, Mapping
 
 # How a tuple is written, where not with commas.
-_BY_X = {"rays", "cell", "guard", "training", "blur", "opening", "closing", "max_size"}
+_BY_X = {"rays", "cell", "guard", "training", "blur", "opening", "closing", "max_size", "object_margin"}
 _BY_COLON = {"region_range", "region_azimuth", "sweep_range"}
 
 

@@ -1,0 +1,87 @@
+#include "apps/fit_doubts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+namespace sonarcal {
+namespace {
+
+// Below this IoU between two samples, detection by itself is too rough to say anything of a pose.
+constexpr double kLeastOwnIou = 0.2;
+
+// The summary of those frames of a report that stand in another one.
+ViewSummary OverFramesOf(const MetricsReport& report, const MetricsReport& of) {
+  std::vector<FrameMetrics> frames;
+  for (const FrameMetrics& frame : report.frames) {
+    if (std::any_of(of.frames.begin(), of.frames.end(),
+                    [&](const FrameMetrics& other) { return other.index == frame.index; }))
+      frames.push_back(frame);
+  }
+  return AggregateFrames(frames).macro.polar;
+}
+
+void DoubtAgreement(const RecordingFit& fit, std::vector<std::string>& doubts) {
+  if (!fit.sample_after || !fit.sample_pair) return;
+  const ViewSummary recorded = OverFramesOf(*fit.sample_after, *fit.sample_pair);
+  const ViewSummary& own = fit.sample_pair->aggregate.macro.polar;
+  const std::optional<double> own_iou = own.At("iou").value;
+  const double iou = recorded.At("iou").value.value_or(0.0);
+  if (own_iou && *own_iou >= kLeastOwnIou && iou < kLeastShareOfOwnIou * *own_iou) {
+    doubts.push_back(
+        fmt::format("the fit has not found the recorded object: IoU {:.2f} between the recording and a "
+                    "speckled sample of the "
+                    "fitted model, {:.2f} between two samples, so the standard errors do not hold",
+                    iou, *own_iou));
+  }
+  const IntensityDomain domain = fit.after.options.intensity_domain;
+  const std::optional<double> own_error = own.Over(domain).mean_absolute.value;
+  const std::optional<double> error = recorded.Over(domain).mean_absolute.value;
+  if (own_error && error && *error > kMaxTimesOwnError * *own_error) {
+    doubts.push_back(
+        fmt::format("the fitted model does not explain the recorded intensities: a speckled sample of it "
+                    "differs from the "
+                    "recording by {:.3f} of full scale, two samples differ by {:.3f}",
+                    *error, *own_error));
+  }
+}
+
+void DoubtResiduals(const RecordingFit& fit, std::vector<std::string>& doubts) {
+  const double spread = fit.fit.report.whitened.spread;
+  if (fit.fit.parameters.model != EchoModel::kAcoustic || !(spread > kMaxSpread)) return;
+  doubts.push_back(fmt::format(
+      "the residuals of the frames used spread {:.1f} times as far as speckle and noise allow", spread));
+}
+
+void DoubtPoses(const FitReport& report, const FitConfig& config, std::vector<std::string>& doubts) {
+  for (const FittedParameter& parameter : report.parameters) {
+    if (!parameter.name.starts_with("pose.") || parameter.status == ParameterStatus::kFixed) continue;
+    const bool is_angle = parameter.unit == "deg";
+    double about = parameter.initial;
+    double sigma = is_angle ? config.pose_prior.angle_deg : config.pose_prior.position_m;
+    if (const auto given = config.priors.find(parameter.name); given != config.priors.end()) {
+      if (!given->second) continue;
+      std::tie(about, sigma) = *given->second;
+    }
+    const double moved = is_angle ? std::remainder(parameter.value - about, 360.0) : parameter.value - about;
+    if (!(std::abs(moved) > kMaxPriorSigmas * sigma)) continue;
+    doubts.push_back(fmt::format(
+        "{} ended {:.3g} {} from what was known of it beforehand, {:.1f} of its standard deviations",
+        parameter.name, std::abs(moved), parameter.unit, std::abs(moved) / sigma));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> DoubtsAbout(const RecordingFit& fit, const FitConfig& config) {
+  std::vector<std::string> doubts;
+  DoubtAgreement(fit, doubts);
+  DoubtResiduals(fit, doubts);
+  DoubtPoses(fit.fit.report, config, doubts);
+  return doubts;
+}
+
+}  // namespace sonarcal

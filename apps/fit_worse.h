@@ -1,0 +1,15 @@
+// What a fit made worse, in sentences for FitReport::warnings.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/fit_recording.h"
+
+namespace sonarcal {
+
+// One sentence for each headline figure (IoU, intensity error) that is worse after the fit than before it, by
+// more than a hundredth of its value: figure, image, frames and both values. Empty where none is.
+std::vector<std::string> WorseFigures(const RecordingFit& fit);
+
+}  // namespace sonarcal

@@ -1,0 +1,27 @@
+// Options that were given although they have no effect beside the others: refused, so that nobody takes their
+// effect for granted.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace sonarcal {
+
+using OptionNames = std::vector<std::string_view>;  // "--rays"
+
+bool IsGiven(const CLI::App& command, std::string_view name);
+
+// Throws UsageError "--rays has no effect WHY" for the first of these options that was given.
+void RefuseGiven(const CLI::App& command, const OptionNames& names, std::string_view why);
+
+// The same for all options except these, --json, --quiet, --force and --help.
+void RefuseGivenExcept(const CLI::App& command, const OptionNames& names, std::string_view why);
+
+// --scene-unit and --scene-up without --scene.
+void RefuseSceneFormatAlone(const CLI::App& command);
+
+}  // namespace sonarcal

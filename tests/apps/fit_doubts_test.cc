@@ -1,0 +1,112 @@
+// Fits about a wrong pose say so, those about the right one do not. The recordings are SYNTHETIC,
+// made by the coherent model, which is not the one fitted.
+#include "apps/fit_doubts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calib/target_pose.h"
+#include "data_io/types/units.h"
+#include "sim/scenes.h"
+
+namespace sonarcal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+SonarModel CoarseSonar() {
+  SonarModel sonar{.name = "coarse",
+                   .frequency_hz = 3e6,
+                   .axes = {0.8, 2.0, 120, {}},
+                   .azimuth_beam_width_deg = 0.6,
+                   .elevation_beam_width_deg = 15.0,
+                   .sound_speed_m_per_s = 1480.0};
+  for (int beam = 0; beam < 56; ++beam)
+    sonar.axes.beam_azimuth_rad.push_back(RadFromDeg((beam - 27.5) * 0.5));
+  return sonar;
+}
+
+ParameterSet BodyParameters() {
+  ParameterSet parameters;
+  parameters.model = EchoModel::kAcoustic;
+  parameters.source_level_db = 0.0;
+  parameters.display = {.db_min = 0.0, .db_max = 40.0};
+  parameters.receiver.noise_db = 8.0;
+  parameters.receiver.gain_db = 68.0;
+  parameters.materials["body"].gsab = {.a = 0.0, .b_deg = 4.0, .c = 1.0, .d = 1.5, .e = 0.0, .f_deg = 10.0};
+  return parameters;
+}
+
+// A body in open water, seen once; recorded with a heading that is off.
+RecordingFit FitFrom(double heading_error_deg, const std::string& free) {
+  const Scene body = MakeBody({.max_edge_m = 0.04});
+  const SonarModel sonar = CoarseSonar();
+  TargetPose truth{.range_m = 1.35,
+                   .azimuth_rad = RadFromDeg(-3.0),
+                   .elevation_rad = 0.0,
+                   .yaw_rad = RadFromDeg(130.0),
+                   .pitch_rad = RadFromDeg(20.0)};
+  SimulationOptions recorder;
+  recorder.noise = true;
+  ParameterSet coherent = BodyParameters();
+  coherent.model = EchoModel::kCoherent;
+  const Simulator simulator(body, sonar, recorder);
+  Frame frame{.info = {}, .image = simulator.Render(truth.WorldFromSonar(), coherent)};
+  frame.info.name = "frame";
+  TargetPose recorded = truth;
+  recorded.yaw_rad += RadFromDeg(heading_error_deg);
+  frame.info.world_from_sonar = recorded.WorldFromSonar();
+  RecordingInfo info;
+  info.source = "body";
+  info.synthetic = true;
+  info.sonar = sonar;
+  info.scale = frame.image.scale;
+
+  FitRecordingOptions options;
+  options.config.free = std::vector<std::string>{free};
+  options.pictures = false;
+  return FitRecording(MemoryRecording(info, {frame}), body, BodyParameters(), options);
+}
+
+TEST(FitDoubts, AHeadingHeldFiftyDegreesOffIsDoubtedFirst) {
+  const RecordingFit fit = FitFrom(50.0, "receiver.noise_db");
+  ASSERT_TRUE(fit.fit.usable);
+  ASSERT_FALSE(fit.fit.report.warnings.empty());
+  EXPECT_THAT(fit.fit.report.warnings.front(), HasSubstr("has not found the recorded object"));
+}
+
+// Whether the search comes back or not, either the images or the way that the pose went say so.
+TEST(FitDoubts, APoseFreeFromFiftyDegreesOffIsDoubted) {
+  const RecordingFit fit = FitFrom(50.0, "pose");
+  ASSERT_TRUE(fit.fit.usable);
+  EXPECT_FALSE(fit.fit.report.warnings.empty());
+}
+
+TEST(FitDoubts, AFitFromNearTheTruthIsNotDoubted) {
+  const RecordingFit fit = FitFrom(2.0, "pose");
+  ASSERT_TRUE(fit.fit.usable);
+  EXPECT_THAT(fit.fit.report.warnings, IsEmpty());
+}
+
+TEST(FitDoubts, APoseFarFromWhatWasKnownIsNamed) {
+  RecordingFit fit;
+  const auto add = [&](const char* name, const char* unit, double initial, double value) {
+    fit.fit.report.parameters.push_back({.name = name,
+                                         .unit = unit,
+                                         .value = value,
+                                         .sigma = {},
+                                         .initial = initial,
+                                         .status = ParameterStatus::kFree});
+  };
+  add("pose.3.yaw_deg", "deg", 179.0, -176.0);  // 5 degrees the short way round
+  add("pose.3.x_m", "m", 1.0, 1.04);
+  add("pose.4.yaw_deg", "deg", 10.0, 30.0);
+  add("material.floor.gsab.A", "1", 1.0, 100.0);
+  const FitConfig config{.pose_prior = {.position_m = 0.01, .angle_deg = 3.0}};
+  EXPECT_THAT(DoubtsAbout(fit, config), ElementsAre(HasSubstr("pose.4.yaw_deg ended 20 deg")));
+}
+
+}  // namespace
+}  // namespace sonarcal
