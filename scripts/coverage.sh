@@ -25,3 +25,5 @@ for speckle in independent grained; do
   "$build/tests/calib/coverage_study" "speckle=$speckle" "sets=$sets"
   printf '\n'
 done
+printf '### From the start that README has\n\n'
+"$build/tests/calib/coverage_study" from=readme curves=tank speckle=grained views=1 "sets=$sets"

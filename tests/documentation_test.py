@@ -3,9 +3,11 @@
     documentation_test.py SONARCAL
 
 man -l --warnings must have nothing to say of any page, each command of --help has its page with all options that
-its --help lists, and bash offers these options, the commands, and the words of options that take one of a few.
+its --help lists, and bash offers these options, the commands, and the words of options that take one of a few. The table of
+docs/sonars.md is what `sonarcal sonars` lists.
 """
 
+import json
 import os
 import pathlib
 import re
@@ -79,11 +81,36 @@ def check_fish(folder):
     assert "from view' -l open -l no-browser" in text
 
 
+def check_sonars():
+    """docs/sonars.md has a row for each sonar known by name, with its figures."""
+    page = pathlib.Path(__file__).parent.parent.joinpath("docs", "sonars.md").read_text(encoding="utf-8")
+    rows = {}
+    for line in page.splitlines():
+        if line.startswith("| `"):
+            cells = [cell.strip() for cell in line.strip("|").split("|")]
+            rows[cells[0].strip("`")] = cells[1:]
+    expected = {}
+    for preset in json.loads(output_of(SONARCAL, "sonars", "--json"))["sonars"]:
+        sonar = preset["sonar"]
+        expected[preset["name"]] = [
+            f"{sonar['frequency_hz'] / 1e6:g}",
+            f"{len(sonar['beam_azimuth_deg'])}",
+            sonar["beam_forming"],
+            f"{preset['field_of_view_deg']:.1f}",
+            f"{sonar['azimuth_beam_width_deg']:.2g}" + ("*" if "beam width" in preset["assumed"] else ""),
+            f"{sonar['elevation_beam_width_deg']:g}",
+            f"{sonar['range_min_m']:g}..{sonar['range_max_m']:g}",
+            f"{1e3 * (sonar['range_max_m'] - sonar['range_min_m']) / sonar['range_bins']:.3g}",
+        ]
+    assert rows == expected, f"docs/sonars.md has {rows}, the program {expected}"
+
+
 def main():
     """The test."""
     help_text = output_of(SONARCAL, "--help")
     commands = re.findall(r"^  (\w+) +[A-Z]", help_text.split("Commands:")[1], re.MULTILINE)
     assert len(commands) > 10 and "documentation" not in commands, commands
+    check_sonars()
     with tempfile.TemporaryDirectory() as folder:
         output_of(SONARCAL, "documentation", "--out", folder)
         check_pages(folder, commands)
