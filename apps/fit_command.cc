@@ -37,14 +37,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::vector<ChoiceAxis> ResolveAxes(const std::vector<std::string>& names) {
-  constexpr std::array kAxes = {ChoiceAxis::kPattern, ChoiceAxis::kElevation, ChoiceAxis::kLooks,
-                                ChoiceAxis::kTrend, ChoiceAxis::kDisplay};
+  constexpr std::array kAxes = {ChoiceAxis::kPattern, ChoiceAxis::kElevation, ChoiceAxis::kMirrors,
+                                ChoiceAxis::kLooks,   ChoiceAxis::kTrend,     ChoiceAxis::kDisplay};
   std::vector<ChoiceAxis> axes;
   for (const std::string& name : names) {
     const auto* const found =
         std::find_if(kAxes.begin(), kAxes.end(), [&](ChoiceAxis axis) { return ToString(axis) == name; });
     if (found == kAxes.end()) {
-      throw UsageError("--choose: '{}', expected pattern, elevation, looks, trend or display", name);
+      throw UsageError("--choose: '{}', expected pattern, elevation, mirrors, looks, trend or display", name);
     }
     axes.push_back(*found);
   }

@@ -73,10 +73,12 @@ std::string SummaryText(const Reproduction& reproduction, const std::filesystem:
       fmt::format("{:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", "held-out frames, polar, means",
                   kWidth, "Ns/Nr", "Na/Ns", "Na/Nr", "IoU", "union", "overlap");
   const auto add = [&](const std::string& what, const std::vector<SummaryRow>& rows,
-                       const RecordingFit& paper_fit) {
+                       const std::vector<std::pair<const char*, const RecordingFit*>>& fits) {
     text += what + "\n";
-    for (const std::string& sentence : paper_fit.fit.report.warnings)
-      text += fmt::format("  warning: paper model, {}\n", sentence);
+    for (const auto& [model, fit] : fits) {
+      for (const std::string& sentence : fit->fit.report.warnings)
+        text += fmt::format("  warning: {}, {}\n", model, sentence);
+    }
     for (const SummaryRow& row : rows) {
       const ViewSummary& view = row.metrics->aggregate.macro.polar;
       text += fmt::format("  {:<{}}  {:>5}  {:>5}  {:>5}  {:>5}  {:>6}  {:>7}\n", row.name, kWidth - 2,
@@ -86,12 +88,13 @@ std::string SummaryText(const Reproduction& reproduction, const std::filesystem:
                           figure(view.Over(IntensityDomain::kOverlap).mean_absolute, 3));
     }
   };
-  add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank), reproduction.tank.fit);
+  add("paper's tank (SYNTHETIC recording)", TankRows(reproduction.tank),
+      {{"paper model", &reproduction.tank.fit}, {"acoustic model", &reproduction.tank.acoustic}});
   if (reproduction.bomb) {
     add("bomb, ARIS 3000 (recorded), outline and pose found beforehand", BombRows(*reproduction.bomb),
-        reproduction.bomb->fitted.paper);
+        {{"paper model", &reproduction.bomb->fitted.paper}});
     add("bomb, plain outline, pose found by the search", SearchedBombRows(*reproduction.bomb),
-        reproduction.bomb->fit);
+        {{"paper model", &reproduction.bomb->fit}});
   }
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }

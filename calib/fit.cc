@@ -261,8 +261,8 @@ class Fitter {
       const CatalogEntry& entry = catalog_[interior_[i]];
       const double step = std::min(entry.prior->sigma, entry.typical_step);
       coordinates.push_back({entry.name, step, entry.logarithmic});
-      // Not a number where one block alone determines a parameter: that counts as open.
-      if (!(Sigma(i) <= std::sqrt(kOpenShare) * step))
+      // Not finite where hardly more than one block determines a parameter: that counts as open.
+      if (!(StandardError(i) <= std::sqrt(kOpenShare) * step) || !std::isfinite(Sigma(i)))
         status_[interior_[i]] = ParameterStatus::kUnidentifiable;
     }
     for (const int entry : curves.not_separate) status_[entry] = ParameterStatus::kUnidentifiable;
@@ -273,11 +273,15 @@ class Fitter {
       report_.unidentifiable_directions.push_back(std::move(words));
   }
 
-  // Standard error of the coordinate of an entry of `interior_`: 1.96 of it either way is a 95 % interval.
-  double Sigma(std::size_t i) const {
+  // Standard error of the coordinate of an entry of `interior_`, as far as it is known itself.
+  double StandardError(std::size_t i) const {
     const auto k = static_cast<Eigen::Index>(i);
-    const double student = student_.size() > 0 ? student_(k) : 1.0;
-    return student * std::sqrt(covariance_(k, k)) * (widening_.empty() ? 1.0 : widening_[interior_[i]]);
+    return std::sqrt(covariance_(k, k)) * (widening_.empty() ? 1.0 : widening_[interior_[i]]);
+  }
+
+  // What is reported: 1.96 of it either way is a 95 % interval, however few blocks the error above rests on.
+  double Sigma(std::size_t i) const {
+    return StandardError(i) * (student_.size() > 0 ? student_(static_cast<Eigen::Index>(i)) : 1.0);
   }
 
   // Freezes what the data leave open, one parameter after the other until the rest is determined; false where

@@ -233,6 +233,10 @@ class Chooser {
         return AzimuthVariants(best_.initial.beam);
       case ChoiceAxis::kElevation:
         return ElevationVariants(best_.initial.beam);
+      case ChoiceAxis::kMirrors:
+        if (best_.initial.mirrors.empty())
+          throw DataError("the axis 'mirrors' has nothing to choose: the parameters have no mirror");
+        return MirrorLobeVariants(best_.initial.beam);
       case ChoiceAxis::kLooks:
         return LooksVariants(axis);
       case ChoiceAxis::kTrend:
@@ -311,6 +315,8 @@ std::string_view ToString(ChoiceAxis axis) {
       return "pattern";
     case ChoiceAxis::kElevation:
       return "elevation";
+    case ChoiceAxis::kMirrors:
+      return "mirrors";
     case ChoiceAxis::kLooks:
       return "looks";
     case ChoiceAxis::kTrend:

@@ -8,6 +8,7 @@
 //
 //   kPattern    azimuth pattern of the beams: Gaussian, or an aperture of taper 0, 0.5, 1, at the same width
 //   kElevation  elevation pattern: Gaussian, cosine, or an aperture of taper 0, 1
+//   kMirrors    lobes of the elevation pattern through which mirrors are seen: all, or the main lobe
 //   kLooks      looks: 1, the number given, and the one that explains the frames used best
 //   kTrend      a trend of the noise floor with range: as given, or free
 //   kDisplay    logarithm, or one softened in power or amplitude, as the background of the first frame used
@@ -25,9 +26,9 @@
 
 namespace sonarcal {
 
-enum class ChoiceAxis { kPattern, kElevation, kLooks, kTrend, kDisplay };
+enum class ChoiceAxis { kPattern, kElevation, kMirrors, kLooks, kTrend, kDisplay };
 
-// "pattern", "elevation", "looks", "trend", "display".
+// "pattern", "elevation", "mirrors", "looks", "trend", "display".
 std::string_view ToString(ChoiceAxis axis);
 
 struct ModelChoiceOptions {

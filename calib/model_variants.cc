@@ -29,6 +29,10 @@ std::string ElevationName(const BeamParameters& beam) {
   return fmt::format("aperture, taper {:g}", beam.elevation_taper);
 }
 
+std::string MirrorLobesName(const BeamParameters& beam) {
+  return beam.mirror_lobes == MirrorLobes::kAll ? "through all lobes" : "through the main lobe";
+}
+
 // The beam given, and those others that are not it.
 std::vector<ModelVariant> BeamVariants(const BeamParameters& given, const std::vector<BeamParameters>& others,
                                        std::string (*name)(const BeamParameters&),
@@ -76,6 +80,12 @@ std::vector<ModelVariant> ElevationVariants(const BeamParameters& given) {
     to.elevation_pattern = from.elevation_pattern;
     to.elevation_taper = from.elevation_taper;
   });
+}
+
+std::vector<ModelVariant> MirrorLobeVariants(const BeamParameters& given) {
+  return BeamVariants(
+      given, {{.mirror_lobes = MirrorLobes::kAll}, {.mirror_lobes = MirrorLobes::kMain}}, MirrorLobesName,
+      [](const BeamParameters& from, BeamParameters& to) { to.mirror_lobes = from.mirror_lobes; });
 }
 
 }  // namespace sonarcal

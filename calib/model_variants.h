@@ -23,6 +23,9 @@ struct ModelVariant {
 std::vector<ModelVariant> AzimuthVariants(const BeamParameters& given);
 std::vector<ModelVariant> ElevationVariants(const BeamParameters& given);
 
+// The lobes through which mirrors are seen: those given, and the others.
+std::vector<ModelVariant> MirrorLobeVariants(const BeamParameters& given);
+
 // For people.
 const char* DisplayName(DisplayLaw law);
 

@@ -20,6 +20,8 @@ constexpr JsonWords<EchoModel, 3> kModels = {
 constexpr JsonWords<ElevationPattern, 3> kElevationPatterns = {{{"gaussian", ElevationPattern::kGaussian},
                                                                 {"aperture", ElevationPattern::kAperture},
                                                                 {"cosine", ElevationPattern::kCosine}}};
+constexpr JsonWords<MirrorLobes, 2> kMirrorLobes = {
+    {{"all", MirrorLobes::kAll}, {"main", MirrorLobes::kMain}}};
 constexpr JsonWords<AzimuthPattern, 3> kAzimuthPatterns = {{{"gaussian", AzimuthPattern::kGaussian},
                                                             {"aperture", AzimuthPattern::kAperture},
                                                             {"table", AzimuthPattern::kTable}}};
@@ -107,6 +109,7 @@ BeamParameters ReadBeam(const JsonReader& json) {
   if (const auto pattern = json.Find("elevation_pattern")) {
     beam.elevation_pattern = pattern->Word(kElevationPatterns);
   }
+  if (const auto lobes = json.Find("mirror_lobes")) beam.mirror_lobes = lobes->Word(kMirrorLobes);
   json.Update("elevation_taper", beam.elevation_taper, NumberRange::Between(0.0, 1.0));
   json.Update("azimuth_taper", beam.azimuth_taper, NumberRange::Between(0.0, 1.0));
   if (const auto table = json.Find("azimuth_table_db")) {
@@ -212,6 +215,7 @@ Json BeamJson(const BeamParameters& beam) {
                {"elevation_taper", beam.elevation_taper},
                {"transmit_even_deg", beam.transmit_even_deg},
                {"transmit_end_deg", beam.transmit_end_deg},
+               {"mirror_lobes", JsonWord(kMirrorLobes, beam.mirror_lobes)},
                {"sensitivity_db", beam.sensitivity_db}};
   if (!beam.azimuth_table_db.empty()) json["azimuth_table_db"] = beam.azimuth_table_db;
   return json;

@@ -16,7 +16,8 @@
 //    "table",
 //             "elevation_pattern": "gaussian" | "aperture" | "cosine", "elevation_taper": 0..1,
 //             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle],
-//             "transmit_even_deg", "transmit_end_deg", "sensitivity_db": [dB per beam]},
+//             "transmit_even_deg", "transmit_end_deg", "mirror_lobes": "all" | "main",
+//             "sensitivity_db": [dB per beam]},
 //    "pulse": {"length_m"},
 //    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
 //

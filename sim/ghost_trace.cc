@@ -321,8 +321,10 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
     options.cols = std::max(fan.cols / 4, 1);
     options.rows = std::max(fan.rows / 2, 1);
   }
-  const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));
-  options.elevation_span_deg = std::min(options.elevation_span_deg, main_lobe_deg);
+  if (beam.mirror_lobes == MirrorLobes::kMain) {
+    const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));
+    options.elevation_span_deg = std::min(options.elevation_span_deg, main_lobe_deg);
+  }
   const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
   const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));
   options.azimuth_margin_deg =

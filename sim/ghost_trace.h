@@ -16,9 +16,7 @@
 // mirror and back by another, of which one is flat (found by the sonar's image behind it). Not followed:
 // between two curved mirrors, and whatever has more reflections.
 //
-// Through side lobes of the elevation pattern no mirror is seen, though direct echoes come through them. A
-// synthetic recording by another program has no such ghosts: its mirror legs end where the main lobe does
-// (docs/ghosts.md). A real sonar hears them.
+// Mirrors are seen through the lobes of the elevation pattern that BeamParameters::mirror_lobes names.
 //
 // What is sent reaches as far in azimuth as the fan: legs beyond are not followed. That fan may be wider than
 // the one that listens (GhostFanOptions), as what is sent past the field of view may come back into it.
@@ -86,9 +84,9 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
                                       const ParameterSet& parameters);
 
 // Rays that look for ghosts beside a fan of these: a quarter of the columns and half of the rows for equal
-// angles, but as far aside as the transmitter sends, and in elevation no further than the main lobe of the
-// beam's pattern. What they find is shared between the columns of the fan itself. A ghost costs three rays
-// where an echo costs one, and is seldom as strong.
+// angles, but as far aside as the transmitter sends, and in elevation through the lobes that
+// `beam.mirror_lobes` names. What they find is shared between the columns of the fan itself. A ghost costs
+// three rays where an echo costs one, and is seldom as strong.
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam);
 
 // Azimuths from the outer edge of a fan's first column to that of its last.

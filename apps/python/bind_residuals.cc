@@ -28,6 +28,10 @@ class LockedView {
     const std::lock_guard lock(mutex_);
     return view_.At(values, frame, names);
   }
+  void WeighAbout(const ParameterValues& values) {
+    const std::lock_guard lock(mutex_);
+    view_.WeighAbout(values);
+  }
   const ResidualView& view() const { return view_; }
 
  private:
@@ -72,10 +76,9 @@ void BindResiduals(py::module_& module) {
       .def_property_readonly(
           "residual",
           [](const py::object& self) { return View(self.cast<const FrameResiduals&>().residual, self); },
-          "Shape (range_bins, beams), float64, 0 where a pixel does not count; a read-only view. Of the "
-          "paper model\n"
-          "expected - recorded in full scales; of the acoustic one that whose half square is the negative\n"
-          "log-likelihood of speckle.")
+          "Shape (range_bins, beams), float64, 0 where a pixel does not count; a read-only view.\n"
+          "Paper's model: expected - recorded in full scales, or what weigh_about() makes of it.\n"
+          "Acoustic model: that whose half square is the negative log-likelihood of speckle.")
       .def_property_readonly(
           "counted",
           [](const py::object& self) { return View(self.cast<const FrameResiduals&>().counted, self); },
@@ -122,7 +125,17 @@ void BindResiduals(py::module_& module) {
           py::arg("values"), py::arg("frame"), py::arg("names") = std::vector<std::string>{},
           "Residual of a frame at values (shape (names,), in the parameters' units), and its Jacobian by "
           "the\n"
-          "parameters named. Moving or naming those of beam, pulse or pose traces the frames again.");
+          "parameters named. Moving or naming those of beam, pulse or pose traces the frames again.")
+      .def(
+          "weigh_about",
+          [](LockedView& view, const DoubleArray& values) {
+            const std::vector<double> about = VectorFrom(values, "values");
+            const py::gil_scoped_release release;
+            view.WeighAbout(about);
+          },
+          py::arg("values"),
+          "Weighs residuals of the paper's model from now on by the noise that the frames show about values\n"
+          "(shape (names,)): half their squared sum is then the cost of a fit that ended at these values.");
   module.def("_residual_view", &MakeView, py::arg("recording"), py::arg("scene"), py::arg("params"),
              py::arg("frames"), py::arg("words"), py::arg("progress"));
 }

@@ -102,11 +102,21 @@ PolarImage ResidualView::Expected(int position, const ParameterValues& values) c
   return image;
 }
 
-FrameResiduals ResidualView::At(const ParameterValues& values, int frame,
-                                const std::vector<std::string>& names) {
+void ResidualView::CheckCount(const ParameterValues& values) const {
   if (values.size() != catalog().size())
     throw DataError("values: {} numbers, expected one for each of the {} parameters", values.size(),
                     catalog().size());
+}
+
+void ResidualView::WeighAbout(const ParameterValues& values) {
+  if (!paper_) throw DataError("weigh_about is for the paper's model: the acoustic model knows its noise");
+  CheckCount(values);
+  paper_->SetNoise(paper_->NoiseAbout(values));
+}
+
+FrameResiduals ResidualView::At(const ParameterValues& values, int frame,
+                                const std::vector<std::string>& names) {
+  CheckCount(values);
   const auto found = std::find(frames_.begin(), frames_.end(), frame);
   if (found == frames_.end()) throw DataError("frame {} is not among those of this view", frame);
   const int position = static_cast<int>(found - frames_.begin());

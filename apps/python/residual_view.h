@@ -12,9 +12,9 @@
 
 namespace sonarcal::python {
 
-// What a frame says at given values. Residuals are in the fit's own unit: of the paper model the difference
-// expected - recorded in full scales, of the acoustic one that whose half square is the negative
-// log-likelihood of speckle.
+// What a frame says at given values. The residual of the acoustic model is that whose half square is the
+// negative log-likelihood of speckle. The residual of the paper's model is the difference expected - recorded
+// in full scales; after WeighAbout it is that of calib/paper_likelihood.h.
 struct FrameResiduals {
   PolarImage expected;  // on the recording's grey scale
   PolarImage recorded;
@@ -40,8 +40,13 @@ class ResidualView {
   // at which the model has none. Not for two threads at once.
   FrameResiduals At(const ParameterValues& values, int frame, const std::vector<std::string>& names);
 
+  // Weighs the residuals of the paper's model from now on by the noise that the frames show about these
+  // values, as a fit does that ends there. Throws DataError for the acoustic model, which knows its noise.
+  void WeighAbout(const ParameterValues& values);
+
  private:
   const FrameModel& model() const;
+  void CheckCount(const ParameterValues& values) const;
   std::vector<int> EntriesOf(const std::vector<std::string>& names) const;
   PolarImage Expected(int position, const ParameterValues& values) const;
 

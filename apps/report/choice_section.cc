@@ -18,6 +18,8 @@ std::string AxisTitle(ChoiceAxis axis) {
       return "Azimuth pattern of the beams";
     case ChoiceAxis::kElevation:
       return "Elevation pattern of the beams";
+    case ChoiceAxis::kMirrors:
+      return "Lobes through which mirrors are seen";
     case ChoiceAxis::kLooks:
       return "Looks";
     case ChoiceAxis::kTrend:

@@ -152,6 +152,7 @@ void HtmlReport::AddHeading(int level, std::string_view title) {
 }
 
 bool IsOneColour(const std::vector<std::uint8_t>& png) {
+  PngSize(png);  // checks that it is one
   const ImageFile file({reinterpret_cast<const char*>(png.data()), png.size()}, "picture");
   const RgbImage image = file.DecodeRgb();
   const auto is_outside = [](const Rgb& colour) { return colour == kOutsideColor; };

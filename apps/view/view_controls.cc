@@ -124,6 +124,11 @@ constexpr std::array kChoices = {
            "Pattern in elevation",
            kAcoustic,
            {"gaussian", "aperture", "cosine", nullptr}},
+    Choice{"beam.mirror_lobes",
+           kBeamAndPulse,
+           "Mirrors seen through lobes",
+           kAcoustic,
+           {"all", "main", nullptr, nullptr}},
 };
 
 std::vector<std::string> PathOf(const std::string& root, std::string_view name) {

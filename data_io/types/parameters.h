@@ -114,6 +114,10 @@ enum class ElevationPattern {
   kCosine,    // the same shaded by a cosine
 };
 
+// Lobes of the elevation pattern through which mirrors are seen. Those of direct echoes, physically; some
+// simulations end their mirror legs where the main lobe does (docs/ghosts.md).
+enum class MirrorLobes { kAll, kMain };
+
 // Half-power widths of the beam, two-way; 0 = take the sonar's own. Where nobody says otherwise a beam has
 // side lobes: without them, what lies right below a sonar is not there at all.
 struct BeamParameters {
@@ -130,6 +134,7 @@ struct BeamParameters {
   // as rays are cast for the beams, and no further.
   double transmit_even_deg = 0.0;
   double transmit_end_deg = 0.0;
+  MirrorLobes mirror_lobes = MirrorLobes::kAll;
   // Sensitivity to echoes by beam, dB of power, as noise_taper_db is for noise; empty = 0 everywhere.
   std::vector<double> sensitivity_db = {};
 

@@ -22,16 +22,9 @@ using testing::Quoted;
 using testing::RunSonarcal;
 using testing::TinyWorld;
 
-// The tiny world as the acoustic model has it, with a floor that reflects.
+// The tiny world with a floor that reflects.
 ParameterSet Truth() {
-  ParameterSet parameters = testing::TinyParameters();
-  parameters.model = EchoModel::kAcoustic;
-  for (auto& [name, material] : parameters.materials) {
-    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
-  }
-  parameters.receiver.noise_db = 110.0;
-  parameters.display = {.db_min = 95.0, .db_max = 160.0};
-  parameters.pulse.length_m = 0.1;
+  ParameterSet parameters = testing::TinyAcousticParameters();
   parameters.mirrors["floor"].loss_db = 3.0;
   parameters.beam.transmit_even_deg = 15.0;
   parameters.beam.transmit_end_deg = 20.0;

@@ -82,6 +82,36 @@ TEST_F(FitCommand, FindsTheParametersAndJudgesThemOnOtherFrames) {
   EXPECT_EQ(fitted.materials.at("box").gsab.b_deg, 3.0) << "what is not free stays";
 }
 
+// A pinhole's frustum gives the outer beams fewer rays than even angles do.
+TEST_F(FitCommand, ARecordingOfFrustumRaysIsFittedWithItsRaysUnlessAskedOtherwise) {
+  ASSERT_EQ(RunSonarcal("simulate -q --noise --seed 5 --sampling frustum --rays 300x240 --scene " +
+                        Quoted(world_.scene()) + " --sonar " + Quoted(world_.sonar()) + " --params " +
+                        Quoted(world_.params()) + " --poses " + Quoted(world_.poses()) + " --out " +
+                        Quoted(world_ / "frustum"))
+                .status,
+            0);
+  const std::string fit = "fit -q --real " + Quoted(world_ / "frustum") + " --scene " +
+                          Quoted(world_.scene()) + " --params " + Quoted(world_ / "start.json") +
+                          " --starts 1 --free 'display.db_max,material.*.gsab.C' --out ";
+  ASSERT_EQ(RunSonarcal(fit + Quoted(world_ / "as_recorded")).status, 0);
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "as_recorded/fit.json");
+  EXPECT_EQ(json["rays_cast"], 4 * 300 * 240);
+  int compared = 0;
+  for (const nlohmann::json& parameter : json["parameters"]) {
+    if (parameter["sigma"].is_null()) continue;
+    ++compared;
+    EXPECT_NEAR(parameter["value"].get<double>(), parameter["truth"].get<double>(),
+                4.0 * parameter["sigma"].get<double>())
+        << parameter["name"];
+  }
+  EXPECT_GE(compared, 2);
+
+  const Outcome other = RunSonarcal(fit + Quoted(world_ / "other") + " --sampling beams --rays 96x200");
+  ASSERT_EQ(other.status, 0) << other.err;
+  EXPECT_THAT(testing::ReadJsonFile(world_ / "other/fit.json")["warnings"].dump(),
+              HasSubstr("simulated with frustum rays"));
+}
+
 TEST_F(FitCommand, FramesOfDifferentSettingsAreNotFittedTogether) {
   nlohmann::json json = testing::ReadJsonFile(real_ / "recording.json");
   json["frames"][0]["settings"] = {{"gain_db", 18}};
@@ -167,16 +197,11 @@ TEST_F(FitCommand, NothingToTellIsStatusThree) {
   EXPECT_FALSE(std::filesystem::exists(world_ / "out/params.json"));
 }
 
-// The tiny world as the acoustic model has it: levels a thousandth of the paper's, a noise floor, 50 dB.
+// The tiny world with more noise, 50 dB and a pattern of another shape.
 ParameterSet TinyAcoustic() {
-  ParameterSet parameters = testing::TinyParameters();
-  parameters.model = EchoModel::kAcoustic;
-  for (auto& [name, material] : parameters.materials) {
-    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
-  }
+  ParameterSet parameters = testing::TinyAcousticParameters();
   parameters.receiver.noise_db = 120.0;
   parameters.display = {.db_min = 110.0, .db_max = 160.0};
-  parameters.pulse.length_m = 0.1;
   parameters.beam.elevation_pattern = ElevationPattern::kGaussian;
   return parameters;
 }

@@ -23,19 +23,6 @@ using testing::ReadJsonFile;
 using testing::RunSonarcal;
 using testing::TinyWorld;
 
-// The tiny world as the acoustic model has it.
-ParameterSet AcousticTruth() {
-  ParameterSet parameters = testing::TinyParameters();
-  parameters.model = EchoModel::kAcoustic;
-  for (auto& [name, material] : parameters.materials) {
-    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
-  }
-  parameters.receiver.noise_db = 110.0;
-  parameters.display = {.db_min = 95.0, .db_max = 160.0};
-  parameters.pulse.length_m = 0.1;
-  return parameters;
-}
-
 class ObjectRegion : public ::testing::Test {
  protected:
   void MakeRecording(const ParameterSet& truth) {
@@ -99,14 +86,14 @@ TEST_F(ObjectRegion, TheFiguresOfAPaperFitComeBackFromItsExpectedImage) {
 }
 
 TEST_F(ObjectRegion, TheFiguresOfAnAcousticFitComeBackFromItsExpectedImageAndItsSample) {
-  MakeRecording(AcousticTruth());
+  MakeRecording(testing::TinyAcousticParameters());
   Run(FitArguments());
   ExpectFitScoresAs("metrics_after", "--expected");
   ExpectFitScoresAs("sample_metrics_after", "--noise");
 }
 
 TEST_F(ObjectRegion, ExplainScoresItsLastStepAsCompareDoes) {
-  MakeRecording(AcousticTruth());
+  MakeRecording(testing::TinyAcousticParameters());
   Run(fmt::format(
       "explain --real {} --scene {} --params {} --out {} --rays 96x200 --max-iterations 5 "
       "--held-out 1,3 --object box",

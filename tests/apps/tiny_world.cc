@@ -73,6 +73,18 @@ ParameterSet TinyParameters() {
   return parameters;
 }
 
+ParameterSet TinyAcousticParameters() {
+  ParameterSet parameters = TinyParameters();
+  parameters.model = EchoModel::kAcoustic;
+  for (auto& [name, material] : parameters.materials) {
+    for (double* amplitude : {&material.gsab.a, &material.gsab.c, &material.gsab.e}) *amplitude *= 1e-2;
+  }
+  parameters.receiver.noise_db = 110.0;
+  parameters.display = {.db_min = 95.0, .db_max = 160.0};
+  parameters.pulse.length_m = 0.1;
+  return parameters;
+}
+
 TinyWorld::TinyWorld() {
   WriteGltf(TinyScene(), scene());
   WritePoses(poses(), TinyPoses());

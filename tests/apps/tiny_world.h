@@ -36,6 +36,7 @@ class TinyWorld {
 };
 
 ParameterSet TinyParameters();
+ParameterSet TinyAcousticParameters();  // the same world as the acoustic model has it
 
 nlohmann::json ReadJsonFile(const std::filesystem::path& file);
 

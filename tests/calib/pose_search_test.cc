@@ -6,40 +6,14 @@
 
 #include "data_io/types/units.h"
 #include "sim/scenes.h"
+#include "tests/calib/small_body.h"
 
 namespace sonarcal {
 namespace {
 
-SonarModel CoarseSonar() {
-  SonarModel sonar{.name = "coarse",
-                   .frequency_hz = 3e6,
-                   .axes = {0.8, 2.0, 120, {}},
-                   .azimuth_beam_width_deg = 0.6,
-                   .elevation_beam_width_deg = 15.0,
-                   .sound_speed_m_per_s = 1480.0};
-  for (int beam = 0; beam < 56; ++beam)
-    sonar.axes.beam_azimuth_rad.push_back(RadFromDeg((beam - 27.5) * 0.5));
-  return sonar;
-}
-
-ParameterSet BodyParameters() {
-  ParameterSet parameters;
-  parameters.model = EchoModel::kAcoustic;
-  parameters.source_level_db = 0.0;
-  parameters.display = {.db_min = 0.0, .db_max = 40.0};
-  parameters.receiver.noise_db = 8.0;
-  parameters.receiver.gain_db = 68.0;
-  parameters.materials["body"].gsab = {.a = 0.0, .b_deg = 4.0, .c = 1.0, .d = 1.5, .e = 0.0, .f_deg = 10.0};
-  return parameters;
-}
-
-TargetPose TruePose() {
-  return {.range_m = 1.35,
-          .azimuth_rad = RadFromDeg(-3.0),
-          .elevation_rad = 0.0,
-          .yaw_rad = RadFromDeg(130.0),
-          .pitch_rad = RadFromDeg(20.0)};
-}
+using testing::BodyParameters;
+using testing::BodyPose;
+using testing::CoarseSonar;
 
 SimulationOptions Recorder() {
   SimulationOptions recorder;
@@ -61,7 +35,7 @@ PoseSearchOptions QuickSearch() {
 TEST(PoseSearchTest, FindsThePoseOfASpeckledImageUpToItsMirror) {
   const Scene body = MakeBody({.max_edge_m = 0.04});
   const SonarModel sonar = CoarseSonar();
-  const TargetPose truth = TruePose();
+  const TargetPose truth = BodyPose();
   const Simulator simulator(body, sonar, Recorder());
   const PolarImage recorded = simulator.Render(truth.WorldFromSonar(), BodyParameters());
 
@@ -96,7 +70,7 @@ TEST(PoseSearchTest, PredictsTheNoiseFloorThatTheParametersDescribe) {
   }
   const Simulator simulator(body, sonar, Recorder());
   const PolarImage recorded =
-      simulator.RenderExpected(simulator.TraceEchoes(TruePose().WorldFromSonar()), parameters);
+      simulator.RenderExpected(simulator.TraceEchoes(BodyPose().WorldFromSonar()), parameters);
   PoseSearchOptions options = QuickSearch();
   options.refined_starts = 1;
   options.ridge_elevations_deg = {};

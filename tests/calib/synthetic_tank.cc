@@ -20,6 +20,8 @@ ParameterSet Known(const ImageScale& scale) {
   known.materials["default"].gsab = {.a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
   known.beam.azimuth_width_deg = 1.0;
   known.beam.elevation_width_deg = 20.0;
+  known.beam.mirror_lobes =
+      MirrorLobes::kMain;  // as the simulation that made the recordings (docs/ghosts.md)
   known.pulse.length_m = 0.0254;
   return known;
 }

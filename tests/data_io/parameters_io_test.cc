@@ -66,6 +66,7 @@ ParameterSet UnlikeTheDefaults() {
               {-31.4, -12.1, 0.0, -12.1, -1.0 / 7.0},
               24.5,
               1000.0 / 23.0,
+              MirrorLobes::kMain,
               {-1.5, 0.0, 2.0 / 3.0}};
   set.pulse = {0.0254};
   set.water = Water{14.2, 0.31, 7.4, 3.3};

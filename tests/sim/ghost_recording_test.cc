@@ -1,12 +1,15 @@
 // Ghosts against a recording that somebody else's coherent simulation made, with mirrors in the tank: all its
 // parameters are given, nothing is fitted.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <iterator>
 
+#include "sim/beam_and_pulse.h"
 #include "sim/ghost_power.h"
 #include "tests/sim/synthetic_truth.h"
 
@@ -140,6 +143,95 @@ TEST_F(SyntheticTankWithGhosts, GhostsExplainWhatTheDirectImageDoesNot) {
   EXPECT_GT(ghost_cells, 30);
   EXPECT_LT(with, 0.85 * without);
   EXPECT_LT(with_where_ghosts, 0.5 * without_where_ghosts);
+}
+
+// By what the recording says that a part of the power has to be multiplied: weighted least squares over the
+// pixels that have some of it, whose standard deviation is at most the whole power. 17 pixels are as one.
+struct PartFactor {
+  void Add(double recorded, double rest, double part) {
+    const double whole = rest + part;
+    if (part < 0.05 * rest) return;
+    product += (recorded - rest) * part / (whole * whole);
+    square += part * part / (whole * whole);
+  }
+  double Value() const { return product / square; }
+  double Sigma() const { return std::sqrt(17.0 / square); }
+
+  double product = 0.0;
+  double square = 0.0;
+};
+
+// Of the surface's ghosts by the elevation of the leg that is further off the axis, and of direct echoes:
+// what docs/ghosts.md shows.
+TEST_F(SyntheticTankWithGhosts, HasDirectEchoesThroughSideLobesAndNoGhosts) {
+  const double main_deg =
+      DegFromRad(MainLobeEndRad(ElevationResponseOf(simulator_->sonar(), parameters_.beam)));
+  EXPECT_NEAR(main_deg, 38.0, 0.5);
+  const std::array<double, 8> edges_deg = {0.0, 20.0, 25.0, 30.0, 34.0, main_deg, 50.0, 70.0};
+  ParameterSet all_lobes = parameters_;
+  all_lobes.beam.mirror_lobes = MirrorLobes::kAll;
+  std::array<PartFactor, edges_deg.size() - 1> of_ghosts;
+  PartFactor of_direct;
+  for (int index = 0; index < recording_->frame_count(); ++index) {
+    const Frame frame = recording_->ReadFrame(index);
+    const Pose& pose = *frame.info.world_from_sonar;
+    const EchoList echoes = simulator_->TraceEchoes(pose);
+    const GhostList ghosts = simulator_->TraceGhosts(pose, all_lobes);
+    const auto off_axis_deg = [](const GhostEcho& echo) {
+      return DegFromRad(std::max(std::abs(echo.leg.elevation_rad), std::abs(echo.other.elevation_rad)));
+    };
+    // Power with the ghosts that are kept and, if `side_lobes`, the direct echoes through side lobes.
+    const auto power = [&](const auto& keep, bool side_lobes) {
+      EchoList direct = echoes;
+      for (std::size_t i = 0; i < direct.size(); ++i) {
+        if (!side_lobes && DegFromRad(std::abs(direct.elevation_rad[i])) > main_deg)
+          direct.solid_angle_sr[i] = 0.0F;
+      }
+      ScatterMap scatter = MakeScatterMap(direct, simulator_->fan(), geometry(), all_lobes);
+      GhostList kept{{}, ghosts.material_names};
+      std::copy_if(ghosts.echoes.begin(), ghosts.echoes.end(), std::back_inserter(kept.echoes), keep);
+      AddGhosts(kept, geometry(), all_lobes, scatter);
+      return PowerOf(scatter).value;
+    };
+    const auto add = [&](const Grid<float>& rest, const Grid<float>& whole, PartFactor& factor) {
+      for (int bin = kFirstBin; bin < kLastBin; ++bin) {
+        for (int beam = 0; beam < rest.cols(); ++beam) {
+          factor.Add(RecordedPower(frame.image.value(bin, beam)), rest(bin, beam),
+                     double{whole(bin, beam)} - double{rest(bin, beam)});
+        }
+      }
+    };
+    const auto in_main = [&](const GhostEcho& echo) { return off_axis_deg(echo) <= main_deg; };
+    const Grid<float> known = power(in_main, true);
+    add(power(in_main, false), known, of_direct);
+    for (std::size_t i = 0; i < of_ghosts.size(); ++i) {
+      const auto in_part = [&](const GhostEcho& echo) {
+        const double deg = off_axis_deg(echo);
+        return ghosts.material_names[echo.leg.mirror[0]] == "surface" && deg > edges_deg[i] &&
+               deg <= edges_deg[i + 1];
+      };
+      const bool in_known = edges_deg[i] < main_deg;
+      const auto in_rest = [&](const GhostEcho& echo) { return in_main(echo) && !in_part(echo); };
+      const auto in_whole = [&](const GhostEcho& echo) { return in_main(echo) || in_part(echo); };
+      if (in_known) {
+        add(power(in_rest, true), known, of_ghosts[i]);
+      } else {
+        add(known, power(in_whole, true), of_ghosts[i]);
+      }
+    }
+  }
+  const auto print = [](const std::string& what, const PartFactor& factor) {
+    std::cout << what << ": recorded " << factor.Value() << " +- " << factor.Sigma() << " of expected\n";
+  };
+  print("direct echoes through side lobes in elevation", of_direct);
+  for (std::size_t i = 0; i < of_ghosts.size(); ++i) {
+    print(fmt::format("ghosts by the surface, {:.0f} to {:.0f} degrees", edges_deg[i], edges_deg[i + 1]),
+          of_ghosts[i]);
+    const double expected = edges_deg[i] < main_deg ? 1.0 : 0.0;
+    EXPECT_NEAR(of_ghosts[i].Value(), expected, 4.0 * of_ghosts[i].Sigma()) << edges_deg[i];
+  }
+  EXPECT_NEAR(of_direct.Value(), 1.0, 4.0 * of_direct.Sigma());
+  EXPECT_LT(of_ghosts.back().Sigma(), 0.1);
 }
 
 }  // namespace
