@@ -11,8 +11,9 @@ namespace {
 constexpr std::size_t kBoundsTolerated = 1;
 // Pixels with echoes that the model clips and the recording does not, as a share.
 constexpr double kClippedTolerated = 0.1;
-// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam.
-constexpr double kNarrowSpanDb = 1.0;
+// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam. With the rounding of a
+// bound.
+constexpr double kNarrowSpanDb = 1.001;
 // Relative difference of cost by which no optimum is better than another, and the difference of their images
 // (of full scale, RMS) by which they are two.
 constexpr double kEqualCost = 0.01;
@@ -49,9 +50,10 @@ std::vector<std::string> DegenerateFitWarnings(const FitReport& report, const Pa
   const bool span_is_fitted =
       high != nullptr && low != nullptr &&
       (high->status != ParameterStatus::kFixed || low->status != ParameterStatus::kFixed);
-  if (span_is_fitted && high->value - low->value < kNarrowSpanDb) {
+  if (span_is_fitted && high->value - low->value <= kNarrowSpanDb) {
     warnings.push_back(fmt::format(
-        "the fit is degenerate: the fitted display spans {:.2g} dB, but the paper's model needs 1 to 3 dB",
+        "the fit is degenerate: the fitted display spans {:.2g} dB, and with 1 dB or less the model makes "
+        "outlines, not levels",
         high->value - low->value));
   }
   for (const OtherOptimum& other : others) {

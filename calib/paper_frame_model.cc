@@ -81,19 +81,31 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const Imag
 
 // Bounds of curves and display, of what no gauge moves.
 void PaperFrameModel::BoundByLevel() {
-  // An echo 1 m from the sonar lies this much above dB_min; the paper's own: 70 dB.
-  constexpr double kLowestDb = -20.0;
-  constexpr double kHighestDb = 100.0;
-  // Display spans: the paper's example, 0 to 100 dB, is the widest.
-  constexpr double kNarrowestDb = 0.3;
+  // An echo 1 m from the sonar: at least this much above dB_min, at most this much above the dB_max given. The
+  // paper's own lies 70 dB above dB_min and 67 dB above dB_max.
+  constexpr double kLowestAboveMinDb = -20.0;
+  constexpr double kHighestAboveMaxDb = 77.0;
+  // Display spans: a third of the paper's own; the paper's example, 0 to 100 dB, is the widest.
+  constexpr double kNarrowestDb = 1.0;
   constexpr double kWidestDb = 100.0;
+  // Wider Gaussians and flatter cosines take the place of one another.
+  constexpr double kFlattestD = 0.3;
+  constexpr double kSteepestD = 3.0;
+  constexpr double kWidestFDeg = 30.0;
   const double level_db = LevelOfOneDb();
+  const double highest_db = kHighestAboveMaxDb + initial_.display.db_max - initial_.display.db_min;
   for (CatalogEntry& entry : catalog_) {
     if (IsAmplitude(entry)) {
-      entry.lower = PowerFromDb(kLowestDb - level_db);
-      entry.upper = PowerFromDb(kHighestDb - level_db);
+      entry.lower = PowerFromDb(kLowestAboveMinDb - level_db);
+      entry.upper = PowerFromDb(highest_db - level_db);
     } else if (entry.group == ParameterGroup::kGsab) {
       NarrowToRealCurves(entry);
+      if (entry.index == 3) {
+        entry.lower = kFlattestD;
+        entry.upper = kSteepestD;
+      } else if (entry.index == 5) {
+        entry.upper = kWidestFDeg;
+      }
     } else if (entry.name == "display.db_max") {
       entry.lower = initial_.display.db_min + kNarrowestDb;
       entry.upper = initial_.display.db_min + kWidestDb;
