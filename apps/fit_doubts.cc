@@ -24,6 +24,17 @@ ViewSummary OverFramesOf(const MetricsReport& report, const MetricsReport& of) {
   return AggregateFrames(frames).macro.polar;
 }
 
+void DoubtObjectInView(const RecordingFit& fit, std::vector<std::string>& doubts) {
+  const auto without = std::count_if(
+      fit.after.frames.begin(), fit.after.frames.end(),
+      [](const FrameMetrics& frame) { return frame.object_box.has_value() && frame.object_box->empty(); });
+  if (without == 0) return;
+  doubts.push_back(fmt::format(
+      "the scene shows no pixel of the object in {} of the {} frames that judge the fit: its poses, "
+      "the scene or the name of the object may be wrong",
+      without, fit.after.frames.size()));
+}
+
 void DoubtAgreement(const RecordingFit& fit, std::vector<std::string>& doubts) {
   if (!fit.sample_after || !fit.sample_pair) return;
   const ViewSummary recorded = OverFramesOf(*fit.sample_after, *fit.sample_pair);
@@ -37,7 +48,9 @@ void DoubtAgreement(const RecordingFit& fit, std::vector<std::string>& doubts) {
                     "fitted model, {:.2f} between two samples, so the standard errors do not hold",
                     iou, *own_iou));
   }
-  const IntensityDomain domain = fit.after.options.intensity_domain;
+  // Without an object in either image there is the whole image.
+  const bool has_object = recorded.Over(fit.after.options.intensity_domain).mean_absolute.value.has_value();
+  const IntensityDomain domain = has_object ? fit.after.options.intensity_domain : IntensityDomain::kWhole;
   const std::optional<double> own_error = own.Over(domain).mean_absolute.value;
   const std::optional<double> error = recorded.Over(domain).mean_absolute.value;
   if (own_error && error && *error > kMaxTimesOwnError * *own_error) {
@@ -78,6 +91,7 @@ void DoubtPoses(const FitReport& report, const FitConfig& config, std::vector<st
 
 std::vector<std::string> DoubtsAbout(const RecordingFit& fit, const FitConfig& config) {
   std::vector<std::string> doubts;
+  DoubtObjectInView(fit, doubts);
   DoubtAgreement(fit, doubts);
   DoubtResiduals(fit, doubts);
   DoubtPoses(fit.fit.report, config, doubts);

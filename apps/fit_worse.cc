@@ -31,8 +31,13 @@ std::vector<std::string> WorseFigures(const RecordingFit& fit) {
   } else {
     add("IoU", "expected image", before.At("iou"), after.At("iou"), 1.0);
   }
-  add("intensity error", "expected image", before.Over(domain).mean_absolute,
-      after.Over(domain).mean_absolute, -1.0);
+  if (before.Over(domain).mean_absolute.value && after.Over(domain).mean_absolute.value) {
+    add("intensity error", "expected image", before.Over(domain).mean_absolute,
+        after.Over(domain).mean_absolute, -1.0);
+  } else {
+    add("intensity error", "whole expected image", before.Over(IntensityDomain::kWhole).mean_absolute,
+        after.Over(IntensityDomain::kWhole).mean_absolute, -1.0);
+  }
   return sentences;
 }
 

@@ -20,8 +20,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// A body in open water, seen once; recorded with a heading that is off.
-RecordingFit FitFrom(double heading_error_deg, const std::string& free) {
+// A body in open water, seen once; recorded with another pose.
+RecordingFit FitFrom(const TargetPose& recorded, const std::string& free,
+                     const std::optional<ObjectSearch>& object = {}) {
   const Scene body = MakeBody({.max_edge_m = 0.04});
   const SonarModel sonar = CoarseSonar();
   const TargetPose truth = BodyPose();
@@ -32,8 +33,6 @@ RecordingFit FitFrom(double heading_error_deg, const std::string& free) {
   const Simulator simulator(body, sonar, recorder);
   Frame frame{.info = {}, .image = simulator.Render(truth.WorldFromSonar(), coherent)};
   frame.info.name = "frame";
-  TargetPose recorded = truth;
-  recorded.yaw_rad += RadFromDeg(heading_error_deg);
   frame.info.world_from_sonar = recorded.WorldFromSonar();
   RecordingInfo info;
   info.source = "body";
@@ -44,11 +43,27 @@ RecordingFit FitFrom(double heading_error_deg, const std::string& free) {
   FitRecordingOptions options;
   options.config.free = std::vector<std::string>{free};
   options.pictures = false;
+  options.comparison.object = object;
   return FitRecording(MemoryRecording(info, {frame}), body, BodyParameters(), options);
 }
 
+TargetPose TurnedBy(double heading_deg) {
+  TargetPose pose = BodyPose();
+  pose.yaw_rad += RadFromDeg(heading_deg);
+  return pose;
+}
+
+TEST(FitDoubts, AnObjectOutOfViewIsDoubtedFirst) {
+  TargetPose aside = BodyPose();
+  aside.azimuth_rad = RadFromDeg(80.0);
+  const RecordingFit fit = FitFrom(aside, "receiver.noise_db", ObjectSearch{.material = "body"});
+  ASSERT_TRUE(fit.fit.usable);
+  ASSERT_FALSE(fit.fit.report.warnings.empty());
+  EXPECT_THAT(fit.fit.report.warnings.front(), HasSubstr("no pixel of the object in 1 of the 1 frames"));
+}
+
 TEST(FitDoubts, AHeadingHeldFiftyDegreesOffIsDoubtedFirst) {
-  const RecordingFit fit = FitFrom(50.0, "receiver.noise_db");
+  const RecordingFit fit = FitFrom(TurnedBy(50.0), "receiver.noise_db");
   ASSERT_TRUE(fit.fit.usable);
   ASSERT_FALSE(fit.fit.report.warnings.empty());
   EXPECT_THAT(fit.fit.report.warnings.front(), HasSubstr("has not found the recorded object"));
@@ -56,13 +71,13 @@ TEST(FitDoubts, AHeadingHeldFiftyDegreesOffIsDoubtedFirst) {
 
 // Whether the search comes back or not, either the images or the way that the pose went say so.
 TEST(FitDoubts, APoseFreeFromFiftyDegreesOffIsDoubted) {
-  const RecordingFit fit = FitFrom(50.0, "pose");
+  const RecordingFit fit = FitFrom(TurnedBy(50.0), "pose");
   ASSERT_TRUE(fit.fit.usable);
   EXPECT_FALSE(fit.fit.report.warnings.empty());
 }
 
 TEST(FitDoubts, AFitFromNearTheTruthIsNotDoubted) {
-  const RecordingFit fit = FitFrom(2.0, "pose");
+  const RecordingFit fit = FitFrom(TurnedBy(2.0), "pose");
   ASSERT_TRUE(fit.fit.usable);
   EXPECT_THAT(fit.fit.report.warnings, IsEmpty());
 }
