@@ -162,19 +162,34 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   TargetFitOptions options = BombFitOptions();
   options.free_model = false;
   options.free_pose = true;
-  const TargetFit fit = FitTarget(MakeBomb(), other->info().sonar, other->info().water.value_or(Water{}),
-                                  judged, BombOtherPose(), known, options);
-  ASSERT_TRUE(fit.fit.usable);
-  const Simulator simulator(fit.placed, other->info().sonar, fit.simulation);
-  const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
-  const Judgement expected = Judge(judged, simulator.RenderExpected(echoes, fit.fit.parameters));
-  Print("other pose, expected image (of 255 counts)", expected);
-  EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kWhole), 0.050);
-  EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kUnion), 0.092);
-  EXPECT_LE(kFullScaleOfOther * expected.Error(IntensityDomain::kOverlap), 0.100);
-  const Judgement samples = JudgeSamples(simulator, fit, judged);
-  Print("other pose, speckled samples, pooled", samples);
-  EXPECT_GE(*samples.metrics.polar.occupancy.iou(), 0.75);
+  // A pose search on rays ends at slightly different places from different starts: their mean is judged.
+  std::array<double, 3> errors{};
+  double iou = 0.0;
+  const std::array<double, 3> starts_deg = {-1.5, 0.0, 1.5};
+  for (const double off_deg : starts_deg) {
+    TargetPose start = BombOtherPose();
+    start.yaw_rad += RadFromDeg(off_deg);
+    start.pitch_rad += RadFromDeg(off_deg);
+    const TargetFit fit = FitTarget(MakeBomb(), other->info().sonar, other->info().water.value_or(Water{}),
+                                    judged, start, known, options);
+    ASSERT_TRUE(fit.fit.usable);
+    const Simulator simulator(fit.placed, other->info().sonar, fit.simulation);
+    const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
+    const Judgement expected = Judge(judged, simulator.RenderExpected(echoes, fit.fit.parameters));
+    Print("other pose, expected image (of 255 counts)", expected);
+    const Judgement samples = JudgeSamples(simulator, fit, judged);
+    Print("other pose, speckled samples, pooled", samples);
+    const std::array domains = {IntensityDomain::kWhole, IntensityDomain::kUnion, IntensityDomain::kOverlap};
+    for (std::size_t i = 0; i < domains.size(); ++i)
+      errors[i] += kFullScaleOfOther * expected.Error(domains[i]) / starts_deg.size();
+    iou += *samples.metrics.polar.occupancy.iou() / starts_deg.size();
+  }
+  std::cout << "means: whole " << errors[0] << ", union " << errors[1] << ", overlap " << errors[2]
+            << "; IoU " << iou << "\n";
+  EXPECT_LE(errors[0], 0.050);
+  EXPECT_LE(errors[1], 0.092);
+  EXPECT_LE(errors[2], 0.100);
+  EXPECT_GE(iou, 0.75);
 }
 
 }  // namespace
