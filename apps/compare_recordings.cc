@@ -196,6 +196,10 @@ MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSour
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
   }
+  for (const auto& [name, value] : simulated.info().details) {
+    if (simulated.info().synthetic && name == "noise")
+      notes.insert(fmt::format("noise in the simulated images: {}", value));
+  }
   report.notes.assign(notes.begin(), notes.end());
   return report;
 }

@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t kBoundsTolerated = 1;
 // Pixels with echoes that the model clips and the recording does not, as a share.
 constexpr double kClippedTolerated = 0.1;
-// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam. With the rounding of a
-// bound.
+// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam. With the rounding of
+// a bound.
 constexpr double kNarrowSpanDb = 1.001;
 // Relative difference of cost by which no optimum is better than another, and the difference of their images
 // (of full scale, RMS) by which they are two.

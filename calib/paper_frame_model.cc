@@ -81,8 +81,8 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const Imag
 
 // Bounds of curves and display, of what no gauge moves.
 void PaperFrameModel::BoundByLevel() {
-  // An echo 1 m from the sonar: at least this much above dB_min, at most this much above the dB_max given. The
-  // paper's own lies 70 dB above dB_min and 67 dB above dB_max.
+  // An echo 1 m from the sonar: at least this much above dB_min, at most this much above the dB_max given.
+  // The paper's own lies 70 dB above dB_min and 67 dB above dB_max.
   constexpr double kLowestAboveMinDb = -20.0;
   constexpr double kHighestAboveMaxDb = 77.0;
   // Display spans: a third of the paper's own; the paper's example, 0 to 100 dB, is the widest.
