@@ -214,6 +214,10 @@ TEST_F(ModelChoiceTest, WhatCannotBeChosenIsRefused) {
   EXPECT_THROW(
       ChooseModel(simulator_, frames, Record(Truth(), true), power, config, {.axes = {ChoiceAxis::kDisplay}}),
       DataError);
+  EXPECT_THROW(ChooseModel(simulator_, frames, Record(Truth(), true), Truth(), config,
+                           {.axes = {ChoiceAxis::kMirrors}}),
+               DataError)
+      << "there is no mirror";
 }
 
 GreyFrame Flat(int bins, int beams, float grey) {

@@ -134,5 +134,18 @@ TEST(Ghosts, SecondOrderReachesTheImageOfTheImage) {
   EXPECT_THROW(acoustics.Trace(scene, Pose{}, fan, 3), DataError);
 }
 
+TEST(GhostFan, ReachesThroughTheLobesThatTheParametersName) {
+  const SonarModel sonar = GhostSonar();
+  const RayFanOptions fan{
+      .sampling = Sampling::kBeams, .cols = kBeams, .rows = 100, .elevation_span_deg = 150.0};
+  BeamParameters beam{.elevation_width_deg = 20.0};
+  EXPECT_EQ(GhostFanOptions(fan, sonar, beam).elevation_span_deg, 150.0);
+  beam.mirror_lobes = MirrorLobes::kMain;
+  // A cosine-shaded aperture v = L sin(el) has half of its two-way power, cos(pi v) / (1 - 4 v^2) =
+  // 0.5^(1/4), at 0.4255, and its first null at 1.5.
+  const double null_deg = DegFromRad(std::asin(1.5 / 0.4255 * std::sin(RadFromDeg(10.0))));
+  EXPECT_NEAR(GhostFanOptions(fan, sonar, beam).elevation_span_deg, 2.0 * null_deg, 0.2);
+}
+
 }  // namespace
 }  // namespace sonarcal
