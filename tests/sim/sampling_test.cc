@@ -278,6 +278,7 @@ Grid<float> RenderFresh(const Scene& scene, const RayFanOptions& fan, const Pose
   SimulationOptions options;
   options.fan = fan;
   options.water = FindSonarPreset("p900-45").water;
+  options.absorption = AbsorptionFormula::kAinslieMcColm;  // the reference's
   const Simulator simulator(scene, P900(), options);
   return RenderPaperImage(simulator.TraceEchoes(pose), P900(), TableFour(1), simulator.absorption_db_per_m())
       .value;
