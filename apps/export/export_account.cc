@@ -64,6 +64,7 @@ std::vector<std::pair<std::string, std::string>> Unused(const ParameterSet& para
     add("beam.transmit_even_deg", "nothing is sent beyond the field of view");
     add("beam.transmit_end_deg", "nothing is sent beyond the field of view");
   }
+  if (parameters.mirrors.empty()) add("beam.mirror_lobes", "there is no mirror");
   if (beam.sensitivity_db.empty()) add("beam.sensitivity_db", "is empty");
   const DisplayParameters<double>& display = parameters.display;
   if (display.law != DisplayLaw::kSoftLog && display.law != DisplayLaw::kSoftAmplitude)

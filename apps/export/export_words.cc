@@ -80,6 +80,7 @@ void AccountForTheRest(const std::string& simulator, ExportAccount& account) {
   no("beam.elevation_width_deg", "width of the beams in elevation of the parameters' own");
   no("beam.elevation_", "shape of the beams in elevation: it ends at a hard edge");
   no("beam.transmit_", "sound sent beyond the field of view");
+  no("beam.mirror_lobes", "choice of the lobes through which mirrors are seen");
   no("beam.sensitivity_db", "sensitivity that differs by beam");
   no("pulse.", "length of the pulse");
   no("jitter.", "errors of a ray in range and azimuth");

@@ -179,9 +179,9 @@ void AddShown(HtmlReport& report, const std::vector<ShownRecording>& shown) {
 
 void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
   const IntensityDomain domain = reproduction.tank.fit.after.options.intensity_domain;
-  const auto figures_of = [&](const std::string& what, const MetricsReport& paper,
+  const auto figures_of = [&](const std::string& what, const RecordingFit& paper,
                               const MetricsReport& acoustic, const MetricsReport& sample) {
-    const ViewSummary& p = paper.aggregate.macro.polar;
+    const ViewSummary& p = (IsSound(paper) ? paper.after : paper.before).aggregate.macro.polar;
     const ViewSummary& a = acoustic.aggregate.macro.polar;
     const ViewSummary& s = sample.aggregate.macro.polar;
     const auto figure = [&](const char* label, const ViewSummary& view, const char* image) {
@@ -193,8 +193,11 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
     };
     constexpr const char* kIou = "IoU of the object";
     constexpr const char* kError = "intensity error";
-    return std::vector<KeyFigure>{figure(kIou, p, "paper model, fitted: expected image"),
-                                  figure(kError, p, "paper model, fitted: expected image"),
+    // Nothing doubtful stands among the first figures.
+    const char* paper_image = IsSound(paper) ? "paper model, fitted: expected image"
+                                             : "paper model, its own values: expected image";
+    return std::vector<KeyFigure>{figure(kIou, p, paper_image),
+                                  figure(kError, p, paper_image),
                                   figure(kIou, a, "acoustic model, fitted: expected image"),
                                   figure(kError, a, "acoustic model, fitted: expected image"),
                                   figure(kIou, s, "acoustic model, fitted: speckled sample"),
@@ -202,11 +205,11 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
   };
   const TankComparison& tank = reproduction.tank;
   std::vector<KeyFigure> figures =
-      figures_of("Tank (synthetic)", tank.fit.after, tank.acoustic.after, *tank.acoustic.sample_after);
+      figures_of("Tank (synthetic)", tank.fit, tank.acoustic.after, *tank.acoustic.sample_after);
   if (reproduction.bomb && reproduction.bomb->fitted.paper.fit.usable &&
       reproduction.bomb->fitted.acoustic.fit.usable) {
     const BombComparison::Fitted& fitted = reproduction.bomb->fitted;
-    const auto of_bomb = figures_of("Bomb (recorded)", fitted.paper.after, fitted.expected, fitted.samples);
+    const auto of_bomb = figures_of("Bomb (recorded)", fitted.paper, fitted.expected, fitted.samples);
     figures.insert(figures.end(), of_bomb.begin(), of_bomb.end());
   }
   report.KeyFigures(figures);

@@ -14,6 +14,7 @@ namespace sonarcal {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Quoted;
 
 // The command of README's tour that begins with `words`, without its comment.
@@ -87,6 +88,9 @@ TEST(ReproduceCommand, FitsBothModelsToACoherentRecordingAndSaysItIsSynthetic) {
   for (const char* image :
        {"acoustic model, fitted: expected image", "acoustic model, fitted: speckled sample"})
     EXPECT_THAT(html, HasSubstr(image)) << "each card names its image";
+  if (!metrics["paper_fit_warnings"].empty()) {
+    EXPECT_THAT(html, Not(HasSubstr("paper model, fitted: expected image"))) << "doubtful figures come later";
+  }
 
   ExpectTheTourPrintsTheReportsFigures(dir.path(), rows);
 }
