@@ -357,13 +357,14 @@ class Explainer {
         warnings[fitted.name] =
             fmt::format("step '{}': {} ended at the end of its range, {:.4g} of {:g} to {:g}{}{}",
                         ToString(step.part), fitted.name, fitted.value, fitted.lower, fitted.upper,
-                        fitted.unit.empty() ? "" : " ", fitted.unit);
+                        fitted.unit == "1" ? "" : " ", fitted.unit == "1" ? "" : fitted.unit);
       }
     }
     for (const auto& [name, sentence] : warnings) result_.warnings.push_back(sentence);
     const double looks = result_.steps.back().parameters.receiver.looks;
     constexpr double kBeside = 1.005;
-    if (looks < kBeside * kFewestLooks || looks > kMostLooks / kBeside) {
+    // One look, the other end, is what speckle of a single ping has.
+    if (looks > kMostLooks / kBeside) {
       result_.warnings.push_back(
           fmt::format("step '{}': receiver.looks ended at the end of its range, {:.3g} of {:g} to {:g}",
                       ToString(ExplainedPart::kSpeckle), looks, kFewestLooks, kMostLooks));

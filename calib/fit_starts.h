@@ -12,11 +12,6 @@ namespace sonarcal {
 // A parameter's place in a catalog, -1 where it has none of that name.
 int FindEntry(const std::vector<CatalogEntry>& catalog, const std::string& name);
 
-// Amplitude of a backscatter curve: A, C or E.
-inline bool IsAmplitude(const CatalogEntry& entry) {
-  return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;
-}
-
 // Tries dB ranges and common level offsets of all curves on the first frame, as far as they are free, and
 // returns the values that explain it best, within the bounds.
 ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/fit_starts.h"
 #include "data_io/types/error.h"
 #include "data_io/types/units.h"
 #include "sim/paper_values.h"

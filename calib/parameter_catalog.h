@@ -103,6 +103,11 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
 // exponent; and of amplitudes, as backscatter per unit area.
 void NarrowToRealCurves(CatalogEntry& gsab_entry);
 
+// Amplitude of a backscatter curve: A, C or E.
+inline bool IsAmplitude(const CatalogEntry& entry) {
+  return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;
+}
+
 // Beam, pulse and pose: what decides where an echo arrives; and how far aside is sent, which decides whether
 // it does. None of them can be changed without tracing or gathering again.
 inline bool IsGeometric(const CatalogEntry& entry) {
