@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "metrics/against.h"
+#include "metrics/json/against.h"
 
 namespace sonarcal {
 

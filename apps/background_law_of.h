@@ -1,11 +1,11 @@
 // The law of the background that `sonarcal fit --noise-only` writes into params.json, as plain numbers for
-// metrics/likelihood_ratio.h.
+// metrics/segmentation/likelihood_ratio.h.
 #pragma once
 
 #include <filesystem>
 
-#include "data_io/types/parameters.h"
-#include "metrics/background_law.h"
+#include "core/types/parameters.h"
+#include "metrics/segmentation/background_law.h"
 
 namespace sonarcal {
 

@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/choice_option.h"
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/picture_io.h"
-#include "data_io/types/error.h"
+#include "data_io/pictures/picture_io.h"
 
 namespace sonarcal {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "apps/command.h"
-#include "data_io/bag_recording.h"
+#include "data_io/ros/bag_recording.h"
 
 namespace sonarcal {
 

@@ -12,9 +12,9 @@
 #include "apps/commands.h"
 #include "apps/interruption.h"
 #include "apps/progress.h"
-#include "data_io/atomic_output.h"
-#include "data_io/json_writer.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "data_io/json_reader.h"
+#include "data_io/json/json_reader.h"
 
 namespace sonarcal {
 namespace internal {

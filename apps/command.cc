@@ -12,9 +12,9 @@
 #include "apps/help_formatter.h"
 #include "apps/interruption.h"
 #include "apps/run_output.h"
-#include "data_io/json_writer.h"
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal {
 namespace {

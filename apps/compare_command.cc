@@ -31,12 +31,12 @@
 #include "apps/scene_geometry.h"
 #include "apps/shown_frames.h"
 #include "apps/threshold_check.h"
-#include "data_io/atomic_output.h"
-#include "data_io/file_bytes.h"
+#include "core/types/printable.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/files/file_bytes.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/printable.h"
 #include "metrics/figures.h"
 
 namespace sonarcal {

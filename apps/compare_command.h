@@ -1,8 +1,9 @@
 // `sonarcal compare`: a simulated recording against a real one, every metric, frame by frame and together.
 //
-// Written: metrics.json and per_frame.csv (metrics/metrics_json.h), residuals.csv (metrics/residuals.h), on
-// request threshold_sweep.csv (metrics/threshold_sweep.h), report.html, and for up to `pictures` frames
-// recorded, simulated, overlay and object regions as PNG, polar and fan (apps/comparison_pictures.h).
+// Written: metrics.json and per_frame.csv (metrics/json/metrics_json.h), residuals.csv
+// (metrics/measures/residuals.h), on request threshold_sweep.csv (metrics/threshold_sweep.h), report.html,
+// and for up to `pictures` frames recorded, simulated, overlay and object regions as PNG, polar and fan
+// (apps/comparison_pictures.h).
 //
 // Frames are read, compared and dropped one by one: of a frame its figures are kept, some kilobytes.
 #pragma once

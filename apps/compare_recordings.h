@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/recording.h"
-#include "metrics/metrics_json.h"
+#include "core/types/recording.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 

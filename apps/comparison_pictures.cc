@@ -5,10 +5,10 @@
 #include <string_view>
 #include <utility>
 
-#include "data_io/atomic_output.h"
-#include "data_io/image_io.h"
-#include "data_io/picture.h"
-#include "data_io/types/error.h"
+#include "apps/report/pictures/picture.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/images/image_io.h"
 
 namespace sonarcal {
 namespace {

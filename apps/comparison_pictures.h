@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "data_io/fan_image.h"
+#include "core/imaging/fan_image.h"
 #include "metrics/compare.h"
 
 namespace sonarcal {

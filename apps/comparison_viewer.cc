@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "data_io/image_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/images/image_io.h"
 
 namespace sonarcal {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "apps/report/frame_viewer.h"
-#include "data_io/types/image.h"
+#include "core/types/image.h"
 #include "metrics/compare.h"
-#include "metrics/metrics_json.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 

@@ -15,11 +15,11 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
+#include "core/types/error.h"
 #include "data_io/bag_trajectory.h"
 #include "data_io/posed_recording.h"
-#include "data_io/recording_io.h"
-#include "data_io/salvaged_recording.h"
-#include "data_io/types/error.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/recordings/salvaged_recording.h"
 
 namespace sonarcal {
 namespace {

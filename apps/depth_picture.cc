@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "data_io/picture.h"
+#include "apps/report/pictures/picture.h"
 
 namespace sonarcal {
 

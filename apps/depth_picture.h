@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "data_io/types/image.h"
-#include "data_io/types/rgb_image.h"
+#include "core/types/image.h"
+#include "core/types/rgb_image.h"
 
 namespace sonarcal {
 

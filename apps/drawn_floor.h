@@ -12,8 +12,8 @@
 #include <map>
 #include <vector>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/recording.h"
+#include "core/types/parameters.h"
+#include "core/types/recording.h"
 #include "metrics/noise_floor.h"
 
 namespace sonarcal {

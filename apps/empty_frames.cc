@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "sim/trace.h"
+#include "sim/rays/trace.h"
 
 namespace sonarcal {
 namespace {

@@ -21,13 +21,13 @@
 #include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/run_output.h"
-#include "data_io/atomic_output.h"
-#include "data_io/image_io.h"
-#include "data_io/json_writer.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/recording_catalogue.h"
-#include "data_io/types/error.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_catalogue.h"
 
 namespace sonarcal {
 namespace {

@@ -1,5 +1,6 @@
-// What each part of the acoustic model is worth for a recording (calib/explanation.h), in the figures that
-// `compare` has, and what the bright cells of the frames held out come from (sim/echo_causes.h).
+// What each part of the acoustic model is worth for a recording (calib/selection/explanation.h), in the
+// figures that `compare` has, and what the bright cells of the frames held out come from
+// (sim/gathered/echo_causes.h).
 #pragma once
 
 #include <functional>
@@ -9,10 +10,10 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/ray_options.h"
-#include "calib/explanation.h"
-#include "calib/fit_config.h"
-#include "data_io/types/recording.h"
-#include "data_io/types/scene.h"
+#include "calib/parameters/fit_config.h"
+#include "calib/selection/explanation.h"
+#include "core/types/recording.h"
+#include "core/types/scene.h"
 
 namespace sonarcal {
 

@@ -26,10 +26,10 @@
 #include "apps/simulate_recording.h"
 #include "apps/still_poses.h"
 #include "calib/acoustic_fit.h"
-#include "data_io/atomic_output.h"
-#include "data_io/json_writer.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {

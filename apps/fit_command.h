@@ -34,8 +34,9 @@ struct FitCommandOptions {
   RayOptions rays;
   int max_iterations = 100;
   int starts = 4;
-  std::vector<std::string> choose;  // axes of calib/model_choice.h, by the likelihood of the held-out frames
-  bool trust_all = false;           // count pixels in full that the scene does not explain
+  std::vector<std::string>
+      choose;              // axes of calib/selection/model_choice.h, by the likelihood of the held-out frames
+  bool trust_all = false;  // count pixels in full that the scene does not explain
   // --noise-only (apps/fit_noise.h): no scene, no poses; of the others real, out, held_out and, for its
   // display, params are used.
   bool noise_only = false;

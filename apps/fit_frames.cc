@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "apps/fit_recording.h"
-#include "calib/acoustic_frame_model.h"
-#include "calib/paper_frame_model.h"
+#include "calib/models/acoustic_frame_model.h"
+#include "calib/models/paper_frame_model.h"
 
 namespace sonarcal {
 

@@ -10,10 +10,10 @@
 #include "apps/report/paper_files.h"
 #include "apps/report/report_end.h"
 #include "apps/run_output.h"
-#include "calib/noise_fit.h"
-#include "data_io/atomic_output.h"
+#include "calib/noise/noise_fit.h"
+#include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {

@@ -17,13 +17,13 @@
 #include "apps/shown_frames.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
-#include "calib/held_out_frames.h"
 #include "calib/mirror_start.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/acoustic_image.h"
-#include "sim/power_response.h"
+#include "calib/models/held_out_frames.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/gathered/power_response.h"
 
 namespace sonarcal {
 namespace {

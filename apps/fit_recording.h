@@ -15,10 +15,10 @@
 #include "apps/report/frame_viewer.h"
 #include "apps/still_poses.h"
 #include "calib/fit.h"
-#include "calib/model_choice.h"
+#include "calib/selection/model_choice.h"
+#include "core/types/recording.h"
+#include "core/types/scene.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/recording.h"
-#include "data_io/types/scene.h"
 
 namespace sonarcal {
 

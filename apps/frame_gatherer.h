@@ -10,8 +10,8 @@
 #include "apps/compare_command.h"
 #include "apps/comparison_pictures.h"
 #include "apps/scene_geometry.h"
-#include "data_io/types/recording.h"
-#include "metrics/metrics_json.h"
+#include "core/types/recording.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 

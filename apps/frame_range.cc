@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
 
 namespace sonarcal {
 namespace {

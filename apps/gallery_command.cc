@@ -21,11 +21,11 @@
 #include "apps/run_output.h"
 #include "apps/scenes_command.h"
 #include "apps/simulate_recording.h"
-#include "data_io/image_io.h"
-#include "data_io/parameters_io.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/images/image_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {

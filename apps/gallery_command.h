@@ -12,14 +12,14 @@
 #include "apps/command.h"
 #include "apps/ray_options.h"
 #include "apps/scene_option.h"
-#include "sim/environments.h"
+#include "sim/scenes/environments.h"
 
 namespace sonarcal {
 
 struct GalleryOptions {
   CommonOptions common;
   std::filesystem::path out;
-  std::vector<std::string> only;  // names of sim/environments.h; empty: all
+  std::vector<std::string> only;  // names of sim/scenes/environments.h; empty: all
   EnvironmentOptions environment = {.bed = true};
   bool no_bed = false;          // leave mock-up, bridge pier and jacket free
   std::filesystem::path scene;  // a user's own, in place of those

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "apps/depth_picture.h"
-#include "data_io/fan_image.h"
-#include "data_io/picture.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "apps/report/pictures/picture.h"
+#include "core/imaging/fan_image.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "data_io/types/image.h"
-#include "data_io/types/rgb_image.h"
+#include "core/types/image.h"
+#include "core/types/rgb_image.h"
 #include "sim/simulator.h"
 
 namespace sonarcal {

@@ -11,8 +11,8 @@
 
 #include "apps/commands.h"
 #include "apps/recording_summary.h"
-#include "data_io/json_fields.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/json/json_fields.h"
 
 namespace sonarcal {
 namespace {

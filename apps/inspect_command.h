@@ -9,7 +9,7 @@
 
 #include "apps/bag_options.h"
 #include "apps/command.h"
-#include "data_io/types/recording.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "calib/parameter_catalog.h"
-#include "data_io/json_reader.h"
-#include "data_io/parameters_io.h"
+#include "calib/parameters/parameter_catalog.h"
+#include "data_io/json/json_reader.h"
+#include "data_io/parameters/parameters_io.h"
 #include "sim/physics/gsab.h"
 #include "sim/physics/paper_echo.h"
 

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "calib/fit_report.h"
-#include "data_io/types/parameters.h"
-#include "data_io/types/recording.h"
-#include "data_io/types/scene.h"
+#include "core/types/parameters.h"
+#include "core/types/recording.h"
+#include "core/types/scene.h"
 
 namespace sonarcal {
 

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-#include "data_io/types/recording.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "data_io/marker_map_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/parameters/marker_map_io.h"
 
 namespace sonarcal {
 

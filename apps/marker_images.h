@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "calib/marker_corners.h"
-#include "data_io/camera_image.h"
-#include "data_io/marker_detector.h"
-#include "data_io/types/camera.h"
-#include "data_io/types/marker_map.h"
+#include "calib/markers/marker_corners.h"
+#include "calib/markers/marker_detector.h"
+#include "core/types/camera.h"
+#include "core/types/marker_map.h"
+#include "data_io/images/camera_image.h"
 
 namespace sonarcal {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "data_io/picture.h"
+#include "apps/report/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "calib/marker_poses.h"
-#include "data_io/types/image.h"
-#include "data_io/types/rgb_image.h"
+#include "calib/markers/marker_poses.h"
+#include "core/types/image.h"
+#include "core/types/rgb_image.h"
 
 namespace sonarcal {
 

@@ -20,13 +20,13 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_output.h"
-#include "data_io/atomic_output.h"
-#include "data_io/camera_io.h"
-#include "data_io/image_io.h"
-#include "data_io/json_writer.h"
-#include "data_io/marker_map_io.h"
+#include "core/types/units.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/camera_io.h"
+#include "data_io/parameters/marker_map_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/units.h"
 
 namespace sonarcal {
 namespace {

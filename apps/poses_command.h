@@ -1,5 +1,5 @@
 // `sonarcal poses`: where the sonar was, from pictures that a camera beside it took of markers
-// (calib/marker_poses.h; docs/markers.md).
+// (calib/markers/marker_poses.h; docs/markers.md).
 //
 // Written: poses.json, world_from_sonar of the frames that have a pose, for `simulate --poses`;
 // trajectory.csv, the same over time, for `convert --trajectory`; marker_poses.json, every frame with its
@@ -15,7 +15,7 @@
 #include <optional>
 
 #include "apps/command.h"
-#include "data_io/camera_image.h"
+#include "data_io/images/camera_image.h"
 
 namespace sonarcal {
 

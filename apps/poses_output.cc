@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "data_io/json_fields.h"
-#include "data_io/types/units.h"
+#include "core/types/units.h"
+#include "data_io/json/json_fields.h"
 
 namespace sonarcal {
 namespace {

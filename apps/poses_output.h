@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/marker_images.h"
-#include "calib/marker_poses.h"
-#include "data_io/camera_image.h"
-#include "data_io/types/camera.h"
-#include "data_io/types/marker_map.h"
+#include "calib/markers/marker_poses.h"
+#include "core/types/camera.h"
+#include "core/types/marker_map.h"
+#include "data_io/images/camera_image.h"
 
 namespace sonarcal {
 
@@ -33,7 +33,8 @@ struct TimedImages {
 // In words, for people.
 std::string RefractionText(const MarkerPosesInputs& inputs);
 
-// One number each of a pose's covariance (calib/marker_poses.h): the root of the sum of three variances.
+// One number each of a pose's covariance (calib/markers/marker_poses.h): the root of the sum of three
+// variances.
 double SigmaPositionM(const Matrix6d& covariance);
 double SigmaAngleRad(const Matrix6d& covariance);
 

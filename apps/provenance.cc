@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
-#include "data_io/hash.h"
-#include "data_io/json_writer.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/files/hash.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal {
 namespace {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/paper_frame.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/paper/paper_frame.h"
 
 namespace sonarcal {
 namespace {

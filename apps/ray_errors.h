@@ -1,9 +1,9 @@
 // What too few rays cost: images of the paper's model at a series of ray counts against one of very many
 // rays.
 //
-// Rays are summed as they are cast, so that memory does not grow with their number (sim/paper_frame.h). Each
-// sampling has a dense image of its own, so that an error is one of the number of rays and of nothing else;
-// how far the two dense images are apart is told besides.
+// Rays are summed as they are cast, so that memory does not grow with their number (sim/paper/paper_frame.h).
+// Each sampling has a dense image of its own, so that an error is one of the number of rays and of nothing
+// else; how far the two dense images are apart is told besides.
 #pragma once
 
 #include <cstdint>

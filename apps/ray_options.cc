@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/choice_option.h"
-#include "data_io/parameters_io.h"
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
-#include "sim/acoustic_fan.h"
-#include "sim/paper_fan.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/rays/acoustic_fan.h"
+#include "sim/rays/paper_fan.h"
 
 namespace sonarcal {
 namespace {
@@ -32,8 +32,8 @@ constexpr JsonWords<AbsorptionFormula, 3> kAbsorptions = {
 constexpr RayGridSize kFrustumRays = {1500, 1200};  // the paper's
 constexpr double kWidestFrustumDeg = 120.0;         // in elevation
 
-// Other models want columns that stand alike, and have rays of their own (sim/acoustic_fan.h); where `beams`
-// are asked of them by name, these.
+// Other models want columns that stand alike, and have rays of their own (sim/rays/acoustic_fan.h); where
+// `beams` are asked of them by name, these.
 constexpr int kOtherColumnsPerBeam = 2;
 constexpr int kOtherBeamRows = 400;
 

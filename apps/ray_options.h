@@ -45,8 +45,8 @@ struct RayOptions {
                         EchoModel model = EchoModel::kPaper) const;
 
   // The same for these parameters and their model. Of other models than the paper's rays are those of
-  // sim/acoustic_fan.h unless a pinhole is asked for, and the fan reaches as far as the beam hears, however
-  // many rays are asked for; a pinhole's as far as it can.
+  // sim/rays/acoustic_fan.h unless a pinhole is asked for, and the fan reaches as far as the beam hears,
+  // however many rays are asked for; a pinhole's as far as it can.
   //
   // Both throw UsageError for fewer columns than beams, where each beam takes columns of its own.
   SimulationOptions For(const SonarModel& sonar, const Water& water, const ParameterSet& parameters) const;

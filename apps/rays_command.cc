@@ -18,8 +18,8 @@
 #include "apps/run_output.h"
 #include "apps/scene_option.h"
 #include "apps/simulate_recording.h"
-#include "data_io/json_writer.h"
-#include "data_io/parameters_io.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
 
 namespace sonarcal {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/ray_options.h"
-#include "data_io/types/recording.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "data_io/types/recording.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
-#include "data_io/recording_catalogue.h"
+#include "data_io/recordings/recording_catalogue.h"
 
 namespace sonarcal {
 namespace {

@@ -14,17 +14,17 @@
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
 #include "apps/report/paper_files.h"
+#include "apps/report/pictures/picture.h"
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
 #include "apps/run_output.h"
 #include "apps/seed_option.h"
-#include "data_io/atomic_output.h"
-#include "data_io/image_io.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/picture.h"
-#include "data_io/recording_io.h"
-#include "data_io/scene_io.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
 
 namespace sonarcal {
 namespace {

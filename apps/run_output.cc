@@ -13,8 +13,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "data_io/json_writer.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal {
 namespace {

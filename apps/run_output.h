@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "data_io/atomic_output.h"
+#include "data_io/files/atomic_output.h"
 
 namespace CLI {
 class Option;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "data_io/types/units.h"
-#include "sim/trace.h"
+#include "core/types/units.h"
+#include "sim/rays/trace.h"
 
 namespace sonarcal {
 namespace {

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "core/types/mask.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/mask.h"
-#include "metrics/object_region.h"
-#include "metrics/residuals.h"
-#include "sim/ray_caster.h"
+#include "metrics/measures/residuals.h"
+#include "metrics/segmentation/object_region.h"
+#include "sim/rays/ray_caster.h"
 
 namespace sonarcal {
 

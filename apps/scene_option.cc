@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/choice_option.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

@@ -1,5 +1,5 @@
 // --scene, for every command that takes one: glTF, and OBJ or STL with the unit and the upward axis that
-// those do not tell (data_io/cad_io.h).
+// those do not tell (data_io/scenes/cad_io.h).
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,13 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "apps/command.h"
-#include "data_io/cad_io.h"
+#include "data_io/scenes/cad_io.h"
 
 namespace sonarcal {
 
 enum class LengthUnit { kMetre, kCentimetre, kMillimetre, kInch, kFoot };
 
-// Of an OBJ or STL; where not given, the conventions of data_io/cad_io.h.
+// Of an OBJ or STL; where not given, the conventions of data_io/scenes/cad_io.h.
 struct SceneFormat {
   std::optional<LengthUnit> unit;
   std::optional<UpAxis> up;

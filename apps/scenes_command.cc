@@ -13,13 +13,13 @@
 #include "apps/provenance.h"
 #include "apps/run_output.h"
 #include "apps/seed_option.h"
-#include "data_io/parameters_io.h"
+#include "core/types/error.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/error.h"
-#include "sim/paper_values.h"
-#include "sim/scenes.h"
-#include "sim/sonar_presets.h"
+#include "data_io/scenes/scene_io.h"
+#include "sim/paper/paper_values.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal {
 namespace {

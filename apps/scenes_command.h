@@ -1,5 +1,5 @@
-// `sonarcal scenes`: something to simulate. The scenes of Park 2024 (sim/environments.h) as glTF, poses to
-// look at each from, and parameters to start from.
+// `sonarcal scenes`: something to simulate. The scenes of Park 2024 (sim/scenes/environments.h) as glTF,
+// poses to look at each from, and parameters to start from.
 //
 // Written: <name>.gltf and poses_<name>.json for each scene, params.json for all of them, and poses_1.json to
 // poses_3.json, the paper's three data sets in the tank.
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "data_io/types/parameters.h"
-#include "sim/environments.h"
+#include "core/types/parameters.h"
+#include "sim/scenes/environments.h"
 
 namespace sonarcal {
 

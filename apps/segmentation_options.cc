@@ -13,12 +13,12 @@
 #include "apps/background_law_of.h"
 #include "apps/choice_option.h"
 #include "apps/given_options.h"
-#include "data_io/image_io.h"
-#include "data_io/parameters_io.h"
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "metrics/segmentation_json.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "core/types/units.h"
+#include "data_io/images/image_io.h"
+#include "data_io/parameters/parameters_io.h"
+#include "metrics/json/segmentation_json.h"
 
 namespace sonarcal {
 namespace {

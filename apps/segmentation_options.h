@@ -1,6 +1,6 @@
 // The options by which compare, fit, explain and view say how the object is found: the method with its
-// settings, the tidying, where the object may be, and where the simulated one is. metrics/segmentation.h says
-// what they do.
+// settings, the tidying, where the object may be, and where the simulated one is.
+// metrics/segmentation/segmentation.h says what they do.
 #pragma once
 
 #include <filesystem>

@@ -20,11 +20,11 @@
 #include "apps/seed_option.h"
 #include "apps/simulate_recording.h"
 #include "apps/simulate_resume.h"
-#include "data_io/fan_image.h"
-#include "data_io/image_io.h"
-#include "data_io/json_writer.h"
-#include "data_io/parameters_io.h"
-#include "data_io/recording_io.h"
+#include "core/imaging/fan_image.h"
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
 
 namespace sonarcal {
 namespace {

@@ -1,10 +1,10 @@
 // `sonarcal simulate`: a recording of what a sonar would see of a scene, from given poses.
 //
-// Written: the recording folder (data_io/recording_io.h), params.json with the parameters as used, and where
-// asked for fan_NNNN.png (the frames laid out in metres) and the depth image: the distance along each ray to
-// what it met first within the sonar's range window, row 0 the highest elevation, column 0 the leftmost
-// azimuth, on the grid of rays that was cast (sim/ray_fan.h). As range_NNNN.tiff (metres, 0 for nothing),
-// depth_NNNN.png (16 bits, whole millimetres, 0 for nothing, 65535 for that and more), and for eyes
+// Written: the recording folder (data_io/recordings/recording_io.h), params.json with the parameters as used,
+// and where asked for fan_NNNN.png (the frames laid out in metres) and the depth image: the distance along
+// each ray to what it met first within the sonar's range window, row 0 the highest elevation, column 0 the
+// leftmost azimuth, on the grid of rays that was cast (sim/rays/ray_fan.h). As range_NNNN.tiff (metres, 0 for
+// nothing), depth_NNNN.png (16 bits, whole millimetres, 0 for nothing, 65535 for that and more), and for eyes
 // depth_view_NNNN.png (near is bright, white is nothing).
 //
 // Frames are rendered and written one at a time. SIGINT and SIGTERM leave a recording of the frames finished
@@ -22,7 +22,7 @@
 #include "apps/ray_options.h"
 #include "apps/scene_option.h"
 #include "apps/simulate_recording.h"
-#include "data_io/types/parameters.h"
+#include "core/types/parameters.h"
 
 namespace sonarcal {
 

@@ -7,9 +7,9 @@
 
 #include "apps/ray_options.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/recording_io.h"
-#include "sim/sonar_presets.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal {
 namespace {

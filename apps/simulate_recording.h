@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "core/types/recording.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/recording.h"
 #include "sim/simulator.h"
 
 namespace sonarcal {
@@ -25,8 +25,8 @@ struct SonarChoice {
   std::optional<std::filesystem::path> input;  // the file, where it is one
 };
 
-// A preset's name (sim/sonar_presets.h), a recording of any format, or a JSON file with a `sonar` object.
-// Throws UsageError where it is neither a name nor there, DataError where the file is damaged.
+// A preset's name (sim/scenes/sonar_presets.h), a recording of any format, or a JSON file with a `sonar`
+// object. Throws UsageError where it is neither a name nor there, DataError where the file is damaged.
 SonarChoice ChooseSonar(const std::string& name_or_file);
 
 struct WaterChoice {

@@ -8,11 +8,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/hash.h"
-#include "data_io/parameters_io.h"
-#include "data_io/recording_io.h"
-#include "data_io/recording_json.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/files/hash.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/recordings/recording_json.h"
 
 namespace sonarcal {
 namespace {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
-#include "data_io/json_fields.h"
-#include "data_io/types/units.h"
-#include "sim/sonar_presets.h"
+#include "core/types/units.h"
+#include "data_io/json/json_fields.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal {
 namespace {

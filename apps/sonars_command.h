@@ -1,4 +1,4 @@
-// `sonarcal sonars`: the sonars that --sonar knows by name (sim/sonar_presets.h), with their sources.
+// `sonarcal sonars`: the sonars that --sonar knows by name (sim/scenes/sonar_presets.h), with their sources.
 #pragma once
 
 #include "apps/command.h"

@@ -15,10 +15,10 @@
 #include "apps/report/report_end.h"
 #include "apps/report/still_section.h"
 #include "apps/run_output.h"
-#include "data_io/atomic_output.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
+#include "data_io/parameters/parameters_io.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal {

@@ -1,5 +1,5 @@
 // Poses that a recording shows more than once, the scene standing still: noise told from speckle there
-// (calib/still_frames.h), and both set beside what a fit of the scene says.
+// (calib/noise/still_frames.h), and both set beside what a fit of the scene says.
 //
 // `sonarcal fit --still` does it alone: no scene, no rays; parameters only for display, looks and the shape
 // of the noise where they are not as plain as can be. Written: params.json (display and receiver; a material
@@ -14,8 +14,8 @@
 
 #include "apps/command.h"
 #include "calib/fit_report.h"
-#include "calib/still_frames.h"
-#include "data_io/types/recording.h"
+#include "calib/noise/still_frames.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
 
 namespace sonarcal {
 namespace {

@@ -23,10 +23,10 @@
 #include "apps/simulate_recording.h"
 #include "apps/view/view_api.h"
 #include "apps/view/view_server.h"
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
-#include "sim/environments.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/scenes/environments.h"
 
 extern char** environ;
 

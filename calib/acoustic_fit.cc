@@ -11,11 +11,11 @@
 
 #include "calib/joint_steps.h"
 #include "calib/mirror_start.h"
-#include "calib/pose_ambiguity.h"
-#include "calib/pose_refinement.h"
+#include "calib/poses/pose_ambiguity.h"
+#include "calib/poses/pose_refinement.h"
 #include "calib/problem_builder.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

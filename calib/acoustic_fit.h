@@ -1,20 +1,21 @@
 // Fits the acoustic model's parameters to recorded polar images by maximum likelihood (Ceres).
 //
-// The likelihood is that of speckle about the mean power of every pixel (calib/acoustic_frame_model.h); the
-// rest is calib/fit.h: several starts, sigmas from a sandwich over blocks of pixels, and what the data cannot
-// tell held and named. A fit of curves and receiver casts each frame's rays once. Free poses are first looked
-// for from far to near (calib/pose_refinement.h), curves following. Where beam, pulse or poses are free, all
-// is then solved together in rounds about an ever better point, each tracing again. Frames of one pose share
-// their speckle and count for what they tell together (AcousticFrameModel::ShareRepeats). On request
-// (FitOptions::down_weight) it is then solved again with what the scene does not explain counting less.
+// The likelihood is that of speckle about the mean power of every pixel
+// (calib/models/acoustic_frame_model.h); the rest is calib/fit.h: several starts, sigmas from a sandwich over
+// blocks of pixels, and what the data cannot tell held and named. A fit of curves and receiver casts each
+// frame's rays once. Free poses are first looked for from far to near (calib/poses/pose_refinement.h), curves
+// following. Where beam, pulse or poses are free, all is then solved together in rounds about an ever better
+// point, each tracing again. Frames of one pose share their speckle and count for what they tell together
+// (AcousticFrameModel::ShareRepeats). On request (FitOptions::down_weight) it is then solved again with what
+// the scene does not explain counting less.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "calib/acoustic_frame_model.h"
 #include "calib/fit.h"
+#include "calib/models/acoustic_frame_model.h"
 
 namespace sonarcal {
 

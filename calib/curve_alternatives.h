@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/frame_model.h"
+#include "calib/models/frame_model.h"
 
 namespace sonarcal {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calib/fit_report.h"
-#include "calib/paper_frame_model.h"
+#include "calib/models/paper_frame_model.h"
 
 namespace sonarcal {
 

@@ -16,7 +16,7 @@
 #include "calib/identifiability.h"
 #include "calib/problem_builder.h"
 #include "calib/solve.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

@@ -1,7 +1,7 @@
 // Fits a model's parameters to recorded polar images by least squares (Ceres).
 //
 // The residual of a pixel of the paper's model is the expected recorded value minus the recorded one
-// (calib/paper_likelihood.h), in units of the noise that the frames show. Frames are given as echo
+// (calib/models/paper_likelihood.h), in units of the noise that the frames show. Frames are given as echo
 // histograms, so a fit of materials casts no ray. Sigmas come from a sandwich covariance over blocks of
 // pixels: neighbouring pixels share speckle grain and range errors, and the plain least-squares covariance
 // would be too small.
@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "calib/fit_config.h"
-#include "calib/fit_options.h"
 #include "calib/fit_report.h"
-#include "calib/frame_model.h"
-#include "calib/paper_frame_model.h"
+#include "calib/models/frame_model.h"
+#include "calib/models/paper_frame_model.h"
+#include "calib/parameters/fit_config.h"
+#include "calib/parameters/fit_options.h"
 
 namespace sonarcal {
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "calib/problem_builder.h"
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "calib/frame_model.h"
+#include "calib/models/frame_model.h"
 
 namespace sonarcal {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/frame_model.h"
+#include "calib/models/frame_model.h"
 
 namespace sonarcal {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "calib/fit_options.h"
 #include "calib/identifiability.h"
+#include "calib/parameters/fit_options.h"
 #include "calib/problem_builder.h"
 
 namespace sonarcal {

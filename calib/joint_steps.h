@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/acoustic_frame_model.h"
+#include "calib/models/acoustic_frame_model.h"
 
 namespace sonarcal {
 

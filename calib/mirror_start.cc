@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

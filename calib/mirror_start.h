@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "calib/fit_config.h"
-#include "data_io/types/parameters.h"
-#include "data_io/types/sonar_model.h"
+#include "calib/parameters/fit_config.h"
+#include "core/types/parameters.h"
+#include "core/types/sonar_model.h"
 
 namespace sonarcal {
 

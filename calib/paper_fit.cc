@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/coarse_paper.h"
 #include "calib/degenerate_fit.h"
 #include "calib/fit.h"
 #include "calib/fit_starts.h"
+#include "calib/models/coarse_paper.h"
 #include "calib/problem_builder.h"
 
 namespace sonarcal {

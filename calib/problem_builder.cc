@@ -13,8 +13,8 @@
 #include <optional>
 #include <utility>
 
-#include "calib/pixel_math.h"
-#include "data_io/types/error.h"
+#include "calib/models/pixel_math.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

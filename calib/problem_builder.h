@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "calib/fit_options.h"
 #include "calib/fit_report.h"
-#include "calib/frame_model.h"
 #include "calib/identifiability.h"
+#include "calib/models/frame_model.h"
+#include "calib/parameters/fit_options.h"
 
 namespace sonarcal {
 

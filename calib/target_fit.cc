@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -1,16 +1,16 @@
 // The acoustic model fitted to one recorded image of one target whose pose is roughly known (from
-// calib/pose_search.h): the slow and the transitional term of its backscatter, noise floor, beam, pulse and,
-// where asked for, the pose about the one given.
+// calib/poses/pose_search.h): the slow and the transitional term of its backscatter, noise floor, beam, pulse
+// and, where asked for, the pose about the one given.
 //
-// The display is one that is known, or was read off the background (calib/background_display.h). The specular
-// peak stays as given: a target hardly shows it. The
-// world of the fit has its origin in the target's and its axes along those of the sonar at the pose given, so
-// that the six numbers of the pose are a shift and a turn of the sonar about where it is.
+// The display is one that is known, or was read off the background (calib/noise/background_display.h). The
+// specular peak stays as given: a target hardly shows it. The world of the fit has its origin in the target's
+// and its axes along those of the sonar at the pose given, so that the six numbers of the pose are a shift
+// and a turn of the sonar about where it is.
 #pragma once
 
 #include "calib/acoustic_fit.h"
-#include "calib/target_pose.h"
-#include "data_io/types/mask.h"
+#include "calib/poses/target_pose.h"
+#include "core/types/mask.h"
 
 namespace sonarcal {
 

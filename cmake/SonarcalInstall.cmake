@@ -1,5 +1,5 @@
-# Install rules: the rooms as libraries with their headers, the command, and a package that
-# find_package(sonarcal) finds. Headers keep their paths: #include "sim/trace.h" works in both places.
+# Install rules: the libraries with their headers, the command, and a package that
+# find_package(sonarcal) finds. Headers keep their paths: #include "sim/rays/trace.h" works in both places.
 include(CMakePackageConfigHelpers)
 
 set(SONARCAL_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/sonarcal)
@@ -8,7 +8,7 @@ get_property(SONARCAL_LIBRARIES GLOBAL PROPERTY SONARCAL_LIBRARIES)
 install(TARGETS ${SONARCAL_LIBRARIES} EXPORT sonarcalTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY data_io metrics sim calib
+install(DIRECTORY core data_io metrics sim calib
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sonarcal
   FILES_MATCHING PATTERN "*.h")
 if(SONARCAL_BUILD_APPS)

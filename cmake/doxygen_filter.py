@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-NAME = "/".join(pathlib.PurePath(sys.argv[1]).parts[-2:])  # "sim/trace.h", as it is included
+NAME = "/".join(pathlib.PurePath(sys.argv[1]).parts[-2:])  # "sim/rays/trace.h", as it is included
 COMMENT = re.compile(r"^(\s*)//(?!/)(.*)$")
 TRAILING = re.compile(r"^(.*\S)\s\s*//\s(.*)$")
 

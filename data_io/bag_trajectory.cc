@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "data_io/bag.h"
-#include "data_io/printable.h"
-#include "data_io/ros_messages.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "data_io/ros/bag.h"
+#include "data_io/ros/ros_messages.h"
 
 namespace sonarcal {
 namespace {

@@ -1,15 +1,15 @@
 #include "data_io/open_recording.h"
 
-#include "data_io/aris3000_frames_io.h"
-#include "data_io/aris_io.h"
-#include "data_io/bag_recording.h"
-#include "data_io/ddf_io.h"
-#include "data_io/dfki_uxo_io.h"
-#include "data_io/didson_io.h"
-#include "data_io/oculus_io.h"
-#include "data_io/picture_io.h"
-#include "data_io/recording_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/pictures/picture_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/ros/bag_recording.h"
+#include "data_io/sonars/aris3000_frames_io.h"
+#include "data_io/sonars/aris_io.h"
+#include "data_io/sonars/ddf_io.h"
+#include "data_io/sonars/dfki_uxo_io.h"
+#include "data_io/sonars/didson_io.h"
+#include "data_io/sonars/oculus_io.h"
 
 namespace sonarcal {
 namespace {

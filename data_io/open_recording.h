@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "data_io/types/recording.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

@@ -2,11 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/json_fields.h"
-#include "data_io/json_reader.h"
-#include "data_io/json_writer.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/json/json_reader.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
-#include "data_io/recording_io.h"
+#include "data_io/recordings/recording_io.h"
 
 namespace sonarcal {
 namespace {

@@ -11,8 +11,8 @@
 #include <optional>
 #include <vector>
 
-#include "data_io/types/pose.h"
-#include "data_io/types/recording.h"
+#include "core/types/pose.h"
+#include "core/types/recording.h"
 
 namespace sonarcal {
 

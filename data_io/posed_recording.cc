@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 

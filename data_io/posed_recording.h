@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/types/recording.h"
 #include "data_io/trajectory_io.h"
-#include "data_io/types/recording.h"
 
 namespace sonarcal {
 

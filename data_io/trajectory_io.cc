@@ -7,14 +7,14 @@
 #include <string>
 #include <string_view>
 
-#include "data_io/byte_reader.h"
-#include "data_io/file_bytes.h"
-#include "data_io/json_fields.h"
-#include "data_io/json_reader.h"
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
-#include "data_io/types/rotation.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "core/types/rotation.h"
+#include "core/types/units.h"
+#include "data_io/files/byte_reader.h"
+#include "data_io/files/file_bytes.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/json/json_reader.h"
 
 namespace sonarcal {
 namespace {

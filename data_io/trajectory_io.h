@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "data_io/types/pose.h"
+#include "core/types/pose.h"
 
 namespace sonarcal {
 

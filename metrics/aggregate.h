@@ -32,7 +32,7 @@ struct Statistic {
   int block_frames = 1;     // consecutive frames that the interval drew together
 };
 
-// Of the difference (simulated - real) / full_scale over one domain (metrics/intensity.h).
+// Of the difference (simulated - real) / full_scale over one domain (metrics/measures/intensity.h).
 struct DifferenceSummary {
   const Statistic& mean_absolute;
   const Statistic& rmse;

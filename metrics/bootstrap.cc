@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

@@ -16,17 +16,17 @@
 #include <string>
 #include <vector>
 
-#include "data_io/fan_image.h"
-#include "data_io/types/image.h"
-#include "data_io/types/mask.h"
-#include "metrics/intensity.h"
-#include "metrics/level_histograms.h"
-#include "metrics/object_region.h"
-#include "metrics/occupancy.h"
-#include "metrics/outline.h"
-#include "metrics/segmentation.h"
+#include "core/imaging/fan_image.h"
+#include "core/types/image.h"
+#include "core/types/mask.h"
+#include "metrics/measures/intensity.h"
+#include "metrics/measures/level_histograms.h"
+#include "metrics/measures/occupancy.h"
+#include "metrics/measures/outline.h"
+#include "metrics/measures/ssim.h"
+#include "metrics/segmentation/object_region.h"
+#include "metrics/segmentation/segmentation.h"
 #include "metrics/speckle.h"
-#include "metrics/ssim.h"
 #include "metrics/threshold_sweep.h"
 
 namespace sonarcal {
@@ -55,8 +55,9 @@ struct CompareOptions {
   SimulatedObject simulated_object = SimulatedObject::kSameRule;
   double echo_fraction = 0.0;  // kEchoes: of full scale, 0..1; 0: whatever the display shows at all
   // Where set, the real object is looked for within this distance of the simulated one, along range and along
-  // the arc (metrics/region.h): m, 0..100. Where there is no simulated object, there is no real one. What the
-  // image tells of a threshold (its background, Otsu's) it tells from the whole of `region` all the same.
+  // the arc (metrics/segmentation/region.h): m, 0..100. Where there is no simulated object, there is no real
+  // one. What the image tells of a threshold (its background, Otsu's) it tells from the whole of `region` all
+  // the same.
   std::optional<double> region_margin_m = {};
   SweepOptions sweep = {};
   // The mean |difference| that is named "intensity_error"; the others are reported beside it.
@@ -103,7 +104,7 @@ struct FrameMetrics {
   std::optional<double> time_s;  // of the recorded frame, where the caller knows it
   ViewMetrics polar;
   ViewMetrics fan;
-  double threshold_real = 0.0;  // what a pixel's score (metrics/scored_image.h) had to be above
+  double threshold_real = 0.0;  // what a pixel's score (metrics/segmentation/scored_image.h) had to be above
   double threshold_simulated = 0.0;
   std::vector<std::string> notes;      // one sentence each
   std::optional<PixelBox> object_box;  // where the object was searched, with CompareOptions::object

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "metrics/scored_image.h"
+#include "metrics/segmentation/scored_image.h"
 
 namespace sonarcal {
 namespace {

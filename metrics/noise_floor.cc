@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "data_io/types/pose.h"
+#include "core/types/pose.h"
 
 namespace sonarcal {
 namespace {

@@ -22,8 +22,8 @@
 #include <string_view>
 #include <vector>
 
-#include "data_io/types/image.h"
-#include "data_io/types/recording.h"
+#include "core/types/image.h"
+#include "core/types/recording.h"
 #include "metrics/aggregate.h"
 #include "metrics/compare.h"
 

@@ -24,8 +24,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "data_io/types/image.h"
-#include "data_io/types/mask.h"
+#include "core/types/image.h"
+#include "core/types/mask.h"
 
 namespace sonarcal {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 

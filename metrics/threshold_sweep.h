@@ -1,6 +1,6 @@
 // Occupancy as a curve over the setting that a segmentation's threshold follows from
-// (metrics/scored_image.h), so that no one threshold has to be trusted. Both images take the same setting;
-// all else stays as it is.
+// (metrics/segmentation/scored_image.h), so that no one threshold has to be trusted. Both images take the
+// same setting; all else stays as it is.
 //
 //   micro  the ratio of the frames' pooled counts
 //   macro  the mean of the frames' ratios; frames in which it is undefined are left out
@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "metrics/occupancy.h"
-#include "metrics/segmentation_options.h"
+#include "metrics/measures/occupancy.h"
+#include "metrics/segmentation/segmentation_options.h"
 
 namespace sonarcal {
 

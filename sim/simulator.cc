@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim/acoustic_frame.h"
-#include "sim/ghost_power.h"
-#include "sim/paper_frame.h"
+#include "sim/acoustic/acoustic_frame.h"
+#include "sim/ghosts/ghost_power.h"
+#include "sim/paper/paper_frame.h"
 
 namespace sonarcal {
 namespace {

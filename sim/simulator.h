@@ -14,14 +14,14 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/parameters.h"
-#include "sim/acoustic_image.h"
-#include "sim/coherent_image.h"
-#include "sim/expected_paper_image.h"
-#include "sim/ghost_trace.h"
-#include "sim/paper_image.h"
+#include "core/types/parameters.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/coherent/coherent_image.h"
+#include "sim/ghosts/ghost_trace.h"
+#include "sim/paper/expected_paper_image.h"
+#include "sim/paper/paper_image.h"
 #include "sim/physics/absorption.h"
-#include "sim/trace.h"
+#include "sim/rays/trace.h"
 
 namespace sonarcal {
 

@@ -1,9 +1,9 @@
-"""The walls of the house: which room may include which, and which library stays in which file.
+"""The walls of the house: which folder may include which, and which library stays in which file.
 
     layering_test.py ROOT         checks the tree, one line a violation, status 1 if there are any
     layering_test.py --self-test  shows on a made-up tree that each wall holds
 
-An include "room/file.h" is the project's own, an include <...> another library's.
+An include "folder/file.h" is the project's own, an include <...> another library's.
 """
 
 import pathlib
@@ -11,51 +11,93 @@ import re
 import sys
 import tempfile
 
-# What a room may include besides itself.
-ROOMS = {
-    "data_io": set(),
-    "metrics": {"data_io"},
-    "sim": {"data_io"},
-    "calib": {"sim", "data_io"},
-    "apps": {"calib", "metrics", "sim", "data_io"},
-}
+# A folder may include itself and the folders above it, so there is no cycle.
+FOLDERS = [
+    "core/types",
+    "core/math",
+    "core/imaging",
+    "data_io/files",
+    "data_io/json",
+    "data_io/images",
+    "data_io/scenes",
+    "data_io/pictures",
+    "data_io/parameters",
+    "data_io/recordings",
+    "data_io/sonars",
+    "data_io/ros",
+    "data_io",
+    "metrics/segmentation",
+    "metrics/measures",
+    "metrics",
+    "metrics/json",
+    "sim/physics",
+    "sim/rays",
+    "sim/paper",
+    "sim/acoustic",
+    "sim/ghosts",
+    "sim/coherent",
+    "sim/scenes",
+    "sim",
+    "sim/gathered",
+    "calib/parameters",
+    "calib/models",
+    "calib/poses",
+    "calib",
+    "calib/noise",
+    "calib/selection",
+    "calib/markers",
+    "apps",
+]
+
+# Libraries that stand side by side: neither may include the other.
+APART = [("metrics", "sim"), ("metrics", "calib")]
+
+MAX_FILES = 30  # in a folder, so that a newcomer can read its list
+WITHOUT_LIMIT = {"apps"}  # its commands are not sorted into folders yet
 
 # Library -> (its headers, the only files that may include them).
 LIBRARIES = {
-    "Embree": (r"embree\d*/", r"sim/embree_queries\.h"),
-    "Embree behind its header": (r"sim/embree_queries\.h", r"sim/ray_caster\.cc"),
+    "Embree": (r"embree\d*/", r"sim/rays/embree_queries\.h"),
+    "Embree behind its header": (r"sim/rays/embree_queries\.h", r"sim/rays/ray_caster\.cc"),
     "Ceres": (r"ceres/", r"calib/.*"),
-    "tinygltf": (r"tiny_gltf\.h", r"data_io/scene_io\.cc"),
-    "assimp": (r"assimp/", r"data_io/cad_io\.cc"),
-    "librosbag": (r"ros(bag)?/", r"data_io/ros1_(chunk|bag_writer)\.cc"),
-    "libarchive": (r"archive(_entry)?\.h", r"data_io/npz_writer\.cc"),
-    "SQLite": (r"sqlite3\.h", r"data_io/ros2_bag\.cc"),
-    "yaml-cpp": (r"yaml-cpp/", r"data_io/yaml_reader\.cc"),
+    "tinygltf": (r"tiny_gltf\.h", r"data_io/scenes/scene_io\.cc"),
+    "assimp": (r"assimp/", r"data_io/scenes/cad_io\.cc"),
+    "librosbag": (r"ros(bag)?/", r"data_io/ros/ros1_(chunk|bag_writer)\.cc"),
+    "libarchive": (r"archive(_entry)?\.h", r"data_io/.*/npz_writer\.cc"),
+    "SQLite": (r"sqlite3\.h", r"data_io/ros/ros2_bag\.cc"),
+    "yaml-cpp": (r"yaml-cpp/", r"data_io/.*/yaml_reader\.cc"),
     "OpenCV": (r"opencv2?/", r".*\.cc"),  # never in a header
     "CLI11": (r"CLI/", r"apps/.*"),
     "cpp-httplib": (r"httplib\.h", r"apps/view/view_server\.cc"),
 }
 
-MAX_LINES = 500  # a file that is longer does more than one thing
-
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+SUFFIXES = (".h", ".cc")
 
 
 def sources(root):
-    for room in ROOMS:
-        for path in sorted((root / room).rglob("*")):
-            if path.suffix in (".h", ".cc"):
-                yield room, path.relative_to(root).as_posix(), path.read_text(encoding="utf-8")
+    for library in sorted({folder.split("/")[0] for folder in FOLDERS}):
+        for path in sorted((root / library).rglob("*")):
+            if path.suffix in SUFFIXES:
+                yield path.relative_to(root).as_posix(), path.read_text(encoding="utf-8")
 
 
-def include_fault(room, name, quote, target):
-    """Why a file of a room may not include the target, or None."""
-    target_room = target.split("/")[0]
-    if quote == '"' and target_room == "tests":
+def folder_of(name):
+    """The entry of FOLDERS that a file lies in, or None. All folders of apps are one entry."""
+    folder = name.rpartition("/")[0]
+    return "apps" if name.startswith("apps/") else folder if folder in FOLDERS else None
+
+
+def include_fault(name, quote, target):
+    """Why a file may not include the target, or None."""
+    if quote == '"' and target.startswith("tests/"):
         return "what users get does not depend on tests"
-    if quote == '"' and target_room in ROOMS and target_room != room and target_room not in ROOMS[room]:
-        allowed = ", ".join(sorted(ROOMS[room])) or "no other room"
-        return f"{room} may include {allowed}"
+    here, there = folder_of(name), folder_of(target)
+    if quote == '"' and here and there:
+        if FOLDERS.index(there) > FOLDERS.index(here):
+            return f"{there} stands below {here} in the list of folders"
+        if {here.split("/")[0], there.split("/")[0]} in [set(pair) for pair in APART]:
+            return f"{here} and {there} stand side by side"
     for library, (headers, allowed_files) in LIBRARIES.items():
         if re.match(headers, target) and not re.fullmatch(allowed_files, name):
             return f"{library} stays within {allowed_files}"
@@ -64,64 +106,82 @@ def include_fault(room, name, quote, target):
 
 def violations(root):
     found = []
-    for room, name, text in sources(root):
-        lines = text.splitlines()
-        if len(lines) > MAX_LINES:
-            found.append(f"{name}: {len(lines)} lines, at most {MAX_LINES}")
-        for number, line in enumerate(lines, start=1):
+    files_in = {}
+    for name, text in sources(root):
+        folder = name.rpartition("/")[0]
+        files_in[folder] = files_in.get(folder, 0) + 1
+        if folder_of(name) is None:
+            found.append(f"{name}: its folder is not in the list of {pathlib.Path(__file__).name}")
+        for number, line in enumerate(text.splitlines(), start=1):
             match = INCLUDE.match(line)
-            fault = match and include_fault(room, name, *match.groups())
+            fault = match and include_fault(name, *match.groups())
             if fault:
                 found.append(f"{name}:{number}: includes {match.group(2)}, but {fault}")
+    for folder, count in files_in.items():
+        if count > MAX_FILES and folder.split("/")[0] not in WITHOUT_LIMIT:
+            found.append(f"{folder}: {count} files, at most {MAX_FILES}")
     return found
+
+
+def is_violation(files):
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in files.items():
+            path = pathlib.Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text + "\n", encoding="utf-8")
+        return bool(violations(pathlib.Path(folder)))
 
 
 def self_test():
     """Each line, written into its file, must or must not be a violation."""
     cases = [
-        ("data_io/a.h", '#include "sim/trace.h"', True),
-        ("data_io/a.h", '#include "data_io/b.h"', False),
-        ("metrics/a.h", '#include "sim/trace.h"', True),
-        ("metrics/a.h", '#include "data_io/types/image.h"', False),
+        ("core/types/a.h", '#include "core/math/b.h"', True),
+        ("core/math/a.h", '#include "core/types/b.h"', False),
+        ("data_io/a.h", '#include "sim/rays/trace.h"', True),
+        ("data_io/files/a.h", '#include "data_io/open_recording.h"', True),
+        ("data_io/a.h", '#include "data_io/files/b.h"', False),
+        ("metrics/a.h", '#include "sim/rays/trace.h"', True),
+        ("sim/a.h", '#include "metrics/iou.h"', True),
+        ("metrics/a.h", '#include "core/types/image.h"', False),
         ("sim/a.cc", '#include "calib/fit.h"', True),
-        ("sim/a.cc", '#include "metrics/iou.h"', True),
         ("calib/a.cc", '#include "metrics/iou.h"', True),
         ("calib/a.cc", '  #  include "apps/command.h"', True),
-        ("calib/a.cc", '#include "sim/trace.h"', False),
+        ("calib/a.cc", '#include "sim/rays/trace.h"', False),
+        ("calib/models/a.cc", '#include "calib/fit.h"', True),
         ("apps/a.cc", '#include "calib/fit.h"', False),
+        ("apps/view/a.cc", '#include "apps/b.h"', False),
         ("apps/a.cc", '#include "tests/support/temp_dir.h"', True),
-        ("sim/trace.cc", "#include <embree3/rtcore.h>", True),
-        ("sim/trace.cc", "#include <embree4/rtcore.h>", True),
-        ("sim/embree_queries.h", "#include <embree3/rtcore.h>", False),
-        ("sim/trace.cc", '#include "sim/embree_queries.h"', True),
-        ("sim/ray_caster.cc", '#include "sim/embree_queries.h"', False),
+        ("sim/rays/trace.cc", "#include <embree3/rtcore.h>", True),
+        ("sim/rays/trace.cc", "#include <embree4/rtcore.h>", True),
+        ("sim/rays/embree_queries.h", "#include <embree3/rtcore.h>", False),
+        ("sim/rays/trace.cc", '#include "sim/rays/embree_queries.h"', True),
+        ("sim/rays/ray_caster.cc", '#include "sim/rays/embree_queries.h"', False),
         ("sim/a.h", "#include <ceres/jet.h>", True),
         ("calib/a.h", "#include <ceres/jet.h>", False),
-        ("data_io/mesh_io.cc", "#include <tiny_gltf.h>", True),
-        ("data_io/scene_io.cc", "#include <tiny_gltf.h>", False),
-        ("data_io/cad_io.h", "#include <assimp/scene.h>", True),
-        ("data_io/cad_io.cc", "#include <assimp/scene.h>", False),
-        ("data_io/ros1_bag.cc", "#include <rosbag/bag.h>", True),
-        ("data_io/ros1_chunk.cc", "#include <rosbag/chunked_file.h>", False),
-        ("data_io/bag.cc", "#include <sqlite3.h>", True),
-        ("data_io/ros2_bag.cc", "#include <sqlite3.h>", False),
-        ("data_io/camera_io.cc", "#include <yaml-cpp/yaml.h>", True),
-        ("data_io/yaml_reader.cc", "#include <yaml-cpp/yaml.h>", False),
+        ("data_io/scenes/mesh_io.cc", "#include <tiny_gltf.h>", True),
+        ("data_io/scenes/scene_io.cc", "#include <tiny_gltf.h>", False),
+        ("data_io/scenes/cad_io.h", "#include <assimp/scene.h>", True),
+        ("data_io/scenes/cad_io.cc", "#include <assimp/scene.h>", False),
+        ("data_io/ros/ros1_bag.cc", "#include <rosbag/bag.h>", True),
+        ("data_io/ros/ros1_chunk.cc", "#include <rosbag/chunked_file.h>", False),
+        ("data_io/ros/bag.cc", "#include <sqlite3.h>", True),
+        ("data_io/ros/ros2_bag.cc", "#include <sqlite3.h>", False),
+        ("data_io/parameters/camera_io.cc", "#include <yaml-cpp/yaml.h>", True),
+        ("data_io/files/yaml_reader.cc", "#include <yaml-cpp/yaml.h>", False),
         ("data_io/a.h", "#include <opencv2/core.hpp>", True),
         ("data_io/a.cc", "#include <opencv2/core.hpp>", False),
         ("sim/a.cc", "#include <CLI/CLI.hpp>", True),
         ("sim/a.cc", '// #include "calib/fit.h"', False),
-        ("sim/long.cc", "\n" * (MAX_LINES + 1), True),
-        ("sim/long.cc", "\n" * MAX_LINES, False),
+        ("sim/elsewhere/a.cc", "", True),
     ]
-    wrong = []
-    for name, text, is_violation in cases:
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / name
-            path.parent.mkdir(parents=True)
-            path.write_text(text + "\n" if text.strip() else text, encoding="utf-8")
-            if bool(violations(pathlib.Path(folder))) != is_violation:
-                wrong.append(f"{name}: {text.strip()[:60]!r}: expected {'a' if is_violation else 'no'} violation")
+    wrong = [
+        f"{name}: {text.strip()[:60]!r}: expected {'a' if expected else 'no'} violation"
+        for name, text, expected in cases
+        if is_violation({name: text}) != expected
+    ]
+    for count, expected in ((MAX_FILES, False), (MAX_FILES + 1, True)):
+        if is_violation({f"sim/{i}.cc": "" for i in range(count)}) != expected:
+            wrong.append(f"{count} files in a folder: expected {'a' if expected else 'no'} violation")
     return wrong
 
 
@@ -134,7 +194,7 @@ def main():
         root = pathlib.Path(sys.argv[1])
         found = violations(root)
         if not any(True for _ in sources(root)):
-            found = [f"{root}: no sources, expected the rooms {', '.join(ROOMS)}"]
+            found = [f"{root}: no sources, expected the folders {', '.join(FOLDERS)}"]
     for line in found:
         print(line)
     sys.exit(1 if found else 0)

@@ -12,7 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

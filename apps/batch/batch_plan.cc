@@ -10,9 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "data_io/hash.h"
-#include "data_io/json_reader.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/files/hash.h"
+#include "data_io/json/json_reader.h"
 
 namespace sonarcal {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "apps/batch/job_process.h"
 #include "apps/command.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

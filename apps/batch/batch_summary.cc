@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "metrics/csv_text.h"
+#include "data_io/files/csv_text.h"
 
 namespace sonarcal {
 namespace {

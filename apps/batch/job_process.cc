@@ -11,7 +11,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

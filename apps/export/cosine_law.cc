@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "sim/physics/gsab.h"
 
 namespace sonarcal {

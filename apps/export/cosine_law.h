@@ -6,7 +6,7 @@
 // (n = 2 is Lambert's law, which DAVE has; Stonefish and OceanSim have n = 1).
 #pragma once
 
-#include "data_io/types/parameters.h"
+#include "core/types/parameters.h"
 
 namespace sonarcal {
 

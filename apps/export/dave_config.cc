@@ -17,8 +17,8 @@
 #include "apps/export/export_words.h"
 #include "apps/export/simulator_configs.h"
 #include "apps/export/xml_text.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

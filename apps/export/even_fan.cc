@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

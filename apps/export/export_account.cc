@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
-#include "data_io/json_fields.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {

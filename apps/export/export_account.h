@@ -11,8 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/sonar_model.h"
+#include "core/types/parameters.h"
+#include "core/types/sonar_model.h"
 
 namespace sonarcal {
 

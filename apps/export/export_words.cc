@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal {

@@ -12,7 +12,7 @@
 #include "apps/export/even_fan.h"
 #include "apps/export/export_words.h"
 #include "apps/export/simulator_configs.h"
-#include "data_io/json_writer.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal::python {
 namespace {

@@ -10,12 +10,12 @@
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/simulate_recording.h"
-#include "data_io/fan_image.h"
-#include "data_io/json_fields.h"
-#include "data_io/types/pose.h"
-#include "data_io/types/units.h"
-#include "sim/environments.h"
-#include "sim/sonar_presets.h"
+#include "core/imaging/fan_image.h"
+#include "core/types/pose.h"
+#include "core/types/units.h"
+#include "data_io/json/json_fields.h"
+#include "sim/scenes/environments.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal::python {
 namespace {

@@ -13,7 +13,7 @@
 #include "apps/simulate_recording.h"
 #include "data_io/open_recording.h"
 #include "data_io/pose_io.h"
-#include "data_io/recording_io.h"
+#include "data_io/recordings/recording_io.h"
 
 namespace sonarcal::python {
 namespace {

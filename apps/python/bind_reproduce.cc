@@ -8,7 +8,7 @@
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
 #include "apps/reproduce/reproduce_report.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::python {
 namespace {

@@ -11,7 +11,7 @@
 #include "apps/python/hooks.h"
 #include "apps/python/residual_view.h"
 #include "apps/python/words.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::python {
 namespace {

@@ -15,8 +15,8 @@
 #include "apps/python/hooks.h"
 #include "apps/python/words.h"
 #include "apps/simulate_command.h"
-#include "data_io/parameters_io.h"
-#include "metrics/segmentation.h"
+#include "data_io/parameters/parameters_io.h"
+#include "metrics/segmentation/segmentation.h"
 
 namespace sonarcal::python {
 namespace {

@@ -13,9 +13,9 @@
 #include "apps/python/words.h"
 #include "apps/scene_option.h"
 #include "apps/scenes_command.h"
-#include "data_io/parameters_io.h"
-#include "data_io/scene_io.h"
-#include "sim/environments.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/scenes/scene_io.h"
+#include "sim/scenes/environments.h"
 
 namespace sonarcal::python {
 namespace {

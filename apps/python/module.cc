@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "apps/python/bindings.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace {
 

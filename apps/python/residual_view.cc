@@ -7,7 +7,7 @@
 #include "apps/recorded_rays.h"
 #include "apps/simulate_recording.h"
 #include "calib/acoustic_fit.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal::python {
 namespace {

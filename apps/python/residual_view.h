@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "apps/fit_frames.h"
-#include "data_io/types/mask.h"
+#include "core/types/mask.h"
 
 namespace sonarcal::python {
 
 // What a frame says at given values. The residual of the acoustic model is that whose half square is the
 // negative log-likelihood of speckle. The residual of the paper's model is the difference expected - recorded
-// in full scales; after WeighAbout it is that of calib/paper_likelihood.h.
+// in full scales; after WeighAbout it is that of calib/models/paper_likelihood.h.
 struct FrameResiduals {
   PolarImage expected;  // on the recording's grey scale
   PolarImage recorded;

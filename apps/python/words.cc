@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal::python {
 

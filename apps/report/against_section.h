@@ -1,8 +1,8 @@
-// What changed since an earlier comparison (metrics/against.h), as a part of a report.
+// What changed since an earlier comparison (metrics/json/against.h), as a part of a report.
 #pragma once
 
 #include "apps/report/html_report.h"
-#include "metrics/against.h"
+#include "metrics/json/against.h"
 
 namespace sonarcal {
 

@@ -11,7 +11,7 @@
 #include "apps/report/html_text.h"
 #include "apps/report/residual_section.h"
 #include "metrics/figures.h"
-#include "metrics/scored_image.h"
+#include "metrics/segmentation/scored_image.h"
 
 namespace sonarcal {
 namespace {

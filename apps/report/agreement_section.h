@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/report/html_report.h"
-#include "metrics/metrics_json.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 

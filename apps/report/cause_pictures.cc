@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "data_io/picture.h"
+#include "apps/report/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "apps/explain_recording.h"
 #include "apps/report/html_report.h"
-#include "data_io/types/rgb_image.h"
+#include "core/types/rgb_image.h"
 
 namespace sonarcal {
 

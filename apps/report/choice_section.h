@@ -1,10 +1,10 @@
-// The choice of a model (calib/model_choice.h) as a section of a report, as text and as JSON.
+// The choice of a model (calib/selection/model_choice.h) as a section of a report, as text and as JSON.
 #pragma once
 
 #include <string>
 
 #include "apps/report/html_report.h"
-#include "calib/model_choice.h"
+#include "calib/selection/model_choice.h"
 
 namespace sonarcal {
 

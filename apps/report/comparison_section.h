@@ -1,4 +1,5 @@
-// A comparison of recordings (metrics/metrics_json.h) as parts of a report, for every command that compares.
+// A comparison of recordings (metrics/json/metrics_json.h) as parts of a report, for every command that
+// compares.
 #pragma once
 
 #include <string>
@@ -6,7 +7,7 @@
 
 #include "apps/comparison_pictures.h"
 #include "apps/report/html_report.h"
-#include "metrics/metrics_json.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 

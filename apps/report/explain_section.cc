@@ -11,8 +11,8 @@
 #include "apps/report/cause_pictures.h"
 #include "apps/report/fit_section.h"
 #include "apps/report/html_text.h"
-#include "data_io/image_io.h"
-#include "data_io/picture.h"
+#include "apps/report/pictures/picture.h"
+#include "data_io/images/image_io.h"
 
 namespace sonarcal {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "metrics/aggregate.h"
 #include "metrics/figures.h"
-#include "metrics/intensity.h"
+#include "metrics/measures/intensity.h"
 #include "metrics/noise_floor.h"
 
 namespace sonarcal {

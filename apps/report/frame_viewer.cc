@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/html_text.h"
-#include "data_io/picture.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "apps/report/pictures/picture.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/image.h"
+#include "core/types/image.h"
 
 namespace sonarcal {
 

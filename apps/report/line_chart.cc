@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "apps/report/html_text.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

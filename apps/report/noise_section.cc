@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "apps/report/html_text.h"
-#include "data_io/image_io.h"
-#include "data_io/parameters_io.h"
-#include "data_io/picture.h"
+#include "apps/report/pictures/picture.h"
+#include "data_io/images/image_io.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {

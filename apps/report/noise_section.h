@@ -1,10 +1,10 @@
-// A noise fit (calib/noise_fit.h) as sections of a report.
+// A noise fit (calib/noise/noise_fit.h) as sections of a report.
 #pragma once
 
 #include <string>
 
 #include "apps/report/html_report.h"
-#include "calib/noise_fit.h"
+#include "calib/noise/noise_fit.h"
 
 namespace sonarcal {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/report/table_text.h"
-#include "data_io/atomic_output.h"
+#include "data_io/files/atomic_output.h"
 
 namespace sonarcal {
 namespace {

@@ -1,9 +1,9 @@
-// Where a simulation is wrong (metrics/residuals.h), as part of a report: over range, over beams, as a map,
-// and over incidence and by material where the scene is known.
+// Where a simulation is wrong (metrics/measures/residuals.h), as part of a report: over range, over beams, as
+// a map, and over incidence and by material where the scene is known.
 #pragma once
 
 #include "apps/report/html_report.h"
-#include "metrics/metrics_json.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 

@@ -8,8 +8,8 @@
 #include "apps/report/fit_section.h"
 #include "apps/report/html_text.h"
 #include "apps/report/segmentation_text.h"
-#include "data_io/types/units.h"
-#include "sim/paper_values.h"
+#include "core/types/units.h"
+#include "sim/paper/paper_values.h"
 
 namespace sonarcal {
 namespace {

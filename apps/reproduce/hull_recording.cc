@@ -10,11 +10,11 @@
 #include "apps/reproduce/hull_strip.h"
 #include "apps/reproduce/known_recording.h"
 #include "calib/acoustic_fit.h"
-#include "calib/held_out_likelihood.h"
-#include "calib/noise_fit.h"
-#include "data_io/didson_io.h"
-#include "data_io/types/error.h"
-#include "sim/recorded_beam.h"
+#include "calib/noise/noise_fit.h"
+#include "calib/selection/held_out_likelihood.h"
+#include "core/types/error.h"
+#include "data_io/sonars/didson_io.h"
+#include "sim/physics/recorded_beam.h"
 
 namespace sonarcal {
 namespace {

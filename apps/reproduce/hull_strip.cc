@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/image_io.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/images/image_io.h"
 
 namespace sonarcal {
 namespace {

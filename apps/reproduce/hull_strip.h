@@ -20,8 +20,8 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/image.h"
-#include "data_io/types/scene.h"
+#include "core/types/image.h"
+#include "core/types/scene.h"
 
 namespace sonarcal {
 

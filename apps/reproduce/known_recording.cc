@@ -1,9 +1,9 @@
 #include "apps/reproduce/known_recording.h"
 
-#include "data_io/parameters_io.h"
-#include "data_io/recording_io.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
 
 namespace sonarcal {
 namespace {

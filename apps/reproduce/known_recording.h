@@ -5,8 +5,9 @@
 //
 //   bomb        two frames of a bomb, recorded by an ARIS 3000 (aris3000_uxo), and the other pose of it:
 //               frame 0 is fitted; 1 shows the same still scene, so that receiver noise alone is new in it;
-//               2, the other pose, is independent. Outline and poses are those of calib/bomb_fit.h, beam,
-//               pulse and curve are fitted to frame 0, and the pose of frame 2 to frame 2 with all else held.
+//               2, the other pose, is independent. Outline and poses are those of apps/reproduce/bomb_fit.h,
+//               beam, pulse and curve are fitted to frame 0, and the pose of frame 2 to frame 2 with all else
+//               held.
 //   hull-strip  three pings of a ship's hull, recorded by a DIDSON (didson_hull), in which a person marked
 //   the
 //               first return: 0 and 1 are fitted, 2 is held out. The scene is a strip of surface through the
@@ -23,9 +24,9 @@
 #include <vector>
 
 #include "apps/compare_recordings.h"
-#include "data_io/types/parameters.h"
-#include "data_io/types/recording.h"
-#include "data_io/types/scene.h"
+#include "core/types/parameters.h"
+#include "core/types/recording.h"
+#include "core/types/scene.h"
 
 namespace sonarcal {
 

@@ -12,8 +12,8 @@
 #include "apps/reproduce/bomb_report.h"
 #include "apps/reproduce/paper_tables.h"
 #include "apps/reproduce/summary_rows.h"
-#include "data_io/types/units.h"
-#include "sim/paper_values.h"
+#include "core/types/units.h"
+#include "sim/paper/paper_values.h"
 
 namespace sonarcal {
 namespace {

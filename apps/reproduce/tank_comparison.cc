@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "apps/simulate_recording.h"
-#include "data_io/parameters_io.h"
-#include "sim/acoustic_fan.h"
-#include "sim/paper_values.h"
-#include "sim/sonar_presets.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/paper/paper_values.h"
+#include "sim/rays/acoustic_fan.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal {
 namespace {

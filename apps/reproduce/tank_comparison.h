@@ -1,7 +1,7 @@
 // The paper's tank comparison (Park 2024, Section 6), start to end, on a SYNTHETIC recording: the paper's own
-// were never published. The recorded side is made by the coherent model (sim/coherent_image.h), another image
-// formation than the two that are fitted: fields of point scatterers of random phase at the elements of an
-// array, receiver noise at each element, a beamformer, a logarithmic display.
+// were never published. The recorded side is made by the coherent model (sim/coherent/coherent_image.h),
+// another image formation than the two that are fitted: fields of point scatterers of random phase at the
+// elements of an array, receiver noise at each element, a beamformer, a logarithmic display.
 //
 // The paper's model is fitted to it, and the acoustic one, on the same frames.
 #pragma once
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "apps/fit_recording.h"
-#include "sim/scenes.h"
+#include "sim/scenes/scenes.h"
 
 namespace sonarcal {
 

@@ -9,7 +9,7 @@ const kArcSteps = 24;
 const kRadians = Math.PI / 180;
 
 export function worldFromSonar(pose) {
-  // Yaw about Z, pitch about the new X, roll about the new Y, as in data_io/types/pose.h.
+  // Yaw about Z, pitch about the new X, roll about the new Y, as in core/types/pose.h.
   const turn = new THREE.Euler(pose.pitch_deg * kRadians, pose.roll_deg * kRadians, pose.yaw_deg * kRadians, 'ZXY');
   return new THREE.Matrix4().compose(new THREE.Vector3(...pose.position_m), new THREE.Quaternion().setFromEuler(turn),
                                      new THREE.Vector3(1, 1, 1));

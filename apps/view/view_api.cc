@@ -10,19 +10,19 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/provenance.h"
+#include "apps/report/pictures/picture.h"
 #include "apps/run_output.h"
 #include "apps/view/view_controls.h"
 #include "apps/view/view_files.h"
 #include "apps/view/view_mesh.h"
 #include "calib/acoustic_fit.h"
-#include "data_io/atomic_output.h"
-#include "data_io/json_fields.h"
-#include "data_io/json_reader.h"
-#include "data_io/parameters_io.h"
-#include "data_io/picture.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "metrics/metrics_json.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/json/json_reader.h"
+#include "data_io/parameters/parameters_io.h"
+#include "metrics/json/metrics_json.h"
 
 namespace sonarcal {
 namespace {

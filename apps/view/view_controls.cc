@@ -10,16 +10,17 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/view/view_state.h"
-#include "calib/parameter_catalog.h"
-#include "data_io/json_fields.h"
-#include "data_io/parameters_io.h"
+#include "calib/parameters/parameter_catalog.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A slider reaches this many surprising steps (calib/parameter_catalog.h) to either side of where it starts.
+// A slider reaches this many surprising steps (calib/parameters/parameter_catalog.h) to either side of where
+// it starts.
 constexpr double kStepsToEitherSide = 3.0;
 constexpr double kLevelStepDb = 20.0;
 constexpr double kMirrorLossDb = 6.0;  // of a mirror that is switched on
@@ -59,7 +60,7 @@ constexpr std::optional<EchoModel> kBoth = std::nullopt;
 constexpr EchoModel kPaper = EchoModel::kPaper;
 constexpr EchoModel kAcoustic = EchoModel::kAcoustic;
 
-// The widest bounds that data_io/parameters_io.h reads, but where a formula asks for less.
+// The widest bounds that data_io/parameters/parameters_io.h reads, but where a formula asks for less.
 constexpr std::array kNumbers = {
     Number{"source_level_db", kLevels, "Source level", kBoth},
     Number{"noise_level_db", kLevels, "Noise level NL (Eq. 10)", kPaper, "dB", -500, 500, kLevelStepDb},

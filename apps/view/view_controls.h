@@ -1,6 +1,6 @@
 // The controls of `sonarcal view`: one for every parameter of sonar, water, materials and noise, with its
-// unit and bounds. Those that a fit may move have the bounds and steps of calib/parameter_catalog.h; the
-// others those of the table in view_controls.cc.
+// unit and bounds. Those that a fit may move have the bounds and steps of
+// calib/parameters/parameter_catalog.h; the others those of the table in view_controls.cc.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/sonar_model.h"
+#include "core/types/parameters.h"
+#include "core/types/sonar_model.h"
 
 namespace sonarcal {
 

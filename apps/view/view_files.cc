@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/simulate_recording.h"
-#include "data_io/json_fields.h"
-#include "data_io/json_writer.h"
-#include "data_io/parameters_io.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {

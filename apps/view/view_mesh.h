@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "data_io/types/scene.h"
+#include "core/types/scene.h"
 
 namespace sonarcal {
 

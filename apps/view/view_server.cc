@@ -10,7 +10,7 @@
 
 #include "apps/view/view_gate.h"
 #include "apps/view/view_page.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

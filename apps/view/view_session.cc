@@ -9,8 +9,8 @@
 
 #include "apps/simulate_recording.h"
 #include "apps/view/view_recording.h"
-#include "data_io/types/error.h"
-#include "sim/ghost_trace.h"
+#include "core/types/error.h"
+#include "sim/ghosts/ghost_trace.h"
 
 namespace sonarcal {
 namespace {

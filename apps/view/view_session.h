@@ -4,9 +4,10 @@
 // --as-displayed` of these images.
 //
 // A scene is built once. Echoes are traced when pose, sonar or rays change, and shaded again when only
-// parameters do; the paper's model casts and shades in one pass (sim/paper_frame.h), which takes less time
-// than shading stored echoes would. `simulate` does so for the acoustic model, too (sim/acoustic_frame.h), in
-// single precision: a value next to the edge of a grey level may round to the other side.
+// parameters do; the paper's model casts and shades in one pass (sim/paper/paper_frame.h), which takes less
+// time than shading stored echoes would. `simulate` does so for the acoustic model, too
+// (sim/acoustic/acoustic_frame.h), in single precision: a value next to the edge of a grey level may round to
+// the other side.
 //
 // Any thread may call any function.
 #pragma once
@@ -23,8 +24,8 @@
 #include "apps/ray_options.h"
 #include "apps/scene_geometry.h"
 #include "apps/view/view_state.h"
+#include "core/types/recording.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/recording.h"
 #include "sim/simulator.h"
 
 namespace sonarcal {

@@ -7,12 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/json_fields.h"
-#include "data_io/json_reader.h"
-#include "data_io/parameters_io.h"
-#include "data_io/printable.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "core/types/units.h"
+#include "data_io/json/json_fields.h"
+#include "data_io/json/json_reader.h"
+#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal {
 namespace {

@@ -1,7 +1,7 @@
 // What the page of `sonarcal view` asks to see: everything its controls hold, sent whole with each request,
 // so that the program keeps no state of the page's and undo is the page's own matter.
 //
-//   {"parameters": {params.json, data_io/parameters_io.h},
+//   {"parameters": {params.json, data_io/parameters/parameters_io.h},
 //    "sonar": {"frequency_hz", "range_min_m", "range_max_m", "range_bins", "beams", "field_of_view_deg",
 //              "azimuth_beam_width_deg", "elevation_beam_width_deg"},      each absent: as the sonar is
 //    "frame": 0,
@@ -20,9 +20,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/pose.h"
-#include "data_io/types/sonar_model.h"
+#include "core/types/parameters.h"
+#include "core/types/pose.h"
+#include "core/types/sonar_model.h"
 
 namespace sonarcal {
 

@@ -19,7 +19,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data_io/types/sonar_model.h"
+#include "core/types/sonar_model.h"
 
 namespace sonarcal {
 

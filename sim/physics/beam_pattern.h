@@ -27,8 +27,8 @@
 #include <utility>
 #include <vector>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/units.h"
+#include "core/types/parameters.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 

@@ -7,15 +7,15 @@
 //             v = (20 log10(sqrt(P) + 10^(soft_db / 20)) - db_min) / (db_max - db_min) ARIS 3000
 //   kPower    v = (P / 10^(db_max / 10))^(exponent / 2)                                Oculus
 //
-// v rises with P everywhere. To add a law: a word in types/parameters.h and data_io/parameters_io.cc, a case
-// in each function here.
+// v rises with P everywhere. To add a law: a word in types/parameters.h and
+// data_io/parameters/parameters_io.cc, a case in each function here.
 #pragma once
 
 #include <cmath>
 #include <numbers>
 
-#include "data_io/types/error.h"
-#include "data_io/types/parameters.h"
+#include "core/types/error.h"
+#include "core/types/parameters.h"
 
 namespace sonarcal {
 

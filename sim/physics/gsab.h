@@ -14,8 +14,8 @@
 #include <limits>
 #include <string_view>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/units.h"
+#include "core/types/parameters.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 

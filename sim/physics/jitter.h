@@ -11,8 +11,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/units.h"
+#include "core/types/parameters.h"
+#include "core/types/units.h"
 #include "sim/physics/gsab.h"
 
 namespace sonarcal {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "data_io/types/parameters.h"
+#include "core/types/parameters.h"
 #include "sim/physics/gsab.h"
 #include "sim/physics/propagation.h"
 

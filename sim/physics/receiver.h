@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "data_io/types/error.h"
-#include "data_io/types/image.h"
-#include "data_io/types/parameters.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/image.h"
+#include "core/types/parameters.h"
+#include "core/types/units.h"
 #include "sim/physics/display.h"
 
 namespace sonarcal {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <utility>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/scene.h"
-#include "sim/scene_primitives.h"
+#include "core/types/scene.h"
+#include "sim/scenes/scene_primitives.h"
 
 namespace sonarcal {
 

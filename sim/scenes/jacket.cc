@@ -5,8 +5,8 @@
 #include <array>
 #include <utility>
 
-#include "data_io/types/error.h"
-#include "sim/scene_primitives.h"
+#include "core/types/error.h"
+#include "sim/scenes/scene_primitives.h"
 
 namespace sonarcal {
 namespace {

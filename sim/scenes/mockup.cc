@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/scene_primitives.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "sim/scenes/scene_primitives.h"
 
 namespace sonarcal {
 namespace {

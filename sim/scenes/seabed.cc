@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/random.h"
-#include "sim/scene_primitives.h"
+#include "core/math/random.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "sim/scenes/scene_primitives.h"
 
 namespace sonarcal {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/scene.h"
+#include "core/types/scene.h"
 
 namespace sonarcal {
 

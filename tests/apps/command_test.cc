@@ -7,7 +7,7 @@
 #include <string>
 
 #include "apps/run_output.h"
-#include "data_io/recording_io.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/apps/run_program.h"
 #include "tests/support/temp_dir.h"
 

@@ -5,9 +5,9 @@
 
 #include "apps/compare_recordings.h"
 #include "apps/threshold_check.h"
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
+#include "data_io/parameters/parameters_io.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 #include "tests/metrics/metrics_testing.h"

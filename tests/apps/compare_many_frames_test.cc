@@ -7,7 +7,7 @@
 
 #include <random>
 
-#include "data_io/image_io.h"
+#include "data_io/images/image_io.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data_io/recording_io.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/apps/run_program.h"
 #include "tests/data_io/made_up_bag.h"
 #include "tests/data_io/sonar_messages.h"

@@ -5,10 +5,10 @@
 
 #include <set>
 
-#include "data_io/image_io.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/recording_io.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data_io/open_recording.h"
-#include "data_io/recording_io.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/apps/run_program.h"
 #include "tests/support/temp_dir.h"
 

@@ -14,8 +14,8 @@
 
 #include "apps/export/cosine_law.h"
 #include "apps/export/simulator_configs.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/parameters/parameters_io.h"
 #include "tests/apps/simulator_schemas.h"
 
 namespace sonarcal {

@@ -6,12 +6,12 @@
 #include <algorithm>
 
 #include "apps/fit_recording.h"
-#include "calib/held_out_frames.h"
+#include "calib/models/held_out_frames.h"
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/recording_io.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/error.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 

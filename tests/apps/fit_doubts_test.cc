@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/target_pose.h"
-#include "data_io/types/units.h"
-#include "sim/scenes.h"
+#include "calib/poses/target_pose.h"
+#include "core/types/units.h"
+#include "sim/scenes/scenes.h"
 #include "tests/calib/small_body.h"
 
 namespace sonarcal {

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/recording_io.h"
-#include "data_io/scene_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
 #include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
 #include "tests/apps/html_check.h"

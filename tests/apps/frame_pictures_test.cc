@@ -7,7 +7,7 @@
 
 #include "apps/report/comparison_section.h"
 #include "apps/report/html_text.h"
-#include "data_io/image_io.h"
+#include "data_io/images/image_io.h"
 #include "tests/apps/html_check.h"
 
 namespace sonarcal {

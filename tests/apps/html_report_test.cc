@@ -14,7 +14,7 @@
 #include "apps/report/html_text.h"
 #include "apps/report/paper_files.h"
 #include "apps/report/table_text.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/apps/html_check.h"
 #include "tests/support/temp_dir.h"
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
+#include "data_io/parameters/parameters_io.h"
 #include "sim/physics/gsab.h"
 #include "tests/apps/tiny_world.h"
 

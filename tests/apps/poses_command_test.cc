@@ -8,10 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/image_io.h"
+#include "core/types/error.h"
+#include "data_io/images/image_io.h"
 #include "data_io/pose_io.h"
 #include "data_io/trajectory_io.h"
-#include "data_io/types/error.h"
 #include "tests/support/marker_field_files.h"
 #include "tests/support/temp_dir.h"
 

@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "apps/ray_errors.h"
-#include "data_io/types/error.h"
-#include "sim/scene_primitives.h"
-#include "sim/scenes.h"
-#include "sim/sonar_presets.h"
+#include "core/types/error.h"
+#include "sim/scenes/scene_primitives.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "tests/apps/tiny_world.h"
 #include "tests/support/temp_dir.h"
 

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "apps/comparison_viewer.h"
+#include "core/types/units.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/units.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

@@ -7,8 +7,8 @@
 
 #include <fstream>
 
+#include "core/types/error.h"
 #include "data_io/pose_io.h"
-#include "data_io/types/error.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

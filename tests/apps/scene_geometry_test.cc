@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/pose.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/pose.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data_io/open_recording.h"
-#include "data_io/scene_io.h"
+#include "data_io/scenes/scene_io.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

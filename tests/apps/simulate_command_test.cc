@@ -7,14 +7,14 @@
 #include <numeric>
 
 #include "apps/simulate_recording.h"
-#include "data_io/image_io.h"
+#include "core/types/error.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/error.h"
-#include "sim/acoustic_fan.h"
-#include "sim/sonar_presets.h"
+#include "data_io/scenes/scene_io.h"
+#include "sim/rays/acoustic_fan.h"
+#include "sim/scenes/sonar_presets.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

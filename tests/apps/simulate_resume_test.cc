@@ -10,12 +10,12 @@
 #include <map>
 #include <thread>
 
-#include "data_io/hash.h"
+#include "core/types/units.h"
+#include "data_io/files/hash.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/units.h"
+#include "data_io/scenes/scene_io.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "apps/simulate_command.h"
-#include "data_io/parameters_io.h"
+#include "core/types/units.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/units.h"
+#include "data_io/scenes/scene_io.h"
 
 namespace sonarcal::testing {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/recording.h"
+#include "core/types/parameters.h"
+#include "core/types/recording.h"
 #include "tests/apps/run_program.h"
 #include "tests/support/temp_dir.h"
 

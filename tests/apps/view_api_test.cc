@@ -16,10 +16,10 @@
 #include "apps/compare_command.h"
 #include "apps/view/view_controls.h"
 #include "apps/view/view_mesh.h"
-#include "calib/parameter_catalog.h"
-#include "data_io/parameters_io.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "calib/parameters/parameter_catalog.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/parameters/parameters_io.h"
 #include "tests/apps/view_world.h"
 
 namespace sonarcal {

@@ -1,7 +1,7 @@
 // Images of `sonarcal view`, without a socket: those of `simulate`, whatever is moved. Of the paper's model
 // to the bit; of the acoustic one within a grey level, as the view shades stored echoes in double precision
-// and `simulate` the rays of `beams` in single (sim/acoustic_frame.h), so that a value next to an edge may
-// round to its other side.
+// and `simulate` the rays of `beams` in single (sim/acoustic/acoustic_frame.h), so that a value next to an
+// edge may round to its other side.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

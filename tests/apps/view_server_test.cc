@@ -13,7 +13,7 @@
 #include "apps/view/view_gate.h"
 #include "apps/view/view_page.h"
 #include "apps/view_command.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal {

@@ -14,7 +14,7 @@
 #include "apps/view/view_api.h"
 #include "apps/view_command.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal::testing {

@@ -5,9 +5,9 @@
 #include <chrono>
 #include <vector>
 
-#include "sim/scenes.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
-#include "sim/sonar_presets.h"
 
 namespace sonarcal {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/embree_queries.h"
+#include "sim/rays/embree_queries.h"
 #include "sim/simulator.h"
 #include "tests/benchmarks/benchmark_world.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "calib/acoustic_fit.h"
-#include "sim/scenes.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
-#include "sim/sonar_presets.h"
 #include "tests/benchmarks/benchmark_world.h"
 
 namespace sonarcal {

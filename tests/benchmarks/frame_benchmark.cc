@@ -8,9 +8,9 @@
 #include <ctime>
 #include <vector>
 
-#include "data_io/fan_image.h"
-#include "sim/environments.h"
-#include "sim/paper_fan.h"
+#include "core/imaging/fan_image.h"
+#include "sim/rays/paper_fan.h"
+#include "sim/scenes/environments.h"
 #include "tests/benchmarks/benchmark_world.h"
 #include "tests/benchmarks/embree_alone.h"
 

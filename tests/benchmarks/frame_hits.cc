@@ -14,8 +14,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/fan_image.h"
-#include "data_io/json_writer.h"
+#include "core/imaging/fan_image.h"
+#include "data_io/json/json_writer.h"
 #include "tests/benchmarks/benchmark_world.h"
 
 namespace sonarcal {

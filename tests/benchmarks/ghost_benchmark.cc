@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sim/acoustic_fan.h"
+#include "sim/rays/acoustic_fan.h"
 #include "tests/benchmarks/benchmark_world.h"
 
 namespace sonarcal {

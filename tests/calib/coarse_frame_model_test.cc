@@ -1,4 +1,4 @@
-#include "calib/coarse_frame_model.h"
+#include "calib/models/coarse_frame_model.h"
 
 #include <gtest/gtest.h>
 

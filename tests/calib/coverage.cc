@@ -10,9 +10,9 @@
 
 #include "calib/acoustic_fit.h"
 #include "calib/problem_builder.h"
-#include "data_io/types/units.h"
+#include "core/math/random.h"
+#include "core/types/units.h"
 #include "sim/physics/gsab.h"
-#include "sim/random.h"
 #include "tests/calib/small_tank.h"
 
 namespace sonarcal::testing {

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "calib/acoustic_frame_model.h"
 #include "calib/fit.h"
+#include "calib/models/acoustic_frame_model.h"
 
 namespace sonarcal::testing {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/random.h"
 #include "sim/physics/gsab.h"
-#include "sim/random.h"
 
 namespace sonarcal::testing {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "calib/frame_model.h"
-#include "data_io/types/parameters.h"
+#include "calib/models/frame_model.h"
+#include "core/types/parameters.h"
 
 namespace sonarcal::testing {
 

@@ -1,5 +1,5 @@
 // What a pixel's power comes from, against images of the acoustic model that have one cause each.
-#include "sim/echo_causes.h"
+#include "sim/gathered/echo_causes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "sim/beam_and_pulse.h"
+#include "sim/physics/beam_and_pulse.h"
 #include "tests/calib/small_tank.h"
 
 namespace sonarcal {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "calib/explanation.h"
-#include "data_io/scene_io.h"
+#include "calib/selection/explanation.h"
+#include "data_io/scenes/scene_io.h"
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 

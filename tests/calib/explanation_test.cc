@@ -1,13 +1,13 @@
 // What each part of the model is worth, on SYNTHETIC frames whose parts are known.
-#include "calib/explanation.h"
+#include "calib/selection/explanation.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "tests/calib/small_tank.h"
 
 namespace sonarcal {

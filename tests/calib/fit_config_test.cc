@@ -1,11 +1,11 @@
-#include "calib/fit_config.h"
+#include "calib/parameters/fit_config.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal {

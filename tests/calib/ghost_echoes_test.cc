@@ -1,13 +1,13 @@
 // Ghosts gathered by pixel against the image that adds them ray by ray.
-#include "sim/ghost_echoes.h"
+#include "sim/gathered/ghost_echoes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/units.h"
-#include "sim/ghost_power.h"
+#include "core/types/units.h"
+#include "sim/ghosts/ghost_power.h"
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 

@@ -9,9 +9,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "calib/acoustic_frame_model.h"
 #include "calib/identifiability.h"
-#include "calib/paper_frame_model.h"
+#include "calib/models/acoustic_frame_model.h"
+#include "calib/models/paper_frame_model.h"
 #include "calib/problem_builder.h"
 #include "tests/calib/small_tank.h"
 

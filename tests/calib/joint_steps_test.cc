@@ -8,7 +8,7 @@
 
 #include "calib/acoustic_fit.h"
 #include "calib/fit.h"
-#include "calib/pose_step.h"
+#include "calib/parameters/pose_step.h"
 #include "calib/problem_builder.h"
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"

@@ -10,10 +10,10 @@
 #include <iostream>
 #include <random>
 
-#include "calib/marker_poses.h"
-#include "data_io/marker_detector.h"
-#include "data_io/marker_map_io.h"
-#include "sim/physics/camera.h"
+#include "calib/markers/camera.h"
+#include "calib/markers/marker_detector.h"
+#include "calib/markers/marker_poses.h"
+#include "data_io/parameters/marker_map_io.h"
 #include "tests/support/marker_field.h"
 
 namespace sonarcal {

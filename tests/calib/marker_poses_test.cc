@@ -1,5 +1,5 @@
 // Poses from made-up corners: what the refinement does with them, and how often its covariances hold.
-#include "calib/marker_poses.h"
+#include "calib/markers/marker_poses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <iostream>
 #include <random>
 
-#include "calib/marker_start.h"
-#include "data_io/types/units.h"
-#include "sim/physics/camera.h"
+#include "calib/markers/camera.h"
+#include "calib/markers/marker_start.h"
+#include "core/types/units.h"
 #include "tests/support/marker_field.h"
 
 namespace sonarcal {

@@ -7,8 +7,8 @@
 
 #include "calib/acoustic_fit.h"
 #include "calib/mirror_start.h"
-#include "data_io/types/error.h"
-#include "sim/acoustic_image.h"
+#include "core/types/error.h"
+#include "sim/acoustic/acoustic_image.h"
 #include "tests/calib/small_tank.h"
 
 namespace sonarcal {

@@ -1,6 +1,6 @@
 // Choice of the model by held-out likelihood: on small SYNTHETIC data whose beam, looks, trend and display
 // are known, drawn from the acoustic model or made by point scatterers and an array.
-#include "calib/model_choice.h"
+#include "calib/selection/model_choice.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "sim/physics/speckle.h"
 #include "tests/calib/small_tank.h"
 

@@ -3,7 +3,7 @@
 
 #include <iostream>
 
-#include "calib/noise_fit.h"
+#include "calib/noise/noise_fit.h"
 #include "data_io/open_recording.h"
 #include "tests/support/recordings.h"
 
@@ -63,7 +63,7 @@ TEST(NoiseFitRecordingsTest, DidsonFivePingsAreNearlyAsGood) {
 }
 
 // The recordings below hold scenes: no pings without targets. What counts as background is found by rule
-// (calib/noise_background.h), the same for both.
+// (calib/noise/noise_background.h), the same for both.
 NoiseFitOptions BackgroundByRule() {
   NoiseFitOptions options;
   options.find_background = true;

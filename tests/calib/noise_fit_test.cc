@@ -1,4 +1,4 @@
-#include "calib/noise_fit.h"
+#include "calib/noise/noise_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <numbers>
 #include <utility>
 
-#include "calib/noise_form.h"
-#include "calib/noise_information.h"
-#include "calib/noise_solver.h"
-#include "calib/quantile_residual.h"
-#include "data_io/types/error.h"
-#include "sim/random.h"
+#include "calib/noise/noise_form.h"
+#include "calib/noise/noise_information.h"
+#include "calib/noise/noise_solver.h"
+#include "calib/noise/quantile_residual.h"
+#include "core/math/random.h"
+#include "core/types/error.h"
 
 namespace sonarcal {
 namespace {

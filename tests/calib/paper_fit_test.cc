@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "calib/fit.h"
-#include "sim/paper_values.h"
+#include "sim/paper/paper_values.h"
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 

@@ -1,6 +1,6 @@
 // The expected recorded value of a pixel against draws of pixels made of a few rays each, rounded and
 // clipped.
-#include "calib/paper_likelihood.h"
+#include "calib/models/paper_likelihood.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The loops over many pixels against the formulas one at a time.
-#include "calib/pixel_math.h"
+#include "calib/models/pixel_math.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "calib/power_likelihood.h"
+#include "calib/models/power_likelihood.h"
 #include "sim/physics/display.h"
 
 namespace sonarcal {

@@ -1,6 +1,6 @@
 // Poses of a known scene: the algebra of moves, and fits to small SYNTHETIC recordings made by the coherent
 // model, which is not the one fitted.
-#include "calib/pose_refinement.h"
+#include "calib/poses/pose_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "calib/acoustic_fit.h"
-#include "calib/pose_ambiguity.h"
-#include "calib/pose_problem.h"
-#include "calib/pose_step.h"
-#include "sim/acoustic_fan.h"
+#include "calib/parameters/pose_step.h"
+#include "calib/poses/pose_ambiguity.h"
+#include "calib/poses/pose_problem.h"
+#include "sim/rays/acoustic_fan.h"
 #include "tests/calib/small_tank.h"
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"

@@ -1,11 +1,11 @@
-#include "calib/pose_search.h"
+#include "calib/poses/pose_search.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "data_io/types/units.h"
-#include "sim/scenes.h"
+#include "core/types/units.h"
+#include "sim/scenes/scenes.h"
 #include "tests/calib/small_body.h"
 
 namespace sonarcal {

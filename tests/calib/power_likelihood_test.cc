@@ -1,4 +1,4 @@
-#include "calib/power_likelihood.h"
+#include "calib/models/power_likelihood.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "calib/acoustic_frame_model.h"
-#include "sim/acoustic_fan.h"
+#include "calib/models/acoustic_frame_model.h"
+#include "sim/rays/acoustic_fan.h"
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 

@@ -1,10 +1,10 @@
 // A body in open water before a sonar of few beams, by the acoustic model.
 #pragma once
 
-#include "calib/target_pose.h"
-#include "data_io/types/parameters.h"
-#include "data_io/types/sonar_model.h"
-#include "data_io/types/units.h"
+#include "calib/poses/target_pose.h"
+#include "core/types/parameters.h"
+#include "core/types/sonar_model.h"
+#include "core/types/units.h"
 
 namespace sonarcal::testing {
 

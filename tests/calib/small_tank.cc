@@ -1,6 +1,6 @@
 #include "tests/calib/small_tank.h"
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 
 namespace sonarcal::testing {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "calib/acoustic_fit.h"
-#include "calib/held_out_likelihood.h"
+#include "calib/selection/held_out_likelihood.h"
 #include "sim/physics/display.h"
 #include "tests/calib/small_tank.h"
 
@@ -44,7 +44,7 @@ class SoftDisplayTest : public ::testing::Test {
 };
 
 // The information of one look is counted by the fast path, that of any other number of looks by the slow one
-// (calib/pixel_math.h): a hair beside one look it must be the same.
+// (calib/models/pixel_math.h): a hair beside one look it must be the same.
 TEST_F(SoftDisplayTest, TheFastPathTellsTheSameStandardErrorsAsTheSlowOne) {
   for (const DisplayLaw law : {DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude}) {
     const ParameterSet truth = Truth(law);

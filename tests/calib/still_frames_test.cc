@@ -1,6 +1,6 @@
 // Speckle told from receiver noise: on frames made here by drawing fields, which share no code with the
 // estimator, and on a SYNTHETIC recording made by another kind of simulation.
-#include "calib/still_frames.h"
+#include "calib/noise/still_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <numeric>
 #include <random>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
+#include "sim/gathered/pixel_echoes.h"
 #include "sim/physics/frozen_speckle.h"
 #include "sim/physics/gsab.h"
-#include "sim/pixel_echoes.h"
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 

@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "data_io/open_recording.h"
-#include "data_io/scene_io.h"
-#include "sim/acoustic_fan.h"
+#include "data_io/scenes/scene_io.h"
 #include "sim/physics/display.h"
+#include "sim/rays/acoustic_fan.h"
 
 namespace sonarcal::testing {
 namespace {

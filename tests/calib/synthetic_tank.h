@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "calib/acoustic_frame_model.h"
-#include "data_io/types/recording.h"
+#include "calib/models/acoustic_frame_model.h"
+#include "core/types/recording.h"
 #include "sim/simulator.h"
 
 namespace sonarcal::testing {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "calib/acoustic_fit.h"
-#include "sim/acoustic_image.h"
+#include "sim/acoustic/acoustic_image.h"
 #include "sim/physics/gsab.h"
 #include "tests/support/recordings.h"
 

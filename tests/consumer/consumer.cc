@@ -1,8 +1,8 @@
 // Uses the installed rooms through their headers, as a program of someone else would.
 #include <iostream>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/scene.h"
+#include "core/types/parameters.h"
+#include "core/types/scene.h"
 #include "sim/physics/gsab.h"
 
 int main() {

@@ -1,4 +1,4 @@
-#include "data_io/aris3000_frames_io.h"
+#include "data_io/sonars/aris3000_frames_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"

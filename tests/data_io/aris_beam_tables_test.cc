@@ -1,4 +1,4 @@
-#include "data_io/aris_beam_tables.h"
+#include "data_io/sonars/aris_beam_tables.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {

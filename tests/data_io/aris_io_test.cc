@@ -1,4 +1,4 @@
-#include "data_io/aris_io.h"
+#include "data_io/sonars/aris_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "tests/data_io/byte_writer.h"
 #include "tests/data_io/recording_file_test.h"
 #include "tests/support/recordings.h"

@@ -1,9 +1,9 @@
-#include "data_io/atomic_output.h"
+#include "data_io/files/atomic_output.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 

@@ -5,8 +5,8 @@
 
 #include <random>
 
-#include "data_io/bag.h"
 #include "data_io/bag_trajectory.h"
+#include "data_io/ros/bag.h"
 #include "tests/data_io/byte_writer.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_bag.h"

@@ -6,9 +6,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "data_io/bag_recording.h"
-#include "data_io/picture_geometry.h"
-#include "data_io/types/units.h"
+#include "core/types/units.h"
+#include "data_io/pictures/picture_geometry.h"
+#include "data_io/ros/bag_recording.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_bag.h"
 #include "tests/data_io/message_writer.h"

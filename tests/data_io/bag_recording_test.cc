@@ -1,12 +1,12 @@
-#include "data_io/bag_recording.h"
+#include "data_io/ros/bag_recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/types/units.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/units.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_bag.h"
 #include "tests/data_io/sonar_messages.h"

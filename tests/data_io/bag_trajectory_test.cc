@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/made_up_bag.h"
 #include "tests/data_io/message_writer.h"
 #include "tests/data_io/refusal.h"

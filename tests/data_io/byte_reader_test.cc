@@ -1,4 +1,4 @@
-#include "data_io/byte_reader.h"
+#include "data_io/files/byte_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/byte_writer.h"
 #include "tests/support/temp_dir.h"
 

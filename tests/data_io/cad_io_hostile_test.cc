@@ -7,10 +7,10 @@
 #include <limits>
 #include <string>
 
-#include "data_io/cad_io.h"
-#include "data_io/obj_document.h"
-#include "data_io/stl_document.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/scenes/cad_io.h"
+#include "data_io/scenes/obj_document.h"
+#include "data_io/scenes/stl_document.h"
 #include "tests/data_io/cad_files.h"
 #include "tests/data_io/refusal.h"
 

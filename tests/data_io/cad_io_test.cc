@@ -1,5 +1,5 @@
 // Scenes from OBJ and STL: what is read, and what becomes of units and axes.
-#include "data_io/cad_io.h"
+#include "data_io/scenes/cad_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <random>
 #include <string>
 
-#include "data_io/scene_io.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/scenes/scene_io.h"
 #include "tests/data_io/cad_files.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/temp_dir.h"

@@ -1,4 +1,4 @@
-#include "data_io/camera_image.h"
+#include "data_io/images/camera_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "data_io/image_io.h"
+#include "data_io/images/image_io.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 

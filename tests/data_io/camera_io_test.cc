@@ -1,11 +1,11 @@
-#include "data_io/camera_io.h"
+#include "data_io/parameters/camera_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 

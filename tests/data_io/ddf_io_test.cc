@@ -1,10 +1,10 @@
-#include "data_io/ddf_io.h"
+#include "data_io/sonars/ddf_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data_io/didson_io.h"
-#include "data_io/types/units.h"
+#include "core/types/units.h"
+#include "data_io/sonars/didson_io.h"
 #include "tests/data_io/byte_writer.h"
 #include "tests/data_io/recording_file_test.h"
 

@@ -1,12 +1,12 @@
-#include "data_io/dfki_uxo_io.h"
+#include "data_io/sonars/dfki_uxo_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data_io/aris_beam_tables.h"
-#include "data_io/frame_tree.h"
+#include "data_io/images/pgm_codec.h"
 #include "data_io/open_recording.h"
-#include "data_io/pgm_codec.h"
+#include "data_io/sonars/aris_beam_tables.h"
+#include "data_io/sonars/frame_tree.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/refusal.h"
 

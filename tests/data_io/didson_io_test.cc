@@ -1,4 +1,4 @@
-#include "data_io/didson_io.h"
+#include "data_io/sonars/didson_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/image_io.h"
+#include "core/types/units.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/units.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"

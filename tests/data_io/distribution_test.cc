@@ -1,4 +1,4 @@
-#include "data_io/types/distribution.h"
+#include "core/math/distribution.h"
 
 #include <gtest/gtest.h>
 

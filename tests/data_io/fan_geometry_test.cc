@@ -1,13 +1,13 @@
-#include "data_io/fan_geometry.h"
+#include "data_io/pictures/fan_geometry.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "data_io/picture_frames.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/pictures/picture_frames.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "data_io/fan_image.h"
+#include "core/imaging/fan_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -1,8 +1,8 @@
-#include "data_io/hash.h"
+#include "data_io/files/hash.h"
 
 #include <gtest/gtest.h>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal {

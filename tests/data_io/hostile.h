@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/error.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal::testing {

@@ -1,4 +1,4 @@
-#include "data_io/image_io.h"
+#include "data_io/images/image_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 

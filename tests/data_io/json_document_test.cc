@@ -1,4 +1,4 @@
-#include "data_io/json_document.h"
+#include "data_io/json/json_document.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

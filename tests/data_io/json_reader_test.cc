@@ -1,4 +1,4 @@
-#include "data_io/json_reader.h"
+#include "data_io/json/json_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

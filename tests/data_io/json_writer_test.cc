@@ -1,4 +1,4 @@
-#include "data_io/json_writer.h"
+#include "data_io/json/json_writer.h"
 
 #include <gtest/gtest.h>
 

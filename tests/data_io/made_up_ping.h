@@ -1,4 +1,4 @@
-// A small simple ping result of an Oculus, by its layout (data_io/oculus_io.h).
+// A small simple ping result of an Oculus, by its layout (data_io/sonars/oculus_io.h).
 #pragma once
 
 #include <cstdint>

@@ -1,12 +1,12 @@
-#include "data_io/marker_map_io.h"
+#include "data_io/parameters/marker_map_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/aruco.hpp>
 
-#include "data_io/marker_detector.h"
-#include "data_io/types/units.h"
+#include "calib/markers/marker_detector.h"
+#include "core/types/units.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 

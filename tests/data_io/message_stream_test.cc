@@ -1,11 +1,11 @@
-#include "data_io/message_stream.h"
+#include "data_io/ros/message_stream.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <initializer_list>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/refusal.h"
 
 namespace sonarcal {

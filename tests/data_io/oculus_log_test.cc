@@ -1,4 +1,4 @@
-#include "data_io/oculus_log.h"
+#include "data_io/sonars/oculus_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

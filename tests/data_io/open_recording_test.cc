@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"

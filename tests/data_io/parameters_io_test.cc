@@ -1,4 +1,4 @@
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/parameters_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/json_writer.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/json/json_writer.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 

@@ -1,4 +1,4 @@
-#include "data_io/picture_io.h"
+#include "data_io/pictures/picture_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "data_io/fan_image.h"
-#include "data_io/image_io.h"
+#include "core/imaging/fan_image.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/temp_dir.h"
 

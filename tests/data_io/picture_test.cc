@@ -1,4 +1,4 @@
-#include "data_io/picture.h"
+#include "apps/report/pictures/picture.h"
 
 #include <gtest/gtest.h>
 

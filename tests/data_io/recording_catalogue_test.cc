@@ -1,11 +1,11 @@
-#include "data_io/recording_catalogue.h"
+#include "data_io/recordings/recording_catalogue.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "data_io/hash.h"
+#include "data_io/files/hash.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
 

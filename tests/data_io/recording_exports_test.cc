@@ -9,16 +9,16 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "data_io/bag_recording.h"
+#include "apps/report/pictures/fan_pictures.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "data_io/bag_trajectory.h"
-#include "data_io/fan_pictures.h"
-#include "data_io/image_io.h"
-#include "data_io/npz_writer.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/posed_recording.h"
-#include "data_io/ros1_bag_writer.h"
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "data_io/recordings/npz_writer.h"
+#include "data_io/ros/bag_recording.h"
+#include "data_io/ros/ros1_bag_writer.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal {

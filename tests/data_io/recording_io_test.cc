@@ -1,4 +1,4 @@
-#include "data_io/recording_io.h"
+#include "data_io/recordings/recording_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/image_io.h"
-#include "data_io/json_fields.h"
-#include "data_io/types/units.h"
+#include "core/types/units.h"
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_fields.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"

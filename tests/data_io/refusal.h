@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal::testing {
 

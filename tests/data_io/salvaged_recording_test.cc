@@ -1,12 +1,12 @@
-#include "data_io/salvaged_recording.h"
+#include "data_io/recordings/salvaged_recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data_io/image_io.h"
+#include "core/types/error.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/recording_io.h"
-#include "data_io/types/error.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <random>
 
-#include "data_io/gltf_document.h"
-#include "data_io/scene_assembler.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/error.h"
+#include "core/types/error.h"
+#include "data_io/scenes/gltf_document.h"
+#include "data_io/scenes/scene_assembler.h"
+#include "data_io/scenes/scene_io.h"
 #include "tests/data_io/gltf_builder.h"
 
 namespace sonarcal {

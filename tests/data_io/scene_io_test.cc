@@ -1,11 +1,11 @@
-#include "data_io/scene_io.h"
+#include "data_io/scenes/scene_io.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/data_io/gltf_builder.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/recordings.h"

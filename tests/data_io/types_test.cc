@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "data_io/types/image.h"
-#include "data_io/types/pose.h"
-#include "data_io/types/scene.h"
-#include "data_io/types/sonar_settings.h"
-#include "data_io/types/units.h"
+#include "core/types/image.h"
+#include "core/types/pose.h"
+#include "core/types/scene.h"
+#include "core/types/sonar_settings.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

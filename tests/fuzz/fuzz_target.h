@@ -12,7 +12,7 @@
 
 namespace sonarcal::fuzz {
 
-// A picture may have 64 million pixels of four bytes (data_io/image_header.h), held twice while it is
+// A picture may have 64 million pixels of four bytes (data_io/images/image_header.h), held twice while it is
 // decoded; no parser may take more.
 inline constexpr int kMostFuzzMemoryMiB = 1024;
 

@@ -9,17 +9,17 @@
 #include <string>
 #include <string_view>
 
-#include "data_io/cad_io.h"
-#include "data_io/camera_io.h"
-#include "data_io/image_io.h"
-#include "data_io/marker_map_io.h"
+#include "core/types/error.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
-#include "data_io/parameters_io.h"
+#include "data_io/parameters/camera_io.h"
+#include "data_io/parameters/marker_map_io.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/recording_io.h"
-#include "data_io/scene_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/cad_io.h"
+#include "data_io/scenes/scene_io.h"
 #include "data_io/trajectory_io.h"
-#include "data_io/types/error.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace sonarcal::fuzz {

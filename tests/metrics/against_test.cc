@@ -1,11 +1,11 @@
-#include "metrics/against.h"
+#include "metrics/json/against.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "metrics/metrics_json.h"
+#include "metrics/json/metrics_json.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

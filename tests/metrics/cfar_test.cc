@@ -1,4 +1,4 @@
-#include "metrics/cfar.h"
+#include "metrics/segmentation/cfar.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <random>
 #include <vector>
 
-#include "data_io/fan_image.h"
-#include "metrics/false_alarm.h"
-#include "metrics/local_sums.h"
-#include "metrics/segmentation.h"
+#include "core/imaging/fan_image.h"
+#include "core/math/local_sums.h"
+#include "metrics/segmentation/false_alarm.h"
+#include "metrics/segmentation/segmentation.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "metrics/false_alarm.h"
+#include "metrics/segmentation/false_alarm.h"
 
 #include <gtest/gtest.h>
 

@@ -28,7 +28,7 @@ TEST(FiguresTest, EveryPathAndLabelOccursOnce) {
 TEST(FiguresTest, EveryNameStandsInThePageThatDefinesThem) {
   const std::string page =
       testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "docs/metrics.md") +
-      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "metrics/occupancy.h");
+      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "metrics/measures/occupancy.h");
   for (const Figure& figure : Figures()) {
     const std::string name = figure.path.substr(figure.path.rfind('.') + 1);
     const bool defined =

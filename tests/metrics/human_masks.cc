@@ -4,11 +4,11 @@
 #include <cmath>
 #include <regex>
 
-#include "data_io/file_bytes.h"
-#include "data_io/image_io.h"
-#include "data_io/picture_frames.h"
-#include "data_io/picture_geometry.h"
-#include "data_io/types/units.h"
+#include "core/types/units.h"
+#include "data_io/files/file_bytes.h"
+#include "data_io/images/image_io.h"
+#include "data_io/pictures/picture_frames.h"
+#include "data_io/pictures/picture_geometry.h"
 
 namespace sonarcal::testing {
 namespace {

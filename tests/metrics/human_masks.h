@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "data_io/types/image.h"
-#include "data_io/types/mask.h"
+#include "core/types/image.h"
+#include "core/types/mask.h"
 
 namespace sonarcal::testing {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "metrics/segmentation.h"
+#include "metrics/segmentation/segmentation.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "metrics/intensity.h"
+#include "metrics/measures/intensity.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "metrics/level_histograms.h"
+#include "metrics/measures/level_histograms.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "metrics/likelihood_ratio.h"
+#include "metrics/segmentation/likelihood_ratio.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-#include "metrics/segmentation.h"
+#include "metrics/segmentation/segmentation.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

@@ -1,11 +1,11 @@
-#include "metrics/local_contrast.h"
+#include "metrics/segmentation/local_contrast.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "metrics/segmentation.h"
+#include "metrics/segmentation/segmentation.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "metrics/metrics_json.h"
+#include "metrics/json/metrics_json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

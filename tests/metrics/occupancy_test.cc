@@ -1,4 +1,4 @@
-#include "metrics/occupancy.h"
+#include "metrics/measures/occupancy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "metrics/outline.h"
+#include "metrics/measures/outline.h"
 
 #include <gtest/gtest.h>
 

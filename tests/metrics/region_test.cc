@@ -1,11 +1,11 @@
-#include "metrics/region.h"
+#include "metrics/segmentation/region.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

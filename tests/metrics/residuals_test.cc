@@ -1,4 +1,4 @@
-#include "metrics/residuals.h"
+#include "metrics/measures/residuals.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

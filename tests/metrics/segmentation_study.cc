@@ -24,8 +24,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "metrics/segmentation.h"
-#include "metrics/segmentation_json.h"
+#include "metrics/json/segmentation_json.h"
+#include "metrics/segmentation/segmentation.h"
 #include "tests/metrics/human_masks.h"
 
 namespace sonarcal::testing {

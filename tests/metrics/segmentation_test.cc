@@ -1,4 +1,4 @@
-#include "metrics/segmentation.h"
+#include "metrics/segmentation/segmentation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "data_io/fan_image.h"
+#include "core/imaging/fan_image.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "metrics/ssim.h"
+#include "metrics/measures/ssim.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "metrics/compare.h"
 #include "metrics/find_objects.h"
-#include "metrics/sweep_json.h"
+#include "metrics/json/sweep_json.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "metrics/threshold.h"
+#include "metrics/segmentation/threshold.h"
 
 #include <gtest/gtest.h>
 

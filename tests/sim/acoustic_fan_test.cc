@@ -1,14 +1,14 @@
 // What staggered rays are for: an expected image that changes evenly as the sonar moves.
-#include "sim/acoustic_fan.h"
+#include "sim/rays/acoustic_fan.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "data_io/types/units.h"
-#include "sim/acoustic_image.h"
-#include "sim/ray_caster.h"
-#include "sim/trace.h"
+#include "core/types/units.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/rays/ray_caster.h"
+#include "sim/rays/trace.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 

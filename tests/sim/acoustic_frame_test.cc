@@ -1,5 +1,5 @@
 // The frame in one pass against the same rays traced to echoes and shaded one at a time.
-#include "sim/acoustic_frame.h"
+#include "sim/acoustic/acoustic_frame.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scenes.h"
-#include "sim/sonar_presets.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "tests/sim/thread_limit.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "sim/acoustic_image.h"
+#include "sim/acoustic/acoustic_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_acoustic_model.h"
 #include "tests/sim/slow_paper_model.h"

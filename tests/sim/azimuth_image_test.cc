@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/acoustic_image.h"
-#include "sim/beam_and_pulse.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/physics/beam_and_pulse.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 

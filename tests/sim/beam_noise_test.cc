@@ -1,15 +1,15 @@
-#include "sim/beam_noise.h"
+#include "sim/acoustic/beam_noise.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/acoustic_image.h"
-#include "sim/line_array.h"
-#include "sim/sonar_presets.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/physics/line_array.h"
+#include "sim/scenes/sonar_presets.h"
 #include "tests/sim/thread_limit.h"
 
 namespace sonarcal {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

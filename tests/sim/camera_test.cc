@@ -1,4 +1,4 @@
-#include "sim/physics/camera.h"
+#include "calib/markers/camera.h"
 
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-#include "sim/physics/flat_port.h"
+#include "calib/markers/flat_port.h"
 
 namespace sonarcal {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/coherent_image.h"
+#include "sim/coherent/coherent_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
-#include "sim/line_array.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/physics/beam_pattern.h"
+#include "sim/physics/line_array.h"
 #include "sim/simulator.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"

@@ -1,4 +1,4 @@
-#include "sim/echo_histogram.h"
+#include "sim/paper/echo_histogram.h"
 
 #include <gtest/gtest.h>
 

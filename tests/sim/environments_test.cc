@@ -1,6 +1,6 @@
 // The environments of Park 2024 Section 5: sizes, closed meshes, normals, resolution, and what is seen of
 // them.
-#include "sim/environments.h"
+#include "sim/scenes/environments.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <set>
 #include <string>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/scenes/bridge_pier.h"
 #include "sim/scenes/jacket.h"
 #include "sim/scenes/seabed.h"

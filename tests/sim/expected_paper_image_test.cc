@@ -1,4 +1,4 @@
-#include "sim/expected_paper_image.h"
+#include "sim/paper/expected_paper_image.h"
 
 #include <ceres/jet.h>
 #include <gmock/gmock.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "sim/paper_image.h"
+#include "sim/paper/paper_image.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"

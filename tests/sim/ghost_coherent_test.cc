@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "data_io/types/units.h"
-#include "sim/ghost_power.h"
+#include "core/types/units.h"
+#include "sim/ghosts/ghost_power.h"
 #include "sim/simulator.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"

@@ -9,8 +9,8 @@
 #include <iostream>
 #include <iterator>
 
-#include "sim/beam_and_pulse.h"
-#include "sim/ghost_power.h"
+#include "sim/ghosts/ghost_power.h"
+#include "sim/physics/beam_and_pulse.h"
 #include "tests/sim/synthetic_truth.h"
 
 namespace sonarcal {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scenes.h"
+#include "sim/scenes/scenes.h"
 #include "sim/simulator.h"
 #include "tests/sim/ghost_world.h"
 #include "tests/sim/thread_limit.h"

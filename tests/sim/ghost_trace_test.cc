@@ -1,11 +1,11 @@
-#include "sim/ghost_trace.h"
+#include "sim/ghosts/ghost_trace.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/sim/ghost_world.h"
 
 namespace sonarcal {

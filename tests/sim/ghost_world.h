@@ -2,7 +2,7 @@
 // reflect, and the steps from a scene to the power of its ghosts.
 #pragma once
 
-#include "sim/ghost_power.h"
+#include "sim/ghosts/ghost_power.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_acoustic_model.h"
 #include "tests/sim/slow_paper_model.h"

@@ -1,11 +1,11 @@
-#include "sim/line_array.h"
+#include "sim/physics/line_array.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/physics/beam_pattern.h"
 
 namespace sonarcal {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "data_io/types/scene.h"
-#include "data_io/types/units.h"
+#include "core/types/scene.h"
+#include "core/types/units.h"
 
 namespace sonarcal::testing {
 

@@ -1,10 +1,10 @@
-#include "sim/mirror_surface.h"
+#include "sim/ghosts/mirror_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim/ray_caster.h"
+#include "sim/rays/ray_caster.h"
 #include "tests/sim/meshes.h"
 
 namespace sonarcal {

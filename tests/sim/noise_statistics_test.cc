@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scenes.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
-#include "sim/sonar_presets.h"
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"
 

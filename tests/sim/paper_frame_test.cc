@@ -1,5 +1,5 @@
 // The frame in one pass against the same rays traced to echoes and shaded one at a time.
-#include "sim/paper_frame.h"
+#include "sim/paper/paper_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <span>
 
-#include "sim/scenes.h"
-#include "sim/sonar_presets.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "tests/sim/thread_limit.h"
 
 namespace sonarcal {

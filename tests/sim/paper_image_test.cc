@@ -1,4 +1,4 @@
-#include "sim/paper_image.h"
+#include "sim/paper/paper_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"

@@ -1,10 +1,10 @@
-#include "sim/paper_values.h"
+#include "sim/paper/paper_values.h"
 
 #include <gtest/gtest.h>
 
 #include "sim/physics/absorption.h"
 #include "sim/physics/propagation.h"
-#include "sim/sonar_presets.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal {
 namespace {

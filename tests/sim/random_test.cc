@@ -1,4 +1,4 @@
-#include "sim/random.h"
+#include "core/math/random.h"
 
 #include <gtest/gtest.h>
 

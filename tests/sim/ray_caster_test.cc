@@ -1,4 +1,4 @@
-#include "sim/ray_caster.h"
+#include "sim/rays/ray_caster.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/sim/meshes.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "sim/ray_fan.h"
+#include "sim/rays/ray_fan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 namespace {

@@ -1,13 +1,13 @@
-#include "sim/recorded_beam.h"
+#include "sim/physics/recorded_beam.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/error.h"
 #include "data_io/open_recording.h"
-#include "data_io/types/error.h"
-#include "sim/acoustic_image.h"
+#include "sim/acoustic/acoustic_image.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {

@@ -73,8 +73,8 @@ Solid Ball(const Vector3d& middle, double radius, int material);
 Solid Cylinder(const Vector3d& base, const Vector3d& axis, double radius, int sides, int material,
                double inner_radius = 0.0);
 
-// --- The paper's scene (sim/scenes.h), from its measures: 12 x 10 x 1.5 m, blocks of 1 x 1 x 1.5 m with
-// reliefs of 8 cm, solids that touch sunk 5 mm into one another, cylinders of 16 sides.
+// --- The paper's scene (sim/scenes/scenes.h), from its measures: 12 x 10 x 1.5 m, blocks of 1 x 1 x 1.5 m
+// with reliefs of 8 cm, solids that touch sunk 5 mm into one another, cylinders of 16 sides.
 
 enum Material { kFloor, kWall, kMockup };
 

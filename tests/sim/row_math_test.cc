@@ -1,5 +1,5 @@
 // Rows in single precision against the formulas one at a time, in double.
-#include "sim/row_math.h"
+#include "sim/rays/row_math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 #include <random>
 #include <vector>
 
-#include "sim/random.h"
-#include "sim/ray_fan.h"
-#include "sim/sonar_presets.h"
+#include "core/math/random.h"
+#include "sim/rays/ray_fan.h"
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal {
 namespace {

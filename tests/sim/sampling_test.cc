@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/paper_frame.h"
-#include "sim/scenes.h"
+#include "sim/paper/paper_frame.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
-#include "sim/sonar_presets.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/reference_paper_model.h"
 #include "tests/sim/slow_paper_model.h"

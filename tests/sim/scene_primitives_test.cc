@@ -1,11 +1,11 @@
-#include "sim/scene_primitives.h"
+#include "sim/scenes/scene_primitives.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "tests/support/mesh_checks.h"
 
 namespace sonarcal {

@@ -1,4 +1,4 @@
-#include "sim/scenes.h"
+#include "sim/scenes/scenes.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "data_io/types/error.h"
-#include "sim/scenes/bomb.h"
+#include "apps/reproduce/bomb.h"
+#include "core/types/error.h"
 #include "tests/support/mesh_checks.h"
 
 namespace sonarcal {

@@ -10,10 +10,10 @@
 #include <map>
 #include <string>
 
-#include "data_io/types/units.h"
-#include "sim/scenes.h"
+#include "core/types/units.h"
+#include "sim/scenes/scenes.h"
+#include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
-#include "sim/sonar_presets.h"
 #include "tests/sim/reference_paper_model.h"
 
 namespace sonarcal {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "data_io/types/parameters.h"
-#include "data_io/types/units.h"
+#include "core/types/parameters.h"
+#include "core/types/units.h"
 
 namespace sonarcal::testing {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "data_io/types/units.h"
+#include "core/types/units.h"
 #include "sim/physics/paper_echo.h"
-#include "sim/trace.h"
+#include "sim/rays/trace.h"
 
 namespace sonarcal::testing {
 

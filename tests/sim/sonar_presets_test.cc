@@ -1,14 +1,14 @@
-#include "sim/sonar_presets.h"
+#include "sim/scenes/sonar_presets.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <iterator>
 
-#include "data_io/types/error.h"
-#include "data_io/types/units.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/physics/absorption.h"
-#include "sim/ray_fan.h"
+#include "sim/rays/ray_fan.h"
 
 namespace sonarcal {
 namespace {

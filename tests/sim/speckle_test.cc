@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/random.h"
+#include "core/math/random.h"
 
 namespace sonarcal {
 namespace {

@@ -13,9 +13,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/types/units.h"
 #include "data_io/open_recording.h"
-#include "data_io/scene_io.h"
-#include "data_io/types/units.h"
+#include "data_io/scenes/scene_io.h"
 #include "sim/simulator.h"
 #include "tests/support/recordings.h"
 

@@ -1,4 +1,4 @@
-#include "sim/trace.h"
+#include "sim/rays/trace.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 #include "tests/sim/meshes.h"
 #include "tests/sim/thread_limit.h"
 

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "data_io/marker_map_io.h"
+#include "data_io/parameters/marker_map_io.h"
 
 namespace sonarcal::testing {
 namespace {

@@ -11,9 +11,9 @@
 #include <random>
 #include <vector>
 
-#include "data_io/types/camera.h"
-#include "data_io/types/image.h"
-#include "data_io/types/marker_map.h"
+#include "core/types/camera.h"
+#include "core/types/image.h"
+#include "core/types/marker_map.h"
 
 namespace sonarcal::testing {
 

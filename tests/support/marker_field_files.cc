@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "data_io/image_io.h"
-#include "data_io/marker_map_io.h"
+#include "data_io/images/image_io.h"
+#include "data_io/parameters/marker_map_io.h"
 #include "data_io/pose_io.h"
 #include "tests/support/temp_dir.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "data_io/types/scene.h"
+#include "core/types/scene.h"
 
 namespace sonarcal::testing {
 

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "data_io/types/error.h"
+#include "core/types/error.h"
 
 namespace sonarcal::testing {
 

@@ -1,0 +1,34 @@
+// The joint refinement behind marker_poses.h: all frames, and on request markers and focal length, by Ceres.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "calib/markers/marker_corners.h"
+#include "core/types/camera.h"
+#include "core/types/marker_map.h"
+
+namespace sonarcal {
+
+struct AdjustedFrame {
+  std::vector<MarkerObservation> seen;
+  Pose world_from_camera;
+  // Position in the world's axes, rotation about the camera's (marker_poses.h).
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+struct Adjustment {
+  std::vector<AdjustedFrame> frames;
+  MarkerMap map;
+  double noise_factor2 = 1.0;
+  double degrees_of_freedom = 0.0;
+  double focal_scale = 1.0;
+  double focal_scale_sigma = 0.0;
+};
+
+// From poses near the answer; `noise_factor2` is a first guess. Throws DataError where the frames do not
+// determine what is free.
+Adjustment Adjust(std::vector<AdjustedFrame> frames, const MarkerMap& map, const Camera& camera,
+                  const FlatPort* port, bool refine_focal, double noise_factor2);
+
+}  // namespace sonarcal

@@ -1,0 +1,318 @@
+#include "calib/models/acoustic_frame_model.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "calib/models/coarse_frame_model.h"
+#include "calib/models/down_weight.h"
+#include "calib/parameters/pose_step.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "sim/acoustic/acoustic_frame.h"
+#include "sim/ghosts/ghost_power.h"
+#include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/receiver.h"
+
+namespace sonarcal {
+namespace {
+
+// Half the distance over which echoes are differenced.
+double DifferenceStep(const CatalogEntry& entry, double value, const PolarAxes& axes) {
+  constexpr double kOfWidth = 0.03;
+  return entry.group == ParameterGroup::kPose ? PoseDifference(axes, entry.index) : kOfWidth * value;
+}
+
+// How much further aside than what is sent ghosts are traced, so that more of it needs no other trace.
+constexpr double kTransmitReach = 1.3;
+constexpr double kTransmitGridDeg = 5.0;  // the fan of rays for ghosts changes by so much
+
+}  // namespace
+
+std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const DisplayParameters<double>& display) {
+  if (image.scale.quantity != Quantity::kGrey) {
+    throw DataError("fit: the recorded image holds {}, expected grey levels", ToString(image.scale.quantity));
+  }
+  const double full_scale = image.scale.full_scale;
+  const auto power_of = [&](double grey) { return PowerFromDisplay(display, grey / full_scale); };
+  std::vector<RecordedPower> recorded;
+  recorded.reserve(image.value.size());
+  for (const float value : image.value.values()) {
+    const double grey = value;
+    if (!std::isfinite(grey)) throw DataError("fit: a recorded pixel is not finite");
+    // A grey level holds what rounds to it. Where it shows no power, it holds all that is less.
+    if (grey < 0.5) {
+      recorded.push_back({power_of(0.5), Censoring::kAtMost});
+    } else if (grey > full_scale - 0.5) {
+      recorded.push_back({power_of(full_scale - 0.5), Censoring::kAtLeast});
+    } else if (const double power = power_of(grey); power > 0.0) {
+      recorded.push_back({power, Censoring::kNone});
+    } else {
+      recorded.push_back({power_of(grey + 0.5), Censoring::kAtMost});
+    }
+  }
+  return recorded;
+}
+
+AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+                                       const ParameterSet& initial)
+    : simulator_(simulator),
+      frames_(frames),
+      material_names_(simulator.caster().material_names()),
+      initial_(WithResponse(simulator.sonar(), initial)),
+      weights_(frames.size()),
+      repeat_shares_(frames.size()),
+      shown_(material_names_.size(), false),
+      reflected_(material_names_.size(), false) {
+  if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
+  CheckTapers(initial_.receiver, beams());
+  for (const std::string& name : material_names_) initial_.materials[name] = initial.Material(name);
+  std::vector<int> indices;
+  for (const AcousticFrame& frame : frames) {
+    indices.push_back(frame.index);
+    if ((!frame.use.empty() && frame.use.size() != pixel_count()) || frame.recorded.size() != pixel_count()) {
+      throw DataError("fit: frame {} has {} pixels, expected {}", frame.index, frame.recorded.size(),
+                      pixel_count());
+    }
+  }
+  catalog_ = BuildAcousticCatalog(material_names_, simulator.sonar(), indices,
+                                  ReflectingMaterials(material_names_, initial_));
+  for (const CatalogEntry& entry : catalog_) {
+    if (entry.group != ParameterGroup::kPose) {
+      initial_values_.push_back(AcousticSlot(initial_, material_names_, entry));
+      continue;
+    }
+    const PoseStep named = entry.frame == kMountFrame ? PoseStep(PoseStep::Zero())
+                                                      : NamedValues(frames[entry.frame].world_from_sonar);
+    initial_values_.push_back(named(entry.index));
+  }
+  Linearise(initial_values_, {});
+  for (const FrameEchoes& of : echoes_) {
+    for (const PixelEchoes::Entry& entry : of.at_point.entries)
+      shown_[entry.node / CoarseIncidenceDeg().size()] = true;
+    for (const PixelEchoes::Entry& entry : of.ghosts.pixels.entries)
+      shown_[entry.node / CoarseIncidenceDeg().size() / kCurveParts % material_names_.size()] = true;
+    for (const GhostWay& way : of.ghosts.ways) {
+      for (const std::uint16_t mirror : way) reflected_[mirror] = true;
+    }
+  }
+}
+
+FrameModel::Grain AcousticFrameModel::grain() const {
+  const SonarModel& sonar = simulator_.sonar();
+  const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
+  return {.bins = std::max(1.0, initial_.pulse.length_m / sonar.axes.range_bin_m()),
+          .beams = spacing_deg > 0.0 ? std::max(1.0, initial_.beam.azimuth_width_deg / spacing_deg) : 1.0};
+}
+
+int AcousticFrameModel::first_of_pose(int frame) const {
+  for (int other = 0; other < frame; ++other) {
+    if (IsSamePose(frames_[other].world_from_sonar, frames_[frame].world_from_sonar)) return other;
+  }
+  return frame;
+}
+
+ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const {
+  ParameterSet parameters = initial_;
+  for (std::size_t i = 0; i < catalog_.size(); ++i) {
+    if (catalog_[i].group == ParameterGroup::kPose) continue;
+    AcousticSlot(parameters, material_names_, catalog_[i]) = values[i];
+  }
+  return parameters;
+}
+
+Pose AcousticFrameModel::PoseOf(int frame, const ParameterValues& values) const {
+  return PoseEntries(frame, values) * PoseEntries(kMountFrame, values);
+}
+
+Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) const {
+  PoseStep named = PoseStep::Zero();
+  for (std::size_t i = 0; i < catalog_.size(); ++i) {
+    if (catalog_[i].group == ParameterGroup::kPose && catalog_[i].frame == frame)
+      named(catalog_[i].index) = values[i];
+  }
+  return PoseFromNamedValues(named);
+}
+
+Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                               const RayFan& fan) const {
+  ScatterMap scatter = ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry(), parameters,
+                                   simulator_.options().trace);
+  const int thin =
+      std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
+  const GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);
+  AddGhosts(ghosts, geometry(), parameters, scatter);
+  return EchoPowerImage(scatter, geometry(), parameters);
+}
+
+PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                                 const RayFan& fan) const {
+  Grid<double> power = EchoPowerFrom(world_from_sonar, parameters, fan);
+  AddNoiseFloor(geometry(), parameters, power);
+  return PowerImage(sonar().axes, power);
+}
+
+GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
+                                       const std::vector<int>& geometric) const {
+  ParameterSet parameters = Parameters(values);
+  const bool transmit_moves = std::any_of(geometric.begin(), geometric.end(), [&](int entry) {
+    return catalog_[entry].group == ParameterGroup::kTransmit;
+  });
+  double& end_deg = parameters.beam.transmit_end_deg;
+  if (transmit_moves) end_deg = kTransmitGridDeg * std::ceil(kTransmitReach * end_deg / kTransmitGridDeg);
+  return simulator_.TraceGhosts(PoseOf(frame, values), parameters);
+}
+
+RayFan AcousticFrameModel::ThinnedFan(int factor) const {
+  RayFanOptions options = simulator_.options().fan;
+  options.cols = std::max(1, options.cols / factor);
+  options.rows = std::max(1, options.rows / factor);
+  return {sonar(), options};
+}
+
+FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& values,
+                                            const std::vector<int>& geometric) const {
+  const EchoPower at_pose = EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
+  FrameEchoes echoes{.at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
+  const GhostList ghosts = GhostsOf(frame, values, geometric);
+  if (!ghosts.echoes.empty()) echoes.ghosts = GatherGhostEchoes(simulator_, ghosts, Parameters(values));
+  for (const int index : geometric) {
+    const CatalogEntry& entry = catalog_[index];
+    const double step = DifferenceStep(entry, values[index], sonar().axes);
+    ParameterValues above = values;
+    ParameterValues below = values;
+    above[index] += step;
+    below[index] -= step;
+    if (entry.group == ParameterGroup::kPose) {
+      if (entry.frame != frame && entry.frame != kMountFrame) continue;
+      echoes.slopes.push_back({.entry = index, .logarithm = LogarithmSlope(frame, above, below, 2.0 * step)});
+      continue;
+    }
+    echoes.slopes.push_back({.entry = index});
+    if (!ghosts.echoes.empty()) {
+      const auto gather = [&](const ParameterValues& at) {
+        return GatherGhostEchoes(simulator_, ghosts, Parameters(at)).pixels;
+      };
+      echoes.slopes.back().ghosts = Difference(gather(above), gather(below), 1.0 / (2.0 * step));
+    }
+    if (entry.group == ParameterGroup::kTransmit) continue;
+    // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
+    const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
+    const auto gather = [&](const ParameterValues& at) {
+      return arrives_alike ? ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
+                           : GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
+    };
+    echoes.slopes.back().echoes = Difference(gather(above), gather(below), 1.0 / (2.0 * step));
+  }
+  return echoes;
+}
+
+std::vector<float> AcousticFrameModel::LogarithmSlope(int frame, const ParameterValues& above,
+                                                      const ParameterValues& below, double difference) const {
+  // Echoes far below the noise change nothing: their logarithm may rest.
+  constexpr double kOfNoise = 1e-3;
+  const ParameterSet parameters = Parameters(above);
+  const Grid<double> high = EchoPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
+  const Grid<double> low = EchoPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
+  const Grid<double> noise = NoiseFloorPower(geometry(), parameters);
+  std::vector<float> slope;
+  slope.reserve(pixel_count());
+  for (std::size_t i = 0; i < pixel_count(); ++i) {
+    const double rest = kOfNoise * noise.values()[i];
+    slope.push_back(
+        static_cast<float>(std::log((high.values()[i] + rest) / (low.values()[i] + rest)) / difference));
+  }
+  return slope;
+}
+
+void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
+  point_ = values;
+  std::vector<FrameEchoes> echoes(frames_.size());
+  tbb::parallel_for(0, frame_count(),
+                    [&](int frame) { echoes[frame] = EchoesAbout(frame, values, geometric); });
+  echoes_ = std::move(echoes);
+}
+
+void AcousticFrameModel::DownWeight(const ParameterValues& values) {
+  const ParameterSet parameters = Parameters(values);
+  const DownWeightOptions options{.grain_bins = grain().bins, .grain_beams = grain().beams};
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    weights_[frame] = CellWeights(frames_[frame].recorded, MeanPower(frame, values), frames_[frame].use,
+                                  range_bins(), beams(), parameters.receiver.looks, options);
+  }
+}
+
+bool AcousticFrameModel::has_repeats() const {
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    if (first_of_pose(frame) != frame) return true;
+  }
+  return false;
+}
+
+void AcousticFrameModel::ShareRepeats(const ParameterValues& values) {
+  std::vector<int> count(frames_.size(), 0);
+  for (int frame = 0; frame < frame_count(); ++frame) ++count[first_of_pose(frame)];
+  const ReceiverNoise noise(Parameters(values).receiver, simulator_.sonar().axes,
+                            simulator_.absorption_db_per_m());
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    const int others = count[first_of_pose(frame)] - 1;
+    if (others == 0) continue;
+    const std::vector<double> mean = MeanPower(frame, values);
+    std::vector<float>& share = repeat_shares_[frame];
+    share.clear();
+    for (std::size_t pixel = 0; pixel < mean.size(); ++pixel) {
+      const double of_noise =
+          noise.Power(static_cast<int>(pixel) / beams(), static_cast<int>(pixel) % beams()) / mean[pixel];
+      share.push_back(static_cast<float>(1.0 / (1.0 + others * std::pow(1.0 - of_noise, 2))));
+    }
+  }
+}
+
+AcousticState AcousticFrameModel::StateAt(const ParameterSet& parameters,
+                                          const ParameterValues& values) const {
+  return {.catalog = catalog_,
+          .material_names = material_names_,
+          .sonar = simulator_.sonar(),
+          .absorption_db_per_m = simulator_.absorption_db_per_m(),
+          .parameters = parameters,
+          .values = values,
+          .point = point_};
+}
+
+std::vector<double> AcousticFrameModel::MeanPower(int frame, const ParameterValues& values) const {
+  const ParameterSet parameters = Parameters(values);
+  return AcousticEvaluation(StateAt(parameters, values), echoes_[frame], {}, {}, Terms::kResiduals).Means();
+}
+
+std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const ParameterValues& values,
+                                                        std::span<const int> active, Terms wanted) const {
+  const AcousticFrame& of = frames_[frame];
+  const ParameterSet parameters = Parameters(values);
+  const std::span<const int> differentiated = wanted == Terms::kResiduals ? std::span<const int>{} : active;
+  return std::make_unique<AcousticEvaluation>(StateAt(parameters, values), echoes_[frame],
+                                              RecordedFrame{.power = of.recorded,
+                                                            .use = of.use,
+                                                            .weight = weights_[frame],
+                                                            .repeat_share = repeat_shares_[frame]},
+                                              differentiated, wanted);
+}
+
+std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels) const {
+  // Curves change faster along range than from beam to beam.
+  constexpr int kMostBins = 4;
+  constexpr int kMostBeams = 8;
+  constexpr double kWorthwhile = 4.0;  // fewer pixels by less are hardly quicker, and less exact
+  const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
+                                [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
+  const double factor =
+      static_cast<double>(pixel_count() * frames_.size()) / static_cast<double>(wanted_pixels);
+  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMostBins),
+                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMostBeams)};
+  if (bent || factor < kWorthwhile) return nullptr;
+  return std::make_unique<CoarseFrameModel>(*this, block);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,132 @@
+#include "calib/models/coarse_frame_model.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "core/types/units.h"
+#include "sim/physics/receiver.h"
+
+namespace sonarcal {
+namespace {
+
+int Blocks(int count, int of) {
+  return (count + of - 1) / of;
+}
+
+PolarAxes CoarseAxes(const PolarAxes& fine, const PixelBlock& block) {
+  PolarAxes coarse = fine;
+  coarse.range_bins = Blocks(fine.range_bins, block.bins);
+  coarse.range_max_m = fine.range_min_m + coarse.range_bins * block.bins * fine.range_bin_m();
+  coarse.beam_azimuth_rad.clear();
+  for (int first = 0; first < fine.beam_count(); first += block.beams) {
+    const int last = std::min(first + block.beams, fine.beam_count()) - 1;
+    coarse.beam_azimuth_rad.push_back(0.5 * (fine.beam_azimuth_rad[first] + fine.beam_azimuth_rad[last]));
+  }
+  return coarse;
+}
+
+// A taper by beam, averaged in power.
+std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_once) {
+  std::vector<double> coarse;
+  for (std::size_t first = 0; first < fine.size(); first += beams_at_once) {
+    const std::size_t last = std::min(first + beams_at_once, fine.size());
+    double power = 0.0;
+    for (std::size_t beam = first; beam < last; ++beam) power += PowerFromDb(fine[beam]);
+    coarse.push_back(DbFromPower(power / static_cast<double>(last - first)));
+  }
+  return coarse;
+}
+
+}  // namespace
+
+CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block)
+    : fine_(fine), block_(block), sonar_(fine.sonar()) {
+  sonar_.axes = CoarseAxes(fine.sonar().axes, block);
+  const TimeVariedGain law = fine.Parameters(fine.initial_values()).receiver.time_varied_gain;
+  const double absorption_db_per_m = fine.simulator().absorption_db_per_m();
+  for (int bin = 0; bin < fine.range_bins(); ++bin) {
+    gain_of_centre_.push_back(PowerFromDb(
+        TimeVariedGainDb(law, fine.sonar().axes.range_centre_m(bin), absorption_db_per_m) -
+        TimeVariedGainDb(law, sonar_.axes.range_centre_m(bin / block.bins), absorption_db_per_m)));
+  }
+  frames_.resize(fine.frame_count());
+  tbb::parallel_for(0, fine.frame_count(), [&](int frame) { frames_[frame] = Gather(frame); });
+}
+
+PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const PixelEchoes& fine) const {
+  PixelEchoes echoes{.materials = fine.materials, .start = {0}, .entries = {}};
+  std::vector<double> by_node(static_cast<std::size_t>(fine.materials) * CoarseIncidenceDeg().size(), 0.0);
+  std::vector<std::uint32_t> nodes;
+  ForBlocks([&](const auto& for_pixels) {
+    nodes.clear();
+    int counted = 0;
+    for_pixels([&](int bin, std::size_t pixel) {
+      if (!fine_.Counts(frame, pixel)) return;
+      ++counted;
+      for (std::uint32_t e = fine.start[pixel]; e < fine.start[pixel + 1]; ++e) {
+        const PixelEchoes::Entry& entry = fine.entries[e];
+        if (by_node[entry.node] == 0.0) nodes.push_back(entry.node);
+        by_node[entry.node] += gain_of_centre_[bin] * entry.weight;
+      }
+    });
+    std::sort(nodes.begin(), nodes.end());
+    for (const std::uint32_t node : nodes) {
+      if (by_node[node] > 0.0) echoes.entries.push_back({node, static_cast<float>(by_node[node] / counted)});
+      by_node[node] = 0.0;
+    }
+    echoes.start.push_back(static_cast<std::uint32_t>(echoes.entries.size()));
+  });
+  return echoes;
+}
+
+CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame) const {
+  const FrameEchoes& fine = fine_.echoes(frame);
+  CoarseFrame coarse;
+  coarse.echoes.at_point = BlockEchoes(frame, fine.at_point);
+  if (!fine.ghosts.empty()) {
+    coarse.echoes.ghosts = {.ways = fine.ghosts.ways,
+                            .materials = fine.ghosts.materials,
+                            .pixels = BlockEchoes(frame, fine.ghosts.pixels)};
+  }
+  ForBlocks([&](const auto& for_pixels) {
+    double power = 0.0;
+    double weight = 0.0;
+    int counted = 0;
+    for_pixels([&](int, std::size_t pixel) {
+      if (!fine_.Counts(frame, pixel)) return;
+      ++counted;
+      weight += fine_.Weight(frame, pixel);
+      power += fine_.frame(frame).recorded[pixel].power;
+    });
+    coarse.power.push_back({.power = counted > 0 ? power / counted : 0.0});
+    coarse.use.push_back(counted > 0 ? 1 : 0);
+    coarse.weight.push_back(static_cast<float>(weight / (block_.bins * block_.beams)));
+  });
+  return coarse;
+}
+
+std::unique_ptr<FrameEvaluation> CoarseFrameModel::At(int frame, const ParameterValues& values,
+                                                      std::span<const int> active, Terms wanted) const {
+  ParameterSet parameters = fine_.Parameters(values);
+  ReceiverParameters& receiver = parameters.receiver;
+  receiver.looks *= block_.bins * block_.beams;
+  receiver.noise_taper_db = CoarseTaper(receiver.noise_taper_db, block_.beams);
+  receiver.noise_after_gain_taper_db = CoarseTaper(receiver.noise_after_gain_taper_db, block_.beams);
+  const AcousticState state{.catalog = catalog(),
+                            .material_names = material_names(),
+                            .sonar = sonar_,
+                            .absorption_db_per_m = fine_.simulator().absorption_db_per_m(),
+                            .parameters = parameters,
+                            .values = values,
+                            .point = values,
+                            .clips = false};
+  const CoarseFrame& of = frames_[frame];
+  const std::span<const int> differentiated = wanted == Terms::kResiduals ? std::span<const int>{} : active;
+  return std::make_unique<AcousticEvaluation>(
+      state, of.echoes,
+      RecordedFrame{.power = of.power, .use = of.use, .weight = of.weight, .repeat_share = {}},
+      differentiated, wanted);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,81 @@
+// Frames of an acoustic fit with neighbouring pixels taken together, for finding where the likelihood of all
+// pixels had best begin. A block's mean power has as many more looks as it has pixels, and tells of curves
+// and receiver nearly all that they tell one by one, at their cost divided by as much: unlike a few of the
+// pixels, whose best curves can lie a long way from those of all.
+//
+// Not exact: within a block, noise and gain are those of its centre, speckle is taken as independent, and a
+// clipped pixel has the power at which it was clipped. Geometry stays at the point of the fine model.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calib/models/acoustic_evaluation.h"
+#include "calib/models/acoustic_frame_model.h"
+#include "calib/models/frame_model.h"
+
+namespace sonarcal {
+
+// Pixels that are taken together.
+struct PixelBlock {
+  int bins = 1;
+  int beams = 1;
+};
+
+class CoarseFrameModel final : public FrameModel {
+ public:
+  // The fine model must outlive this one, and not change.
+  CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block);
+
+  const std::vector<CatalogEntry>& catalog() const override { return fine_.catalog(); }
+  int frame_count() const override { return fine_.frame_count(); }
+  int frame_index(int frame) const override { return fine_.frame_index(frame); }
+  int range_bins() const override { return sonar_.axes.range_bins; }
+  int beams() const override { return sonar_.axes.beam_count(); }
+  bool Counts(int frame, std::size_t pixel) const override { return frames_[frame].use[pixel] != 0; }
+  bool ShowsMaterial(int material) const override { return fine_.ShowsMaterial(material); }
+  bool ShowsMirror(int material) const override { return fine_.ShowsMirror(material); }
+  const std::vector<std::string>& material_names() const override { return fine_.material_names(); }
+  int first_of_pose(int frame) const override { return fine_.first_of_pose(frame); }
+  bool IsLikelihood() const override { return true; }
+  std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
+                                      Terms wanted) const override;
+
+ private:
+  struct CoarseFrame {
+    FrameEchoes echoes;
+    std::vector<RecordedPower> power;
+    std::vector<std::uint8_t> use;
+    std::vector<float> weight;
+  };
+  CoarseFrame Gather(int frame) const;
+  // Entries of a block's pixels that count, node by node, as a mean over those pixels.
+  PixelEchoes BlockEchoes(int frame, const PixelEchoes& fine) const;
+
+  // Calls act(for_pixels) for each block in its order; for_pixels(visit) calls visit(bin, pixel) for each of
+  // the block's fine pixels.
+  template <typename Act>
+  void ForBlocks(const Act& act) const {
+    for (int first_bin = 0; first_bin < fine_.range_bins(); first_bin += block_.bins) {
+      for (int first_beam = 0; first_beam < fine_.beams(); first_beam += block_.beams) {
+        act([&](const auto& visit) {
+          for (int bin = first_bin; bin < std::min(first_bin + block_.bins, fine_.range_bins()); ++bin) {
+            for (int beam = first_beam; beam < std::min(first_beam + block_.beams, fine_.beams()); ++beam)
+              visit(bin, static_cast<std::size_t>(bin) * fine_.beams() + beam);
+          }
+        });
+      }
+    }
+  }
+
+  const AcousticFrameModel& fine_;
+  PixelBlock block_;
+  SonarModel sonar_;
+  std::vector<double> gain_of_centre_;  // by fine bin: its time-varied gain over that of its block's centre
+  std::vector<CoarseFrame> frames_;
+};
+
+}  // namespace sonarcal

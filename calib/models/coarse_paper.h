@@ -1,0 +1,20 @@
+// Frames of the paper's model in blocks of pixels, to search for a start by: a tenth of the work, and nearly
+// what the pixels tell of curves and display.
+#pragma once
+
+#include <vector>
+
+#include "calib/models/paper_frame_model.h"
+
+namespace sonarcal {
+
+struct CoarsePaperFrames {
+  ImageGeometry geometry;
+  std::vector<FitFrame> frames;  // recorded values are means over blocks, not rounded
+};
+
+// Blocks of at most `most` bins x `most` beams that divide the image evenly.
+CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+                             int most = 4);
+
+}  // namespace sonarcal

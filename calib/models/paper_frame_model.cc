@@ -1,0 +1,282 @@
+#include "calib/models/paper_frame_model.h"
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "sim/paper/paper_values.h"
+
+namespace sonarcal {
+namespace {
+
+// Derivatives carried at once through the shading of cells.
+constexpr int kStride = 8;
+using Dual = ceres::Jet<double, kStride>;
+
+// The blur ties a frame's pixels together, so all are computed at once and handed out run by run.
+class WholeFrame final : public FrameEvaluation {
+ public:
+  WholeFrame(PixelTerms terms, std::size_t pixels_per_bin, std::size_t columns)
+      : terms_(std::move(terms)), pixels_per_bin_(pixels_per_bin), columns_(columns) {}
+
+  bool Bins(int first, int last, PixelTerms& terms) const override {
+    const auto copy = [&](const std::vector<double>& from, std::size_t per_pixel, std::vector<double>& to) {
+      const std::size_t stride = from.empty() ? 0 : pixels_per_bin_ * per_pixel;
+      to.assign(from.begin() + static_cast<std::ptrdiff_t>(first * stride),
+                from.begin() + static_cast<std::ptrdiff_t>(last * stride));
+    };
+    copy(terms_.residual, 1, terms.residual);
+    copy(terms_.slope, 1, terms.slope);
+    copy(terms_.information, 1, terms.information);
+    copy(terms_.eta_jacobian, columns_, terms.eta_jacobian);
+    return true;
+  }
+
+ private:
+  PixelTerms terms_;
+  std::size_t pixels_per_bin_;
+  std::size_t columns_;
+};
+
+// Errors wider than this many bins and beams are no errors of a ray any more; a configuration may say
+// otherwise.
+constexpr double kMostBins = 3.0;
+constexpr double kMostBeams = 6.0;
+
+}  // namespace
+
+PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+                                 const std::vector<std::string>& material_names, const ParameterSet& initial)
+    : frames_(frames),
+      geometry_(geometry),
+      material_names_(material_names),
+      initial_(PaperParametersFor(initial, material_names)),
+      catalog_(BuildCatalog(material_names)),
+      shown_(material_names.size(), false) {
+  for (const FitFrame& frame : frames) {
+    if ((!frame.use.empty() && frame.use.size() != pixel_count()) || frame.measured.size() != pixel_count() ||
+        frame.echoes.materials != static_cast<int>(material_names.size())) {
+      throw DataError("fit: frame {} has {} pixels and {} materials, expected {} and {}", frame.index,
+                      frame.measured.size(), frame.echoes.materials, pixel_count(), material_names.size());
+    }
+    for (const EchoHistogram::Entry& entry : frame.echoes.entries) {
+      if (entry.weight > 0.0F) shown_[entry.node / kIncidenceNodes] = true;
+    }
+  }
+  const double beam_deg = DegFromRad((geometry.beam_edges_rad.back() - geometry.beam_edges_rad.front()) /
+                                     geometry.axes.beam_count());
+  for (CatalogEntry& entry : catalog_) {
+    if (entry.name == "jitter.sigma_range_m") entry.upper = kMostBins * geometry.axes.range_bin_m();
+    if (entry.name == "jitter.sigma_azimuth_deg") entry.upper = kMostBeams * beam_deg;
+  }
+  BoundByLevel();
+  AddPriors();
+}
+
+// Bounds of curves and display, of what no gauge moves.
+void PaperFrameModel::BoundByLevel() {
+  // An echo 1 m from the sonar: at least this much above dB_min, at most this much above the dB_max given.
+  // The paper's own lies 70 dB above dB_min and 67 dB above dB_max.
+  constexpr double kLowestAboveMinDb = -20.0;
+  constexpr double kHighestAboveMaxDb = 77.0;
+  // Display spans: a third of the paper's own; the paper's example, 0 to 100 dB, is the widest.
+  constexpr double kNarrowestDb = 1.0;
+  constexpr double kWidestDb = 100.0;
+  // Wider Gaussians and flatter cosines take the place of one another.
+  constexpr double kFlattestD = 0.3;
+  constexpr double kSteepestD = 3.0;
+  constexpr double kWidestFDeg = 30.0;
+  const double level_db = LevelOfOneDb();
+  const double highest_db = kHighestAboveMaxDb + initial_.display.db_max - initial_.display.db_min;
+  for (CatalogEntry& entry : catalog_) {
+    if (IsAmplitude(entry)) {
+      entry.lower = PowerFromDb(kLowestAboveMinDb - level_db);
+      entry.upper = PowerFromDb(highest_db - level_db);
+    } else if (entry.group == ParameterGroup::kGsab) {
+      NarrowToRealCurves(entry);
+      if (entry.index == 3) {
+        entry.lower = kFlattestD;
+        entry.upper = kSteepestD;
+      } else if (entry.index == 5) {
+        entry.upper = kWidestFDeg;
+      }
+    } else if (entry.name == "display.db_max") {
+      entry.lower = initial_.display.db_min + kNarrowestDb;
+      entry.upper = initial_.display.db_min + kWidestDb;
+    }
+  }
+}
+
+// About the paper's own curve, whatever values a fit starts from: so that the best fit does not depend on the
+// start. What the frames do not determine stays there, and is reported as not determined.
+void PaperFrameModel::AddPriors() {
+  constexpr double kStepsOfLevel = 2.0;  // 20 dB: the gauge is the user's
+  const GsabParameters<double> paper;
+  const std::array<double, 6> values = {paper.a, paper.b_deg, paper.c, paper.d, paper.e, paper.f_deg};
+  const double gauge = PowerFromDb(kPaperBlackBelowSourceDb - LevelOfOneDb());
+  for (CatalogEntry& entry : catalog_) {
+    if (entry.group != ParameterGroup::kGsab) continue;
+    const bool amplitude = IsAmplitude(entry);
+    const double value = values[entry.index] * (amplitude ? gauge : 1.0);
+    entry.prior = Prior{.coordinate = entry.CoordinateFromValue(value),
+                        .sigma = entry.typical_step * (amplitude ? kStepsOfLevel : 1.0)};
+  }
+}
+
+template <typename Body>
+void PaperFrameModel::ForPixels(const ParameterValues& values, const Body& body) const {
+  const PaperParameters<double> parameters = ParametersAt<double>([&](int entry) { return values[entry]; });
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    const FitFrame& of = frames_[frame];
+    const PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
+    for (std::size_t i = 0; i < of.measured.size(); ++i) {
+      if (Counts(frame, i)) body(of, evaluation.sums()[i], of.measured[i]);
+    }
+  }
+}
+
+PaperNoise PaperFrameModel::NoiseAbout(const ParameterValues& values) const {
+  // Of full scale: pixels by which the knee is judged; and of grey levels, faint ones.
+  constexpr double kBrightLow = 0.25;
+  constexpr double kBrightHigh = 0.9;
+  constexpr double kFaintLow = 2.0;
+  constexpr double kFaintHigh = 60.0;
+  struct Sums {
+    double square = 0.0;
+    double of = 0.0;
+    double ratio() const { return of > 0.0 ? square / of : 0.0; }
+  };
+  Sums all;
+  Sums bright;
+  Sums faint;
+  double level = 0.0;
+  ForPixels(values, [&](const FitFrame& frame, double sum, double recorded) {
+    const double shown = std::clamp(sum, 0.0, 1.0);
+    const double square = (recorded - shown) * (recorded - shown);
+    level = std::max(level, frame.level);
+    if (recorded > 0.0 || shown > 0.5 * frame.level) {
+      all.square += square;
+      all.of += 1.0;
+    }
+    if (sum > kBrightLow && sum < kBrightHigh) {
+      bright.square += square;
+      bright.of += sum;
+    }
+    if (frame.level > 0.0 && sum > kFaintLow * frame.level && sum < kFaintHigh * frame.level) {
+      const double rounding = frame.level * frame.level / 12.0;
+      faint.square += (square - rounding) / frame.level;
+      faint.of += sum;
+    }
+  });
+  const double least = level > 0.0 ? 0.3 * level : 1e-4;  // a value is rounded to 0.29 of a level
+  PaperNoise noise;
+  noise.sigma = std::max(least, std::sqrt(all.ratio()));
+  noise.knee_sigma = std::max(least, std::sqrt(bright.ratio()));
+  noise.variance_levels = std::max(0.0, faint.ratio());
+  return noise;
+}
+
+double PaperFrameModel::RmsDifference(const ParameterValues& a, const ParameterValues& b) const {
+  std::vector<double> first;
+  ForPixels(a, [&](const FitFrame&, double sum, double) { first.push_back(std::clamp(sum, 0.0, 1.0)); });
+  double square = 0.0;
+  double lit = 0.0;
+  std::size_t i = 0;
+  ForPixels(b, [&](const FitFrame&, double sum, double) {
+    const double second = std::clamp(sum, 0.0, 1.0);
+    if (first[i] > 0.0 || second > 0.0) lit += 1.0;
+    square += (first[i] - second) * (first[i] - second);
+    ++i;
+  });
+  return std::sqrt(square / std::max(1.0, lit));
+}
+
+PaperClipping PaperFrameModel::ClippingAt(const ParameterValues& values) const {
+  double echoes = 0.0;
+  PaperClipping clipping;
+  ForPixels(values, [&](const FitFrame& frame, double sum, double recorded) {
+    const double half = 0.5 * frame.level;
+    if (!(sum > half)) return;
+    echoes += 1.0;
+    if (sum >= 1.0 - half) clipping.modelled += 1.0;
+    if (recorded >= 1.0 - half) clipping.recorded += 1.0;
+  });
+  clipping.modelled /= std::max(1.0, echoes);
+  clipping.recorded /= std::max(1.0, echoes);
+  return clipping;
+}
+
+ParameterValues PaperFrameModel::Values(const ParameterSet& parameters) const {
+  PaperParameters<double> paper = PaperParametersFor(parameters, material_names_);
+  ParameterValues values;
+  for (const CatalogEntry& entry : catalog_) values.push_back(PaperSlot(paper, entry));
+  return values;
+}
+
+void PaperFrameModel::Store(const ParameterValues& values, ParameterSet& parameters) const {
+  StorePaperParameters(ParametersAt<double>([&](int entry) { return values[entry]; }), material_names_,
+                       parameters);
+}
+
+template <typename T, typename ValueAt>
+PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) const {
+  PaperParameters<T> parameters = CastPaperParameters<T>(initial_);
+  for (std::size_t entry = 0; entry < catalog_.size(); ++entry) {
+    PaperSlot(parameters, catalog_[entry]) = value_at(static_cast<int>(entry));
+  }
+  return parameters;
+}
+
+PaperResidual PaperFrameModel::ResidualOf(double sum, double recorded, double level) const {
+  if (noise_) return PaperPixelResidual(sum, recorded, level, *noise_);
+  const bool clamped = sum < 0.0 || sum > 1.0;
+  return {std::clamp(sum, 0.0, 1.0) - recorded, clamped ? 0.0 : 1.0};
+}
+
+// Derivatives are those of the forward model in dual numbers; Ceres' own wrapper would carry them through the
+// blur pixel by pixel, which is ten times the work.
+std::unique_ptr<FrameEvaluation> PaperFrameModel::At(int frame, const ParameterValues& values,
+                                                     std::span<const int> active, Terms wanted) const {
+  const FitFrame& of = frames_[frame];
+  const PaperParameters<double> parameters = ParametersAt<double>([&](int entry) { return values[entry]; });
+  if (!(parameters.display.db_max > parameters.display.db_min)) return nullptr;
+  const PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
+  const std::vector<double>& sums = evaluation.sums();
+  const auto finish = [&](PixelTerms terms) {
+    return std::make_unique<WholeFrame>(std::move(terms), beams(), active.size());
+  };
+  PixelTerms terms;
+  terms.residual.resize(sums.size());
+  terms.slope.resize(sums.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (!Counts(frame, i)) continue;
+    const PaperResidual pixel = ResidualOf(sums[i], of.measured[i], of.level);
+    terms.residual[i] = pixel.residual;
+    terms.slope[i] = pixel.slope;
+  }
+  if (wanted == Terms::kResiduals) return finish(std::move(terms));
+  for (const double slope : terms.slope) terms.information.push_back(slope * slope);
+  const std::size_t count = active.size();
+  terms.eta_jacobian.resize(sums.size() * count);
+  for (std::size_t first = 0; first < count; first += kStride) {
+    const std::size_t columns = std::min<std::size_t>(kStride, count - first);
+    std::vector<int> column_of(catalog_.size(), -1);
+    for (std::size_t k = 0; k < columns; ++k) column_of[active[first + k]] = static_cast<int>(k);
+    const auto images = evaluation.Derivatives(ParametersAt<Dual>([&](int entry) {
+      return column_of[entry] < 0 ? Dual(values[entry]) : Dual(values[entry], column_of[entry]);
+    }));
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const bool counts = Counts(frame, i);
+      for (std::size_t k = 0; k < columns; ++k)
+        terms.eta_jacobian[i * count + first + k] = counts ? images[k][i] : 0.0;
+    }
+  }
+  return finish(std::move(terms));
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,97 @@
+// The paper's model as a fit sees it: eta is the sum of a pixel's echoes before it is clamped, in units of
+// full scale. Until the noise is known, the residual is the difference of the clamped image to the recorded
+// one; with it, it is that of calib/models/paper_likelihood.h, and priors can be weighed against it.
+//
+// Exact gauges: SL - NL + AG - dB_min (dB_max moving along) and a common factor on A, C and E of all
+// materials are one number; the two Gaussians of a curve may be exchanged. The span dB_max - dB_min is
+// determined by transmission loss alone: where 2 TL hardly varies over the echoes, span and curves (in dB
+// above dB_min) may grow by one factor. So bounds and priors are stated for what no gauge moves: an echo's
+// level above dB_min, 1 m from the sonar, and the span.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/models/frame_model.h"
+#include "calib/models/paper_likelihood.h"
+#include "sim/paper/expected_paper_image.h"
+
+namespace sonarcal {
+
+struct FitFrame {
+  int index = 0;  // in the recording
+  EchoHistogram echoes;
+  std::vector<double> measured;  // range_bins x beams, 0..1 of full scale
+  // 1 for the pixels that count; empty: all. For what the scene does not contain.
+  std::vector<std::uint8_t> use = {};
+  double level = 0.0;  // one grey level, of full scale; 0: values are not rounded
+};
+
+// Shares of the pixels that show an echo, over all frames of a model.
+struct PaperClipping {
+  double modelled = 0.0;  // at full scale in the model
+  double recorded = 0.0;  // at full scale in the recording
+};
+
+class PaperFrameModel final : public FrameModel {
+ public:
+  // Frames, geometry and names must outlive the model. Throws DataError where a frame does not fit the
+  // geometry, or a material of the scene has no parameters.
+  PaperFrameModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+                  const std::vector<std::string>& material_names, const ParameterSet& initial);
+
+  const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  int frame_index(int frame) const override { return frames_[frame].index; }
+  int range_bins() const override { return geometry_.axes.range_bins; }
+  int beams() const override { return geometry_.axes.beam_count(); }
+  bool Counts(int frame, std::size_t pixel) const override {
+    return frames_[frame].use.empty() || frames_[frame].use[pixel] != 0;
+  }
+  bool ShowsMaterial(int material) const override { return shown_[material]; }
+  const std::vector<std::string>& material_names() const override { return material_names_; }
+  bool IsLikelihood() const override { return noise_.has_value(); }
+  bool DerivativesAreCheap() const override { return false; }
+  std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
+                                      Terms wanted) const override;
+
+  ParameterValues Values(const ParameterSet& parameters) const;
+  void Store(const ParameterValues& values, ParameterSet& parameters) const;
+
+  // Pixels are compared as residuals of unit size about this noise from now on.
+  void SetNoise(const PaperNoise& noise) { noise_ = noise; }
+  const PaperNoise& noise() const { return noise_.value(); }
+  // The noise that the frames show about these values.
+  PaperNoise NoiseAbout(const ParameterValues& values) const;
+  PaperClipping ClippingAt(const ParameterValues& values) const;
+  // RMS difference of the two images, of full scale, over the pixels that show an echo in either.
+  double RmsDifference(const ParameterValues& a, const ParameterValues& b) const;
+
+ private:
+  // SNR - dB_min of an echo of GSAB = 1, 1 m from the sonar, without absorption.
+  double LevelOfOneDb() const {
+    return initial_.source_level_db - initial_.noise_level_db + initial_.array_gain_db -
+           initial_.display.db_min;
+  }
+  PaperResidual ResidualOf(double sum, double recorded, double level) const;
+  void BoundByLevel();
+  void AddPriors();
+  // Calls body(frame, pixel, sum, recorded) for every pixel that counts.
+  template <typename Body>
+  void ForPixels(const ParameterValues& values, const Body& body) const;
+  template <typename T, typename ValueAt>
+  PaperParameters<T> ParametersAt(const ValueAt& value_at) const;
+
+  const std::vector<FitFrame>& frames_;
+  const ImageGeometry& geometry_;
+  const std::vector<std::string>& material_names_;
+  PaperParameters<double> initial_;  // and what no catalog entry names
+  std::vector<CatalogEntry> catalog_;
+  std::vector<bool> shown_;
+  std::optional<PaperNoise> noise_;
+};
+
+}  // namespace sonarcal

@@ -1,0 +1,125 @@
+#include "calib/noise/background_display.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/types/error.h"
+#include "sim/physics/speckle.h"
+
+namespace sonarcal {
+namespace {
+
+// Searched about the noise level, dB.
+constexpr double kReachDb = 25.0;
+
+struct GreyCell {
+  double upper = 0.0;  // end of the cell, of full scale 1
+  double share = 0.0;  // of the pixels
+};
+
+// Levels that occur anywhere in the image, each with its share of the background.
+std::vector<GreyCell> CountGrey(const PolarImage& image, const Mask& background) {
+  std::map<float, double> count;
+  double pixels = 0.0;
+  for (std::size_t i = 0; i < image.value.size(); ++i) {
+    const bool counts = background.values()[i] != 0;
+    count[image.value.values()[i]] += counts ? 1.0 : 0.0;
+    pixels += counts ? 1.0 : 0.0;
+  }
+  if (!(pixels > 0.0)) throw DataError("display: no background pixel to learn from");
+  std::vector<GreyCell> cells;
+  for (auto level = count.begin(); level != count.end(); ++level) {
+    const auto next = std::next(level);
+    const double end = next == count.end() ? image.scale.full_scale
+                                           : 0.5 * (static_cast<double>(level->first) + next->first);
+    cells.push_back({end / image.scale.full_scale, level->second / pixels});
+  }
+  return cells;
+}
+
+double NatsPerPixel(const std::vector<GreyCell>& cells, const BackgroundDisplay& law) {
+  constexpr double kLeast = 1e-12;
+  double nats = 0.0;
+  double below = 0.0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool last = i + 1 == cells.size();
+    const double up_to = last ? 1.0 : DisplayedCdf(law.display, law.looks, 1.0, cells[i].upper);
+    nats -= cells[i].share * std::log(std::max(up_to - below, kLeast));
+    below = up_to;
+  }
+  return nats;
+}
+
+double KolmogorovSmirnov(const std::vector<GreyCell>& cells, const BackgroundDisplay& law) {
+  double recorded = 0.0;
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
+    recorded += cells[i].share;
+    largest =
+        std::max(largest, std::abs(recorded - DisplayedCdf(law.display, law.looks, 1.0, cells[i].upper)));
+  }
+  return largest;
+}
+
+// The lowest point of a function between two ends: a grid, then golden sections.
+std::pair<double, double> Lowest(const std::function<double(double)>& cost, double low, double high) {
+  constexpr int kGrid = 26;
+  constexpr double kGolden = 0.6180339887498949;
+  const double step = (high - low) / (kGrid - 1);
+  double best = low;
+  double best_cost = cost(low);
+  for (int i = 1; i < kGrid; ++i) {
+    const double at = low + i * step;
+    const double value = cost(at);
+    if (value < best_cost) std::tie(best, best_cost) = std::pair(at, value);
+  }
+  double a = std::max(low, best - step);
+  double b = std::min(high, best + step);
+  double c = b - kGolden * (b - a);
+  double d = a + kGolden * (b - a);
+  double at_c = cost(c);
+  double at_d = cost(d);
+  while (b - a > 1e-4) {
+    const bool left = at_c < at_d;
+    (left ? b : a) = left ? d : c;
+    (left ? d : c) = left ? c : d;
+    (left ? at_d : at_c) = left ? at_c : at_d;
+    double& fresh = left ? c : d;
+    fresh = left ? b - kGolden * (b - a) : a + kGolden * (b - a);
+    (left ? at_c : at_d) = cost(fresh);
+  }
+  return {0.5 * (a + b), cost(0.5 * (a + b))};
+}
+
+}  // namespace
+
+BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& background, DisplayLaw law,
+                                       double looks) {
+  SONARCAL_CHECK(law == DisplayLaw::kSoftLog || law == DisplayLaw::kSoftAmplitude, "display law {}",
+                 static_cast<int>(law));
+  if (!image.scale.db_span) throw DataError("display: the image states no dB span");
+  const std::vector<GreyCell> cells = CountGrey(image, background);
+  BackgroundDisplay fitted{.display = {.law = law}, .looks = looks};
+  const auto cost_from = [&](double db_min) {
+    fitted.display.db_min = db_min;
+    fitted.display.db_max = db_min + *image.scale.db_span;
+    return NatsPerPixel(cells, fitted);
+  };
+  const auto softened = [&](double soft_db) {
+    fitted.display.soft_db = soft_db;
+    return Lowest(cost_from, -kReachDb, kReachDb);
+  };
+  const double soft_db = Lowest([&](double at) { return softened(at).second; }, -kReachDb, kReachDb).first;
+  const double db_min = softened(soft_db).first;
+  fitted.nats_per_pixel = cost_from(db_min);
+  fitted.ks = KolmogorovSmirnov(cells, fitted);
+  return fitted;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,283 @@
+#include "calib/noise/noise_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "calib/models/held_out_frames.h"
+#include "calib/noise/noise_background.h"
+#include "calib/noise/noise_fit_report.h"
+#include "calib/noise/noise_form.h"
+#include "calib/noise/noise_solver.h"
+#include "data_io/parameters/parameters_io.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr int kFewestBandsToSplit = 4;
+constexpr int kPingsForDrift = 5;           // from here on sigmas see how pings drift
+constexpr std::size_t kHeldOutToSplit = 4;  // from here on some choose and others judge
+
+struct Pings {
+  std::vector<NoiseCounts> each;
+  NoiseCounts all;
+};
+
+NoiseCells CellsOf(const RecordingInfo& info, const NoiseFitOptions& options) {
+  NoiseCells cells{.axes = info.sonar.axes, .valid = info.valid};
+  if (info.scale.quantity != Quantity::kGrey || !(info.scale.full_scale <= 4095.0)) {
+    throw DataError("{}: {} images of full scale {}; a noise law is fitted to grey images of up to 12 bits",
+                    info.source, ToString(info.scale.quantity), info.scale.full_scale);
+  }
+  cells.full_scale = static_cast<int>(info.scale.full_scale);
+  const auto bin_of = [&](double range_m) {
+    return static_cast<int>(std::lround((range_m - cells.axes.range_min_m) / cells.axes.range_bin_m()));
+  };
+  cells.first_bin = options.skip_bins;
+  cells.last_bin = cells.axes.range_bins;
+  if (options.range_min_m) cells.first_bin = std::max(cells.first_bin, bin_of(*options.range_min_m));
+  if (options.range_max_m) cells.last_bin = std::min(cells.last_bin, bin_of(*options.range_max_m));
+  cells.band_bins = options.band_bins;
+  if (cells.last_bin - cells.first_bin < cells.band_bins) {
+    throw DataError("{}: {} range bins in the window, expected at least {}", info.source,
+                    std::max(0, cells.last_bin - cells.first_bin), cells.band_bins);
+  }
+  return cells;
+}
+
+std::vector<int> HeldOut(const RecordingSource& recording, const NoiseFitOptions& options) {
+  std::vector<int> held_out = options.held_out;
+  const int frames = recording.frame_count();
+  if (held_out.empty() && options.choose_held_out) {
+    for (int frame = frames - frames / 3; frame < frames; ++frame) held_out.push_back(frame);
+  }
+  std::sort(held_out.begin(), held_out.end());
+  held_out.erase(std::unique(held_out.begin(), held_out.end()), held_out.end());
+  if (!held_out.empty() && (held_out.front() < 0 || held_out.back() >= frames)) {
+    throw DataError("{}: frame {} is held out, but there are frames 0 to {}", recording.info().source,
+                    held_out.front() < 0 ? held_out.front() : held_out.back(), frames - 1);
+  }
+  if (static_cast<int>(held_out.size()) == frames) {
+    throw DataError("{}: all of its {} frames are held out, none is left to fit to", recording.info().source,
+                    frames);
+  }
+  return held_out;
+}
+
+Pings ReadPings(const RecordingSource& recording, const std::vector<int>& frames, const NoiseCells& cells) {
+  Pings pings;
+  for (const int frame : frames) pings.each.push_back(CountGrey(recording.ReadFrame(frame).image, cells));
+  pings.all = AddCounts(pings.each, cells);
+  return pings;
+}
+
+// The later of the held-out frames judge, apart from those that chose, as pings near in time are alike.
+void SetJudges(const std::vector<int>& held_out, const std::vector<int>& frames_used, NoiseFit& fit) {
+  fit.judged_on_held_out = !held_out.empty();
+  fit.judged_apart_from_choice = held_out.size() >= kHeldOutToSplit;
+  fit.frames_chosen_on = fit.judged_on_held_out ? held_out : frames_used;
+  fit.frames_judged_on = fit.frames_chosen_on;
+  if (!fit.judged_apart_from_choice) return;
+  const auto half = static_cast<std::ptrdiff_t>(held_out.size() / 2);
+  fit.frames_chosen_on.assign(held_out.begin(), held_out.begin() + half);
+  fit.frames_judged_on.assign(held_out.begin() + half, held_out.end());
+}
+
+// Of the cells that count as background those of even bands (0) or odd ones (1); all of them, where no bands
+// are held out.
+std::vector<double> OfBands(const NoiseFit& fit, int odd) {
+  std::vector<double> weight = fit.weight;
+  if (!fit.bands_held_out) return weight;
+  for (int i = 0; i < fit.cells.count(); ++i) {
+    if (i / fit.cells.beams() % 2 != odd) weight[i] = 0.0;
+  }
+  return weight;
+}
+
+class Fitter {
+ public:
+  // `weight` by cell: of those fitted 1, else 0.
+  Fitter(const Pings& used, const NoiseCells& cells, const NoiseFitOptions& options,
+         std::vector<double> weight)
+      : used_(used), cells_(cells), options_(options), weight_(std::move(weight)) {}
+
+  struct Fitted {
+    NoiseLaw start;
+    NoiseSolution solution;
+    std::vector<double> start_costs;  // where each start ended
+  };
+
+  // The best of several starts: a floor that falls with range, and one that rises. One that converged goes
+  // before one that did not.
+  Fitted Fit(const NoiseForm& form) const {
+    Fitted best;
+    std::vector<double> costs;
+    for (const double net_db :
+         form.floor_after_gain ? std::vector<double>{-8.0, 8.0} : std::vector<double>{0.0}) {
+      const NoiseLaw start = StartOf(form, used_.all, cells_, net_db, options_.absorption_db_per_m);
+      NoiseSolution solution = SolveNoise(start, form.fit_span, used_.all, cells_, weight_, options_);
+      costs.push_back(solution.cost);
+      const NoiseSolution& least = best.solution;
+      if (least.value.size() == 0 || (solution.converged && !least.converged) ||
+          (solution.converged == least.converged && solution.cost < least.cost)) {
+        best = {start, std::move(solution), {}};
+      }
+    }
+    best.start_costs = std::move(costs);
+    return best;
+  }
+
+  // Sandwich over pings, or over range bands of pings where there are few.
+  Eigen::MatrixXd Covariance(const NoiseSolution& solution) const {
+    const int count = solution.layout.count;
+    const Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+    Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(count, count);
+    std::vector<Eigen::VectorXd> scores;
+    for (const NoiseCounts& ping : used_.each) {
+      if (static_cast<int>(used_.each.size()) >= kPingsForDrift) {
+        scores.push_back(NoiseScore(solution, ping, cells_, weight_, options_.absorption_db_per_m));
+        continue;
+      }
+      for (int band = 0; band < cells_.bands(); ++band) {
+        const auto first = weight_.begin() + band * cells_.beams();
+        if (std::none_of(first, first + cells_.beams(), [](double weight) { return weight > 0.0; })) continue;
+        NoiseCounts alone(cells_.count());
+        std::copy_n(ping.begin() + band * cells_.beams(), cells_.beams(),
+                    alone.begin() + band * cells_.beams());
+        scores.push_back(NoiseScore(solution, alone, cells_, weight_, options_.absorption_db_per_m));
+      }
+    }
+    const double blocks = static_cast<double>(scores.size());
+    if (blocks < 2.0) return bread;
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
+    for (const Eigen::VectorXd& score : scores) mean += score / blocks;
+    for (const Eigen::VectorXd& score : scores) meat += (score - mean) * (score - mean).transpose();
+    return bread * meat * bread * (blocks / (blocks - 1.0));
+  }
+
+ private:
+  const Pings& used_;
+  const NoiseCells& cells_;
+  const NoiseFitOptions& options_;
+  std::vector<double> weight_;
+};
+
+double Seconds(std::chrono::steady_clock::time_point since) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+}
+
+}  // namespace
+
+NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  NoiseFit fit;
+  fit.cells = CellsOf(recording.info(), options);
+  const std::vector<int> held_out = HeldOut(recording, options);
+  std::vector<int> frames_used;
+  for (int frame = 0; frame < recording.frame_count(); ++frame) {
+    if (!std::binary_search(held_out.begin(), held_out.end(), frame)) frames_used.push_back(frame);
+  }
+  CheckHeldOut(recording, {.used = frames_used, .held_out = held_out});
+  SetJudges(held_out, frames_used, fit);
+  Pings used = ReadPings(recording, frames_used, fit.cells);
+  const std::vector<NoiseForm> forms = DisplayForms(recording.info(), options);
+  if (options.find_background) {
+    const BackgroundWindow window = FindBackground(forms.front(), used.all, fit.cells, options);
+    fit.cells.first_bin = window.first_bin;
+    fit.cells.last_bin = window.last_bin;
+    fit.window_found = true;
+    used = ReadPings(recording, frames_used, fit.cells);
+  }
+  const Pings choosing = ReadPings(recording, fit.frames_chosen_on, fit.cells);
+  fit.weight = KeepBackground(forms.front(), used.all, fit.cells, options.reject_beyond, options);
+  for (std::size_t i = 0; i < fit.weight.size(); ++i) {
+    if (used.all[i].empty()) fit.weight[i] = 0.0;
+  }
+  fit.bands_held_out = fit.cells.bands() >= kFewestBandsToSplit &&
+                       (options.hold_out_bands || (options.choose_held_out && recording.frame_count() == 1));
+  fit.judged_on_held_out = fit.judged_on_held_out || fit.bands_held_out;
+  const std::vector<double> judging_weight = OfBands(fit, 1);
+  const Fitter fitter(used, fit.cells, options, OfBands(fit, 0));
+  Fitter::Fitted best;
+  NoiseForm best_form;
+  int chosen = -1;
+  double best_score = 0.0;
+  const auto try_form = [&](const NoiseForm& form) {
+    Fitter::Fitted fitted = fitter.Fit(form);
+    const NoiseAgreement agreement =
+        Agreement(fitted.solution.law, choosing.all, fit.cells, judging_weight, options.absorption_db_per_m);
+    fit.choices.push_back({form.display.law, form.speckle, form.time_varied_gain, form.floor_after_gain,
+                           agreement.nats_per_pixel, fitted.solution.converged});
+    if (options.progress) {
+      options.progress(
+          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats a pixel{}", ToString(form.display.law),
+                      ToString(form.speckle), ToString(form.time_varied_gain),
+                      form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel,
+                      fitted.solution.converged ? "" : ", not converged and so not chosen"));
+    }
+    const double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
+    if (!fitted.solution.converged || !std::isfinite(score)) return;
+    if (chosen >= 0 && score >= best_score) return;
+    chosen = static_cast<int>(fit.choices.size()) - 1;
+    best_score = score;
+    best = std::move(fitted);
+    best_form = form;
+  };
+  for (NoiseForm form : forms) {
+    form.floor_after_gain = false;  // many times quicker, and as telling of the display
+    try_form(form);
+  }
+  const NoiseForm display_chosen = chosen < 0 ? forms.front() : best_form;
+  for (const TimeVariedGain gain :
+       {TimeVariedGain::kNone, TimeVariedGain::k20LogR, TimeVariedGain::k40LogR}) {
+    for (const bool floor_after_gain : {true, false}) {
+      if (gain == TimeVariedGain::kNone && !floor_after_gain) continue;  // tried
+      NoiseForm form = display_chosen;
+      form.time_varied_gain = gain;
+      form.floor_after_gain = floor_after_gain;
+      try_form(form);
+    }
+  }
+  if (best_form.floor_after_gain) {  // which a softened display may have stood for
+    const NoiseForm floors_chosen = best_form;
+    for (NoiseForm form : forms) {
+      if (form.display.law == display_chosen.display.law && form.speckle == display_chosen.speckle) continue;
+      form.time_varied_gain = floors_chosen.time_varied_gain;
+      try_form(form);
+    }
+  }
+  if (chosen < 0) {
+    fit.report.termination = "ended before any candidate converged";
+    fit.report.frames_used = frames_used;
+    fit.report.frames_held_out = held_out;
+    return fit;
+  }
+  fit.choices[chosen].chosen = true;
+
+  const NoiseSolution& solution = best.solution;
+  fit.law = solution.law;
+  fit.usable = solution.converged && solution.value.allFinite();
+  fit.report = NoiseReport(solution, best.start, fitter.Covariance(solution), best_form.fit_span,
+                           static_cast<int>(used.each.size()), fit.cells);
+  fit.report.start_costs = best.start_costs;
+  fit.report.frames_used = frames_used;
+  fit.report.frames_held_out = held_out;
+  fit.used = Agreement(fit.law, used.all, fit.cells, OfBands(fit, 0), options.absorption_db_per_m);
+  const Pings judging = ReadPings(recording, fit.frames_judged_on, fit.cells);
+  fit.judged = Agreement(fit.law, judging.all, fit.cells, judging_weight, options.absorption_db_per_m);
+  fit.report.raw = fit.used.raw;
+  fit.report.whitened = fit.used.whitened;
+  fit.report.solve_s = Seconds(begin);
+  return fit;
+}
+
+std::string_view ToString(SpeckleLaw law) {
+  return law == SpeckleLaw::kGamma ? "gamma" : "weighted";
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,251 @@
+#include "calib/noise/noise_fit_report.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace sonarcal {
+namespace {
+
+// A parameter is called unidentifiable where its variance exceeds this share of what was assumed beforehand
+// (half of the spread), or its sigma a surprising step of a level.
+constexpr double kUntold = 0.25;
+constexpr double kLevelStepDb = 20.0;
+constexpr double kTogether = 0.9;  // a correlation: the two are told as one
+
+class Builder {
+ public:
+  Builder(const NoiseSolution& solution, const Eigen::MatrixXd& covariance)
+      : solution_(solution),
+        covariance_(covariance),
+        posterior_(solution.information.ldlt().solve(
+            Eigen::MatrixXd::Identity(solution.layout.count, solution.layout.count))) {}
+
+  void Add(const std::string& name, const std::string& unit, int place, double value, double initial,
+           double lower, double upper, double unit_a_step = 1.0) {
+    FittedParameter parameter{.name = name,
+                              .unit = unit,
+                              .value = value,
+                              .sigma = {},
+                              .initial = initial,
+                              .lower = lower,
+                              .upper = upper,
+                              .status = ParameterStatus::kFixed};
+    if (place >= 0) {
+      parameter.status = ParameterStatus::kFree;
+      if (place == solution_.layout.log_looks && solution_.looks_at_bound) {
+        parameter.status = ParameterStatus::kAtBound;
+      } else if (!Told(place, unit)) {
+        parameter.status = ParameterStatus::kUnidentifiable;
+        untold_.push_back({name, unit, place});
+      } else {
+        parameter.sigma = unit_a_step * std::sqrt(covariance_(place, place));
+        if (!IsTaper(place)) told_.push_back({name, unit, place});
+      }
+    }
+    report_.parameters.push_back(parameter);
+  }
+
+  // Correlations are told of what is known, but for the tapers.
+  FitReport Finish(const NoiseCells& cells) {
+    const int count = static_cast<int>(told_.size());
+    report_.correlation = Eigen::MatrixXd::Identity(count, count);
+    for (int row = 0; row < count; ++row) {
+      report_.correlation_names.push_back(told_[row].name);
+      for (int col = 0; col < row; ++col) {
+        report_.correlation(row, col) = Correlation(told_[row].place, told_[col].place);
+        report_.correlation(col, row) = report_.correlation(row, col);
+      }
+    }
+    DescribeFloor(cells);
+    DescribeTapers(solution_.layout.taper, "receiver.noise_taper_db");
+    DescribeTapers(solution_.layout.after_taper, "receiver.noise_after_gain_taper_db");
+    for (const Parameter& parameter : untold_) {
+      if (!IsTaper(parameter.place)) Describe(parameter);
+    }
+    return std::move(report_);
+  }
+
+ private:
+  struct Parameter {
+    std::string name;
+    std::string unit;
+    int place = -1;
+  };
+
+  // The wider of what the sandwich and the curvature say: each misses a kind of ignorance.
+  double Variance(int place) const { return std::max(covariance_(place, place), posterior_(place, place)); }
+
+  bool Told(int place, const std::string& unit) const {
+    const double variance = Variance(place);
+    const double most = kUntold / solution_.prior_precision[place];
+    return variance <= (unit == "dB" ? std::min(most, kLevelStepDb * kLevelStepDb) : most);
+  }
+
+  // Where what is said is what was assumed: the pings have no say.
+  bool IsAssumed(int place) const {
+    return posterior_(place, place) * solution_.prior_precision[place] > kUntold;
+  }
+
+  bool IsTaper(int place) const {
+    const NoiseLayout& layout = solution_.layout;
+    const auto within = [&](int first) {
+      return first >= 0 && place >= first && place < first + layout.beams;
+    };
+    return within(layout.taper) || within(layout.after_taper);
+  }
+
+  double Correlation(int i, int j) const {
+    return covariance_(i, j) / std::sqrt(covariance_(i, i) * covariance_(j, j));
+  }
+
+  // Level at range 0 and trend of the floor before the gain are told as one where the window is short, or
+  // far away: the level in the window is what the pings know.
+  void DescribeFloor(const NoiseCells& cells) {
+    const NoiseLayout& layout = solution_.layout;
+    const auto is_floor = [&](const Parameter& parameter) {
+      return parameter.place == layout.noise_db || parameter.place == layout.slope;
+    };
+    if (layout.noise_db < 0 || std::none_of(untold_.begin(), untold_.end(), is_floor)) return;
+    Eigen::VectorXd at_middle = Eigen::VectorXd::Zero(layout.count);
+    const double near_m = cells.axes.range_min_m + cells.first_bin * cells.axes.range_bin_m();
+    const double far_m = cells.axes.range_min_m + cells.last_bin * cells.axes.range_bin_m();
+    at_middle[layout.noise_db] = 1.0;
+    at_middle[layout.slope] = 0.5 * (near_m + far_m);
+    const double variance =
+        std::max(at_middle.dot(covariance_ * at_middle), at_middle.dot(posterior_ * at_middle));
+    if (!(variance <= 0.25 * Variance(layout.noise_db) && variance <= kLevelStepDb * kLevelStepDb)) return;
+    report_.unidentifiable_directions.push_back(fmt::format(
+        "receiver.noise_db and receiver.noise_slope_db_per_m move together: only the floor over the fitted "
+        "ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",
+        near_m, far_m, std::sqrt(variance)));
+    std::erase_if(untold_, is_floor);
+  }
+
+  void DescribeTapers(int first, const std::string& name) {
+    if (first < 0) return;
+    std::string beams;
+    int count = 0;
+    for (const Parameter& parameter : untold_) {
+      const int beam = parameter.place - first;
+      if (beam < 0 || beam >= solution_.layout.beams) continue;
+      if (++count <= kBeamsNamed) beams += fmt::format("{}{}", beams.empty() ? "" : ", ", beam);
+    }
+    if (count == 0) return;
+    if (count > kBeamsNamed) beams += " and others";
+    report_.unidentifiable_directions.push_back(
+        fmt::format("{} of {} of {} beams ({}) is hardly told by the pings: it stands near what was assumed "
+                    "beforehand, the mean of all beams",
+                    name, count, solution_.layout.beams, beams));
+  }
+
+  void Describe(const Parameter& parameter) {
+    std::string text =
+        IsAssumed(parameter.place)
+            ? fmt::format(
+                  "the pings say next to nothing about {}: it stands where what was assumed beforehand "
+                  "puts it",
+                  parameter.name)
+            : fmt::format("{} is known to no better than {:.2g}{}{}", parameter.name,
+                          std::sqrt(Variance(parameter.place)), parameter.unit.empty() ? "" : " ",
+                          parameter.unit);
+    for (const std::vector<Parameter>* list : {&told_, &untold_}) {
+      for (const Parameter& other : *list) {
+        if (other.place == parameter.place || IsTaper(other.place)) continue;
+        if (std::abs(Correlation(parameter.place, other.place)) < kTogether) continue;
+        text += fmt::format(", and moves together with {}", other.name);
+      }
+    }
+    report_.unidentifiable_directions.push_back(text);
+  }
+
+  static constexpr int kBeamsNamed = 8;
+
+  const NoiseSolution& solution_;
+  const Eigen::MatrixXd& covariance_;
+  Eigen::MatrixXd posterior_;
+  FitReport report_;
+  std::vector<Parameter> told_;  // but for the tapers
+  std::vector<Parameter> untold_;
+};
+
+std::vector<std::string> GaugeOf(const NoiseLaw& law, bool fit_span) {
+  std::vector<std::string> gauge = {
+      "Levels are relative: display.db_min is fixed, and what is told is how far the noise lies from it.",
+      "Tapers have a mean of 0 dB over the beams; the floors' levels carry the rest."};
+  if (law.display.law == DisplayLaw::kPower) {
+    gauge.emplace_back("The exponent is fixed: on background alone it and the looks are one number.");
+    gauge[0] =
+        "Levels are relative: display.db_max is fixed, and what is told is how far the noise lies from it.";
+  } else if (fit_span) {
+    gauge.emplace_back(
+        "receiver.looks is fixed at 1 and the display's span is fitted, as the recording does not tell it: "
+        "on background alone the two are one number.");
+  } else {
+    gauge.emplace_back(
+        "The display's span is fixed and receiver.looks is fitted: on background alone the two are one "
+        "number.");
+  }
+  return gauge;
+}
+
+}  // namespace
+
+FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, const Eigen::MatrixXd& covariance,
+                      bool fit_span, int frames_used, const NoiseCells& cells) {
+  const NoiseLayout& layout = solution.layout;
+  const NoiseLaw& law = solution.law;
+  Builder builder(solution, covariance);
+  builder.Add("display.db_min", "dB", -1, law.display.db_min, start.display.db_min, -kMostLevelDb,
+              kMostLevelDb);
+  builder.Add("display.db_max", "dB", layout.span_db, law.display.db_max, start.display.db_max,
+              law.display.db_min + kLeastSpanDb, law.display.db_min + kMostSpanDb);
+  if (layout.soft_db >= 0) {
+    builder.Add("display.soft_db", "dB", layout.soft_db, law.display.soft_db, start.display.soft_db,
+                -kMostLevelDb, kMostLevelDb);
+  }
+  if (law.display.law == DisplayLaw::kPower) {
+    builder.Add("display.exponent", "", -1, law.display.exponent, start.display.exponent, 0.0, 10.0);
+  }
+  builder.Add("receiver.looks", "", layout.log_looks, law.receiver.looks, start.receiver.looks, kFewestLooks,
+              kMostLooks, law.receiver.looks);
+  if (layout.noise_db >= 0) {
+    builder.Add("receiver.noise_db", "dB", layout.noise_db, *law.receiver.noise_db,
+                start.receiver.noise_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);
+    builder.Add("receiver.noise_slope_db_per_m", "dB/m", layout.slope, law.receiver.noise_slope_db_per_m,
+                start.receiver.noise_slope_db_per_m, -kMostSlopeDbPerM, kMostSlopeDbPerM);
+  }
+  if (layout.after_db >= 0) {
+    builder.Add("receiver.noise_after_gain_db", "dB", layout.after_db, *law.receiver.noise_after_gain_db,
+                start.receiver.noise_after_gain_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);
+  }
+  for (int beam = 0; beam < layout.beams; ++beam) {
+    if (layout.taper >= 0) {
+      builder.Add(fmt::format("receiver.noise_taper_db.{}", beam), "dB", layout.taper + beam,
+                  law.receiver.noise_taper_db[beam], 0.0, -kMostLevelDb, kMostLevelDb);
+    }
+  }
+  for (int beam = 0; beam < layout.beams; ++beam) {
+    if (layout.after_taper >= 0) {
+      builder.Add(fmt::format("receiver.noise_after_gain_taper_db.{}", beam), "dB", layout.after_taper + beam,
+                  law.receiver.noise_after_gain_taper_db[beam], 0.0, -kMostLevelDb, kMostLevelDb);
+    }
+  }
+  FitReport report = builder.Finish(cells);
+  report.gauge = GaugeOf(law, fit_span);
+  report.cost_initial = solution.cost_initial;
+  report.cost_final = solution.cost;
+  report.iterations = solution.iterations;
+  report.termination = solution.converged ? "converged" : "ended before it converged";
+  if (frames_used < 5) {
+    report.gauge.emplace_back(
+        "Fewer than five pings: sigmas take range bands for independent, and know nothing of drift from ping "
+        "to ping.");
+  }
+  return report;
+}
+
+}  // namespace sonarcal

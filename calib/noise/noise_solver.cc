@@ -1,0 +1,386 @@
+#include "calib/noise/noise_solver.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "calib/noise/noise_information.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kNatsPerDb = std::numbers::ln10 / 10.0;
+// A taper is relative to the floor's level: its mean over beams is held at 0, this tightly (1 / dB^2).
+constexpr double kTaperMeanPrecision = 1e8;
+// Nats still to be gained: no parameter is further than 0.05 sigma from the optimum.
+constexpr double kConverged = 1e-3;
+// Or this much gained in all by the last steps: a likelihood that is not quadratic, as in beams with
+// interference, which no law of one speckle describes.
+constexpr double kGainedLittle = 0.02;
+constexpr int kLastSteps = 4;
+constexpr double kMostStepDb = 6.0;
+constexpr double kMostDamping = 1e8;
+constexpr double kFreeDamping = 1e-2;  // up to here a short step is not the damping's doing
+// Of the largest diagonal element: what damping takes for the least curvature of any parameter.
+constexpr double kLeastCurvature = 1e-8;
+
+NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, int beams) {
+  NoiseLayout layout;
+  layout.beams = beams;
+  const auto take = [&layout](int count) { return std::exchange(layout.count, layout.count + count); };
+  if (law.receiver.noise_db) {
+    layout.noise_db = take(1);
+    layout.slope = take(1);
+  }
+  if (law.receiver.noise_after_gain_db) layout.after_db = take(1);
+  if (fit_span) {
+    layout.span_db = take(1);
+  } else {
+    layout.log_looks = take(1);
+  }
+  if (law.display.law == DisplayLaw::kSoftLog) layout.soft_db = take(1);
+  if (law.receiver.noise_db) layout.taper = take(beams);
+  if (law.receiver.noise_after_gain_db) layout.after_taper = take(beams);
+  return layout;
+}
+
+Eigen::VectorXd ToVector(const NoiseLaw& law, const NoiseLayout& layout) {
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(layout.count);
+  const auto set = [&value](int place, double number) {
+    if (place >= 0) value[place] = number;
+  };
+  set(layout.noise_db, law.receiver.noise_db.value_or(0.0));
+  set(layout.slope, law.receiver.noise_slope_db_per_m);
+  set(layout.after_db, law.receiver.noise_after_gain_db.value_or(0.0));
+  set(layout.log_looks, std::log(law.receiver.looks));
+  set(layout.span_db, law.display.db_max - law.display.db_min);
+  set(layout.soft_db, law.display.soft_db);
+  for (int beam = 0; beam < layout.beams; ++beam) {
+    if (layout.taper >= 0 && !law.receiver.noise_taper_db.empty()) {
+      value[layout.taper + beam] = law.receiver.noise_taper_db[beam];
+    }
+    if (layout.after_taper >= 0 && !law.receiver.noise_after_gain_taper_db.empty()) {
+      value[layout.after_taper + beam] = law.receiver.noise_after_gain_taper_db[beam];
+    }
+  }
+  return value;
+}
+
+NoiseLaw FromVector(const NoiseLaw& form, const NoiseLayout& layout, const Eigen::VectorXd& value) {
+  NoiseLaw law = form;
+  if (layout.noise_db >= 0) {
+    law.receiver.noise_db = value[layout.noise_db];
+    law.receiver.noise_slope_db_per_m = value[layout.slope];
+    law.receiver.noise_taper_db.assign(&value[layout.taper], &value[layout.taper] + layout.beams);
+  }
+  if (layout.after_db >= 0) {
+    law.receiver.noise_after_gain_db = value[layout.after_db];
+    law.receiver.noise_after_gain_taper_db.assign(&value[layout.after_taper],
+                                                  &value[layout.after_taper] + layout.beams);
+  }
+  if (layout.log_looks >= 0) law.receiver.looks = std::exp(value[layout.log_looks]);
+  if (layout.span_db >= 0) law.display.db_max = law.display.db_min + value[layout.span_db];
+  if (layout.soft_db >= 0) law.display.soft_db = value[layout.soft_db];
+  return law;
+}
+
+// Within what calib/noise/noise_fit_report.cc states as bounds.
+bool WithinBounds(const NoiseLayout& layout, const Eigen::VectorXd& value) {
+  if (!value.allFinite()) return false;
+  for (int place = 0; place < layout.count; ++place) {
+    const double most = place == layout.slope ? kMostSlopeDbPerM : kMostLevelDb;
+    if (std::abs(value[place]) > most) return false;
+  }
+  return true;
+}
+
+// Levenberg's: a share of the diagonal's size, with a floor for what the pings say nothing of.
+Eigen::MatrixXd Damped(const Eigen::MatrixXd& information, double damping) {
+  const Eigen::VectorXd size = information.diagonal().cwiseAbs();
+  Eigen::MatrixXd damped = information;
+  damped.diagonal() += damping * size.cwiseMax(kLeastCurvature * size.maxCoeff());
+  return damped;
+}
+
+// Newton's step where the curvature of ln N leaves the information positive definite, else Fisher's.
+std::optional<Eigen::VectorXd> Step(const Eigen::MatrixXd& information, const Eigen::MatrixXd& curvature,
+                                    const Eigen::VectorXd& score, double damping) {
+  Eigen::LLT<Eigen::MatrixXd> solver(Damped(information + curvature, damping));
+  if (solver.info() != Eigen::Success) solver.compute(Damped(information, damping));
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return solver.solve(score);
+}
+
+constexpr int kMostOfACell = 7;
+
+// The parameters that a cell depends on, and how ln N and the levels' chances follow them.
+struct CellParameters {
+  std::array<int, kMostOfACell> place;
+  std::array<double, kMostOfACell> by_log_noise;    // d ln N
+  std::array<double, kMostOfACell> curvature_sign;  // of d2 ln N: outer product of these times bend
+  std::array<int, kMostOfACell> grey_derivative;    // index in GreyLevels::Chance, or -1
+  int count = 0;
+  double noise_power = 0.0;
+  double bend = 0.0;
+
+  void Add(int where, double log_noise, double sign, int grey) {
+    if (where < 0) return;
+    place[count] = where;
+    by_log_noise[count] = log_noise;
+    curvature_sign[count] = sign;
+    grey_derivative[count] = grey;
+    ++count;
+  }
+};
+
+CellParameters AtCell(const NoiseLaw& law, const NoiseLayout& layout, double range_m, int beam,
+                      double absorption_db_per_m) {
+  CellParameters cell;
+  cell.noise_power = NoisePower(law.receiver, range_m, beam, absorption_db_per_m);
+  double share = 1.0;
+  if (law.receiver.noise_after_gain_db) {
+    const double taper_db =
+        law.receiver.noise_after_gain_taper_db.empty() ? 0.0 : law.receiver.noise_after_gain_taper_db[beam];
+    share = 1.0 - PowerOfLevel(*law.receiver.noise_after_gain_db + taper_db) / cell.noise_power;
+  }
+  // ln N is the logarithm of a sum of two powers: its curvature is share (1 - share) about their ratio.
+  cell.bend = kNatsPerDb * kNatsPerDb * share * (1.0 - share);
+  cell.Add(layout.noise_db, kNatsPerDb * share, 1.0, -1);
+  cell.Add(layout.slope, kNatsPerDb * share * range_m, range_m, -1);
+  cell.Add(layout.taper < 0 ? -1 : layout.taper + beam, kNatsPerDb * share, 1.0, -1);
+  cell.Add(layout.after_db, kNatsPerDb * (1.0 - share), -1.0, -1);
+  cell.Add(layout.after_taper < 0 ? -1 : layout.after_taper + beam, kNatsPerDb * (1.0 - share), -1.0, -1);
+  cell.Add(layout.log_looks, 0.0, 0.0, 1);
+  cell.Add(layout.span_db, 0.0, 0.0, 2);
+  cell.Add(layout.soft_db, 0.0, 0.0, 3);
+  return cell;
+}
+
+struct Evaluation {
+  double cost = 0.0;  // -log likelihood
+  Eigen::VectorXd score;
+  Eigen::MatrixXd information;  // expected: positive semi-definite
+  Eigen::MatrixXd curvature;    // what the curvature of ln N adds to it; may make it indefinite
+};
+
+Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseCounts& counts,
+                    const NoiseCells& cells, const std::vector<double>& weight, double absorption_db_per_m,
+                    bool with_information) {
+  const GreyLevels grey(law, cells.full_scale, layout.log_looks >= 0);
+  Evaluation sum{.score = Eigen::VectorXd::Zero(layout.count), .information = {}, .curvature = {}};
+  constexpr int kKinds = GreyLevels::kDerivatives;
+  struct Used {
+    CellParameters parameters;
+    Eigen::Matrix<double, kKinds, kMostOfACell> jacobian;
+    double pixels = 0.0;
+    double by_log_noise = 0.0;  // score
+  };
+  std::vector<Used> used;
+  for (int i = 0; i < cells.count(); ++i) {
+    if (counts[i].empty() || (!weight.empty() && weight[i] == 0.0)) continue;
+    Used& cell = used.emplace_back();
+    cell.parameters =
+        AtCell(law, layout, cells.RangeM(i / cells.beams()), i % cells.beams(), absorption_db_per_m);
+    const CellParameters& parameters = cell.parameters;
+    // The score in ln N and the derivatives of GreyLevels first: few numbers a level.
+    Eigen::Vector<double, kKinds> score = Eigen::Vector<double, kKinds>::Zero();
+    int last = -1;
+    GreyLevels::Chance lower;
+    for (const auto& [level, count] : counts[i]) {
+      if (level != last + 1) lower = grey.Below(level - 1, parameters.noise_power);
+      const GreyLevels::Chance upper = grey.Below(level, parameters.noise_power);
+      const GreyLevels::Chance chance = GreyLevels::Between(lower, upper);
+      lower = upper;
+      last = level;
+      sum.cost -= count * std::log(chance.value);
+      score +=
+          count / chance.value * Eigen::Map<const Eigen::Vector<double, kKinds>>(chance.derivative.data());
+      cell.pixels += count;
+    }
+    cell.by_log_noise = score[0];
+    cell.jacobian.setZero();
+    for (int p = 0; p < parameters.count; ++p) {
+      cell.jacobian(0, p) = parameters.by_log_noise[p];
+      if (parameters.grey_derivative[p] >= 0) cell.jacobian(parameters.grey_derivative[p], p) = 1.0;
+    }
+    const Eigen::Vector<double, kMostOfACell> by_parameter = cell.jacobian.transpose() * score;
+    for (int p = 0; p < parameters.count; ++p) sum.score[parameters.place[p]] += by_parameter[p];
+  }
+  if (!with_information) return sum;
+  sum.information = Eigen::MatrixXd::Zero(layout.count, layout.count);
+  sum.curvature = sum.information;
+  if (used.empty() || !std::isfinite(sum.cost)) return sum;
+  const auto [least, most] = std::minmax_element(used.begin(), used.end(), [](const Used& a, const Used& b) {
+    return a.parameters.noise_power < b.parameters.noise_power;
+  });
+  const InformationTable expected(grey, cells.full_scale, least->parameters.noise_power,
+                                  most->parameters.noise_power);
+  for (const Used& cell : used) {
+    const CellParameters& parameters = cell.parameters;
+    const Eigen::Matrix<double, kMostOfACell, kMostOfACell> block =
+        cell.pixels * cell.jacobian.transpose() * expected(parameters.noise_power) * cell.jacobian;
+    for (int p = 0; p < parameters.count; ++p) {
+      for (int q = 0; q < parameters.count; ++q) {
+        sum.information(parameters.place[p], parameters.place[q]) += block(p, q);
+        sum.curvature(parameters.place[p], parameters.place[q]) -=
+            cell.by_log_noise * parameters.bend * parameters.curvature_sign[p] * parameters.curvature_sign[q];
+      }
+    }
+  }
+  return sum;
+}
+
+// Moves the mean of each taper into its floor's level: the same law, in the gauge that is asked for.
+void CentreTapers(const NoiseLayout& layout, Eigen::VectorXd& value) {
+  const auto centre = [&](int first, int level) {
+    if (first < 0) return;
+    const double mean = value.segment(first, layout.beams).mean();
+    value.segment(first, layout.beams).array() -= mean;
+    value[level] += mean;
+  };
+  centre(layout.taper, layout.noise_db);
+  centre(layout.after_taper, layout.after_db);
+}
+
+void SetPriors(NoiseSolution& solution, const NoiseFitOptions& options) {
+  const NoiseLayout& layout = solution.layout;
+  solution.prior_mean = solution.value;
+  solution.prior_precision = Eigen::VectorXd::Zero(layout.count);
+  const auto spread = [&](int place, double sigma, double mean) {
+    if (place < 0) return;
+    solution.prior_precision[place] = 1.0 / (sigma * sigma);
+    solution.prior_mean[place] = mean;
+  };
+  const auto about_start = [&](int place, double sigma) {
+    if (place >= 0) spread(place, sigma, solution.value[place]);
+  };
+  about_start(layout.noise_db, options.level_spread_db);
+  about_start(layout.after_db, options.level_spread_db);
+  about_start(layout.soft_db, options.level_spread_db);
+  about_start(layout.span_db, options.level_spread_db);
+  spread(layout.slope, options.slope_spread_db_per_m, 0.0);
+  spread(layout.log_looks, 1.0, 0.0);
+  for (int beam = 0; beam < layout.beams; ++beam) {
+    if (layout.taper >= 0) spread(layout.taper + beam, options.taper_spread_db, 0.0);
+    if (layout.after_taper >= 0) spread(layout.after_taper + beam, options.taper_spread_db, 0.0);
+  }
+}
+
+// Adds priors and the gauge of the tapers to cost, score and information.
+void AddPriors(const NoiseSolution& solution, Evaluation& sum) {
+  const Eigen::VectorXd away = solution.value - solution.prior_mean;
+  const Eigen::VectorXd pull = solution.prior_precision.cwiseProduct(away);
+  sum.cost += 0.5 * away.dot(pull);
+  sum.score -= pull;
+  const bool with_information = sum.information.size() > 0;
+  if (with_information) sum.information.diagonal() += solution.prior_precision;
+  for (const int first : {solution.layout.taper, solution.layout.after_taper}) {
+    if (first < 0) continue;
+    const int beams = solution.layout.beams;
+    const double mean = solution.value.segment(first, beams).mean();
+    sum.cost += 0.5 * kTaperMeanPrecision * mean * mean;
+    sum.score.segment(first, beams).array() -= kTaperMeanPrecision * mean / beams;
+    if (with_information) {
+      sum.information.block(first, first, beams, beams).array() += kTaperMeanPrecision / (beams * beams);
+    }
+  }
+}
+
+// A step from `from`, no longer than is wise, in the gauge of the tapers and with looks and span within
+// bounds.
+Eigen::VectorXd Next(const NoiseLayout& layout, const Eigen::VectorXd& from, const Eigen::VectorXd& step) {
+  Eigen::VectorXd next = from + step.cwiseMin(kMostStepDb).cwiseMax(-kMostStepDb);
+  CentreTapers(layout, next);
+  const auto clamp = [&next](int place, double lower, double upper) {
+    if (place >= 0) next[place] = std::clamp(next[place], lower, upper);
+  };
+  clamp(layout.log_looks, std::log(kFewestLooks), std::log(kMostLooks));
+  clamp(layout.span_db, kLeastSpanDb, kMostSpanDb);
+  return next;
+}
+
+}  // namespace
+
+Eigen::VectorXd NoiseScore(const NoiseSolution& solution, const NoiseCounts& counts, const NoiseCells& cells,
+                           const std::vector<double>& weight, double absorption_db_per_m) {
+  return Evaluate(solution.law, solution.layout, counts, cells, weight, absorption_db_per_m, false).score;
+}
+
+NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts& counts,
+                         const NoiseCells& cells, const std::vector<double>& weight,
+                         const NoiseFitOptions& options) {
+  NoiseSolution solution;
+  solution.layout = MakeLayout(start, fit_span, cells.beams());
+  const NoiseLayout& layout = solution.layout;
+  solution.value = ToVector(start, layout);
+  SetPriors(solution, options);
+  const auto evaluate = [&](const Eigen::VectorXd& value, bool with_information) {
+    solution.value = value;
+    solution.law = FromVector(start, layout, value);
+    Evaluation sum =
+        Evaluate(solution.law, layout, counts, cells, weight, options.absorption_db_per_m, with_information);
+    AddPriors(solution, sum);
+    return sum;
+  };
+
+  Eigen::VectorXd best = solution.value;
+  Evaluation at_best = evaluate(best, true);
+  solution.cost_initial = at_best.cost;
+  double damping = 1e-3;
+  std::vector<double> gains;
+  for (solution.iterations = 0; solution.iterations < options.max_iterations; ++solution.iterations) {
+    // At its bound and pushed beyond it, the number of looks stays there.
+    const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(kFewestLooks) &&
+                            at_best.score[layout.log_looks] < 0.0;
+    Eigen::MatrixXd information = at_best.information;
+    Eigen::MatrixXd curvature = at_best.curvature;
+    Eigen::VectorXd score = at_best.score;
+    if (hold_looks) {
+      information.row(layout.log_looks).setZero();
+      information.col(layout.log_looks).setZero();
+      information(layout.log_looks, layout.log_looks) = 1.0;
+      score[layout.log_looks] = 0.0;
+    }
+    solution.looks_at_bound = hold_looks;
+    if (gains.size() >= kLastSteps &&
+        std::accumulate(gains.end() - kLastSteps, gains.end(), 0.0) < kGainedLittle) {
+      solution.converged = true;
+      break;
+    }
+    const std::optional<Eigen::VectorXd> step = Step(information, curvature, score, damping);
+    if (step && damping <= kFreeDamping && 0.5 * score.dot(*step) < kConverged) {
+      solution.converged = true;
+      break;
+    }
+    bool better = false;
+    if (step) {
+      const Eigen::VectorXd next = Next(layout, best, *step);
+      if (WithinBounds(layout, next)) {
+        Evaluation at_next = evaluate(next, true);
+        better = std::isfinite(at_next.cost) && at_next.cost < at_best.cost;
+        if (better) {
+          if (damping <= kFreeDamping) {
+            gains.push_back(at_best.cost - at_next.cost);
+          } else {
+            gains.clear();
+          }
+          best = next;
+          at_best = std::move(at_next);
+        }
+      }
+    }
+    damping = better ? std::max(1e-6, damping * 0.1) : std::max(1e-4, damping * 10.0);
+    if (damping > kMostDamping) break;
+  }
+  at_best = evaluate(best, true);
+  solution.cost = at_best.cost;
+  solution.information = at_best.information;
+  return solution;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,160 @@
+#include "calib/poses/pose_ambiguity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "calib/poses/pose_problem.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kTold = 4.0;      // nats: odds of 55 to 1
+constexpr double kApart = 4.0;     // sigmas between two poses that are not one
+constexpr int kStepsDown = 3;      // from where another valley is looked for
+constexpr double kWorthIt = 60.0;  // nats: a start above that is followed no further
+
+std::string Words(const PoseStep& step) {
+  return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
+                     1e3 * step(0), 1e3 * step(1), 1e3 * step(2), step(3), step(4), step(5));
+}
+
+std::string Sentence(int index, const char* kind, const PoseStep& step, double worse_by) {
+  return worse_by < 0.0
+             ? fmt::format("pose.{}: {} ({}) explains the frame better, by {:.1f} nats, than the one given",
+                           index, kind, Words(step), -worse_by)
+             : fmt::format("pose.{}: {} ({}) explains the frame as well but for {:.1f} nats", index, kind,
+                           Words(step), worse_by);
+}
+
+// Follows a start down; what it ends at where that is another pose, and as good. `kind` says in words what
+// the start is.
+std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameModel& model, int frame,
+                                const PoseProblem::State& fitted, const Eigen::MatrixXd& information,
+                                const std::vector<int>& entries, const ParameterValues& start,
+                                const char* kind) {
+  PoseProblem::State state = problem.At(start);
+  if (state.cost > fitted.cost + kWorthIt) return std::nullopt;
+  const PoseProblem::Slopes slopes = problem.SlopesAt(state.values);
+  double damping = 1e-3;
+  for (int i = 0; i < kStepsDown; ++i) problem.Step(slopes, damping, state);
+  if (state.cost > fitted.cost + kTold) return std::nullopt;
+  Eigen::VectorXd moved(static_cast<Eigen::Index>(entries.size()));
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    moved(static_cast<Eigen::Index>(k)) = state.values[entries[k]] - fitted.values[entries[k]];
+  if (moved.dot(information * moved) < kApart * kApart) return std::nullopt;
+  const double worse_by = state.cost - fitted.cost;
+  const PoseStep step = StepBetween(model.PoseOf(frame, fitted.values), model.PoseOf(frame, state.values));
+  OtherPose other{.frame = frame,
+                  .entries = {},
+                  .worse_by = worse_by,
+                  .sentence = Sentence(model.frame_index(frame), kind, step, worse_by)};
+  for (const int entry : entries) other.entries.emplace_back(entry, state.values[entry]);
+  return other;
+}
+
+// Lowest and highest of what a pose's rays meet, m; nothing where they meet nothing.
+std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model, const Pose& pose) {
+  constexpr int kThin = 8;
+  const RayFan fan = model.ThinnedFan(kThin);
+  const EchoList echoes =
+      Trace(model.simulator().caster(), fan, pose, model.sonar().axes, model.simulator().options().trace);
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+    const auto ray = static_cast<int>(echoes.ray[echo]);
+    const Eigen::Vector3d direction = fan.Direction(ray / fan.cols(), ray % fan.cols()).cast<double>();
+    const double height_m = (pose * (direction * static_cast<double>(echoes.range_m[echo]))).z();
+    lowest = std::min(lowest, height_m);
+    highest = std::max(highest, height_m);
+  }
+  if (echoes.size() == 0) return std::nullopt;
+  return std::pair{lowest, highest};
+}
+
+// Values with a frame's pose replaced; nothing where its prior rules that out.
+std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<CatalogEntry>& catalog,
+                                        const std::vector<int>& entries, const ParameterValues& values) {
+  const PoseStep named = NamedValues(pose);
+  ParameterValues with = values;
+  double from_prior = 0.0;
+  double was = 0.0;
+  for (const int entry : entries) {
+    const CatalogEntry& of = catalog[entry];
+    with[entry] = named(of.index);
+    if (with[entry] < of.lower || with[entry] > of.upper) return std::nullopt;
+    if (!of.prior) continue;
+    from_prior += 0.5 * std::pow((with[entry] - of.prior->coordinate) / of.prior->sigma, 2);
+    was += 0.5 * std::pow((values[entry] - of.prior->coordinate) / of.prior->sigma, 2);
+  }
+  if (from_prior > was + kWorthIt) return std::nullopt;
+  return with;
+}
+
+std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                                    int frame, const std::vector<int>& entries,
+                                    const ParameterValues& values) {
+  const PoseProblem problem(model, catalog, {}, 1, {frame}, entries, values);
+  const PoseProblem::State fitted = problem.At(values);
+  const PoseProblem::Slopes slopes = problem.SlopesAt(values);
+  const Eigen::MatrixXd information = problem.NormalAt(fitted, slopes).information;
+  std::vector<OtherPose> others;
+  const auto follow = [&](const ParameterValues& start, const char* kind) {
+    if (auto other = Follow(problem, model, frame, fitted, information, entries, start, kind))
+      others.push_back(std::move(*other));
+  };
+  const Eigen::VectorXd ridge = problem.Ridge(fitted, slopes);
+  for (const double sigmas : {-1.5, -0.5, 0.5, 1.5})
+    follow(problem.MovedEntries(values, sigmas * ridge), "another pose along what it tells least");
+  const Pose pose = model.PoseOf(frame, values);
+  if (const auto heights = HeightsSeen(model, pose)) {
+    const auto mirrored =
+        WithPose(ReflectedPose(pose, heights->first, heights->second), catalog, entries, values);
+    if (mirrored) follow(*mirrored, "its mirror image");
+  }
+  return others;
+}
+
+}  // namespace
+
+Pose ReflectedPose(const Pose& world_from_sonar, double lowest_m, double highest_m) {
+  PoseStep named = NamedValues(world_from_sonar);
+  named(2) = lowest_m + highest_m - named(2);
+  named(3) = -named(3);
+  named(4) = -named(4);
+  return PoseFromNamedValues(named);
+}
+
+std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                                  const std::vector<int>& entries, const ParameterValues& values) {
+  std::map<int, std::vector<int>> by_frame;
+  for (const int entry : entries) by_frame[catalog[entry].frame].push_back(entry);
+  std::vector<OtherPose> others;
+  if (by_frame.count(kMountFrame) != 0) return others;
+  for (const auto& [frame, of] : by_frame) {
+    if (of.size() != kPoseSteps) continue;
+    for (OtherPose& other : OtherPosesOf(model, catalog, frame, of, values))
+      others.push_back(std::move(other));
+  }
+  return others;
+}
+
+int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values) {
+  std::map<int, const OtherPose*> best;
+  for (const OtherPose& other : others) {
+    if (!(other.worse_by < -by_nats)) continue;
+    const OtherPose*& of_frame = best[other.frame];
+    if (of_frame == nullptr || other.worse_by < of_frame->worse_by) of_frame = &other;
+  }
+  for (const auto& [frame, other] : best) {
+    for (const auto& [entry, value] : other->entries) values[entry] = value;
+  }
+  return static_cast<int>(best.size());
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,141 @@
+#include "calib/poses/pose_problem.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sonarcal {
+
+PoseProblem::PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                         const PoseSmoothing& smoothing, int thin, std::vector<int> frames,
+                         std::vector<int> entries, const ParameterValues& values)
+    : model_(model),
+      catalog_(catalog),
+      entries_(std::move(entries)),
+      frames_(std::move(frames)),
+      fan_(model.ThinnedFan(thin)) {
+  const ParameterSet parameters = model.Parameters(values);
+  for (const int frame : frames_)
+    views_.emplace_back(model, frame, parameters, smoothing, fan_, model.PoseOf(frame, values));
+}
+
+PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
+  State state{.values = values, .judged = std::vector<PoseView::Judgement>(frames_.size()), .cost = 0.0};
+  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
+    state.judged[i] = views_[i].Judge(views_[i].Expected(model_.PoseOf(frames_[i], values)));
+  });
+  for (const PoseView::Judgement& judged : state.judged) state.cost += judged.cost;
+  for (const int entry : entries_) state.cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
+  return state;
+}
+
+PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
+  const auto pixels = static_cast<Eigen::Index>(model_.pixel_count());
+  Slopes slopes(frames_.size(), Eigen::MatrixXf(pixels, kPoseSteps));
+  tbb::parallel_for(std::size_t{0}, frames_.size() * kPoseSteps, [&](std::size_t task) {
+    const std::size_t i = task / kPoseSteps;
+    const auto k = static_cast<Eigen::Index>(task % kPoseSteps);
+    const Pose pose = model_.PoseOf(frames_[i], values);
+    PoseStep move = PoseStep::Zero();
+    move(k) = PoseDifference(model_.sonar().axes, static_cast<int>(k));
+    slopes[i].col(k) =
+        (views_[i].Expected(MovePose(pose, move)) - views_[i].Expected(MovePose(pose, -move))) /
+        static_cast<float>(2.0 * move(k));
+  });
+  return slopes;
+}
+
+PoseProblem::Normal PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
+  const auto count = static_cast<Eigen::Index>(entries_.size());
+  Normal normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const PoseView::Judgement& judged = state.judged[i];
+    const Eigen::MatrixXd slope = slopes[i].cast<double>();
+    const Eigen::MatrixXd moves = MovesOfEntries(frames_[i], state.values);
+    normal.information +=
+        moves.transpose() * (slope.transpose() * judged.information.asDiagonal() * slope) * moves;
+    normal.score += moves.transpose() * (slope.transpose() * judged.score);
+  }
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto& prior = catalog_[entries_[k]].prior;
+    if (!prior) continue;
+    normal.information(k, k) += 1.0 / (prior->sigma * prior->sigma);
+    normal.score(k) -= catalog_[entries_[k]].FromPrior(state.values[entries_[k]]) / prior->sigma;
+  }
+  return normal;
+}
+
+double PoseProblem::Step(const Slopes& slopes, double& damping, State& state) const {
+  constexpr int kTries = 5;  // of the damping
+  const Normal normal = NormalAt(state, slopes);
+  for (int i = 0; i < kTries; ++i, damping *= 10.0) {
+    Eigen::MatrixXd damped = normal.information;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::VectorXd step = damped.ldlt().solve(normal.score);
+    State trial = At(MovedEntries(state.values, step));
+    if (!(trial.cost < state.cost)) continue;
+    const double fall = state.cost - trial.cost;
+    state = std::move(trial);
+    damping = std::max(0.2 * damping, 1e-6);
+    return fall;
+  }
+  return 0.0;
+}
+
+Eigen::VectorXd PoseProblem::Ridge(const State& state, const Slopes& slopes) const {
+  Eigen::VectorXd sigma = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(entries_.size()));
+  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
+    if (const auto& prior = catalog_[entries_[k]].prior; prior) sigma(k) = prior->sigma;
+  }
+  const Eigen::MatrixXd in_sigmas =
+      sigma.asDiagonal() * NormalAt(state, slopes).information * sigma.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(in_sigmas);
+  return sigma.cwiseProduct(eigen.eigenvectors().col(0));
+}
+
+ParameterValues PoseProblem::MovedEntries(const ParameterValues& values, const Eigen::VectorXd& by) const {
+  ParameterValues moved = values;
+  for (std::size_t k = 0; k < entries_.size(); ++k)
+    Set(entries_[k], values[entries_[k]] + by(static_cast<Eigen::Index>(k)), moved);
+  return moved;
+}
+
+ParameterValues PoseProblem::MovedSonar(const ParameterValues& values, const PoseStep& by) const {
+  PoseStep named;
+  for (const int entry : entries_) named(catalog_[entry].index) = values[entry];
+  named = NamedValues(MovePose(PoseFromNamedValues(named), by));
+  ParameterValues moved = values;
+  for (const int entry : entries_) Set(entry, named(catalog_[entry].index), moved);
+  return moved;
+}
+
+int PoseProblem::EntryOf(int component) const {
+  if (entries_.size() != kPoseSteps) return -1;
+  for (const int entry : entries_) {
+    if (catalog_[entry].index == component) return entry;
+  }
+  return -1;
+}
+
+// d move of the sonar / d value of each entry.
+Eigen::MatrixXd PoseProblem::MovesOfEntries(int frame, const ParameterValues& values) const {
+  constexpr double kDifference = 1e-5;
+  const Pose pose = model_.PoseOf(frame, values);
+  Eigen::MatrixXd moves(kPoseSteps, static_cast<Eigen::Index>(entries_.size()));
+  for (std::size_t k = 0; k < entries_.size(); ++k) {
+    ParameterValues at = values;
+    at[entries_[k]] += kDifference;
+    moves.col(static_cast<Eigen::Index>(k)) = StepBetween(pose, model_.PoseOf(frame, at)) / kDifference;
+  }
+  return moves;
+}
+
+void PoseProblem::Set(int entry, double value, ParameterValues& values) const {
+  values[entry] = std::clamp(value, catalog_[entry].lower, catalog_[entry].upper);
+}
+
+}  // namespace sonarcal

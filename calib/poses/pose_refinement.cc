@@ -1,0 +1,126 @@
+#include "calib/poses/pose_refinement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "calib/poses/pose_problem.h"
+#include "core/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr int kStepsOfSlopes = 3;
+constexpr double kFirstDamping = 1e-3;
+// Fall of the cost below which nothing more is to be had: a hundredth of what noise moves one parameter by.
+constexpr double kSettled = 0.005;
+
+// Headings and distances within twice the prior's sigma, where the problem is one whole pose.
+void Sweep(const PoseProblem& problem, double step_m, double step_deg, ParameterValues& values) {
+  PoseProblem::State best = problem.At(values);
+  for (const int component : {5, 1}) {  // heading, distance
+    const int entry = problem.EntryOf(component);
+    if (entry < 0 || !problem.entry(entry).prior) continue;
+    const double step = component == 5 ? step_deg : step_m;
+    const int reach = static_cast<int>(std::min(4.0, 2.0 * problem.entry(entry).prior->sigma / step));
+    const ParameterValues from = best.values;
+    for (int k = -reach; k <= reach; ++k) {
+      if (k == 0) continue;
+      PoseStep move = PoseStep::Zero();
+      move(component) = k * step;
+      PoseProblem::State trial = problem.At(problem.MovedSonar(from, move));
+      if (trial.cost < best.cost) best = std::move(trial);
+    }
+  }
+  values = best.values;
+}
+
+// Other valleys lie along the direction that the frames tell least, as when a sonar steps aside and turns:
+// jumps along it, each followed by a step down. Returns by how much the cost fell.
+double TryAlongRidge(const PoseProblem& problem, const PoseProblem::Slopes& slopes,
+                     PoseProblem::State& state) {
+  const double cost_initial = state.cost;
+  const Eigen::VectorXd ridge = problem.Ridge(state, slopes);
+  const ParameterValues from = state.values;
+  for (const double jump : {-0.6, -0.3, -0.15, 0.15, 0.3, 0.6}) {
+    PoseProblem::State trial = problem.At(problem.MovedEntries(from, jump * ridge));
+    double damping = kFirstDamping;
+    problem.Step(slopes, damping, trial);
+    if (trial.cost < state.cost) state = std::move(trial);
+  }
+  return cost_initial - state.cost;
+}
+
+// Returns by how much the cost fell.
+double Solve(const PoseProblem& problem, int slope_rounds, bool along_ridge, ParameterValues& values) {
+  PoseProblem::State state = problem.At(values);
+  const double cost_initial = state.cost;
+  double damping = kFirstDamping;
+  for (int round = 0; round < slope_rounds; ++round) {
+    const PoseProblem::Slopes slopes = problem.SlopesAt(state.values);
+    double fall = along_ridge && round == 0 ? TryAlongRidge(problem, slopes, state) : 0.0;
+    for (int step = 0; step < kStepsOfSlopes; ++step) {
+      const double of_step = problem.Step(slopes, damping, state);
+      fall += of_step;
+      if (of_step < kSettled) break;
+    }
+    if (fall < kSettled) break;
+  }
+  values = state.values;
+  return cost_initial - state.cost;
+}
+
+}  // namespace
+
+std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain) {
+  constexpr double kFar = 4.0;
+  constexpr double kFarBeams = 2.0;
+  constexpr double kNearBeams = 0.5;
+  return {{.smoothing = {kFar * grain.bins, kFarBeams * grain.beams}, .slopes = 2, .thin = 2, .sweep = true},
+          {.smoothing = {grain.bins, kNearBeams * grain.beams}, .slopes = 2, .along_ridge = true},
+          {.smoothing = {}, .slopes = 3, .along_ridge = true}};
+}
+
+std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
+  std::vector<int> entries;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (free[i] && catalog[i].group == ParameterGroup::kPose) entries.push_back(static_cast<int>(i));
+  }
+  return entries;
+}
+
+double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                   const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
+                   const std::function<void(const std::string&)>& progress) {
+  double falls = 0.0;
+  std::set<int> moved;
+  for (const int entry : entries) moved.insert(catalog[entry].frame);
+  const double step_m = stage.smoothing.bins * model.sonar().axes.range_bin_m();
+  const double step_deg = stage.smoothing.beams * DegFromRad(model.sonar().axes.beam_spacing_rad());
+  const auto refine = [&](std::vector<int> frames, std::vector<int> of, const std::string& name) {
+    const PoseProblem problem(model, catalog, stage.smoothing, stage.thin, std::move(frames), std::move(of),
+                              values);
+    if (stage.sweep) Sweep(problem, step_m, step_deg, values);
+    const double fall = Solve(problem, stage.slopes, stage.along_ridge, values);
+    falls += fall;
+    if (progress) progress(fmt::format("{}: cost down by {:.4g}", name, fall));
+  };
+  if (moved.count(kMountFrame) != 0) {
+    std::vector<int> all;
+    for (int frame = 0; frame < model.frame_count(); ++frame) all.push_back(frame);
+    refine(all, entries, moved.size() > 1 ? "mount and poses" : "mount");
+    return falls;
+  }
+  for (const int frame : moved) {
+    std::vector<int> of;
+    std::copy_if(entries.begin(), entries.end(), std::back_inserter(of),
+                 [&](int entry) { return catalog[entry].frame == frame; });
+    refine({frame}, of, fmt::format("pose of frame {}", model.frame_index(frame)));
+  }
+  return falls;
+}
+
+}  // namespace sonarcal

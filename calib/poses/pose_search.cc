@@ -1,0 +1,331 @@
+#include "calib/poses/pose_search.h"
+
+#include <ceres/dynamic_numeric_diff_cost_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/math/smoothing.h"
+#include "core/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+// Coordinates of the solver: range (m), azimuth, elevation, yaw, pitch (rad), gain (dB), each in units of a
+// step over which the image changes by a comparable amount. Ceres takes differences over a share of a
+// coordinate's value; the large offset makes that the same share of every step, at an angle of zero too.
+// Differences must reach over a few rays, or they see single rays come and go.
+constexpr int kElevation = 2;
+constexpr int kCoordinates = 6;
+constexpr std::array<double, kCoordinates> kSteps = {0.02, 0.01, 0.05, 0.05, 0.05, 1.0};
+constexpr double kOffset = 1000.0;
+constexpr double kDifference = 0.3;  // of a step
+
+using Coordinates = std::array<double, kCoordinates>;
+
+Coordinates CoordinatesOf(const PoseCandidate& candidate) {
+  const TargetPose& p = candidate.pose;
+  Coordinates x = {p.range_m, p.azimuth_rad, p.elevation_rad, p.yaw_rad, p.pitch_rad, candidate.gain_db};
+  for (int i = 0; i < kCoordinates; ++i) x[i] = x[i] / kSteps[i] + kOffset;
+  return x;
+}
+
+PoseCandidate CandidateAt(const double* x) {
+  const auto value = [&](int i) { return (x[i] - kOffset) * kSteps[i]; };
+  return {.pose = {.range_m = value(0),
+                   .azimuth_rad = value(1),
+                   .elevation_rad = value(2),
+                   .yaw_rad = value(3),
+                   .pitch_rad = value(4)},
+          .gain_db = value(5)};
+}
+
+// Mean over groups of range bins, to full scale 1.
+Grid<float> FewerBins(const PolarImage& image, int factor, int bins) {
+  Grid<float> out(bins, image.value.cols());
+  for (int row = 0; row < bins; ++row) {
+    for (int col = 0; col < out.cols(); ++col) {
+      double sum = 0.0;
+      for (int i = 0; i < factor; ++i) sum += image.value(row * factor + i, col);
+      out(row, col) = static_cast<float>(sum / factor / image.scale.full_scale);
+    }
+  }
+  return out;
+}
+
+// A recorded image and the means to predict it, at one resolution.
+class Matcher {
+ public:
+  Matcher(const Scene& target, const SonarModel& sonar, const Water& water, const PolarImage& measured,
+          const ParameterSet& parameters, const PoseSearchOptions& options, int factor)
+      : options_(options), factor_(factor), parameters_(parameters) {
+    SonarModel coarse = sonar;
+    coarse.axes.range_bins = sonar.axes.range_bins / factor;
+    coarse.axes.range_max_m =
+        sonar.axes.range_min_m + coarse.axes.range_bins * factor * sonar.axes.range_bin_m();
+    const double bin_m = coarse.axes.range_bin_m();
+    // The pulse is at least a bin long, whatever the bin.
+    parameters_.pulse.length_m = std::max(parameters_.pulse.length_m, bin_m);
+    SimulationOptions simulation;
+    simulation.water = water;
+    simulation.fan = {
+        .sampling = Sampling::kBeams,
+        .cols = coarse.axes.beam_count() * std::max(1, options.cols_per_beam / factor),
+        .rows = static_cast<int>(std::ceil(options.elevation_span_deg / options.ray_height_deg / factor)),
+        .elevation_span_deg = options.elevation_span_deg};
+    simulator_ = std::make_unique<Simulator>(target, coarse, simulation);
+    measured_ = FewerBins(measured, factor, coarse.axes.range_bins);
+    Smooth(measured_, options.smooth_bins / factor, options.smooth_beams);
+  }
+
+  const Grid<float>& measured() const { return measured_; }
+  const PolarAxes& axes() const { return simulator_->sonar().axes; }
+  long rays_cast() const { return simulator_->caster().rays_cast(); }
+
+  // Mean echo power of the target, without the candidate's gain.
+  Grid<double> EchoPower(const TargetPose& pose) const {
+    const EchoList echoes = simulator_->TraceEchoes(pose.WorldFromSonar());
+    const ScatterMap scatter = MakeScatterMap(echoes, simulator_->fan(), geometry(), parameters_);
+    return EchoPowerImage(scatter, geometry(), parameters_);
+  }
+
+  // Expected display of echoes of that power and of the noise floor, smoothed, full scale 1. The gain is the
+  // target's: it does not change the noise.
+  Grid<float> Displayed(Grid<double> power, double gain_db) const {
+    const double gain = PowerFromDb(gain_db);
+    for (double& value : power.values()) value *= gain;
+    AddNoiseFloor(geometry(), parameters_, power);
+    PolarImage shown = ExpectedDisplay(PowerImage(axes(), power), parameters_, 1.0);
+    Smooth(shown.value, options_.smooth_bins / factor_, options_.smooth_beams);
+    return shown.value;
+  }
+
+  double Cost(const Grid<float>& predicted) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < predicted.size(); ++i) {
+      const double difference = predicted.values()[i] - measured_.values()[i];
+      sum += difference * difference;
+    }
+    return sum / static_cast<double>(predicted.size());
+  }
+
+  // The best of a range of gains at a pose.
+  PoseCandidate BestGain(const TargetPose& pose) const {
+    const Grid<double> power = EchoPower(pose);
+    PoseCandidate best{.pose = pose, .gain_db = 0.0, .cost = std::numeric_limits<double>::infinity()};
+    for (double gain_db = -30.0; gain_db <= 30.0; gain_db += 5.0) {
+      const double cost = Cost(Displayed(power, gain_db));
+      if (cost < best.cost) best = {pose, gain_db, cost};
+    }
+    return best;
+  }
+
+  // Levenberg-Marquardt from a start; `hold_elevation` keeps that coordinate.
+  PoseCandidate Refine(const PoseCandidate& start, bool hold_elevation) const {
+    struct Residual {
+      const Matcher* matcher;
+      bool operator()(double const* const* blocks, double* residuals) const {
+        const PoseCandidate at = CandidateAt(blocks[0]);
+        const Grid<float> predicted = matcher->Displayed(matcher->EchoPower(at.pose), at.gain_db);
+        for (std::size_t i = 0; i < predicted.size(); ++i) {
+          residuals[i] = static_cast<double>(predicted.values()[i]) - matcher->measured_.values()[i];
+        }
+        return true;
+      }
+    };
+    ceres::NumericDiffOptions differences;
+    differences.relative_step_size = kDifference / kOffset;
+    using Cost = ceres::DynamicNumericDiffCostFunction<Residual, ceres::CENTRAL>;
+    auto cost = std::make_unique<Cost>(new Residual{this}, ceres::TAKE_OWNERSHIP, differences);
+    cost->AddParameterBlock(kCoordinates);
+    cost->SetNumResiduals(static_cast<int>(measured_.size()));
+    Coordinates x = CoordinatesOf(start);
+    ceres::Problem problem;
+    problem.AddResidualBlock(cost.release(), nullptr, x.data());
+    const auto bound = [&](int i, double low, double high) {
+      const double lower = low / kSteps[i] + kOffset;
+      const double upper = high / kSteps[i] + kOffset;
+      problem.SetParameterLowerBound(x.data(), i, lower);
+      problem.SetParameterUpperBound(x.data(), i, upper);
+      x[i] = std::clamp(x[i], lower, upper);
+    };
+    bound(0, axes().range_min_m, axes().range_max_m);
+    bound(1, axes().beam_azimuth_rad.front(), axes().beam_azimuth_rad.back());
+    bound(kElevation, -RadFromDeg(options_.elevation_limit_deg), RadFromDeg(options_.elevation_limit_deg));
+    bound(4, -RadFromDeg(options_.pitch_limit_deg), RadFromDeg(options_.pitch_limit_deg));
+    if (hold_elevation) {
+      problem.SetManifold(x.data(), new ceres::SubsetManifold(kCoordinates, {kElevation}));
+    }
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = 1e-5;
+    solver.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    PoseCandidate refined = CandidateAt(x.data());
+    refined.cost = 2.0 * summary.final_cost / static_cast<double>(measured_.size());
+    refined.pose.yaw_rad = std::remainder(refined.pose.yaw_rad, 2.0 * kPi);
+    return refined;
+  }
+
+ private:
+  AcousticGeometry geometry() const { return {simulator_->sonar(), simulator_->absorption_db_per_m()}; }
+
+  const PoseSearchOptions& options_;
+  int factor_;
+  ParameterSet parameters_;
+  std::unique_ptr<Simulator> simulator_;
+  Grid<float> measured_;
+};
+
+// Where something stands out of the background: the mean range and azimuth of what lies four standard
+// deviations above the median, weighted by its excess.
+TargetPose PoseOfBrightRegion(const Grid<float>& image, const PolarAxes& axes) {
+  std::vector<float> values(image.values().begin(), image.values().end());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  const float median = *middle;
+  for (float& value : values) value = std::abs(value - median);
+  std::nth_element(values.begin(), middle, values.end());
+  const double threshold = median + 4.0 * 1.4826 * *middle;  // median deviation to standard deviation
+  double weight = 0.0;
+  double range_m = 0.0;
+  double azimuth_rad = 0.0;
+  for (int row = 0; row < image.rows(); ++row) {
+    for (int col = 0; col < image.cols(); ++col) {
+      const double excess = image(row, col) - threshold;
+      if (excess <= 0.0) continue;
+      weight += excess;
+      range_m += excess * axes.range_centre_m(row);
+      azimuth_rad += excess * axes.beam_azimuth_rad[col];
+    }
+  }
+  if (!(weight > 0.0)) {
+    throw DataError("pose search: nothing in the image stands four standard deviations above its background");
+  }
+  return {.range_m = range_m / weight, .azimuth_rad = azimuth_rad / weight};
+}
+
+double LargestExtentM(const Scene& target) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& vertex : target.vertices_m) box.extend(vertex);
+  return box.sizes().maxCoeff();
+}
+
+std::string Describe(const PoseCandidate& c) {
+  return fmt::format(
+      "range {:.3f} m, azimuth {:.2f}, elevation {:.2f}, yaw {:.1f}, pitch {:.1f} deg, rms difference {:.4f}",
+      c.pose.range_m, DegFromRad(c.pose.azimuth_rad), DegFromRad(c.pose.elevation_rad),
+      DegFromRad(c.pose.yaw_rad), DegFromRad(c.pose.pitch_rad), std::sqrt(c.cost));
+}
+
+bool ByCost(const PoseCandidate& a, const PoseCandidate& b) {
+  return a.cost < b.cost;
+}
+
+// What else would explain the image as well.
+std::vector<std::string> OpenQuestions(const Matcher& fine, const PoseSearchResult& result,
+                                       const PoseSearchOptions& options) {
+  std::vector<std::string> open;
+  const double mirror_cost =
+      fine.Cost(fine.Displayed(fine.EchoPower(result.best.pose.Mirrored()), result.best.gain_db));
+  open.push_back(
+      fmt::format("the sign of elevation and pitch together: the pose mirrored in the plane of the beams "
+                  "differs from the image by "
+                  "{:.4f} rms, the one reported by {:.4f}",
+                  std::sqrt(mirror_cost), std::sqrt(result.best.cost)));
+  if (!result.ridge.empty()) {
+    const double lowest = std::min_element(result.ridge.begin(), result.ridge.end(), ByCost)->cost;
+    std::string costs;
+    for (std::size_t i = 0; i < result.ridge.size(); ++i) {
+      costs += fmt::format("{}{:+.0f} deg {:+.1f} %", i == 0 ? "" : ", ", options.ridge_elevations_deg[i],
+                           100.0 * (std::sqrt(result.ridge[i].cost / lowest) - 1.0));
+    }
+    open.push_back("elevation (height): with it held and the rest refitted, the rms difference grows by " +
+                   costs);
+  }
+  open.emplace_back("roll about the length of a body of revolution");
+  return open;
+}
+
+}  // namespace
+
+void PoseSearchOptions::Check() const {
+  const auto at_least = [](const char* name, double value, double limit) {
+    if (!(value >= limit)) throw DataError("pose search: {} {}, expected at least {}", name, value, limit);
+  };
+  at_least("smooth_bins", smooth_bins, 0.0);
+  at_least("smooth_beams", smooth_beams, 0.0);
+  at_least("yaw_steps", yaw_steps, 1);
+  at_least("pitches", static_cast<double>(pitches_deg.size()), 1);
+  at_least("refined_starts", refined_starts, 1);
+  at_least("coarse_factor", coarse_factor, 1);
+  at_least("cols_per_beam", cols_per_beam, 1);
+  at_least("ray_height_deg", ray_height_deg, 1e-3);
+  at_least("elevation_span_deg", elevation_span_deg, ray_height_deg);
+  at_least("max_iterations", max_iterations, 1);
+}
+
+PoseSearchResult SearchPose(const Scene& target, const SonarModel& sonar, const Water& water,
+                            const PolarImage& measured, const ParameterSet& parameters,
+                            const PoseSearchOptions& options) {
+  options.Check();
+  if (measured.scale.quantity != Quantity::kGrey) {
+    throw DataError("pose search: the image holds {}, expected grey levels",
+                    ToString(measured.scale.quantity));
+  }
+  const auto say = [&](const std::string& line) {
+    if (options.progress) options.progress(line);
+  };
+  const Matcher coarse(target, sonar, water, measured, parameters, options, options.coarse_factor);
+  const Matcher fine(target, sonar, water, measured, parameters, options, 1);
+  const TargetPose seen = PoseOfBrightRegion(coarse.measured(), coarse.axes());
+
+  // The bright side is nearer than the middle by up to half the target's thickness; a tenth of its length is
+  // a start.
+  std::vector<PoseCandidate> sweep;
+  const double depth_m = 0.1 * LargestExtentM(target);
+  for (const double pitch_deg : options.pitches_deg) {
+    say(fmt::format("sweeping headings at pitch {:.0f} deg", pitch_deg));
+    for (int step = 0; step < options.yaw_steps; ++step) {
+      TargetPose pose = seen;
+      pose.range_m += depth_m;
+      pose.pitch_rad = RadFromDeg(pitch_deg);
+      pose.yaw_rad = 2.0 * kPi * step / options.yaw_steps;
+      sweep.push_back(coarse.BestGain(pose));
+    }
+  }
+  std::sort(sweep.begin(), sweep.end(), ByCost);
+
+  PoseSearchResult result;
+  const auto count = std::min<std::size_t>(sweep.size(), options.refined_starts);
+  for (std::size_t i = 0; i < count; ++i) {
+    result.starts.push_back(coarse.Refine(sweep[i], false));
+    say(fmt::format("start {} of {}: {}", i + 1, count, Describe(result.starts.back())));
+  }
+  std::sort(result.starts.begin(), result.starts.end(), ByCost);
+  for (const double elevation_deg : options.ridge_elevations_deg) {
+    PoseCandidate held = result.starts.front();
+    held.pose.elevation_rad = RadFromDeg(elevation_deg);
+    result.ridge.push_back(coarse.Refine(held, true));
+  }
+  // A neighbour on the ridge may have found a better valley than the starts did.
+  const PoseCandidate ridge_best = result.ridge.empty()
+                                       ? result.starts.front()
+                                       : *std::min_element(result.ridge.begin(), result.ridge.end(), ByCost);
+  result.best = fine.Refine(std::min(result.starts.front(), ridge_best, ByCost), false);
+  say("refined on the full image: " + Describe(result.best));
+  result.open = OpenQuestions(fine, result, options);
+  result.rays_cast = coarse.rays_cast() + fine.rays_cast();
+  return result;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,86 @@
+#include "calib/poses/pose_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/math/smoothing.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/physics/display.h"
+
+namespace sonarcal {
+
+PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
+                   const PoseSmoothing& smoothing, const RayFan& fan, const Pose& about)
+    : model_(model),
+      frame_(frame),
+      parameters_(parameters),
+      smoothing_(smoothing),
+      fan_(fan),
+      pixels_a_grain_(model.grain().bins * model.grain().beams),
+      lowest_(PowerFromDisplay(parameters.display, 0.0)),
+      highest_(PowerFromDisplay(parameters.display, 1.0)) {
+  if (smoothing.none()) return;
+  shown_ = Grid<float>(model.range_bins(), model.beams());
+  const std::vector<RecordedPower>& recorded = model.frame(frame).recorded;
+  for (std::size_t i = 0; i < recorded.size(); ++i) {
+    shown_.values()[i] =
+        static_cast<float>(std::clamp(DisplayValue(parameters.display, recorded[i].power), 0.0, 1.0));
+  }
+  const Grid<float> expected = ExpectedShown(model.ExpectedPowerFrom(about, parameters, fan));
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < shown_.size(); ++i) {
+    if (!Counts(i)) continue;
+    squares += std::pow(shown_.values()[i] - expected.values()[i], 2);
+    count += 1.0;
+  }
+  weight_ = squares > 0.0 ? count / (squares * pixels_a_grain_) : 0.0;
+}
+
+Grid<float> PoseView::ExpectedShown(const PolarImage& power) const {
+  return ExpectedDisplay(power, parameters_, 1.0).value;
+}
+
+Eigen::VectorXf PoseView::Expected(const Pose& world_from_sonar) const {
+  const PolarImage power = model_.ExpectedPowerFrom(world_from_sonar, parameters_, fan_);
+  if (smoothing_.none()) {
+    return Eigen::Map<const Eigen::ArrayXf>(power.value.values().data(),
+                                            static_cast<Eigen::Index>(power.value.size()))
+        .max(std::numeric_limits<float>::min())
+        .log()
+        .matrix();
+  }
+  Grid<float> shown = ExpectedShown(power);
+  // What does not count differs by nothing.
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    shown.values()[i] = Counts(i) ? shown.values()[i] - shown_.values()[i] : 0.0F;
+  }
+  Smooth(shown, smoothing_.bins, smoothing_.beams);
+  return Eigen::Map<const Eigen::VectorXf>(shown.values().data(), static_cast<Eigen::Index>(shown.size()));
+}
+
+PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
+  const Eigen::Index pixels = expected.size();
+  if (!smoothing_.none()) {
+    const Eigen::VectorXd difference = expected.cast<double>();
+    return {.cost = 0.5 * weight_ * difference.squaredNorm(),
+            .score = -weight_ * difference,
+            .information = Eigen::VectorXd::Constant(pixels, weight_)};
+  }
+  Judgement judged{
+      .cost = 0.0, .score = Eigen::VectorXd::Zero(pixels), .information = Eigen::VectorXd::Zero(pixels)};
+  const AcousticFrame& frame = model_.frame(frame_);
+  const double looks = parameters_.receiver.looks;
+  for (Eigen::Index i = 0; i < pixels; ++i) {
+    if (!Counts(static_cast<std::size_t>(i))) continue;
+    const double mean = std::exp(static_cast<double>(expected[i]));
+    const LikelihoodTerm term = PowerLikelihood(frame.recorded[i], mean, looks);
+    judged.cost += 0.5 * term.residual * term.residual / pixels_a_grain_;
+    judged.score[i] = -term.residual * term.slope / pixels_a_grain_;
+    judged.information[i] = ExpectedInformation(lowest_, highest_, mean, looks) / pixels_a_grain_;
+  }
+  return judged;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,349 @@
+#include "calib/selection/model_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "calib/fit_starts.h"
+#include "calib/mirror_start.h"
+#include "calib/noise/background_display.h"
+#include "calib/problem_builder.h"
+#include "calib/selection/model_variants.h"
+#include "core/types/error.h"
+#include "core/types/mask.h"
+#include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/receiver.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr const char* kTrendName = "receiver.noise_slope_db_per_m";
+
+// Of a model: what it starts from, what it frees, and what the fit made of it.
+struct Candidate {
+  ParameterSet initial;
+  FitConfig config;
+  ParameterSet fitted;
+  std::vector<std::vector<double>> mean_used;  // by frame and pixel
+  BlockedLikelihood likelihood;                // of the frames held out
+};
+
+class Chooser {
+ public:
+  Chooser(const Simulator& simulator, const std::vector<GreyFrame>& used,
+          const std::vector<GreyFrame>& held_out, const ModelChoiceOptions& options)
+      : simulator_(simulator), used_(used), held_out_(held_out), options_(options) {}
+
+  ModelChoice Run(const ParameterSet& initial, const FitConfig& config) {
+    mirrors_ = ReflectingMaterials(simulator_.caster().material_names(), initial);
+    const FitOptions few = Few(options_.first_iterations, options_.fit.starts, true);
+    Say("choice of a model: fitting the one given");
+    std::optional<Candidate> first = FitAndJudge(initial, initial, config, few);
+    if (!first) throw DataError("the model to choose from could not be fitted to the frames used");
+    best_ = std::move(*first);
+    ModelChoice choice;
+    for (const ChoiceAxis axis : options_.axes) choice.axes.push_back(Decide(axis));
+    choice.parameters = best_.initial;
+    choice.config = best_.config;
+    for (const GreyFrame& frame : held_out_) choice.frames_chosen_on.push_back(frame.index);
+    choice.pixels = best_.likelihood.Pixels();
+    choice.blocks =
+        static_cast<int>(std::count_if(best_.likelihood.pixels.begin(), best_.likelihood.pixels.end(),
+                                       [](double pixels) { return pixels > 0.0; }));
+    choice.tie_sigmas = options_.tie_sigmas;
+    return choice;
+  }
+
+ private:
+  void Say(const std::string& line) const {
+    if (options_.fit.progress) options_.fit.progress(line);
+  }
+
+  FitOptions Few(int iterations, int starts, bool search_level) const {
+    FitOptions few = options_.fit;
+    few.max_iterations = std::min(few.max_iterations, iterations);
+    few.starts = starts;
+    few.search_level = search_level;
+    few.down_weight = false;  // all pixels judge, so all are fitted
+    few.progress = {};
+    return few;
+  }
+
+  std::vector<CatalogEntry> Catalog() const {
+    std::vector<int> indices;
+    for (const GreyFrame& frame : used_) indices.push_back(frame.index);
+    return BuildAcousticCatalog(simulator_.caster().material_names(), simulator_.sonar(), indices, mirrors_);
+  }
+
+  bool IsFree(const FitConfig& config, const std::string& name) const {
+    std::vector<CatalogEntry> catalog = Catalog();
+    const std::vector<bool> free = ApplyFitConfig(config, catalog);
+    return free.at(static_cast<std::size_t>(FindEntry(catalog, name)));
+  }
+
+  // What is known beforehand, wherever a fit starts. Poses are held to nothing but where they are.
+  FitConfig WithPriorsAbout(const ParameterSet& initial, const FitConfig& config) const {
+    const std::vector<std::string>& materials = simulator_.caster().material_names();
+    ParameterSet complete = WithResponse(simulator_.sonar(), initial);
+    for (const std::string& name : materials) complete.materials[name] = initial.Material(name);
+    std::vector<CatalogEntry> catalog = Catalog();
+    std::vector<bool> free = ApplyFitConfig(config, catalog);
+    ParameterValues values(catalog.size());
+    for (std::size_t i = 0; i < catalog.size(); ++i) {
+      const bool pose = catalog[i].group == ParameterGroup::kPose;
+      if (pose) free[i] = false;
+      if (!pose) values[i] = AcousticSlot(complete, materials, catalog[i]);
+    }
+    FitConfig result = config;
+    GivePriors(values, free, catalog, result);
+    return result;
+  }
+
+  // Fits from `start`, with priors about `initial`; nothing where that ends nowhere.
+  std::optional<Candidate> FitAndJudge(const ParameterSet& initial, const ParameterSet& start,
+                                       const FitConfig& config, const FitOptions& fit_options) {
+    Candidate candidate{
+        .initial = initial, .config = config, .fitted = {}, .mean_used = {}, .likelihood = {}};
+    std::vector<AcousticFrame> frames = FramesFor(used_, start.display);
+    AcousticFit fit =
+        FitAcousticModel(simulator_, frames, start, WithPriorsAbout(initial, config), fit_options);
+    if (!fit.usable) return std::nullopt;
+    for (std::size_t f = 0; f < frames.size(); ++f) frames[f].world_from_sonar = fit.world_from_sonar[f];
+    candidate.fitted = std::move(fit.parameters);
+    const AcousticFrameModel seen(simulator_, frames, candidate.fitted);
+    candidate.mean_used = MeanPowers(seen);
+    std::vector<AcousticFrame> judged = FramesFor(held_out_, start.display);
+    for (AcousticFrame& frame : judged) frame.world_from_sonar = frame.world_from_sonar * fit.mount;
+    const AcousticFrameModel model(simulator_, judged, candidate.fitted);
+    // The same for all, whatever beam they have.
+    if (!block_) block_ = BlockSize(model, options_.fit);
+    candidate.likelihood =
+        GreyLikelihood(held_out_, MeanPowers(model), candidate.fitted, block_->bins, block_->beams);
+    return candidate;
+  }
+
+  std::vector<ModelVariant> LooksVariants(JudgedAxis& axis) const {
+    constexpr double kAlike = 0.01;
+    const double given = best_.initial.receiver.looks;
+    const double best = BestLooks(used_, best_.mean_used, best_.fitted);
+    const auto with = [](const std::string& name, double looks, int values) {
+      return ModelVariant{.name = name, .fitted_values = values, .apply = [looks](ParameterSet& p) {
+                            p.receiver.looks = looks;
+                          }};
+    };
+    std::vector<ModelVariant> variants = {{.name = fmt::format("{:g}", given), .given = true}};
+    if (given != 1.0) variants.push_back(with("1", 1.0, 0));
+    if (std::abs(best - given) < kAlike * given || std::abs(best - 1.0) < kAlike) {
+      axis.notes.push_back(fmt::format("Number of looks that explains the frames used best: {:.2f}.", best));
+    } else {
+      variants.push_back(with(fmt::format("{:.3g}, fitted to the frames used", best), best, 1));
+    }
+    return variants;
+  }
+
+  std::vector<ModelVariant> TrendVariants() const {
+    const double given = best_.initial.receiver.noise_slope_db_per_m;
+    FitConfig free = best_.config;
+    std::erase(free.fixed, kTrendName);
+    free.free->emplace_back(kTrendName);
+    FitConfig held = best_.config;
+    held.fixed.emplace_back(kTrendName);
+    const bool free_now = IsFree(best_.config, kTrendName);
+    if (!free_now && !IsFree(free, kTrendName))
+      throw DataError("--choose trend: the configuration holds {}", kTrendName);
+    return {{.name = given == 0.0 ? "none" : fmt::format("{:g} dB/m, as given", given),
+             .given = !free_now,
+             .apply = [given](ParameterSet& p) { p.receiver.noise_slope_db_per_m = given; },
+             .configure = [held](FitConfig& config) { config = held; }},
+            {.name = "free", .fitted_values = 1, .given = free_now, .configure = [free](FitConfig& config) {
+               config = free;
+             }}};
+  }
+
+  // Pixels where next to nothing but noise is expected.
+  Mask BackgroundOfFirst() const {
+    constexpr double kEchoOverNoise = 0.05;
+    const GreyFrame& frame = used_.front();
+    const PolarAxes& axes = frame.image.axes;
+    const ReceiverNoise noise(best_.fitted.receiver, axes, simulator_.absorption_db_per_m());
+    Mask background(axes.range_bins, axes.beam_count());
+    for (int bin = 0; bin < axes.range_bins; ++bin) {
+      for (int beam = 0; beam < axes.beam_count(); ++beam) {
+        const std::size_t pixel = static_cast<std::size_t>(bin) * axes.beam_count() + beam;
+        if (!frame.use.empty() && frame.use[pixel] == 0) continue;
+        const double floor = noise.Power(bin, beam);
+        background(bin, beam) = best_.mean_used.front()[pixel] < (1.0 + kEchoOverNoise) * floor ? 1 : 0;
+      }
+    }
+    return background;
+  }
+
+  // A law softened as the background says, on the levels of the one given: the slope stays, and the noise
+  // goes to where the law has it.
+  std::vector<ModelVariant> DisplayVariants(JudgedAxis& axis) const {
+    constexpr std::ptrdiff_t kFewestPixels = 1000;
+    const DisplayParameters<double>& given = best_.initial.display;
+    if (given.law == DisplayLaw::kPower) {
+      throw DataError("--choose display: the display is a power law, of which nothing else is tried");
+    }
+    std::vector<ModelVariant> variants = {{.name = DisplayName(given.law),
+                                           .fitted_values = given.law == DisplayLaw::kLog ? 0 : 1,
+                                           .given = true}};
+    if (given.law != DisplayLaw::kLog) {
+      variants.push_back({.name = DisplayName(DisplayLaw::kLog),
+                          .apply = [](ParameterSet& p) { p.display.law = DisplayLaw::kLog; }});
+    }
+    const Mask background = BackgroundOfFirst();
+    const auto pixels = std::count(background.values().begin(), background.values().end(), 1);
+    if (pixels < kFewestPixels) {
+      axis.notes.push_back(
+          fmt::format("No softened law was tried: frame {} has {} pixels of background, and {} are needed to "
+                      "read one off.",
+                      used_.front().index, pixels, kFewestPixels));
+      return variants;
+    }
+    PolarImage image = used_.front().image;
+    image.scale.db_span = given.db_max - given.db_min;
+    for (const DisplayLaw law : {DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude}) {
+      if (law == given.law) continue;
+      const BackgroundDisplay read =
+          FitBackgroundDisplay(image, background, law, best_.initial.receiver.looks);
+      // There the noise is 0 dB; here the display begins where it did.
+      const double noise_db = given.db_min - read.display.db_min;
+      const double soft_db = read.display.soft_db + noise_db;
+      variants.push_back(
+          {.name = fmt::format("{}, at {:.1f} dB over the noise", DisplayName(law), read.display.soft_db),
+           .fitted_values = 1,
+           .apply = [law, soft_db, noise_db](ParameterSet& p) {
+             p.display.law = law;
+             p.display.soft_db = soft_db;
+             p.receiver.noise_db = noise_db;
+           }});
+    }
+    return variants;
+  }
+
+  std::vector<ModelVariant> VariantsOf(ChoiceAxis kind, JudgedAxis& axis) const {
+    switch (kind) {
+      case ChoiceAxis::kPattern:
+        return AzimuthVariants(best_.initial.beam);
+      case ChoiceAxis::kElevation:
+        return ElevationVariants(best_.initial.beam);
+      case ChoiceAxis::kMirrors:
+        if (best_.initial.mirrors.empty())
+          throw DataError("the axis 'mirrors' has nothing to choose: the parameters have no mirror");
+        return MirrorLobeVariants(best_.initial.beam);
+      case ChoiceAxis::kLooks:
+        return LooksVariants(axis);
+      case ChoiceAxis::kTrend:
+        return TrendVariants();
+      case ChoiceAxis::kDisplay:
+        break;
+    }
+    return DisplayVariants(axis);
+  }
+
+  JudgedAxis Decide(ChoiceAxis kind) {
+    JudgedAxis axis{.axis = kind, .variants = {}, .notes = {}};
+    const std::vector<ModelVariant> variants = VariantsOf(kind, axis);
+    std::vector<std::optional<Candidate>> candidates;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const ModelVariant& variant = variants[i];
+      if (variant.given) {
+        candidates.emplace_back(best_);
+      } else {
+        Say(fmt::format("choice of {}, {} of {}: {}", ToString(kind), i + 1, variants.size(), variant.name));
+        ParameterSet initial = best_.initial;
+        ParameterSet start = best_.fitted;
+        FitConfig config = best_.config;
+        variant.apply(initial);
+        variant.apply(start);
+        variant.configure(config);
+        candidates.push_back(FitAndJudge(initial, start, config, Few(options_.iterations, 1, false)));
+      }
+      axis.variants.push_back({.name = variant.name,
+                               .fitted_values = variant.fitted_values,
+                               .given = variant.given,
+                               .usable = candidates.back().has_value(),
+                               .behind = {}});
+    }
+    best_ = *candidates[Compare(candidates, axis.variants)];
+    return axis;
+  }
+
+  // Fills in the figures; the index of the one that is chosen.
+  std::size_t Compare(const std::vector<std::optional<Candidate>>& candidates,
+                      std::vector<JudgedVariant>& judged) const {
+    std::size_t best = 0;
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!candidates[i]) continue;
+      judged[i].nats_per_pixel = candidates[i]->likelihood.PerPixel();
+      if (judged[i].nats_per_pixel > most) std::tie(best, most) = std::pair(i, judged[i].nats_per_pixel);
+    }
+    std::size_t chosen = best;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!candidates[i]) continue;
+      judged[i].behind = Difference(candidates[best]->likelihood, candidates[i]->likelihood);
+      judged[i].tied = judged[i].behind.mean <= options_.tie_sigmas * judged[i].behind.sigma;
+      if (!judged[i].tied) continue;
+      const auto rank = [&](std::size_t k) { return std::pair(judged[k].fitted_values, !judged[k].given); };
+      if (rank(i) < rank(chosen)) chosen = i;
+    }
+    judged[chosen].chosen = true;
+    return chosen;
+  }
+
+  const Simulator& simulator_;
+  const std::vector<GreyFrame>& used_;
+  const std::vector<GreyFrame>& held_out_;
+  const ModelChoiceOptions& options_;
+  Candidate best_;
+  std::vector<char> mirrors_;  // materials that reflect, 1 or 0
+  std::optional<BlockPixels> block_;
+};
+
+}  // namespace
+
+std::string_view ToString(ChoiceAxis axis) {
+  switch (axis) {
+    case ChoiceAxis::kPattern:
+      return "pattern";
+    case ChoiceAxis::kElevation:
+      return "elevation";
+    case ChoiceAxis::kMirrors:
+      return "mirrors";
+    case ChoiceAxis::kLooks:
+      return "looks";
+    case ChoiceAxis::kTrend:
+      return "trend";
+    case ChoiceAxis::kDisplay:
+      return "display";
+  }
+  SONARCAL_CHECK(false, "axis {}", static_cast<int>(axis));
+  return "";
+}
+
+ModelChoice ChooseModel(const Simulator& simulator, const std::vector<GreyFrame>& used,
+                        const std::vector<GreyFrame>& held_out, const ParameterSet& initial,
+                        const FitConfig& config, const ModelChoiceOptions& options) {
+  if (used.empty()) throw DataError("fit: no frames");
+  if (held_out.empty()) {
+    throw DataError("a model is chosen by frames that the fit does not see, and none is held out");
+  }
+  ParameterSet complete = initial;
+  if (!complete.receiver.noise_db) {
+    complete.receiver.noise_db = NoiseStartDb(FramesFor(used, initial.display), initial.receiver.looks);
+  }
+  const std::vector<std::string>& materials = simulator.caster().material_names();
+  FitConfig of = config;
+  if (!of.free) of.free = AcousticFreeByDefault(initial, materials);
+  complete = WithMirrorStart(complete, of, materials, simulator.sonar());
+  return Chooser(simulator, used, held_out, options).Run(complete, of);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,136 @@
+#include "core/math/local_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sonarcal {
+
+LocalSums::LocalSums(const Grid<float>& value, const Mask* valid) : stride_(value.cols() + 1), offset_(0.0) {
+  const auto counts = [&](std::size_t i) { return valid == nullptr || valid->values()[i] != 0; };
+  double valid_count = 0.0;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (!counts(i)) continue;
+    offset_ += value.values()[i];
+    valid_count += 1.0;
+  }
+  offset_ /= std::max(1.0, valid_count);
+  sum_.assign(static_cast<std::size_t>(value.rows() + 1) * stride_, 0.0);
+  count_ = square_ = sum_;
+  for (int row = 0; row < value.rows(); ++row) {
+    double sum = 0.0;
+    double square = 0.0;
+    double count = 0.0;
+    for (int col = 0; col < value.cols(); ++col) {
+      if (counts(static_cast<std::size_t>(row) * value.cols() + col)) {
+        const double v = value(row, col) - offset_;
+        sum += v;
+        square += v * v;
+        count += 1.0;
+      }
+      const std::size_t at = static_cast<std::size_t>(row + 1) * stride_ + col + 1;
+      sum_[at] = sum_[at - stride_] + sum;
+      square_[at] = square_[at - stride_] + square;
+      count_[at] = count_[at - stride_] + count;
+    }
+  }
+}
+
+double LocalSums::Over(const std::vector<double>& integral, const TrainingWindow& window) const {
+  const auto within = [&](const CellBlock& block) {
+    const auto at = [&](int row, int col) { return integral[static_cast<std::size_t>(row) * stride_ + col]; };
+    return at(block.bottom, block.right) - at(block.top, block.right) - at(block.bottom, block.left) +
+           at(block.top, block.left);
+  };
+  return within(window.outer) - within(window.guard);
+}
+
+int LocalSums::Count(const TrainingWindow& window) const {
+  return static_cast<int>(std::lround(Over(count_, window)));
+}
+
+Moments LocalSums::Over(const TrainingWindow& window) const {
+  const double count = Over(count_, window);
+  SONARCAL_CHECK(count > 0.5, "moments of {} cells", count);
+  const double mean = Over(sum_, window) / count;
+  const double square = Over(square_, window) / count;
+  return {offset_ + mean, std::sqrt(std::max(0.0, square - mean * mean))};
+}
+
+LocalOrder::LocalOrder(const Grid<float>& value, const Mask* valid)
+    : low_(0.0), step_(1.0), level_(value.rows(), value.cols()) {
+  if (value.empty()) return;
+  const auto [lowest, highest] = std::minmax_element(value.values().begin(), value.values().end());
+  low_ = *lowest;
+  const int levels = kGroups * kGroupSize - 1;
+  if (*highest > *lowest) step_ = (static_cast<double>(*highest) - *lowest) / levels;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (valid != nullptr && valid->values()[i] == 0) {
+      level_.values()[i] = kNoLevel;
+      continue;
+    }
+    level_.values()[i] = static_cast<std::uint16_t>(
+        std::clamp(std::lround((value.values()[i] - low_) / step_), 0L, static_cast<long>(levels)));
+  }
+}
+
+void LocalOrder::Count(const CellBlock& block, int times) {
+  for (int row = block.top; row < block.bottom; ++row) {
+    for (int col = block.left; col < block.right; ++col) {
+      if (level_(row, col) == kNoLevel) continue;
+      count_[level_(row, col)] += times;
+      group_count_[level_(row, col) / kGroupSize] += times;
+    }
+  }
+}
+
+// From one rectangle to another of the same rows that reaches as far to the right or further, at both ends.
+void LocalOrder::Shift(const CellBlock& from, const CellBlock& to, int times) {
+  Count({from.top, from.bottom, from.left, std::min(to.left, from.right)}, -times);
+  Count({from.top, from.bottom, std::max(from.right, to.left), to.right}, times);
+}
+
+void LocalOrder::MoveTo(const TrainingWindow& window) {
+  const auto follows = [](const CellBlock& from, const CellBlock& to) {
+    return from.count() > 0 && from.top == to.top && from.bottom == to.bottom && from.left <= to.left &&
+           from.right <= to.right;
+  };
+  if (follows(window_.outer, window.outer) && follows(window_.guard, window.guard)) {
+    Shift(window_.outer, window.outer, 1);
+    Shift(window_.guard, window.guard, -1);
+  } else {
+    count_.fill(0);
+    group_count_.fill(0);
+    Count(window.outer, 1);
+    Count(window.guard, -1);
+  }
+  window_ = window;
+}
+
+double LocalOrder::RankthSmallest(int rank) const {
+  const int count = std::accumulate(group_count_.begin(), group_count_.end(), 0);
+  SONARCAL_CHECK(rank >= 1 && rank <= count, "rank {} of {} cells", rank, count);
+  int group = 0;
+  while (rank > group_count_[group]) rank -= group_count_[group++];
+  int level = group * kGroupSize;
+  while (rank > count_[level]) rank -= count_[level++];
+  return low_ + level * step_;
+}
+
+Grid<float> BoxMean(const Grid<float>& value, int rows, int cols, const Mask* valid) {
+  SONARCAL_CHECK(rows % 2 == 1 && cols % 2 == 1, "a box of {} x {}", rows, cols);
+  if (rows == 1 && cols == 1) return value;
+  const LocalSums sums(value, valid);
+  Grid<float> mean(value.rows(), value.cols());
+  for (int row = 0; row < value.rows(); ++row) {
+    for (int col = 0; col < value.cols(); ++col) {
+      const TrainingWindow box = {{std::max(0, row - rows / 2), std::min(value.rows(), row + rows / 2 + 1),
+                                   std::max(0, col - cols / 2), std::min(value.cols(), col + cols / 2 + 1)},
+                                  {}};
+      mean(row, col) = sums.Count(box) > 0 ? static_cast<float>(sums.Over(box).mean) : value(row, col);
+    }
+  }
+  return mean;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,37 @@
+// What is known of a sonar before anything is fitted: its image geometry and its beams.
+#pragma once
+
+#include <string>
+
+#include "core/types/image.h"
+
+namespace sonarcal {
+
+// How a sonar forms its beams. It decides whether neighbouring beams share receiver noise.
+enum class BeamForming {
+  kUnknown,  // taken as kArray
+  kArray,    // sums over the elements of an array: the noise of one element enters many beams
+  kLens,     // an acoustic lens, one element per beam: each beam has noise of its own
+};
+
+struct SonarModel {
+  std::string name;
+  double frequency_hz = 0.0;
+  PolarAxes axes;
+  double azimuth_beam_width_deg = 0.0;    // two-way half-power width of one beam; 0 = unknown
+  double elevation_beam_width_deg = 0.0;  // two-way half-power width; 0 = unknown
+  double sound_speed_m_per_s = 0.0;
+  BeamForming beam_forming = BeamForming::kUnknown;
+};
+
+// Temperature, salinity, acidity and depth, for the absorption of sound.
+struct Water {
+  double temperature_c = 15.0;
+  double salinity_ppt = 0.0;
+  double ph = 7.0;
+  double depth_m = 1.0;
+
+  bool operator==(const Water&) const = default;
+};
+
+}  // namespace sonarcal

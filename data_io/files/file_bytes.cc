@@ -1,0 +1,32 @@
+#include "data_io/files/file_bytes.h"
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "core/types/error.h"
+
+namespace sonarcal {
+
+std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_bytes) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) throw DataError("{}: no such file", file.string());
+  if (!std::filesystem::is_regular_file(status)) throw DataError("{}: not a file", file.string());
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw DataError("{}: cannot be read: {}", file.string(), error.message());
+  if (size > max_bytes) {
+    throw DataError("{}: {} bytes, expected at most {}", file.string(), size, max_bytes);
+  }
+
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!stream.is_open() || stream.bad()) {
+    throw DataError("{}: cannot be read: {}", file.string(), std::generic_category().message(errno));
+  }
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+}  // namespace sonarcal

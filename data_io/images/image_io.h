@@ -1,0 +1,58 @@
+// Images in files: PNG of 8 or 16 bits, grey or colour, and grey TIFF of 8 or 16 bits or float.
+//
+//   const ImageFile file("frame_0000.png");
+//   if (file.header().rows != range_bins) ...      // known before any pixel is decoded
+//   const Grid<float> value = file.DecodeGrey();
+//
+// Row 0 is the top row of the file. What a header claims is checked before anything is allocated (see
+// data_io/images/image_header.h). Nothing is converted unasked: a colour image is no grey one, 16 bits are
+// not 8.
+//
+// Everything throws DataError, with the file's name, where a file is absent, of another kind, or damaged.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/types/image.h"
+#include "core/types/rgb_image.h"
+#include "data_io/images/image_header.h"
+
+namespace sonarcal {
+
+// An encoded image in memory whose header was read.
+class ImageFile {
+ public:
+  explicit ImageFile(const std::filesystem::path& file);
+  ImageFile(std::string bytes, std::string name);  // `name` for messages
+
+  const ImageHeader& header() const { return header_; }
+
+  Grid<std::uint8_t> DecodeGrey8() const;
+  Grid<std::uint16_t> DecodeGrey16() const;
+  Grid<float> DecodeGrey() const;  // 8 or 16 bits or float; the stored numbers, not scaled
+  RgbImage DecodeRgb() const;  // any PNG: grey repeated, palettes looked up, alpha dropped, 16 bits cut to 8
+
+ private:
+  template <typename T>
+  Grid<T> DecodeGreyAs(int bits, bool is_float) const;
+
+  std::string name_;
+  std::string bytes_;
+  bool is_png_;
+  ImageHeader header_;
+};
+
+std::vector<std::uint8_t> EncodePng(const Grid<std::uint8_t>& grey);
+std::vector<std::uint8_t> EncodePng(const Grid<std::uint16_t>& grey);
+std::vector<std::uint8_t> EncodePng(const RgbImage& image);
+
+// Written whole or not at all (data_io/files/atomic_output.h).
+void WritePng(const std::filesystem::path& file, const Grid<std::uint8_t>& grey);
+void WritePng(const std::filesystem::path& file, const Grid<std::uint16_t>& grey);
+void WritePng(const std::filesystem::path& file, const RgbImage& image);
+void WriteTiff(const std::filesystem::path& file, const Grid<float>& value);
+
+}  // namespace sonarcal

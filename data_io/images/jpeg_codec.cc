@@ -1,0 +1,70 @@
+#include "data_io/images/jpeg_codec.h"
+
+#include <algorithm>
+#include <span>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/types/error.h"
+#include "data_io/files/byte_reader.h"
+
+namespace sonarcal {
+
+bool IsJpeg(std::string_view bytes) {
+  return bytes.starts_with("\xff\xd8\xff");
+}
+
+ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
+  const ByteReader reader(std::as_bytes(std::span(bytes)), name);
+  const auto u16 = [&](std::uint64_t at) {  // big-endian
+    return reader.U8(at, "JPEG segment") << 8 | reader.U8(at + 1, "JPEG segment");
+  };
+  std::uint64_t at = 2;
+  while (reader.U8(at, "JPEG segment") == 0xff) {
+    const std::uint8_t marker = reader.U8(at + 1, "JPEG segment");
+    if (marker == 0xff) {  // padding
+      ++at;
+      continue;
+    }
+    const bool is_frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (is_frame) {
+      const ImageHeader header{.rows = u16(at + 5),
+                               .cols = u16(at + 7),
+                               .channels = reader.U8(at + 9, "JPEG components"),
+                               .bits = reader.U8(at + 4, "JPEG precision")};
+      // No CheckImageHeader: a JPEG of one colour is smaller than what that takes for possible.
+      if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
+        throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows,
+                        header.cols, kMaxImagePixels);
+      }
+      return header;
+    }
+    at += 2 + static_cast<std::uint64_t>(u16(at + 2));
+  }
+  throw DataError("{}: byte {}: a JPEG without a frame, or a damaged one", name, at);
+}
+
+Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& name) {
+  const ImageHeader header = ReadJpegHeader(bytes, name);
+  // The decoder fills up what is missing without a word; a whole file ends with the end marker, at most
+  // padded.
+  if (bytes.rfind("\xff\xd9") == std::string_view::npos)
+    throw DataError("{}: JPEG cut short, expected an end marker", name);
+  cv::Mat image;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    image = cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    throw DataError("{}: damaged JPEG: {}", name, error.err);
+  }
+  if (image.rows != header.rows || image.cols != header.cols || image.type() != CV_8UC1)
+    throw DataError("{}: damaged JPEG, expected {} x {} pixels", name, header.rows, header.cols);
+  Grid<std::uint8_t> grey(image.rows, image.cols);
+  for (int row = 0; row < image.rows; ++row)
+    std::copy_n(image.ptr<std::uint8_t>(row), image.cols, grey.row(row).begin());
+  return grey;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,37 @@
+// The JSON forms that several files share: a pose, the water and a sonar.
+//
+//   {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}
+//   {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
+//   {"name": "P900-45", "frequency_hz", "beam_azimuth_deg": [...], "azimuth_beam_width_deg",
+//    "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s",
+//    "beam_forming": "array" | "lens"}
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/types/pose.h"
+#include "core/types/sonar_model.h"
+#include "data_io/json/json_reader.h"
+
+namespace sonarcal {
+
+// A quaternion within 1e-3 of unit length is normalised; any other is refused.
+Pose ReadPose(const JsonReader& json);
+nlohmann::ordered_json PoseJson(const Pose& pose);
+
+// All four values are required and must be those of natural waters: -4..100 C, 0..350 ppt, pH 0..14,
+// 0..12000 m.
+Water ReadWater(const JsonReader& json);
+nlohmann::ordered_json WaterJson(const Water& water);
+
+// "array" and "lens": the words of the file.
+inline constexpr JsonWords<BeamForming, 2> kBeamFormings = {
+    {{"array", BeamForming::kArray}, {"lens", BeamForming::kLens}}};
+
+// What is unknown (0) is left out, as readers want it (data_io/recordings/recording_io.h).
+nlohmann::ordered_json SonarJson(const SonarModel& sonar);
+
+// The azimuth that SonarJson writes, as it is read again.
+double AzimuthAsWrittenRad(double azimuth_rad);
+
+}  // namespace sonarcal

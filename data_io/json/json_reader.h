@@ -1,0 +1,132 @@
+// A cursor over a JSON document that makes every mistake in it one sentence with file, line and key:
+//
+//   const JsonReader root = JsonReader::FromFile("params.json");
+//   const double gain_db = root.At("receiver").At("gain_db").Number(NumberRange::Between(-200, 200));
+//   if (const auto water = root.Find("water")) ...
+//   root.Finish();  // "params.json:7: unknown key 'receiver.gian_db'; expected one of gain_db, looks"
+//
+// A reader remembers which keys it was asked for. Finish() refuses every other key of the objects that were
+// looked into, so that no line of a configuration is silently without effect.
+//
+// Readers are cheap to copy and share their document, which lives as long as the last of them. Copies in
+// several threads need a lock. All functions throw DataError; see data_io/json/json_document.h for what is
+// refused before a reader exists.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sonarcal {
+
+struct JsonNode;
+
+// What a number may be. Every number is finite.
+struct NumberRange {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+
+  static NumberRange AtLeast(double min) { return {.min = min}; }
+  static NumberRange Above(double min) { return {.min = min, .min_excluded = true}; }
+  static NumberRange Between(double min, double max) { return {.min = min, .max = max}; }
+  static NumberRange AboveUpTo(double min, double max) { return {min, max, true}; }
+
+  bool Contains(double value) const {
+    return value <= max && (min_excluded ? value > min : value >= min);  // false for NaN
+  }
+  std::string Describe() const;  // "a number > 0 and <= 360"
+};
+
+// The words by which a file names the values of an enumeration.
+template <typename E, std::size_t N>
+using JsonWords = std::array<std::pair<std::string_view, E>, N>;
+
+template <typename E, std::size_t N>
+std::string_view JsonWord(const JsonWords<E, N>& words, E value) {
+  for (const auto& [word, meaning] : words) {
+    if (meaning == value) return word;
+  }
+  return {};
+}
+
+class JsonReader {
+ public:
+  static JsonReader FromFile(const std::filesystem::path& file);
+  static JsonReader FromText(std::string_view text, const std::string& file);
+
+  const std::string& file() const;
+  int line() const;
+  const std::string& path() const { return path_; }  // "frames[3].file"; empty at the root
+  bool is_object() const;
+  bool is_array() const;
+
+  // Objects. A key whose value is null counts as absent.
+  JsonReader At(std::string_view key) const;  // required
+  std::optional<JsonReader> Find(std::string_view key) const;
+  std::vector<std::pair<std::string, JsonReader>> Members() const;  // by name: any key is welcome
+
+  // Arrays.
+  std::vector<JsonReader> Items() const;
+  std::vector<double> Numbers(const NumberRange& range = {}) const;
+
+  double Number(const NumberRange& range = {}) const;
+  std::int64_t Integer(std::int64_t min, std::int64_t max) const;  // 3.0 is an integer, 3.5 is not
+  bool Bool() const;
+  const std::string& String() const;
+
+  template <typename E, std::size_t N>
+  E Word(const JsonWords<E, N>& words) const {
+    std::vector<std::string_view> expected;
+    for (const auto& [word, meaning] : words) {
+      if (String() == word) return meaning;
+      expected.push_back(word);
+    }
+    FailWord(expected);
+  }
+
+  // The number of an optional key: nothing, or `value` left as it is, where the key is absent.
+  std::optional<double> FindNumber(std::string_view key, const NumberRange& range = {}) const;
+  void Update(std::string_view key, double& value, const NumberRange& range = {}) const;
+
+  // Throws "file:line: 'path' <what>", for checks that span several values.
+  [[noreturn]] void Fail(std::string_view what) const;
+
+  struct UnknownKey {
+    int line = 0;
+    std::string path;
+    std::string expected;  // "one of a, b", or "no key"
+  };
+  // Keys nobody asked for, of all objects of the document that were looked into, by line.
+  std::vector<UnknownKey> UnknownKeys() const;
+
+  // Refuses the first of UnknownKeys().
+  void Finish() const;
+
+ private:
+  struct Document;
+  struct Lookups;
+
+  JsonReader(std::shared_ptr<Document> document, const JsonNode* node, std::string path)
+      : document_(std::move(document)), node_(node), path_(std::move(path)) {}
+
+  template <typename T>
+  const T& Get(std::string_view expected) const;
+  Lookups& LookInto() const;
+  std::string PathOf(std::string_view key) const;
+  std::string Found() const;
+  [[noreturn]] void FailWord(const std::vector<std::string_view>& expected) const;
+
+  std::shared_ptr<Document> document_;
+  const JsonNode* node_;
+  std::string path_;
+};
+
+}  // namespace sonarcal

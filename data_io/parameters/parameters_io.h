@@ -1,0 +1,58 @@
+// params.json: the physical parameters of a simulation (types/parameters.h) as a file.
+//
+//   {"format": "sonar-parameters/1", "model": "paper" | "acoustic" | "coherent",
+//    "source_level_db": 200,
+//    "noise_level_db": 0, "array_gain_db": 0,
+//    "display": {"db_min": 80, "db_max": 190, "soft_db", "exponent",
+//                "law": "log" | "soft_log" | "soft_amplitude" | "power"},
+//    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...},
+//    "mirror": {"wall": {"loss_db": 6}, ...},
+//    "jitter": {"sigma_range_m", "sigma_azimuth_deg", "reference_range_m", "reference_frequency_hz",
+//               "growth": "root" | "linear"},
+//    "receiver": {"gain_db", "time_varied_gain": "none" | "20logR" | "40logR" | "40logR+alpha",
+//                 "noise_db", "noise_slope_db_per_m", "noise_taper_db": [dB a beam],
+//                 "noise_after_gain_db", "noise_after_gain_taper_db": [dB a beam], "looks"},
+//    "beam": {"azimuth_width_deg", "elevation_width_deg", "azimuth_pattern": "gaussian" | "aperture" |
+//    "table",
+//             "elevation_pattern": "gaussian" | "aperture" | "cosine", "elevation_taper": 0..1,
+//             "azimuth_taper": 0..1, "azimuth_table_db": [odd count, the axis in the middle],
+//             "transmit_even_deg", "transmit_end_deg", "mirror_lobes": "all" | "main",
+//             "sensitivity_db": [dB per beam]},
+//    "pulse": {"length_m"},
+//    "water": {"temperature_c", "salinity_ppt", "ph", "depth_m"}}
+//
+// `format`, `model`, `materials` (one at least, all six numbers of each) are required, and of `display`
+// db_min and db_max, of `water` all or nothing; what else is absent keeps the default of types/parameters.h.
+// Throws DataError with file, line and key for anything out of range and for every unknown key.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/types/parameters.h"
+
+namespace sonarcal {
+
+ParameterSet ReadParameters(const std::filesystem::path& file);
+
+// As ReadParameters; `file` is the name for messages.
+ParameterSet ParseParameters(std::string_view text, const std::string& file);
+
+// Reads back as the same set, to the last bit. All groups are written, those of defaults too: a file of
+// parameters explains itself.
+nlohmann::ordered_json ParametersJson(const ParameterSet& parameters);
+
+// Whole or not at all. Throws DataError where the file cannot be written, or the set could not be read back.
+void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters);
+
+// "paper", "acoustic" and "coherent".
+std::string_view ToString(EchoModel model);
+
+// "soft_log", "40logR+alpha": the words of the file.
+std::string_view ToString(DisplayLaw law);
+std::string_view ToString(TimeVariedGain law);
+
+}  // namespace sonarcal

@@ -1,0 +1,299 @@
+#include "data_io/pictures/fan_geometry.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/types/error.h"
+#include "core/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+using Point = Eigen::Vector2d;  // x to the right, y down
+
+double Cross(const Point& a, const Point& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+// Leftmost and rightmost lit pixel of each row: what a hull is made of.
+std::vector<Point> Outline(const Mask& lit) {
+  std::vector<Point> points;
+  for (int row = 0; row < lit.rows(); ++row) {
+    const auto pixels = lit.row(row);
+    const auto is_lit = [](std::uint8_t value) { return value != 0; };
+    const auto first = std::find_if(pixels.begin(), pixels.end(), is_lit);
+    if (first == pixels.end()) continue;
+    const auto last = std::find_if(pixels.rbegin(), pixels.rend(), is_lit);
+    points.emplace_back(first - pixels.begin(), row);
+    points.emplace_back(pixels.rend() - last - 1, row);
+  }
+  return points;
+}
+
+// Andrew's monotone chain; counter-clockwise with y up, so clockwise on the picture.
+std::vector<Point> ConvexHull(std::vector<Point> points) {
+  const auto before = [](const Point& a, const Point& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<Point> hull;
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::size_t base = hull.size();
+    for (const Point& point : points) {
+      while (hull.size() >= base + 2 &&
+             Cross(hull.back() - hull[hull.size() - 2], point - hull[hull.size() - 2]) <= 0.0)
+        hull.pop_back();
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+// x = at + slope y.
+struct Side {
+  double at = 0.0;
+  double slope = 0.0;
+  double top_px = 0.0;  // where it begins and ends
+  double bottom_px = 0.0;
+};
+
+// The side through the longest edges of the hull that lean the right way: `direction` -1 is the left one.
+std::optional<Side> FindSide(const std::vector<Point>& hull, int direction) {
+  constexpr double kNearPx = 1.5;
+  constexpr double kSteepest = 0.03;  // a side is none that is steeper than 1 in 33: no fan is so narrow
+  struct Edge {
+    Point a;
+    Point b;
+  };
+  std::optional<Edge> longest;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Edge edge{hull[i], hull[(i + 1) % hull.size()]};
+    const Point step = edge.b - edge.a;
+    // Upwards (smaller y), a side goes outwards.
+    if (std::abs(step.y()) < 1.0 || step.x() / -step.y() * direction < kSteepest) continue;
+    // A far arc's edges are flatter than 45 degrees but for fans wider than that.
+    if (!longest || step.norm() > (longest->b - longest->a).norm()) longest = edge;
+  }
+  if (!longest) return std::nullopt;
+  const Point along = (longest->b - longest->a).normalized();
+  // All corners of the hull beside that edge, weighed alike: the side is straight, its pixels are steps.
+  std::vector<Point> beside;
+  for (const Point& corner : hull) {
+    if (std::abs(Cross(along, corner - longest->a)) < kNearPx) beside.push_back(corner);
+  }
+  double sum_y = 0.0;
+  double sum_x = 0.0;
+  for (const Point& point : beside) {
+    sum_y += point.y();
+    sum_x += point.x();
+  }
+  const double mean_y = sum_y / static_cast<double>(beside.size());
+  const double mean_x = sum_x / static_cast<double>(beside.size());
+  double square = 0.0;
+  double product = 0.0;
+  for (const Point& point : beside) {
+    square += (point.y() - mean_y) * (point.y() - mean_y);
+    product += (point.y() - mean_y) * (point.x() - mean_x);
+  }
+  if (square < 1.0) return std::nullopt;
+  const auto [lowest, highest] = std::minmax_element(
+      beside.begin(), beside.end(), [](const Point& a, const Point& b) { return a.y() < b.y(); });
+  const double slope = product / square;
+  return Side{mean_x - slope * mean_y, slope, lowest->y(), highest->y()};
+}
+
+double Quantile(std::vector<double> values, double part) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// Radius and x_scale of the arc about `apex` through points: dx^2 / (x_scale r)^2 + dy^2 / r^2 = 1, by least
+// squares over those that lie on it.
+struct Arc {
+  double radius_px = 0.0;
+  double x_scale = 1.0;
+};
+
+std::optional<Arc> FitArc(std::vector<Point> points, const Point& apex) {
+  constexpr int kRounds = 8;
+  constexpr double kNearPx = 1.5;
+  Arc arc;
+  for (int round = 0; round < kRounds; ++round) {
+    if (points.size() < 8) return std::nullopt;
+    Eigen::MatrixX2d squares(points.size(), 2);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Point from = points[i] - apex;
+      squares.row(static_cast<Eigen::Index>(i)) << from.x() * from.x(), from.y() * from.y();
+    }
+    const double unit = squares.maxCoeff();
+    const Eigen::Vector2d found =
+        (squares / unit).colPivHouseholderQr().solve(Eigen::VectorXd::Ones(squares.rows()));
+    if (!(found.x() > 0.0 && found.y() > 0.0)) return std::nullopt;
+    arc = {std::sqrt(unit / found.y()), std::sqrt(found.y() / found.x())};
+    // What is dark at the edge lies within; what is lit beyond is writing. Both go.
+    std::vector<Point> kept;
+    for (const Point& point : points) {
+      const Point from = point - apex;
+      const double radius = std::hypot(from.x() / arc.x_scale, from.y());
+      if (std::abs(radius - arc.radius_px) < kNearPx + 4.0 / (1.0 + round)) kept.push_back(point);
+    }
+    if (kept.size() == points.size() && round > 2) break;
+    points = std::move(kept);
+  }
+  if (points.empty()) return std::nullopt;
+  // The uppermost lit pixels lie up to a pixel, or more where it is dark, within: a high quantile.
+  constexpr double kQuantile = 0.9;
+  std::vector<double> radii;
+  for (const Point& point : points) {
+    const Point from = point - apex;
+    radii.push_back(std::hypot(from.x() / arc.x_scale, from.y()));
+  }
+  arc.radius_px = Quantile(std::move(radii), kQuantile);
+  return arc;
+}
+
+bool IsLit(const Mask& lit, double x, double y) {
+  const auto col = static_cast<int>(std::lround(x));
+  const auto row = static_cast<int>(std::lround(y));
+  return row >= 0 && row < lit.rows() && col >= 0 && col < lit.cols() && lit(row, col) != 0;
+}
+
+// The near arc: along many rays, how far from the apex the first lit pixel lies. Dark places push it
+// outwards, nothing pulls it in: a low quantile.
+double NearRadius(const Mask& lit, const FanGeometry& fan) {
+  constexpr int kRays = 400;
+  constexpr double kQuantile = 0.1;
+  std::vector<double> radii;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
+    for (double radius = 0.0; radius < fan.radius_max_px; radius += 0.25) {
+      if (IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
+                fan.apex_y_px - radius * std::cos(azimuth_rad))) {
+        radii.push_back(radius);
+        break;
+      }
+    }
+  }
+  return radii.empty() ? 0.0 : Quantile(std::move(radii), kQuantile);
+}
+
+// Column of a side of the fan in a row: `direction` -1 is the left one.
+double SideX(const FanGeometry& fan, int direction, double row) {
+  return fan.apex_x_px +
+         direction * fan.x_scale * std::tan(RadFromDeg(fan.half_angle_deg)) * (fan.apex_y_px - row);
+}
+
+// Share of a side's length along which there is a lit pixel up to 3 pixels within.
+double LitShareOfSide(const Mask& lit, const FanGeometry& fan, int direction) {
+  constexpr int kSteps = 200;
+  const double cosine = std::cos(RadFromDeg(fan.half_angle_deg));
+  int lit_steps = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double radius = fan.radius_min_px + (step + 0.5) / kSteps * (fan.radius_max_px - fan.radius_min_px);
+    const double row = fan.apex_y_px - radius * cosine;
+    const double x = SideX(fan, direction, row);
+    for (int inwards = 0; inwards <= 3; ++inwards) {
+      if (!IsLit(lit, x - direction * inwards, row)) continue;
+      ++lit_steps;
+      break;
+    }
+  }
+  return static_cast<double>(lit_steps) / kSteps;
+}
+
+// Share of the directions in which the farthest lit pixel lies within 3 pixels of the far arc.
+double LitShareOfFarArc(const Mask& lit, const FanGeometry& fan) {
+  constexpr int kRays = 200;
+  constexpr double kNearPx = 3.0;
+  constexpr double kBeyondPx = 60.0;  // where nothing may be lit
+  int near = 0;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
+    for (double radius = fan.radius_max_px + kBeyondPx; radius > fan.radius_max_px - kNearPx; radius -= 0.5) {
+      if (!IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
+                 fan.apex_y_px - radius * std::cos(azimuth_rad)))
+        continue;
+      if (radius < fan.radius_max_px + kNearPx) ++near;
+      break;
+    }
+  }
+  return static_cast<double>(near) / kRays;
+}
+
+}  // namespace
+
+void FanGeometry::Validate(const std::string& what) const {
+  const auto check = [&](const char* field, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw DataError("{}: {} is {}, expected {}..{}", what, field, value, low, high);
+  };
+  constexpr double kMostPx = 1e6;
+  check("apex_x_px", apex_x_px, -kMostPx, kMostPx);
+  check("apex_y_px", apex_y_px, -kMostPx, kMostPx);
+  check("radius_min_px", radius_min_px, 0.0, kMostPx);
+  check("radius_max_px", radius_max_px, radius_min_px + 1.0, kMostPx);
+  check("half_angle_deg", half_angle_deg, 0.5, 89.0);
+  check("x_scale", x_scale, 0.1, 10.0);
+}
+
+std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
+  constexpr std::int64_t kFewestLit = 100;
+  if (CountSet(lit) < kFewestLit) return std::nullopt;
+  const std::vector<Point> hull = ConvexHull(Outline(lit));
+  const std::optional<Side> left = FindSide(hull, -1);
+  const std::optional<Side> right = FindSide(hull, +1);
+  if (!left || !right || left->slope <= right->slope) return std::nullopt;
+  const double apex_y = (right->at - left->at) / (left->slope - right->slope);
+  const Point apex(left->at + left->slope * apex_y, apex_y);
+  // The far arc: uppermost lit pixel of each column between the ends of the sides.
+  std::vector<Point> far_arc;
+  const double first = left->at + left->slope * left->top_px;
+  const double last = right->at + right->slope * right->top_px;
+  for (int col = std::max(0, static_cast<int>(std::ceil(first)) + 2);
+       col < std::min(lit.cols(), static_cast<int>(std::floor(last)) - 1); ++col) {
+    for (int row = 0; row < lit.rows(); ++row) {
+      if (lit(row, col) == 0) continue;
+      far_arc.emplace_back(col, row);
+      break;
+    }
+  }
+  const std::optional<Arc> arc = FitArc(far_arc, apex);
+  if (!arc) return std::nullopt;
+  FanGeometry fan{.apex_x_px = apex.x(),
+                  .apex_y_px = apex.y(),
+                  .radius_min_px = 0.0,
+                  .radius_max_px = arc->radius_px,
+                  .half_angle_deg = DegFromRad(std::atan(0.5 * (left->slope - right->slope) / arc->x_scale)),
+                  .x_scale = arc->x_scale};
+  fan.radius_min_px = NearRadius(lit, fan);
+  if (!(fan.radius_max_px > fan.radius_min_px + 1.0 && fan.half_angle_deg > 0.5 && fan.x_scale > 0.1 &&
+        fan.x_scale < 10.0))
+    return std::nullopt;
+  return fan;
+}
+
+bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {
+  constexpr double kFewestLit = 0.7;  // of a side or an arc that is seen
+  const double far_px = std::max(5.0, 0.02 * lit.cols());
+  const std::optional<FanGeometry> own = FindFanGeometry(lit);
+  if (!own) return false;
+  if (LitShareOfSide(lit, *own, -1) < kFewestLit || LitShareOfSide(lit, *own, +1) < kFewestLit) return false;
+  for (const int direction : {-1, +1}) {
+    for (const double radius : {fan.radius_min_px, fan.radius_max_px}) {
+      const double row = fan.apex_y_px - radius * std::cos(RadFromDeg(fan.half_angle_deg));
+      if (std::abs(SideX(*own, direction, row) - SideX(fan, direction, row)) > far_px) return true;
+    }
+  }
+  const double far_row = own->apex_y_px - own->radius_max_px;
+  return std::abs(far_row - (fan.apex_y_px - fan.radius_max_px)) > far_px &&
+         LitShareOfFarArc(lit, *own) >= kFewestLit;
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,25 @@
+// Recordings as NumPy archives (.npz): a zip of arrays that numpy.load reads.
+//
+//   with numpy.load("dive.npz") as dive:
+//       dive["images"]            frames x range bins x beams; uint8 or uint16 for grey values, else float32
+//       dive["range_m"]           centres of the range bins
+//       dive["beam_azimuth_deg"]  centres of the beams, leftmost first, positive to the right
+//       dive["time_s"]            of the frames; NaN where unknown
+//       dive["world_from_sonar"]  frames x 4 x 4; NaN where unknown
+//       dive["valid"]             range bins x beams, bool: which samples hold a measurement
+//       json.loads(dive["recording"].item())  what recording.json says, but for the frames' files
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "core/types/recording.h"
+
+namespace sonarcal {
+
+// Writes `file` frame by frame, so that a recording of any length passes in constant memory. Throws DataError
+// where frames differ in their axes, or the file cannot be written.
+void WriteNpz(const RecordingSource& recording, const std::filesystem::path& file,
+              const std::function<void(int frames_done)>& progress = {});
+
+}  // namespace sonarcal

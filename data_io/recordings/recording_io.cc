@@ -1,0 +1,189 @@
+#include "data_io/recordings/recording_io.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/recordings/recording_json.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Throws where a pixel is not finite or, if grey, beyond 0 .. full_scale.
+void CheckValues(const PolarImage& image, const std::string& what) {
+  const bool is_grey = image.scale.quantity == Quantity::kGrey;
+  const auto full_scale = static_cast<float>(image.scale.full_scale);
+  const auto is_good = [&](float v) { return is_grey ? v >= 0.0F && v <= full_scale : std::isfinite(v); };
+  const std::span<const float> values = image.value.values();
+  const auto bad = std::find_if_not(values.begin(), values.end(), is_good);
+  if (bad == values.end()) return;
+  const auto index = static_cast<int>(bad - values.begin());
+  throw DataError("{}: the pixel in row {}, column {} is {}, expected {}", what, index / image.value.cols(),
+                  index % image.value.cols(), *bad,
+                  is_grey ? fmt::format("0 .. full_scale, {}", full_scale) : "a finite number");
+}
+
+ImageHeader GreyHeader(const PolarAxes& axes, int bits) {
+  return {.rows = axes.range_bins,
+          .cols = axes.beam_count(),
+          .channels = 1,
+          .bits = bits,
+          .is_float = bits == 32};
+}
+
+// Size and kind are checked before anything is decoded.
+Grid<float> ReadImage(const fs::path& file, const ImageHeader& expected) {
+  const ImageFile image(file);
+  if (image.header() != expected) {
+    throw DataError("{}: {}, expected {} as in {}", file.string(), image.header().Describe(),
+                    expected.Describe(), kRecordingFile);
+  }
+  return image.DecodeGrey();
+}
+
+Mask ReadValid(const fs::path& file, const PolarAxes& axes) {
+  const Grid<float> grey = ReadImage(file, GreyHeader(axes, 8));
+  Mask valid(grey.rows(), grey.cols());
+  std::transform(grey.values().begin(), grey.values().end(), valid.values().begin(),
+                 [](float value) { return std::uint8_t{value > 0.0F}; });
+  if (CountSet(valid) == 0) throw DataError("{}: no sample is valid, expected some", file.string());
+  return valid;
+}
+
+void WriteValid(const fs::path& file, const Mask& valid) {
+  constexpr std::uint8_t kWhite = 255;
+  Grid<std::uint8_t> shown(valid.rows(), valid.cols());
+  std::transform(valid.values().begin(), valid.values().end(), shown.values().begin(),
+                 [](std::uint8_t set) { return set != 0 ? kWhite : std::uint8_t{0}; });
+  WritePng(file, shown);
+}
+
+class RecordingFolder final : public RecordingSource {
+ public:
+  explicit RecordingFolder(const fs::path& folder) : folder_(folder), header_(ReadRecordingHeader(folder)) {
+    if (!header_.valid_file.empty())
+      header_.info.valid = ReadValid(folder_ / header_.valid_file, header_.info.sonar.axes);
+  }
+
+  const RecordingInfo& info() const override { return header_.info; }
+  int frame_count() const override { return static_cast<int>(header_.frames.size()); }
+  FrameInfo frame_info(int index) const override { return header_.frames.at(index); }
+
+  Frame ReadFrame(int index) const override {
+    Frame frame;
+    frame.info = frame_info(index);
+    const fs::path file = folder_ / frame.info.name;
+    const PolarAxes& axes = header_.info.sonar.axes;
+    frame.image = {axes, header_.info.scale, ReadImage(file, GreyHeader(axes, header_.bits))};
+    CheckValues(frame.image, file.string());
+    return frame;
+  }
+
+ private:
+  fs::path folder_;
+  RecordingHeader header_;
+};
+
+int ChooseBits(const RecordingSource& recording, int asked) {
+  const ImageScale& scale = recording.info().scale;
+  SONARCAL_CHECK(asked == 0 || asked == 8 || asked == 16 || asked == 32, "{} bits", asked);
+  const bool is_whole = scale.quantity == Quantity::kGrey && scale.full_scale == std::floor(scale.full_scale);
+  const int fewest = !is_whole || scale.full_scale > 65535.0 ? 32 : scale.full_scale > 255.0 ? 16 : 8;
+  if (asked == 0) return fewest;
+  if (asked < fewest) {
+    throw DataError("{}: {} images with full scale {} do not fit {} bits, expected {}",
+                    recording.info().source, ToString(scale.quantity), scale.full_scale, asked, fewest);
+  }
+  return asked;
+}
+
+template <typename T>
+Grid<T> Rounded(const Grid<float>& value) {
+  Grid<T> rounded(value.rows(), value.cols());
+  std::transform(value.values().begin(), value.values().end(), rounded.values().begin(),
+                 [](float v) { return static_cast<T>(std::lround(v)); });
+  return rounded;
+}
+
+void WriteImage(const fs::path& file, const Grid<float>& value, int bits) {
+  if (bits == 8) return WritePng(file, Rounded<std::uint8_t>(value));
+  if (bits == 16) return WritePng(file, Rounded<std::uint16_t>(value));
+  WriteTiff(file, value);
+}
+
+// A folder has one window, one table of beams and one scale.
+void CheckSameAsFirst(const RecordingInfo& info, const Frame& frame, int index) {
+  std::string why;
+  if (!info.sonar.axes.Matches(frame.image.axes, &why)) {
+    throw DataError("{}: frame {} differs from the first: {}; a recording folder holds one geometry",
+                    info.source, index, why);
+  }
+  if (frame.image.scale != info.scale) {
+    throw DataError(
+        "{}: frame {} differs from the first in the scale of its values; a recording folder holds one",
+        info.source, index);
+  }
+}
+
+}  // namespace
+
+bool IsRecordingFolder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path.filename() == kRecordingFile ? path : path / kRecordingFile, error);
+}
+
+std::unique_ptr<RecordingSource> OpenRecordingFolder(const fs::path& path) {
+  if (path.filename() != kRecordingFile) return std::make_unique<RecordingFolder>(path);
+  const fs::path folder = path.parent_path();
+  return std::make_unique<RecordingFolder>(folder.empty() ? "." : folder);
+}
+
+void WriteRecording(const RecordingSource& recording, const fs::path& folder,
+                    const WriteRecordingOptions& options) {
+  OutputDirectory output(folder);
+  if (WriteRecording(recording, output, options) > 0) output.Commit();
+}
+
+int WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
+                   const WriteRecordingOptions& options) {
+  const int frame_count = recording.frame_count();
+  if (frame_count == 0) throw DataError("{}: no frames, expected at least one", recording.info().source);
+  RecordingHeader header{recording.info(), ChooseBits(recording, options.bits), {}};
+  header.info.sonar.axes.Validate(header.info.source);
+  bool stopped = false;
+  for (int index = 0; index < frame_count; ++index) {
+    const std::string file = fmt::format("frame_{:04}.{}", index, header.bits == 32 ? "tiff" : "png");
+    if (options.is_written && options.is_written(index, file)) {
+      header.frames.push_back(recording.frame_info(index));
+      header.frames.back().name = file;
+      continue;
+    }
+    stopped = stopped || (options.stop && options.stop());
+    if (stopped) continue;
+    const Frame frame = recording.ReadFrame(index);
+    CheckSameAsFirst(header.info, frame, index);
+    CheckValues(frame.image, fmt::format("{}: frame {}", header.info.source, index));
+    header.frames.push_back(frame.info);
+    header.frames.back().name = file;
+    WriteImage(output / file, frame.image.value, header.bits);
+    if (options.progress) options.progress(static_cast<int>(header.frames.size()), frame_count);
+  }
+  const auto frames_done = static_cast<int>(header.frames.size());
+  if (frames_done == 0) return 0;
+  if (header.info.valid) {
+    header.valid_file = "valid.png";
+    WriteValid(output / header.valid_file, *header.info.valid);
+  }
+  if (frames_done < frame_count) {
+    header.info.notes.push_back(fmt::format("unfinished: {} of {} frames", frames_done, frame_count));
+  }
+  WriteJson(output / kRecordingFile, RecordingJson(header, output.final_path()));
+  return frames_done;
+}
+
+}  // namespace sonarcal

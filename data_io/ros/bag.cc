@@ -1,0 +1,46 @@
+#include "data_io/ros/bag.h"
+
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "data_io/ros/ros1_bag.h"
+#include "data_io/ros/ros2_bag.h"
+
+namespace sonarcal {
+
+std::unique_ptr<Bag> Bag::Open(const std::filesystem::path& path) {
+  if (IsRos1Bag(path)) return OpenRos1Bag(path);
+  if (IsRos2Bag(path)) return OpenRos2Bag(path);
+  throw DataError("{}: no bag, expected one of ROS 1 (.bag), or of ROS 2 (.db3, or the folder that holds it)",
+                  path.string());
+}
+
+std::optional<std::size_t> Bag::FindTopic(const std::string& name) const {
+  for (std::size_t i = 0; i < topics().size(); ++i) {
+    if (topics()[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+bool IsBag(const std::filesystem::path& path) {
+  return IsRos1Bag(path) || IsRos2Bag(path);
+}
+
+std::string DescribeTopics(const std::vector<BagTopic>& topics) {
+  constexpr std::size_t kMost = 20;  // a robot has hundreds
+  std::string text;
+  for (std::size_t i = 0; i < topics.size() && i < kMost; ++i) {
+    text += fmt::format("{}{} ({}, {} {})", i == 0 ? "" : ", ", Printable(topics[i].name),
+                        Printable(topics[i].type), topics[i].count,
+                        topics[i].count == 1 ? "message" : "messages");
+  }
+  if (topics.size() > kMost) text += fmt::format(" and {} more", topics.size() - kMost);
+  return topics.empty() ? "no topic" : text;
+}
+
+std::string Ros1TypeName(const std::string& type) {
+  constexpr std::string_view kMiddle = "/msg/";
+  const std::size_t at = type.find(kMiddle);
+  return at == std::string::npos ? type : type.substr(0, at) + "/" + type.substr(at + kMiddle.size());
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,138 @@
+#include "data_io/ros/bag_recording.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "data_io/ros/ros_messages.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a topic that was asked for is instead of a sonar's.
+std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
+  const auto index = bag.FindTopic(asked);
+  if (!index) return "is not there";
+  const BagTopic& topic = bag.topics()[*index];
+  if (!pictures && IsPictureType(topic.type)) {
+    return fmt::format(
+        "has bare pictures ({}), which do not tell their window and beams: give --picture-geometry",
+        Printable(topic.type));
+  }
+  return fmt::format("has {} of type {}", topic.count == 0 ? "no message" : "messages",
+                     Printable(topic.type));
+}
+
+// Index of the sonar's topic.
+std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOptions& options) {
+  const bool pictures = options.message.geometry.has_value();
+  std::vector<std::size_t> found;
+  std::vector<BagTopic> sonars;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i) {
+    const BagTopic& topic = bag.topics()[i];
+    if (!(pictures ? IsPictureType(topic.type) : IsSonarType(topic.type)) || topic.count == 0) continue;
+    if (!options.topic.empty() && topic.name != options.topic) continue;
+    found.push_back(i);
+    sonars.push_back(topic);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    throw DataError("{}: {} topics of {}, expected the name of one of them (--topic): {}", file, found.size(),
+                    pictures ? "pictures" : "sonars", DescribeTopics(sonars));
+  }
+  if (!options.topic.empty()) {
+    throw DataError("{}: topic '{}' {}, expected {}; the bag has {}", file, Printable(options.topic),
+                    WhyNot(bag, options.topic, pictures), pictures ? "pictures" : "a sonar's",
+                    DescribeTopics(bag.topics()));
+  }
+  throw DataError("{}: no topic of a sonar, expected one of {}; the bag has {}", file,
+                  pictures ? "sensor_msgs/Image or sensor_msgs/CompressedImage"
+                           : "marine_acoustic_msgs/ProjectedSonarImage or sonar_oculus/OculusPing (of "
+                             "sensor_msgs/Image or CompressedImage with --picture-geometry)",
+                  DescribeTopics(bag.topics()));
+}
+
+class BagRecording final : public RecordingSource {
+ public:
+  BagRecording(const fs::path& path, const BagOptions& options)
+      : bag_(Bag::Open(path)), options_(options.message) {
+    info_.source = path.string();
+    const std::size_t index = ChooseTopic(*bag_, info_.source, options);
+    topic_ = bag_->topics()[index];
+    messages_ = bag_->Messages(index);
+    if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      throw DataError("{}: {} messages, expected an int's", info_.source, messages_.size());
+    info_.format = fmt::format("{}, {}", bag_->format(), topic_.type);
+    const std::vector<std::byte> first = bag_->Read(messages_.front());
+    DescribeSonarMessage(topic_.type, first, bag_->encoding(), Where(0), options_, info_);
+    NoteBag(first);
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(messages_.size()); }
+
+  FrameInfo frame_info(int index) const override {
+    return InfoOf(index, bag_->Read(messages_.at(index), kRosStampBytes));
+  }
+
+  Frame ReadFrame(int index) const override {
+    const std::vector<std::byte> bytes = bag_->Read(messages_.at(index));
+    return {InfoOf(index, bytes),
+            DecodeSonarMessage(topic_.type, bytes, bag_->encoding(), Where(index), options_)};
+  }
+
+ private:
+  std::string Where(int index) const {
+    return fmt::format("{}: {}: message {}", info_.source, Printable(topic_.name), index);
+  }
+
+  std::int64_t StampNs(int index, std::span<const std::byte> bytes) const {
+    MessageStream stream(bytes.first(std::min(bytes.size(), kRosStampBytes)), bag_->encoding(), Where(index));
+    return ReadStampNs(stream);
+  }
+
+  FrameInfo InfoOf(int index, std::span<const std::byte> bytes) const {
+    const std::int64_t stamp_ns = StampNs(index, bytes);
+    return {fmt::format("frame {}", index),
+            SecondsOfNs(stamp_ns == 0 ? messages_.at(index).log_time_ns : stamp_ns), std::nullopt,
+            info_.settings};
+  }
+
+  void NoteBag(std::span<const std::byte> first) {
+    info_.details.emplace_back("topic", Printable(topic_.name));
+    for (const BagTopic& topic : bag_->topics()) {
+      if (topic.name == topic_.name && topic.type == topic_.type) continue;
+      info_.details.emplace_back("other topic " + Printable(topic.name),
+                                 fmt::format("{}, {} {}", Printable(topic.type), topic.count,
+                                             topic.count == 1 ? "message" : "messages"));
+    }
+    if (StampNs(0, first) == 0) {
+      info_.notes.emplace_back(
+          "The header of the first message has no time: such frames have the time they were recorded.");
+    }
+    info_.notes.emplace_back("The reader follows the published definitions; it was tried on no real bag.");
+    info_.notes.insert(info_.notes.end(), bag_->notes().begin(), bag_->notes().end());
+  }
+
+  std::unique_ptr<Bag> bag_;
+  SonarMessageOptions options_;
+  BagTopic topic_;
+  std::vector<BagMessage> messages_;
+  RecordingInfo info_;
+};
+
+}  // namespace
+
+std::unique_ptr<RecordingSource> OpenBagRecording(const fs::path& path, const BagOptions& options) {
+  return std::make_unique<BagRecording>(path, options);
+}
+
+std::unique_ptr<RecordingSource> OpenBag(const fs::path& path) {
+  return OpenBagRecording(path, {});
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,18 @@
+// marine_acoustic_msgs/ProjectedSonarImage as a polar image; rules in data_io/ros/sonar_message.h.
+#pragma once
+
+#include <string>
+
+#include "core/types/recording.h"
+#include "data_io/ros/ros_messages.h"
+#include "data_io/ros/sonar_message.h"
+
+namespace sonarcal {
+
+PolarImage ImageOf(const ProjectedSonarImage& message, const std::string& where,
+                   const SonarMessageOptions& options);
+
+void Describe(const ProjectedSonarImage& message, const std::string& where,
+              const SonarMessageOptions& options, RecordingInfo& info);
+
+}  // namespace sonarcal

@@ -1,0 +1,370 @@
+#include "data_io/ros/ros1_bag.h"
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include "core/types/error.h"
+#include "core/types/printable.h"
+#include "data_io/files/byte_reader.h"
+#include "data_io/ros/ros1_chunk.h"
+#include "data_io/ros/ros1_record.h"
+#include "data_io/ros/ros_messages.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMagic = "#ROSBAG V";
+constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
+constexpr std::uint64_t kIndexEntryBytes = 12;
+constexpr std::uint64_t kMostConnectionBytes = 16 << 20;  // definitions of messages are long
+
+// A file that is read here and there, by one thread at a time.
+class OpenFile {
+ public:
+  explicit OpenFile(const fs::path& path)
+      : name_(path.string()), size_(RegularFileSize(path)), stream_(path, std::ios::binary) {
+    if (!stream_) throw DataError("{}: cannot be opened for reading", name_);
+  }
+
+  const std::string& name() const { return name_; }
+  std::uint64_t size() const { return size_; }
+
+  std::vector<std::byte> Bytes(std::uint64_t offset, std::uint64_t count, std::string_view what) {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::byte> bytes(count);
+    stream_.clear();
+    stream_.seekg(static_cast<std::streamoff>(offset));
+    stream_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
+    if (static_cast<std::uint64_t>(stream_.gcount()) != count) {
+      throw DataError("{}: byte {}: {}: {} bytes could be read, expected {}", name_, offset, what,
+                      stream_.gcount(), count);
+    }
+    return bytes;
+  }
+
+ private:
+  std::string name_;
+  std::uint64_t size_;
+  std::mutex mutex_;
+  std::ifstream stream_;
+};
+
+struct Record {
+  Ros1Op op;
+  Ros1Fields fields;
+  std::uint64_t data_at = 0;  // in the reader it was parsed from
+  std::uint64_t data_bytes = 0;
+
+  std::uint64_t end() const { return data_at + data_bytes; }
+};
+
+// The record at `at`, of which the reader holds the header at least; its data lie within the `rest` bytes
+// from `at` to the end of what it belongs to.
+Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t rest) {
+  const std::uint32_t header_bytes = reader.U32(at, "length of a header");
+  if (header_bytes > std::min(kMostRos1HeaderBytes, rest)) {
+    throw DataError("{}: {}, expected at most {}", reader.Where(at, "length of a header"), header_bytes,
+                    std::min(kMostRos1HeaderBytes, rest));
+  }
+  Ros1Fields fields(reader.Bytes(at + 4, header_bytes, "header of a record"), reader.file(),
+                    reader.file_offset() + at + 4);
+  const std::uint64_t length_at = at + 4 + header_bytes;
+  const std::uint32_t data_bytes = reader.U32(length_at, "length of the data");
+  const std::uint64_t head_bytes = length_at + 4 - at;
+  if (head_bytes > rest || data_bytes > rest - head_bytes) {
+    throw DataError("{}: {}, of which {} are there", reader.Where(length_at, "length of the data"),
+                    data_bytes, rest - std::min(rest, head_bytes));
+  }
+  const auto op = static_cast<Ros1Op>(fields.U8("op"));
+  return {op, std::move(fields), length_at + 4, data_bytes};
+}
+
+// How much of a record is read to have its header: more than all but the strangest.
+constexpr std::uint64_t kFirstLook = 512;
+
+// Bytes of the file from `offset` that hold a whole record header and the length behind it, at most `rest`.
+std::vector<std::byte> HeadBytes(OpenFile& file, std::uint64_t offset, std::uint64_t rest) {
+  std::vector<std::byte> bytes = file.Bytes(offset, std::min(rest, kFirstLook), "record");
+  const std::uint64_t needed =
+      ByteReader(bytes, file.name(), offset).U32(0, "length of a header") + std::uint64_t{8};
+  if (needed <= bytes.size() || needed > std::min(rest, kMostRos1HeaderBytes)) return bytes;
+  return file.Bytes(offset, needed, "record");
+}
+
+struct Chunk {
+  std::uint64_t data_offset = 0;  // in the file
+  std::uint64_t data_bytes = 0;
+  Ros1Compression compression = Ros1Compression::kNone;
+  std::uint32_t inflated_bytes = 0;
+  bool has_index = false;
+};
+
+struct Connection {
+  std::string topic;
+  std::string type;
+};
+
+Ros1Compression CompressionOf(const std::string& name, const std::string& where) {
+  if (name == "none") return Ros1Compression::kNone;
+  if (name == "bz2") return Ros1Compression::kBz2;
+  if (name == "lz4") return Ros1Compression::kLz4;
+  throw DataError("{}: compression '{}', expected none, bz2 or lz4", where, Printable(name));
+}
+
+class Ros1Bag final : public Bag {
+ public:
+  explicit Ros1Bag(const fs::path& path) : file_(path) {
+    const std::uint64_t magic_bytes = std::min<std::uint64_t>(file_.size(), kVersion2.size());
+    const std::vector<std::byte> magic = file_.Bytes(0, magic_bytes, "magic number");
+    const std::string_view found(reinterpret_cast<const char*>(magic.data()), magic.size());
+    if (found != kVersion2) {
+      throw DataError("{}: byte 0: '{}', expected \"#ROSBAG V2.0\" and a line's end", file_.name(),
+                      Printable(found));
+    }
+    Walk();
+    FindMissingConnections();
+    ListTopics();
+  }
+
+  std::string format() const override { return "ROS 1 bag"; }
+  MessageEncoding encoding() const override { return MessageEncoding::kRos1; }
+  const std::vector<BagTopic>& topics() const override { return topics_; }
+  const std::vector<std::string>& notes() const override { return notes_; }
+
+  std::vector<BagMessage> Messages(std::size_t topic) const override {
+    std::vector<BagMessage> messages;
+    for (const auto& [id, connection] : connections_) {
+      const auto found = messages_.find(id);
+      if (found == messages_.end() || connection.topic != topics_.at(topic).name ||
+          connection.type != topics_.at(topic).type) {
+        continue;
+      }
+      messages.insert(messages.end(), found->second.begin(), found->second.end());
+    }
+    std::sort(messages.begin(), messages.end());
+    return messages;
+  }
+
+  std::vector<std::byte> Read(const BagMessage& message, std::uint64_t wanted_bytes) const override {
+    const Chunk& chunk = chunks_.at(message.container);
+    const auto at = static_cast<std::uint64_t>(message.position);
+    if (chunk.compression == Ros1Compression::kNone) {
+      const std::uint64_t offset = chunk.data_offset + at;
+      const std::uint64_t rest = chunk.data_bytes - at;
+      const std::vector<std::byte> head = HeadBytes(file_, offset, rest);
+      const Record record = ParseRecord({head, file_.name(), offset}, 0, rest);
+      CheckMessage(record, offset);
+      return file_.Bytes(offset + record.data_at, std::min(record.data_bytes, wanted_bytes), "message");
+    }
+    const std::shared_ptr<const std::vector<std::byte>> bytes = Inflated(message.container);
+    const ByteReader reader(*bytes, ChunkName(chunk));
+    const Record record = ParseRecord(reader, at, bytes->size() - at);
+    CheckMessage(record, at);
+    const auto data = reader.Bytes(record.data_at, std::min(record.data_bytes, wanted_bytes), "message");
+    return {data.begin(), data.end()};
+  }
+
+ private:
+  void CheckMessage(const Record& record, std::uint64_t at) const {
+    if (record.op == Ros1Op::kMessage && record.data_bytes <= kMostBagMessageBytes) return;
+    throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}",
+                    file_.name(), at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
+  }
+
+  // Reads the heads of all records.
+  void Walk() {
+    std::uint64_t offset = kVersion2.size();
+    while (offset < file_.size()) {
+      const std::uint64_t rest = file_.size() - offset;
+      try {
+        const std::vector<std::byte> head = HeadBytes(file_, offset, rest);
+        const Record record = ParseRecord({head, file_.name(), offset}, 0, rest);
+        Take(record, offset);
+        offset += record.end();
+      } catch (const DataError& error) {
+        notes_.push_back(
+            fmt::format("The {} bytes from byte {} on are no whole record and were left out: {}.", rest,
+                        offset, error.what()));
+        break;
+      }
+      if (is_encrypted_) throw DataError("{}: the bag is encrypted and cannot be read", file_.name());
+    }
+    const auto without = std::ranges::count_if(chunks_, [](const Chunk& chunk) { return !chunk.has_index; });
+    if (without > 0) {
+      notes_.push_back(fmt::format("{} {} no index behind {} and {} left out.", without,
+                                   without == 1 ? "chunk has" : "chunks have", without == 1 ? "it" : "them",
+                                   without == 1 ? "was" : "were"));
+    }
+  }
+
+  void Take(const Record& record, std::uint64_t offset) {
+    const std::string where = fmt::format("{}: byte {}", file_.name(), offset);
+    switch (record.op) {
+      case Ros1Op::kBagHeader:
+        is_encrypted_ = record.fields.Has("encryptor") && !record.fields.Text("encryptor").empty();
+        return;
+      case Ros1Op::kChunk: {
+        const Chunk chunk{.data_offset = offset + record.data_at,
+                          .data_bytes = record.data_bytes,
+                          .compression = CompressionOf(record.fields.Text("compression"), where),
+                          .inflated_bytes = record.fields.U32("size")};
+        if (chunk.compression == Ros1Compression::kNone && chunk.inflated_bytes != chunk.data_bytes) {
+          throw DataError("{}: a chunk of {} bytes that announces {}", where, chunk.data_bytes,
+                          chunk.inflated_bytes);
+        }
+        chunks_.push_back(chunk);
+        return;
+      }
+      case Ros1Op::kIndexData:
+        TakeIndex(record, offset);
+        return;
+      case Ros1Op::kConnection:
+        if (record.data_bytes > kMostConnectionBytes) {
+          throw DataError("{}: a connection of {} bytes, expected at most {}", where, record.data_bytes,
+                          kMostConnectionBytes);
+        }
+        TakeConnection(record, file_.Bytes(offset + record.data_at, record.data_bytes, "connection"),
+                       offset + record.data_at);
+        return;
+      case Ros1Op::kMessage:    // stand in chunks
+      case Ros1Op::kChunkInfo:  // says again what chunks and indices say
+        return;
+    }
+    throw DataError("{}: record of kind {}, expected 2..7", where, static_cast<int>(record.op));
+  }
+
+  void TakeIndex(const Record& record, std::uint64_t offset) {
+    const std::string where = fmt::format("{}: byte {}: index", file_.name(), offset);
+    if (chunks_.empty()) throw DataError("{}: no chunk before it", where);
+    if (record.fields.U32("ver") != 1) {
+      throw DataError("{}: version {}, expected 1", where, record.fields.U32("ver"));
+    }
+    const std::uint32_t count = record.fields.U32("count");
+    if (count * kIndexEntryBytes != record.data_bytes) {
+      throw DataError("{}: {} entries in {} bytes, expected {} bytes each", where, count, record.data_bytes,
+                      kIndexEntryBytes);
+    }
+    const std::uint64_t data_offset = offset + record.data_at;
+    const std::vector<std::byte> bytes = file_.Bytes(data_offset, record.data_bytes, "index");
+    const ByteReader entries(bytes, file_.name(), data_offset);
+    Chunk& chunk = chunks_.back();
+    std::vector<BagMessage> messages;
+    messages.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint64_t at = i * kIndexEntryBytes;
+      const std::uint32_t position = entries.U32(at + 8, "offset of a message");
+      if (position >= chunk.inflated_bytes) {
+        throw DataError("{}: {}, expected less than the chunk's {} bytes",
+                        entries.Where(at + 8, "offset of a message"), position, chunk.inflated_bytes);
+      }
+      messages.push_back({.log_time_ns = entries.U32(at, "time") * kNsPerS + entries.U32(at + 4, "time"),
+                          .container = chunks_.size() - 1,
+                          .position = position});
+    }
+    chunk.has_index = true;
+    std::vector<BagMessage>& all = messages_[record.fields.U32("conn")];
+    all.insert(all.end(), messages.begin(), messages.end());
+  }
+
+  void TakeConnection(const Record& record, std::span<const std::byte> data, std::uint64_t data_offset) {
+    const Ros1Fields about(data, file_.name(), data_offset);
+    connections_[record.fields.U32("conn")] = {record.fields.Text("topic"), Ros1TypeName(about.Text("type"))};
+  }
+
+  // A bag whose end is missing tells its connections only inside the chunks, before their first message.
+  void FindMissingConnections() {
+    std::set<std::uint64_t> chunks;
+    for (const auto& [id, messages] : messages_) {
+      if (!connections_.contains(id) && !messages.empty()) chunks.insert(messages.front().container);
+    }
+    for (const std::uint64_t index : chunks) {
+      const auto bytes = Inflated(index);
+      const ByteReader reader(*bytes, ChunkName(chunks_[index]));
+      try {
+        for (std::uint64_t at = 0; at < bytes->size();) {
+          const Record record = ParseRecord(reader, at, bytes->size() - at);
+          if (record.op == Ros1Op::kConnection)
+            TakeConnection(record, reader.Bytes(record.data_at, record.data_bytes, "connection"), at);
+          at = record.end();
+        }
+      } catch (const DataError& error) {
+        notes_.push_back(fmt::format("A chunk is damaged: {}.", error.what()));
+      }
+    }
+  }
+
+  void ListTopics() {
+    std::uint64_t nameless = 0;
+    for (const auto& [id, messages] : messages_) {
+      const auto connection = connections_.find(id);
+      if (connection == connections_.end()) {
+        nameless += messages.size();
+        continue;
+      }
+      const Connection& about = connection->second;
+      const auto known = std::ranges::find_if(topics_, [&](const BagTopic& other) {
+        return other.name == about.topic && other.type == about.type;
+      });
+      if (known == topics_.end()) {
+        topics_.push_back({about.topic, about.type, messages.size()});
+      } else {
+        known->count += messages.size();
+      }
+    }
+    std::ranges::sort(topics_, {}, &BagTopic::name);
+    if (nameless > 0)
+      notes_.push_back(fmt::format("{} messages are of no known topic and were left out.", nameless));
+  }
+
+  std::string ChunkName(const Chunk& chunk) const {
+    return fmt::format("{}: inside the chunk at byte {}", file_.name(), chunk.data_offset);
+  }
+
+  // Of a chunk, what its records are read from. The last one is kept: messages are read in order.
+  std::shared_ptr<const std::vector<std::byte>> Inflated(std::uint64_t index) const {
+    const std::lock_guard lock(inflated_mutex_);
+    if (inflated_ && inflated_index_ == index) return inflated_;
+    const Chunk& chunk = chunks_.at(index);
+    if (std::max<std::uint64_t>(chunk.inflated_bytes, chunk.data_bytes) > kMostBagMessageBytes) {
+      throw DataError("{}: {} bytes, expected at most {}", ChunkName(chunk), chunk.inflated_bytes,
+                      kMostBagMessageBytes);
+    }
+    inflated_ = std::make_shared<const std::vector<std::byte>>(
+        InflateRos1Chunk(file_.Bytes(chunk.data_offset, chunk.data_bytes, "chunk"), chunk.compression,
+                         chunk.inflated_bytes, ChunkName(chunk)));
+    inflated_index_ = index;
+    return inflated_;
+  }
+
+  mutable OpenFile file_;
+  bool is_encrypted_ = false;
+  std::vector<Chunk> chunks_;
+  std::map<std::uint32_t, Connection> connections_;
+  std::map<std::uint32_t, std::vector<BagMessage>> messages_;  // by connection
+  std::vector<BagTopic> topics_;
+  std::vector<std::string> notes_;
+  mutable std::mutex inflated_mutex_;
+  mutable std::shared_ptr<const std::vector<std::byte>> inflated_;
+  mutable std::uint64_t inflated_index_ = 0;
+};
+
+}  // namespace
+
+bool IsRos1Bag(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) < kMagic.size() || error) return false;
+  const std::vector<std::byte> magic = ReadFileRange(path, 0, kMagic.size(), "magic number");
+  return std::string_view(reinterpret_cast<const char*>(magic.data()), magic.size()) == kMagic;
+}
+
+std::unique_ptr<Bag> OpenRos1Bag(const fs::path& file) {
+  return std::make_unique<Ros1Bag>(file);
+}
+
+}  // namespace sonarcal

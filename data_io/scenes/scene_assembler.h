@@ -1,0 +1,57 @@
+// A scene put together from the pieces of a file, with its limits kept.
+//
+// Materials are numbered as in the file until the end; Finish names those that triangles have.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/types/scene.h"
+
+namespace sonarcal {
+
+inline constexpr std::size_t kMaxSceneVertices = 30'000'000;
+inline constexpr std::size_t kMaxSceneTriangles = 20'000'000;
+
+// How a sequence of corners makes triangles: glTF 2.0, section 3.7.2.1.
+enum class TriangleMode { kSeparate, kStrip, kFan };
+
+// Some of the vertices added so far.
+struct VertexRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
+class SceneAssembler {
+ public:
+  // `file` is the name that error sentences carry.
+  explicit SceneAssembler(std::string file) : file_(std::move(file)) {}
+
+  std::size_t vertex_count() const { return scene_.vertices_m.size(); }
+
+  // Throws DataError where a coordinate is not finite as a float, or there are too many vertices.
+  void AddVertex(const Eigen::Vector3d& world_m);
+
+  // Triangles whose corners are numbered from 0 within `vertices`. `mirrored` turns them over. `material` is
+  // negative for none. Throws DataError for a corner beyond `vertices`, corners that make no whole triangles,
+  // or too many of them.
+  void AddTriangles(TriangleMode mode, const std::vector<std::uint32_t>& corners, const VertexRange& vertices,
+                    bool mirrored, int material);
+
+  // The scene, once. `names` are those of the file's materials: "" becomes "material_N", no material
+  // "default", and materials of one name are one. Names without triangles are dropped, the others keep their
+  // order, with "default" last. Throws DataError where there are no triangles.
+  Scene Finish(const std::vector<std::string>& names);
+
+ private:
+  std::string file_;
+  Scene scene_;
+  std::size_t corners_seen_ = 0;
+  std::vector<int> material_of_triangle_;
+};
+
+}  // namespace sonarcal

@@ -1,0 +1,100 @@
+#include "data_io/sonars/aris_model.h"
+
+#include <cmath>
+
+#include "core/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kDbSpan = 80.0;
+
+std::string ModelName(const ArisHeader& header) {
+  constexpr int kModel[] = {1800, 3000, 1200};
+  return fmt::format("ARIS {}{}", kModel[static_cast<int>(header.system)],
+                     header.lens == ArisLens::kTelephoto ? ", telephoto lens" : "");
+}
+
+double FrequencyHz(const ArisHeader& header) {
+  switch (header.system) {
+    case ArisSystem::kAris3000:
+      return header.high_frequency ? 3.0e6 : 1.8e6;
+    case ArisSystem::kAris1800:
+      return header.high_frequency ? 1.8e6 : 1.1e6;
+    case ArisSystem::kAris1200:
+      return header.high_frequency ? 1.2e6 : 0.7e6;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+PolarAxes ArisAxes(const ArisHeader& header, const std::string& what) {
+  const auto centres_deg = ArisBeamCentresDeg(header.system, header.beam_count(), header.lens);
+  if (centres_deg.empty()) {
+    throw DataError(
+        "{}: {} with {} beams (PingMode {}), expected a combination the maker has a beam table of", what,
+        ModelName(header), header.beam_count(), header.ping_mode);
+  }
+  PolarAxes axes{header.range_min_m(), header.range_max_m(), static_cast<int>(header.samples_per_beam),
+                 ArisAzimuthsRad(centres_deg)};
+  axes.Validate(what);
+  return axes;
+}
+
+SonarSettings ArisSettings(const ArisHeader& header) {
+  return {.gain_db = header.gain_db,
+          .pulse_length_us = header.pulse_width_us,
+          .time_varied_gain = {},
+          .compression = Compression::kLogarithm};
+}
+
+void DescribeAris(const ArisHeader& header, const std::string& what, RecordingInfo& info) {
+  info.sonar.name = ModelName(header);
+  info.sonar.frequency_hz = FrequencyHz(header);
+  info.sonar.axes = ArisAxes(header, what);
+  info.sonar.beam_forming = BeamForming::kLens;
+  info.sonar.sound_speed_m_per_s = header.sound_speed_m_per_s;
+  info.scale.full_scale = 255.0;
+  info.scale.db_span = kDbSpan;
+  if (header.lens == ArisLens::kTelephoto) {
+    info.notes.emplace_back("The elevation beam width is not recorded, and not known with a telephoto lens.");
+  } else {
+    info.sonar.elevation_beam_width_deg = header.system == ArisSystem::kAris3000 ? 15.0 : 14.0;
+    info.notes.emplace_back("The elevation beam width is the maker's nominal one; it is not recorded.");
+  }
+  if (header.water_temperature_c >= -3.0f && header.water_temperature_c <= 45.0f &&
+      header.salinity_ppt <= 50) {
+    info.water = Water{.temperature_c = header.water_temperature_c,
+                       .salinity_ppt = static_cast<double>(header.salinity_ppt)};
+    info.notes.emplace_back("Acidity and depth of the water are not recorded; defaults stand for them.");
+  } else {
+    info.notes.push_back(fmt::format("Water temperature {} C and salinity {} ppt are no water's; left out.",
+                                     header.water_temperature_c, header.salinity_ppt));
+  }
+  info.settings = ArisSettings(header);
+  info.details = {{"frame rate", fmt::format("{:.3f} Hz", header.frame_rate_hz)},
+                  {"receiver gain", fmt::format("{} dB", header.gain_db)},
+                  {"pulse width", fmt::format("{} us", header.pulse_width_us)},
+                  {"sample period", fmt::format("{} us", header.sample_period_us)},
+                  {"ping mode", fmt::format("{} ({} beams)", header.ping_mode, header.beam_count())},
+                  {"frequency", header.high_frequency ? "high" : "low"},
+                  {"lens", header.lens == ArisLens::kTelephoto ? "telephoto" : "standard"},
+                  {"water temperature", fmt::format("{:.1f} C", header.water_temperature_c)},
+                  {"salinity", fmt::format("{} ppt", header.salinity_ppt)}};
+}
+
+void NoteArisWindow(const ArisHeader& header, RecordingInfo& info) {
+  const double window_end_m = double{header.window_start_m} + header.window_length_m;
+  const double tolerance_m = header.bin_m();
+  // Negated, so that a NaN in the header is noted too.
+  if (!(std::abs(header.window_start_m - header.range_min_m()) <= tolerance_m &&
+        std::abs(window_end_m - header.range_max_m()) <= tolerance_m)) {
+    info.notes.push_back(
+        fmt::format("WindowStart and WindowLength say {:.4f}..{:.4f} m; the sample timing, which is right, "
+                    "{:.4f}..{:.4f} m.",
+                    header.window_start_m, window_end_m, header.range_min_m(), header.range_max_m()));
+  }
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,56 @@
+// What the header of an ARIS frame says of its sonar and its image, whichever way it was recorded.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/types/recording.h"
+#include "data_io/sonars/aris_beam_tables.h"
+
+namespace sonarcal {
+
+inline constexpr std::uint32_t kMostArisSamplesPerBeam = 1 << 16;
+
+// Fields as the maker names them: data_io/sonars/aris_io.h.
+struct ArisHeader {
+  double time_s = 0.0;  // since 1970; 0 = not set
+  float window_start_m = 0.0f;
+  float window_length_m = 0.0f;
+  std::uint32_t gain_db = 0;
+  float water_temperature_c = 0.0f;
+  std::uint32_t ping_mode = 0;
+  bool high_frequency = false;
+  std::uint32_t pulse_width_us = 0;
+  std::uint32_t sample_period_us = 0;
+  float frame_rate_hz = 0.0f;
+  float sound_speed_m_per_s = 0.0f;
+  std::uint32_t samples_per_beam = 0;
+  std::uint32_t sample_start_delay_us = 0;
+  ArisLens lens = ArisLens::kStandard;
+  ArisSystem system = ArisSystem::kAris1800;
+  std::uint32_t salinity_ppt = 0;
+
+  int beam_count() const {
+    if (ping_mode <= 2) return 48;
+    if (ping_mode <= 5) return 96;
+    if (ping_mode <= 8) return 64;
+    return 128;
+  }
+  double bin_m() const { return sample_period_us * 1e-6 * sound_speed_m_per_s / 2.0; }
+  double range_min_m() const { return sample_start_delay_us * 1e-6 * sound_speed_m_per_s / 2.0; }
+  double range_max_m() const { return range_min_m() + samples_per_beam * bin_m(); }
+};
+
+// Columns from left to right. Throws DataError naming `what` where the maker has no table of such beams.
+PolarAxes ArisAxes(const ArisHeader& header, const std::string& what);
+
+// Sonar, scale, water and settings of the first frame, with notes on what is presumed or garbage.
+void DescribeAris(const ArisHeader& header, const std::string& what, RecordingInfo& info);
+
+// What a frame's header tells of how its grey values were made; a gain over range is not recorded.
+SonarSettings ArisSettings(const ArisHeader& header);
+
+// Adds a note where the window of the header is another than that of the sample timing.
+void NoteArisWindow(const ArisHeader& header, RecordingInfo& info);
+
+}  // namespace sonarcal

@@ -1,0 +1,192 @@
+#include "data_io/sonars/oculus_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/types/error.h"
+#include "data_io/sonars/oculus_log.h"
+#include "data_io/sonars/oculus_model.h"
+#include "data_io/sonars/oculus_ping.h"
+
+namespace sonarcal {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OculusRecording final : public RecordingSource {
+ public:
+  explicit OculusRecording(const fs::path& file) : file_(file), name_(file.string()) {
+    info_.source = name_;
+    is_log_ = IsOculusLog(file);
+    is_log_ ? IndexLog() : IndexMessages();
+    RefuseTooFewOrMany();
+    const OculusPing first = ReadPing(0, kMostOculusPingHeaderBytes).ping;
+    info_.format = fmt::format("Oculus simple ping result, version {}", first.version);
+    DescribeOculus(first, info_);
+    if (is_log_) {
+      info_.format += ", in a log";
+      info_.notes.emplace_back("Frames have the times of the log's items; their epoch is not documented.");
+    }
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(offsets_.size()); }
+
+  FrameInfo frame_info(int index) const override {
+    return InfoOf(ReadPing(index, kMostOculusPingHeaderBytes));
+  }
+
+  Frame ReadFrame(int index) const override {
+    const PingOfFile read = ReadPing(index);
+    const OculusPing& ping = read.ping;
+    Frame frame{InfoOf(read), {AxesOf(ping, index), OculusScale(ping), Grid<float>(ping.ranges, ping.beams)}};
+    const bool right_to_left = BearingsRunRightToLeft(ping);
+    const std::uint64_t start = offsets_.at(index);
+    const ByteReader image(ByteReader(read.bytes, name_, start)
+                               .Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image"),
+                           name_, start + ping.image_offset);
+    for (int range = 0; range < ping.ranges; ++range) {
+      std::uint64_t at = ping.row_bytes() * range;
+      float scale = 1.0f;
+      if (ping.has_gains) {
+        const std::uint32_t gain = image.U32(at, "gain of a row");
+        if (gain == 0) throw DataError("{}: 0, expected at least 1", image.Where(at, "gain of a row"));
+        scale = 1.0f / std::sqrt(static_cast<float>(gain));
+        at += 4;
+      }
+      for (int beam = 0; beam < ping.beams; ++beam, at += ping.bytes_per_sample) {
+        const std::uint32_t sample = LittleEndian(image.Bytes(at, ping.bytes_per_sample, "sample"));
+        const int column = right_to_left ? ping.beams - 1 - beam : beam;
+        frame.image.value(range, column) = static_cast<float>(sample) * scale;
+      }
+    }
+    return frame;
+  }
+
+ private:
+  struct PingOfFile {
+    OculusPing ping;
+    std::vector<std::byte> bytes;           // of the message, the first that were wanted
+    std::optional<double> log_time_s = {};  // where it lies in a log
+  };
+
+  // Finds the whole pings of the file.
+  void IndexMessages() {
+    const std::uint64_t size = RegularFileSize(file_);
+    std::uint64_t offset = 0;
+    int others = 0;
+    while (offset < size) {
+      const std::uint64_t rest = size - offset;
+      const std::vector<std::byte> bytes =
+          ReadFileRange(file_, offset, std::min(rest, kOculusHeadBytes), "message head");
+      const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
+      if (!head) {
+        info_.notes.push_back(
+            fmt::format("The {} bytes from byte {} on are no Oculus message; left out.", rest, offset));
+        break;
+      }
+      if (head->message_bytes > rest) {
+        info_.notes.push_back(fmt::format("The message at byte {} is cut short, {} of {} bytes; left out.",
+                                          offset, rest, head->message_bytes));
+        break;
+      }
+      if (head->message_id == kOculusSimplePingResult) {
+        offsets_.push_back(offset);
+      } else {
+        ++others;
+      }
+      offset += head->message_bytes;
+    }
+    if (others > 0)
+      info_.notes.push_back(fmt::format("{} messages that are no pings were passed over.", others));
+  }
+
+  // Finds the pings of a log, each an item of its own.
+  void IndexLog() {
+    int others = 0;
+    info_.notes = ForEachOculusLogItem(file_, [&](const OculusLogItem& item) {
+      const std::uint64_t message_bytes = item.compressed ? item.original_bytes : item.payload_bytes;
+      const std::vector<std::byte> bytes = ReadOculusLogItem(file_, item, kOculusHeadBytes);
+      const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, item.offset});
+      if (head && head->message_id == kOculusSimplePingResult && head->message_bytes <= message_bytes) {
+        offsets_.push_back(item.offset);
+      } else {
+        ++others;
+      }
+    });
+    if (others > 0)
+      info_.notes.push_back(fmt::format("{} sonar items that hold no whole ping were passed over.", others));
+  }
+
+  void RefuseTooFewOrMany() const {
+    if (offsets_.empty()) {
+      throw DataError("{}: no whole simple ping result in {} bytes, expected at least one", name_,
+                      RegularFileSize(file_));
+    }
+    if (offsets_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+      throw DataError("{}: {} pings, expected at most {}", name_, offsets_.size(),
+                      std::numeric_limits<int>::max());
+    }
+  }
+
+  // The first `wanted` bytes of a message, or all of it, and what they say. Of a file of any length only the
+  // places of its pings are kept.
+  PingOfFile ReadPing(int index, std::uint64_t wanted = std::numeric_limits<std::uint64_t>::max()) const {
+    const std::uint64_t offset = offsets_.at(index);
+    PingOfFile read;
+    if (is_log_) {
+      const OculusLogItem item = ReadOculusLogItemHead(file_, offset);
+      read.log_time_s = item.time_s;
+      read.bytes = ReadOculusLogItem(file_, item, wanted);
+    } else {
+      const OculusHead head = HeadOf(ReadFileRange(file_, offset, kOculusHeadBytes, "message head"), offset);
+      read.bytes = ReadFileRange(file_, offset, std::min(head.message_bytes, wanted), "ping");
+    }
+    read.ping = ParseOculusPing({read.bytes, name_, offset}, HeadOf(read.bytes, offset));
+    return read;
+  }
+
+  // Of a message that was found to be one before.
+  OculusHead HeadOf(const std::vector<std::byte>& bytes, std::uint64_t offset) const {
+    const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
+    if (!head) throw DataError("{}: byte {}: no Oculus message any more, expected one", name_, offset);
+    return *head;
+  }
+
+  PolarAxes AxesOf(const OculusPing& ping, int index) const {
+    return OculusAxes(ping, fmt::format("{}: ping {}", name_, index));
+  }
+
+  FrameInfo InfoOf(const PingOfFile& read) const {
+    const std::optional<double> time_s = is_log_ ? read.log_time_s : read.ping.start_s;
+    const bool has_time = time_s && std::isfinite(*time_s);
+    return {fmt::format("ping {}", read.ping.ping_id), has_time ? time_s : std::nullopt, std::nullopt,
+            info_.settings};
+  }
+
+  fs::path file_;
+  std::string name_;
+  bool is_log_ = false;
+  std::vector<std::uint64_t> offsets_;  // of messages, or of the log's items
+  RecordingInfo info_;
+};
+
+}  // namespace
+
+bool IsOculus(const fs::path& path) {
+  if (IsOculusLog(path)) return true;
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) < kOculusHeadBytes || error)
+    return false;
+  const std::vector<std::byte> head = ReadFileRange(path, 0, kOculusHeadBytes, "message head");
+  const std::optional<OculusHead> parsed = ParseOculusHead({head, path.string()});
+  // All message ids fit in a byte: a text that begins with the letters of the id is no recording.
+  return parsed && parsed->message_id <= 0xff;
+}
+
+std::unique_ptr<RecordingSource> OpenOculus(const fs::path& path) {
+  return std::make_unique<OculusRecording>(path);
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,246 @@
+#include "metrics/json/against.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "metrics/figures.h"
+#include "metrics/json/metrics_json.h"
+
+namespace sonarcal {
+namespace {
+
+using Json = nlohmann::json;
+
+// What stands at "intensity.union.rmse" below a node; null where nothing does.
+const Json& At(const Json& view, std::string_view path) {
+  static const Json kNone;
+  const Json* node = &view;
+  while (!path.empty()) {
+    const std::size_t dot = std::min(path.find('.'), path.size());
+    const std::string key(path.substr(0, dot));
+    if (!node->is_object() || !node->contains(key)) return kNone;
+    node = &(*node)[key];
+    path.remove_prefix(std::min(dot + 1, path.size()));
+  }
+  return *node;
+}
+
+std::optional<double> NumberAt(const Json& view, std::string_view path) {
+  const Json& number = At(view, path);
+  return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
+}
+
+std::optional<Interval> IntervalAt(const Json& view, const std::string& path) {
+  const Json& ci = At(view, path + "_ci");
+  if (!ci.is_array() || ci.size() != 2 || !ci[0].is_number() || !ci[1].is_number()) return std::nullopt;
+  return Interval{ci[0].get<double>(), ci[1].get<double>()};
+}
+
+const Json& ViewOf(const Json& summary, bool fan) {
+  return fan ? At(summary, "fan") : summary;
+}
+
+// A frame of both comparisons.
+struct Pair {
+  const FrameMetrics* now = nullptr;
+  const Json* earlier = nullptr;
+};
+
+std::vector<Pair> CommonFrames(const MetricsReport& now, const Json& earlier) {
+  std::map<std::pair<int, std::string>, const Json*> frames;
+  if (!earlier.contains("frames") || !earlier["frames"].is_array()) return {};
+  for (const Json& frame : earlier["frames"]) {
+    if (!frame.is_object() || !frame.contains("index") || !frame["index"].is_number_integer()) continue;
+    const bool named = frame.contains("name") && frame["name"].is_string();
+    frames[{frame["index"].get<int>(), named ? frame["name"].get<std::string>() : std::string()}] = &frame;
+  }
+  std::vector<Pair> pairs;
+  for (const FrameMetrics& frame : now.frames) {
+    const auto found = frames.find({frame.index, frame.name});
+    if (found != frames.end()) pairs.push_back({&frame, found->second});
+  }
+  return pairs;
+}
+
+// What is averaged, now and then, of one figure in the frames that define it in both.
+struct PairedSeries {
+  std::vector<double> now;
+  std::vector<double> earlier;
+};
+
+PairedSeries SeriesOf(const std::vector<Pair>& pairs, const Figure& figure, bool fan) {
+  PairedSeries series;
+  for (const Pair& pair : pairs) {
+    const std::optional<double> now = figure.averaged(fan ? pair.now->fan : pair.now->polar);
+    const std::optional<double> figure_then = NumberAt(ViewOf(*pair.earlier, fan), figure.path);
+    const std::optional<double> then = figure_then ? figure.Unfinish(*figure_then) : std::nullopt;
+    if (!now || !then) continue;
+    series.now.push_back(*now);
+    series.earlier.push_back(*then);
+  }
+  return series;
+}
+
+// `size` of the figure, beside which a rounding is none.
+ChangeVerdict Judge(const Interval& ci, double size) {
+  constexpr double kRounding = 1e-12;
+  if (std::max(std::abs(ci.lo), std::abs(ci.hi)) <= kRounding * size) return ChangeVerdict::kSame;
+  if (ci.lo > 0.0) return ChangeVerdict::kWorse;
+  return ci.hi < 0.0 ? ChangeVerdict::kBetter : ChangeVerdict::kNotTold;
+}
+
+// How much worse the mean over frames is now, frames drawn as `indices` say.
+std::optional<double> Worsening(const Figure& figure, const PairedSeries& series,
+                                std::span<const int> indices) {
+  double now = 0.0;
+  double earlier = 0.0;
+  for (const int i : indices) {
+    now += series.now[i];
+    earlier += series.earlier[i];
+  }
+  const double count = static_cast<double>(indices.size());
+  const std::optional<double> figure_now = figure.Finish(now / count);
+  const std::optional<double> figure_then = figure.Finish(earlier / count);
+  if (!figure_now || !figure_then) return std::nullopt;
+  return *figure.Badness(*figure_now) - *figure.Badness(*figure_then);
+}
+
+void JudgePaired(const Figure& figure, const PairedSeries& series, bool in_time, FigureChange& change) {
+  const int count = static_cast<int>(series.now.size());
+  std::vector<int> all(count);
+  std::vector<double> differences(count);
+  for (int i = 0; i < count; ++i) {
+    all[i] = i;
+    differences[i] = series.now[i] - series.earlier[i];
+  }
+  const std::optional<double> worsening = Worsening(figure, series, all);
+  if (!worsening) return;
+  change.worsening = *worsening;
+  FrameResampler resampler(count, in_time ? PolitisWhiteBlockLength(differences) : 1);
+  std::vector<double> draws;
+  for (int draw = 0; draw < kBootstrapDraws; ++draw) {
+    if (const auto drawn = Worsening(figure, series, resampler.Next())) draws.push_back(*drawn);
+  }
+  if (draws.empty()) return;
+  change.worsening_ci = PercentileInterval95(std::move(draws));
+  change.verdict = Judge(*change.worsening_ci, std::abs(change.earlier));
+}
+
+void JudgeByIntervals(const std::optional<Interval>& now, const std::optional<Interval>& earlier,
+                      FigureChange& change) {
+  if (change.now == change.earlier) {
+    change.verdict = ChangeVerdict::kSame;
+  } else if (now && earlier && (now->lo > earlier->hi || now->hi < earlier->lo)) {
+    change.verdict = change.worsening > 0.0 ? ChangeVerdict::kWorse : ChangeVerdict::kBetter;
+  }
+}
+
+// Differences in what was compared, and how, that change figures by themselves.
+std::vector<std::string> Notes(const MetricsReport& now, const Json& now_json, const Json& earlier,
+                               const std::vector<Pair>& pairs) {
+  std::vector<std::string> notes;
+  const auto differ = [&](const char* key) {
+    return earlier.contains(key) && now_json.contains(key) && earlier[key] != now_json[key];
+  };
+  if (differ("real")) {
+    notes.push_back(fmt::format("the earlier comparison was with {}, this one is with {}",
+                                earlier["real"].is_string() ? earlier["real"].get<std::string>() : "another",
+                                now.real));
+  }
+  if (differ("segmentation")) {
+    notes.push_back("the earlier comparison found the object by other settings of the segmentation");
+  }
+  const auto other_object = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) {
+    return NumberAt(*pair.earlier, "nr") != static_cast<double>(pair.now->polar.occupancy.nr);
+  });
+  if (other_object > 0) {
+    notes.push_back(fmt::format("in {} of {} common frames the recorded object has another size than before",
+                                other_object, pairs.size()));
+  }
+  return notes;
+}
+
+}  // namespace
+
+std::string_view ToString(ChangeVerdict verdict) {
+  switch (verdict) {
+    case ChangeVerdict::kBetter:
+      return "better";
+    case ChangeVerdict::kWorse:
+      return "worse";
+    case ChangeVerdict::kSame:
+      return "same";
+    case ChangeVerdict::kNotTold:
+      return "not_told";
+  }
+  return "unknown verdict";
+}
+
+int Against::Count(ChangeVerdict verdict, bool headline_only) const {
+  return static_cast<int>(std::count_if(figures.begin(), figures.end(), [&](const FigureChange& change) {
+    return change.verdict == verdict && (change.headline || !headline_only);
+  }));
+}
+
+std::optional<double> ExplainedFraction(double badness_before, double badness_after, double badness_floor) {
+  if (!(badness_before > badness_floor)) return std::nullopt;
+  return (badness_before - badness_after) / (badness_before - badness_floor);
+}
+
+Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text,
+                       const std::string& earlier_name) {
+  const Json earlier = Json::parse(earlier_text, nullptr, false);
+  if (!earlier.is_object() || earlier.value("format", Json()) != "sonar-metrics/1" ||
+      !earlier.contains("macro")) {
+    throw DataError("{}: found no comparison, expected a metrics.json of format sonar-metrics/1",
+                    earlier_name);
+  }
+  const Json& macro = earlier["macro"];
+  const std::vector<Pair> pairs = CommonFrames(now, earlier);
+  const bool paired = static_cast<int>(pairs.size()) >= kBootstrapMinFrames;
+  const Json now_json = Json::parse(MetricsSummaryJson(now));
+  Against against{.earlier = earlier_name,
+                  .common_frames = paired ? static_cast<int>(pairs.size()) : 0,
+                  .figures = {},
+                  .notes = Notes(now, now_json, earlier, pairs)};
+  const Aggregate* floor = now.noise_floor.Beside();
+  const std::string error_path = IntensityErrorPath(now.options.intensity_domain);
+  for (const bool fan : {false, true}) {
+    const ViewSummary& view = fan ? now.aggregate.macro.fan : now.aggregate.macro.polar;
+    const Json& view_then = ViewOf(macro, fan);
+    for (std::size_t f = 0; f < Figures().size(); ++f) {
+      const Figure& figure = Figures()[f];
+      const std::optional<double> then = NumberAt(view_then, figure.path);
+      const Statistic& statistic = view.statistics[f];
+      if (figure.better == Better::kNeither || !then || !statistic.value) continue;
+      FigureChange change{.fan = fan,
+                          .path = figure.path,
+                          .headline = figure.path == "iou" || figure.path == error_path,
+                          .earlier = *then,
+                          .now = *statistic.value};
+      const double badness_then = *figure.Badness(*then);
+      const double badness_now = *figure.Badness(*statistic.value);
+      change.worsening = badness_now - badness_then;
+      const PairedSeries series = paired ? SeriesOf(pairs, figure, fan) : PairedSeries();
+      if (static_cast<int>(series.now.size()) >= kBootstrapMinFrames) {
+        JudgePaired(figure, series, now.aggregate.in_time, change);
+      } else {
+        JudgeByIntervals(statistic.ci, IntervalAt(view_then, figure.path), change);
+      }
+      if (floor != nullptr) {
+        const ViewSummary& floor_view = fan ? floor->macro.fan : floor->macro.polar;
+        if (const std::optional<double>& best = floor_view.statistics[f].value) {
+          change.explained = ExplainedFraction(badness_then, badness_now, *figure.Badness(*best));
+        }
+      }
+      against.figures.push_back(std::move(change));
+    }
+  }
+  return against;
+}
+
+}  // namespace sonarcal

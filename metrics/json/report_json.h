@@ -1,0 +1,17 @@
+// Parts of metrics.json that stand by themselves.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "metrics/json/against.h"
+#include "metrics/measures/residuals.h"
+
+namespace sonarcal {
+
+nlohmann::ordered_json AgainstJson(const Against& against);
+
+// Null where no frame was added.
+nlohmann::ordered_json ResidualsJson(const ResidualCollector& residuals,
+                                     const std::vector<ResidualTable>& by_scene);
+
+}  // namespace sonarcal

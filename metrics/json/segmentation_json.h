@@ -1,0 +1,12 @@
+// The "segmentation" of metrics.json: {"method", "parameters": {what the method uses, and the tidying}}.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "metrics/segmentation/segmentation_options.h"
+
+namespace sonarcal {
+
+nlohmann::ordered_json SegmentationJson(const SegmentationOptions& options);
+
+}  // namespace sonarcal

@@ -1,0 +1,63 @@
+// Grey values of a recorded and a simulated image as distributions, wherever their pixels lie: what the paper
+// calls "the difference in the pixel value distribution" (Park 2024, Section 6), and blind to a displaced
+// object.
+//
+// A value counts for the nearest of 0 .. full scale, one level each up to 4096 of them; of finer displays
+// 4096 even classes. Distances: core/math/distribution.h.
+//
+// Over the union, the whole image and the overlap both images are read at the same pixels; over `objects`
+// each in its own object region.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/types/image.h"
+#include "core/types/mask.h"
+
+namespace sonarcal {
+
+enum class LevelDomain { kUnion, kWhole, kOverlap, kObjects };
+
+inline constexpr std::array kLevelDomains = {LevelDomain::kUnion, LevelDomain::kWhole, LevelDomain::kOverlap,
+                                             LevelDomain::kObjects};
+
+// "union", "whole", "overlap", "objects".
+std::string_view ToString(LevelDomain domain);
+
+// Distances between the two distributions; none has a value where either holds no pixel.
+struct LevelDistances {
+  std::optional<double> l1_half;             // 0 .. 1
+  std::optional<double> wasserstein;         // fraction of full scale
+  std::optional<double> hellinger;           // 0 .. 1
+  std::optional<double> kolmogorov_smirnov;  // 0 .. 1
+  std::optional<double> upper_anderson_darling;
+};
+
+// Pixels of each level.
+struct LevelCounts {
+  std::vector<double> real;  // empty: nothing counted
+  std::vector<double> simulated;
+
+  LevelDistances Distances() const;
+  // Throws DataError where the two have other numbers of levels.
+  LevelCounts& operator+=(const LevelCounts& other);
+};
+
+// Levels of one frame, or of several pooled, by domain.
+struct LevelHistograms {
+  std::array<LevelCounts, kLevelDomains.size()> over;
+
+  LevelCounts& Over(LevelDomain domain) { return over[static_cast<std::size_t>(domain)]; }
+  const LevelCounts& Over(LevelDomain domain) const { return over[static_cast<std::size_t>(domain)]; }
+  LevelHistograms& operator+=(const LevelHistograms& other);
+};
+
+// Everything of one shape; values finite, full_scale > 0; `inside` null: every pixel counts.
+LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
+                            const Mask& real_object, const Mask& simulated_object,
+                            const Mask* inside = nullptr);
+
+}  // namespace sonarcal

@@ -1,0 +1,127 @@
+#include "metrics/segmentation/segmentation_options.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/types/error.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr std::array<std::pair<SegmentationMethod, std::string_view>, kSegmentationMethods> kMethodNames = {{
+    {SegmentationMethod::kBackgroundSigma, "background_sigma"},
+    {SegmentationMethod::kOtsu, "otsu"},
+    {SegmentationMethod::kFixedThreshold, "fixed_threshold"},
+    {SegmentationMethod::kTriangle, "triangle"},
+    {SegmentationMethod::kLocalContrast, "local_contrast"},
+    {SegmentationMethod::kCaCfar, "ca_cfar"},
+    {SegmentationMethod::kOsCfar, "os_cfar"},
+    {SegmentationMethod::kLikelihoodRatio, "likelihood_ratio"},
+}};
+
+template <typename T>
+void Require(bool condition, std::string_view field, T value, std::string_view expected) {
+  if (!condition) throw DataError("segmentation {} is {}, expected {}", field, value, expected);
+}
+
+}  // namespace
+
+std::string_view ToString(SegmentationMethod method) {
+  for (const auto& [known, name] : kMethodNames) {
+    if (known == method) return name;
+  }
+  return "unknown method";
+}
+
+SegmentationMethod SegmentationMethodFromString(std::string_view name) {
+  std::string expected;
+  for (const auto& [method, known] : kMethodNames) {
+    if (known == name) return method;
+    if (!expected.empty()) expected += method == kMethodNames.back().first ? " or " : ", ";
+    expected += known;
+  }
+  throw UsageError("segmentation method '{}', expected {}", name, expected);
+}
+
+bool StatesFalseAlarmRate(SegmentationMethod method) {
+  return method == SegmentationMethod::kCaCfar || method == SegmentationMethod::kOsCfar ||
+         method == SegmentationMethod::kLikelihoodRatio;
+}
+
+std::string_view ToString(BackgroundSample sample) {
+  return sample == BackgroundSample::kRobust ? "robust" : "outside_region";
+}
+
+std::string_view ToString(CfarDomain domain) {
+  switch (domain) {
+    case CfarDomain::kPower:
+      return "power";
+    case CfarDomain::kGrey:
+      return "grey";
+    case CfarDomain::kAuto:
+      break;
+  }
+  return "auto";
+}
+
+std::string_view ToString(RegionFill fill) {
+  switch (fill) {
+    case RegionFill::kHoles:
+      return "holes";
+    case RegionFill::kHull:
+      return "hull";
+    case RegionFill::kNone:
+      break;
+  }
+  return "none";
+}
+
+void SegmentationOptions::Check() const {
+  Require(std::isfinite(sigma_count) && sigma_count > 0.0, "sigma_count", sigma_count, "more than 0");
+  Require(min_contrast >= 0.0 && min_contrast <= 1.0, "min_contrast", min_contrast, "0 to 1");
+  Require(threshold_fraction >= 0.0 && threshold_fraction <= 1.0, "threshold_fraction", threshold_fraction,
+          "0 to 1");
+  Require(median_px == 0 || median_px == 3 || median_px == 5, "median_px", median_px, "0, 3 or 5");
+  for (const auto& [field, value] : {std::pair{"blur_rows", blur_rows}, {"blur_cols", blur_cols}}) {
+    Require(value >= 0.0 && value <= 100.0, field, value, "0 to 100");
+  }
+  for (const auto& [field, value] : {std::pair{"open_rows", open_rows},
+                                     {"open_cols", open_cols},
+                                     {"close_rows", close_rows},
+                                     {"close_cols", close_cols}}) {
+    Require(value >= 0 && value <= 1001, field, value, "0 to 1001");
+  }
+  for (const auto& [field, value] :
+       {std::pair{"min_area_px", min_area_px}, {"max_rows", max_rows}, {"max_cols", max_cols}}) {
+    Require(value >= 0, field, value, "0 or more");
+  }
+
+  Require(contrast >= 0.0 && contrast <= 1.0, "contrast", contrast, "0 to 1");
+  if (contrast_db) {
+    Require(*contrast_db >= 0.0 && *contrast_db <= 200.0, "contrast_db", *contrast_db, "0 to 200");
+  }
+  for (const auto& [field, value] : {std::pair{"guard_rows", guard_rows},
+                                     {"guard_cols", guard_cols},
+                                     {"training_rows", training_rows},
+                                     {"training_cols", training_cols}}) {
+    Require(value >= 0 && value <= 1000, field, value, "0 to 1000");
+  }
+  Require(training_rows + training_cols > 0, "training_rows", training_rows,
+          "more than 0, as training_cols is 0");
+  Require(false_alarm_rate > 0.0 && false_alarm_rate < 1.0, "false_alarm_rate", false_alarm_rate,
+          "more than 0 and less than 1");
+  for (const auto& [field, value] : {std::pair{"cell_rows", cell_rows}, {"cell_cols", cell_cols}}) {
+    Require(value >= 1 && value <= 101 && value % 2 == 1, field, value, "an odd number from 1 to 101");
+  }
+  Require(looks >= 0.5 && looks <= 1000.0, "looks", looks, "0.5 to 1000");
+  Require(os_quantile >= 0.01 && os_quantile <= 0.99, "os_quantile", os_quantile, "0.01 to 0.99");
+  if (method == SegmentationMethod::kLikelihoodRatio && background_law == nullptr) {
+    throw DataError(
+        "segmentation by likelihood_ratio has no law of the background, expected one that was fitted to "
+        "pings without targets");
+  }
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,243 @@
+#include "sim/acoustic/acoustic_image.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "core/math/random.h"
+#include "sim/acoustic/beam_noise.h"
+#include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/gsab.h"
+#include "sim/physics/patch.h"
+#include "sim/physics/propagation.h"
+#include "sim/physics/receiver.h"
+#include "sim/physics/speckle.h"
+#include "sim/rays/row_math.h"
+
+namespace sonarcal {
+namespace {
+
+double WeightedSum(const std::vector<double>& weight, const double* values) {
+  return row_math::Dot(weight.data(), values, static_cast<int>(weight.size()));
+}
+
+std::complex<double> WeightedSum(const std::vector<double>& weight, const std::complex<double>* values) {
+  return std::inner_product(weight.begin(), weight.end(), values, std::complex<double>(0.0), std::plus<>(),
+                            [](double w, const std::complex<double>& v) { return w * v; });
+}
+
+// Sums `fine` (fine rows x columns) through both responses to bins x beams, those of field or of power. The
+// pulse first: it leaves fewer rows for the azimuth response, which may be as wide as the fan.
+template <typename T>
+Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters, const ScatterMap& scatter, ResponseOf of) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  const std::vector<ResponseWindow> azimuth =
+      AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, of);
+  const ResponseWindow pulse = PulseWindow(geometry.sonar, parameters, scatter.range_steps, of);
+  const auto is_silent = [](const auto& row) {
+    return std::all_of(row.begin(), row.end(), [](const T& value) { return value == T(0.0); });
+  };
+  std::vector<char> silent(fine.rows());
+  for (int row = 0; row < fine.rows(); ++row) silent[row] = is_silent(fine.row(row)) ? 1 : 0;
+
+  Grid<T> out(axes.range_bins, axes.beam_count());
+  tbb::parallel_for(tbb::blocked_range<int>(0, axes.range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
+    std::vector<T> in_bin(fine.cols());
+    for (int bin = bins.begin(); bin != bins.end(); ++bin) {
+      std::fill(in_bin.begin(), in_bin.end(), T(0.0));
+      for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
+        const int row = bin * scatter.range_steps + pulse.first + static_cast<int>(i);
+        if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
+        const auto in = fine.row(row);
+        for (int col = 0; col < fine.cols(); ++col) in_bin[col] += pulse.weight[i] * in[col];
+      }
+      if (is_silent(in_bin)) continue;
+      for (int beam = 0; beam < axes.beam_count(); ++beam)
+        out(bin, beam) = WeightedSum(azimuth[beam].weight, in_bin.data() + azimuth[beam].first);
+    }
+  });
+  return out;
+}
+
+// Each power as `value` (0..1 of full scale, clipped) shows it.
+template <typename Value>
+PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const ParameterSet& parameters,
+                     double full_scale, const Value& value) {
+  PolarImage image{axes,
+                   {.quantity = Quantity::kGrey,
+                    .full_scale = full_scale,
+                    .db_min = parameters.display.db_min,
+                    .db_max = parameters.display.db_max,
+                    .db_span = {}},
+                   Grid<float>(power.rows(), power.cols())};
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    image.value.values()[i] = static_cast<float>(full_scale * value(power.values()[i]));
+  }
+  return image;
+}
+
+// As the display shows a power, clipped.
+auto AsShown(const DisplayParameters<double>& display) {
+  return [display](double power) { return std::clamp(DisplayValue(display, power), 0.0, 1.0); };
+}
+
+}  // namespace
+
+std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters) {
+  std::vector<double> gain;
+  for (int bin = 0; bin < geometry.sonar.axes.range_bins; ++bin) {
+    gain.push_back(
+        PowerFromDb(TimeVariedGainDb(parameters.receiver.time_varied_gain,
+                                     geometry.sonar.axes.range_centre_m(bin), geometry.absorption_db_per_m)));
+  }
+  return gain;
+}
+
+Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSet& parameters) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  const ReceiverNoise floor(parameters.receiver, axes, geometry.absorption_db_per_m);
+  Grid<double> noise(axes.range_bins, axes.beam_count());
+  for (int bin = 0; bin < noise.rows(); ++bin) {
+    for (int beam = 0; beam < noise.cols(); ++beam) noise(bin, beam) = floor.Power(bin, beam);
+  }
+  return noise;
+}
+
+ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
+                           const ParameterSet& parameters) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  ScatterMap scatter;
+  for (int col = 0; col < fan.cols(); ++col) scatter.column_azimuth_rad.push_back(fan.AzimuthRad(col));
+  scatter.range_steps = RangeStepsFor(geometry.sonar, parameters);
+  scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
+  return scatter;
+}
+
+ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters) {
+  ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
+  const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters.beam);
+  std::vector<GsabParameters<double>> materials;
+  for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
+
+  // Each by itself on all cores, then summed in the order of the rays: sums are the same on any number of
+  // them.
+  std::vector<double> powers(echoes.size());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, echoes.size(), 4096),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        // Neighbours in a row of beams share their elevation.
+        float elevation_rad = std::numeric_limits<float>::quiet_NaN();
+        double elevation_power = 1.0;
+        for (std::size_t echo = range.begin(); echo != range.end(); ++echo) {
+          if (echoes.elevation_rad[echo] != elevation_rad) {
+            elevation_rad = echoes.elevation_rad[echo];
+            elevation_power = elevation.Power(elevation_rad);
+          }
+          const double range_m = echoes.range_m[echo];
+          const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
+                                  2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
+          const double incidence_rad = echoes.incidence_rad[echo];
+          const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
+          powers[echo] = PowerFromDb(level_db) *
+                         GsabPower(materials[echoes.material[echo]], DegFromRad(incidence_rad)) * area_m2 *
+                         elevation_power;
+        }
+      });
+  const ScatterMap::Rows rows = scatter.RowsOf(geometry.sonar.axes);
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+    scatter.Add(rows, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols), powers[echo]);
+  }
+  return scatter;
+}
+
+Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                            const ParameterSet& parameters) {
+  Grid<double> power = ThroughResponses(scatter.power, geometry, parameters, scatter, ResponseOf::kPower);
+  const std::vector<double> gain = GainByBin(geometry, parameters);
+  for (int bin = 0; bin < power.rows(); ++bin) {
+    for (double& value : power.row(bin)) value *= gain[bin];
+  }
+  return power;
+}
+
+void AddNoiseFloor(const AcousticGeometry& geometry, const ParameterSet& parameters, Grid<double>& power) {
+  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+  std::transform(power.values().begin(), power.values().end(), noise.values().begin(), power.values().begin(),
+                 std::plus<>());
+}
+
+PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power) {
+  PolarImage image{
+      axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      Grid<float>(power.rows(), power.cols())};
+  std::transform(power.values().begin(), power.values().end(), image.value.values().begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return image;
+}
+
+PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters) {
+  Grid<double> power = EchoPowerImage(scatter, geometry, parameters);
+  AddNoiseFloor(geometry, parameters, power);
+  return PowerImage(geometry.sonar.axes, power);
+}
+
+PolarImage ExpectedDisplay(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
+  Grid<double> values(power.value.rows(), power.value.cols());
+  std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
+  const MeanDisplayTable mean(parameters.display, parameters.receiver.looks);
+  return Displayed(values, power.axes, parameters, full_scale, mean);
+}
+
+PolarImage DisplayPower(const PolarImage& power, const ParameterSet& parameters, double full_scale) {
+  Grid<double> values(power.value.rows(), power.value.cols());
+  std::copy(power.value.values().begin(), power.value.values().end(), values.values().begin());
+  return Displayed(values, power.axes, parameters, full_scale, AsShown(parameters.display));
+}
+
+PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                               const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds) {
+  using Complex = std::complex<double>;
+  if (!(parameters.receiver.looks >= 1.0)) {
+    throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
+  }
+  const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
+  const BeamNoise beam_noise(geometry.sonar, parameters);
+  const Grid<double> noise = NoiseFloorPower(geometry, parameters);
+  const std::vector<double> gain = GainByBin(geometry, parameters);
+  Grid<double> power(geometry.sonar.axes.range_bins, geometry.sonar.axes.beam_count());
+  const int looks = whole_looks + (last_weight > 0.0 ? 1 : 0);
+  for (int look = 0; look < looks; ++look) {
+    const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
+    const CounterRandom scatterers(seeds.scatterers, static_cast<std::uint32_t>(2 * look));
+    const CounterRandom receiver(seeds.receiver, static_cast<std::uint32_t>(2 * look + 1));
+    Grid<Complex> field(scatter.power.rows(), scatter.power.cols());
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      if (scatter.power.values()[i] == 0.0) continue;
+      const auto [re, im] = scatterers.Normal2(i);
+      field.values()[i] = std::sqrt(0.5 * scatter.power.values()[i]) * Complex(re, im);
+    }
+    const Grid<Complex> received = ThroughResponses(field, geometry, parameters, scatter, ResponseOf::kField);
+    tbb::parallel_for(0, power.rows(), [&](int bin) {
+      std::vector<Complex> unit_noise(power.cols());
+      beam_noise.Draw(receiver, bin, unit_noise);
+      const double amplitude = std::sqrt(gain[bin]);
+      for (int beam = 0; beam < power.cols(); ++beam) {
+        power(bin, beam) += weight * std::norm(amplitude * received(bin, beam) +
+                                               std::sqrt(noise(bin, beam)) * unit_noise[beam]);
+      }
+    });
+  }
+  return Displayed(power, geometry.sonar.axes, parameters, full_scale, AsShown(parameters.display));
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,194 @@
+#include "sim/gathered/pixel_echoes.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "core/types/error.h"
+#include "sim/rays/row_math.h"
+
+namespace sonarcal {
+namespace {
+
+// Share of a fine node between two coarse ones.
+struct NodeShare {
+  int node = 0;  // and the next
+  double of_next = 0.0;
+};
+
+std::array<NodeShare, kIncidenceNodes> CoarseShares() {
+  const std::vector<double>& coarse = CoarseIncidenceDeg();
+  std::array<NodeShare, kIncidenceNodes> shares;
+  for (int fine = 0; fine < kIncidenceNodes; ++fine) {
+    const double deg = fine * kIncidenceStepDeg;
+    const auto above = std::upper_bound(coarse.begin(), coarse.end() - 1, deg);
+    const int node = static_cast<int>(above - coarse.begin()) - 1;
+    shares[fine] = {node, (deg - coarse[node]) / (coarse[node + 1] - coarse[node])};
+  }
+  return shares;
+}
+
+// Power by incidence node and column of the ray fan: a line of columns for each node that occurs. Reused from
+// bin to bin.
+class NodeLines {
+ public:
+  NodeLines(std::size_t nodes, int columns) : columns_(columns), slot_(nodes, -1) {}
+
+  void Clear() {
+    for (const std::uint32_t node : nodes_) slot_[node] = -1;
+    nodes_.clear();
+  }
+  void Add(std::uint32_t node, int column, double power) {
+    int& slot = slot_[node];
+    if (slot < 0) {
+      slot = static_cast<int>(nodes_.size());
+      nodes_.push_back(node);
+      const std::size_t end = nodes_.size() * columns_;
+      if (power_.size() < end) power_.resize(end);
+      std::fill(power_.begin() + static_cast<std::ptrdiff_t>(end - columns_),
+                power_.begin() + static_cast<std::ptrdiff_t>(end), 0.0);
+      reach_.resize(nodes_.size());
+      reach_.back() = {column, column};
+    }
+    power_[static_cast<std::size_t>(slot) * columns_ + column] += power;
+    reach_[slot].first = std::min(reach_[slot].first, column);
+    reach_[slot].second = std::max(reach_[slot].second, column);
+  }
+  // Nodes that occur, in their order.
+  std::vector<std::uint32_t> Sorted() const {
+    std::vector<std::uint32_t> sorted = nodes_;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }
+  double Through(const ResponseWindow& window, std::uint32_t node) const {
+    const auto [first_column, last_column] = reach_[slot_[node]];
+    const int first = std::max(first_column, window.first);
+    const int last = std::min(last_column, window.first + static_cast<int>(window.weight.size()) - 1);
+    if (last < first) return 0.0;
+    const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + first];
+    return row_math::Dot(window.weight.data() + (first - window.first), line, last - first + 1);
+  }
+
+ private:
+  std::size_t columns_;
+  std::vector<int> slot_;  // by node, -1 where it does not occur
+  std::vector<std::uint32_t> nodes_;
+  std::vector<double> power_;
+  std::vector<std::pair<int, int>> reach_;  // first and last column of each line that holds anything
+};
+
+}  // namespace
+
+const std::vector<double>& CoarseIncidenceDeg() {
+  static const std::vector<double> kNodes = [] {
+    std::vector<double> nodes;
+    for (double deg = 0.0; deg < 20.0; deg += 0.5) nodes.push_back(deg);
+    for (double deg = 20.0; deg < 40.0; deg += 1.0) nodes.push_back(deg);
+    for (double deg = 40.0; deg <= 90.0; deg += 2.0) nodes.push_back(deg);
+    return nodes;
+  }();
+  return kNodes;
+}
+
+PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,
+                              double negligible_share) {
+  const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
+  const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
+  const std::size_t nodes = static_cast<std::size_t>(echoes.materials) * coarse_count;
+  const int bins = response.bins();
+  const int beams = response.beams();
+  const std::vector<std::size_t> row_start = RowStarts(echoes);
+  std::vector<std::vector<PixelEchoes::Entry>> of_pixel(static_cast<std::size_t>(bins) * beams);
+
+  tbb::parallel_for(tbb::blocked_range<int>(0, bins, 8), [&](const tbb::blocked_range<int>& range) {
+    NodeLines lines(nodes, echoes.cols);
+    std::vector<double> weights;
+    for (int bin = range.begin(); bin != range.end(); ++bin) {
+      lines.Clear();
+      const auto [first_row, last_row] = response.RowsOfBin(bin);
+      for (std::size_t i = row_start[first_row]; i < row_start[last_row]; ++i) {
+        const EchoPower::Cell& cell = echoes.cells[i];
+        const double pulse = response.PulseWeight(bin, cell.row);
+        for (std::uint32_t e = cell.first_entry; e < cell.last_entry; ++e) {
+          const std::uint32_t fine = echoes.entries[e].node;
+          const NodeShare& share = shares[fine % kIncidenceNodes];
+          const std::uint32_t node = fine / kIncidenceNodes * coarse_count + share.node;
+          const double power = pulse * echoes.entries[e].power;
+          if (share.of_next < 1.0) lines.Add(node, cell.col, power * (1.0 - share.of_next));
+          if (share.of_next > 0.0) lines.Add(node + 1, cell.col, power * share.of_next);
+        }
+      }
+      const std::vector<std::uint32_t> present = lines.Sorted();
+      for (int beam = 0; beam < beams; ++beam) {
+        const ResponseWindow& window = response.azimuth(beam);
+        weights.clear();
+        for (const std::uint32_t node : present) weights.push_back(lines.Through(window, node));
+        const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+        auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
+        for (std::size_t i = 0; i < present.size(); ++i) {
+          if (weights[i] > negligible_share * total)
+            pixel.push_back({present[i], static_cast<float>(weights[i])});
+        }
+      }
+    }
+  });
+
+  PixelEchoes gathered{.materials = echoes.materials, .start = {0}, .entries = {}};
+  std::size_t count = 0;
+  for (const auto& pixel : of_pixel) count += pixel.size();
+  gathered.entries.reserve(count);
+  for (auto& pixel : of_pixel) {
+    gathered.entries.insert(gathered.entries.end(), pixel.begin(), pixel.end());
+    gathered.start.push_back(static_cast<std::uint32_t>(gathered.entries.size()));
+    std::vector<PixelEchoes::Entry>().swap(pixel);
+  }
+  return gathered;
+}
+
+EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
+                       const ParameterSet& parameters) {
+  return GatherEchoPower(simulator.TraceEchoes(world_from_sonar), simulator.fan(), simulator.sonar().axes,
+                         {.absorption_db_per_m = simulator.absorption_db_per_m(),
+                          .elevation = ElevationResponseOf(simulator.sonar(), parameters.beam),
+                          .range_steps = RangeStepsFor(simulator.sonar(), parameters)});
+}
+
+PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
+                                const ParameterSet& parameters) {
+  return GatherPixelEchoes(echoes, MakePowerResponse(simulator.sonar(), parameters, echoes.column_azimuth_rad,
+                                                     echoes.range_steps));
+}
+
+PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,
+                              const ParameterSet& parameters) {
+  return ThroughBeamAndPulse(simulator, EchoesOfPose(simulator, world_from_sonar, parameters), parameters);
+}
+
+PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale) {
+  SONARCAL_CHECK(above.start.size() == below.start.size() && above.materials == below.materials,
+                 "echoes of {} and {} pixels", above.start.size() - 1, below.start.size() - 1);
+  PixelEchoes difference{.materials = above.materials, .start = {0}, .entries = {}};
+  for (std::size_t pixel = 0; pixel + 1 < above.start.size(); ++pixel) {
+    std::uint32_t a = above.start[pixel];
+    std::uint32_t b = below.start[pixel];
+    while (a < above.start[pixel + 1] || b < below.start[pixel + 1]) {
+      const std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+      const std::uint32_t node_a = a < above.start[pixel + 1] ? above.entries[a].node : none;
+      const std::uint32_t node_b = b < below.start[pixel + 1] ? below.entries[b].node : none;
+      const std::uint32_t node = std::min(node_a, node_b);
+      double weight = 0.0;
+      if (node_a == node) weight += above.entries[a++].weight;
+      if (node_b == node) weight -= below.entries[b++].weight;
+      difference.entries.push_back({node, static_cast<float>(scale * weight)});
+    }
+    difference.start.push_back(static_cast<std::uint32_t>(difference.entries.size()));
+  }
+  return difference;
+}
+
+}  // namespace sonarcal

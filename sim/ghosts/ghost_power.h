@@ -1,0 +1,133 @@
+// What ghosts (sim/ghosts/ghost_trace.h) add to the power that a scene scatters. An echo that goes out by leg
+// a and comes back by leg b, of lengths L, spreading S, has the mean power
+//
+//   10^((SL + G - alpha (La + Lb)) / 10) / (Sa Sb)^2  10^(-(losses of all reflections) / 10)
+//     sigma(delta_a, delta_b)  A  sqrt(el(phi_a) el(phi_b))
+//
+// at range (La + Lb) / 2, from the azimuth of b. A = Sa^2 dOmega / cos(delta_a) is the patch of the ray that
+// found it. Each end has half of the two-way elevation pattern. Between two directions a surface scatters by
+// GsabBetweenPower (sim/physics/gsab.h).
+//
+// The two ways of one pair of legs have the same length, so that for each scatterer the two echoes arrive in
+// phase. A beam that hears both, from azimuths h to either side of their middle, hears the field f(h) + f(-h)
+// and not twice the power: where both come from one direction, as by a floor or the surface of the water,
+// four times the power of one (the enhancement of backscatter). Beside the two echoes a third stands for the
+// product, at the middle and of twice the power of one times the response at h. For Gaussian beams that is
+// exact; for others as far as their main lobe is one. Echoes of different lengths have phases apart: their
+// powers add.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types/parameters.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/ghosts/ghost_trace.h"
+#include "sim/physics/beam_pattern.h"
+
+namespace sonarcal {
+
+// One arrival of a ghost at the sonar: power as in a ScatterMap.
+struct GhostArrival {
+  double range_m = 0.0;
+  double azimuth_rad = 0.0;
+  double power = 0.0;
+};
+
+class GhostPower {
+ public:
+  // The arguments must outlive it. Throws DataError where the beam's azimuth width is unknown.
+  GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
+             const ParameterSet& parameters);
+
+  // Of one way, out by `leg` and back by `other`.
+  double OneWay(const GhostEcho& echo) const;
+
+  // The same where source level, gain, losses and backscatter are one: what the geometry alone does.
+  double UnitOneWay(const GhostEcho& echo) const;
+
+  // Calls take(GhostArrival) for each: one, or three where the echo goes both ways.
+  template <typename Take>
+  void ForEachArrival(const GhostEcho& echo, Take&& take) const {
+    ForEachArrival(echo, OneWay(echo), take);
+  }
+
+  // The same where OneWay is known.
+  template <typename Take>
+  void ForEachArrival(const GhostEcho& echo, double power, Take&& take) const {
+    const double range_m = echo.range_m();
+    const double azimuth_rad = echo.leg.azimuth_rad;
+    const double other_rad = echo.other.azimuth_rad;
+    const double sent = transmit_.Power(azimuth_rad);
+    const double sent_by_other = transmit_.Power(other_rad);
+    take(GhostArrival{range_m, azimuth_rad, power * sent_by_other});
+    if (!echo.both_ways) return;
+    take(GhostArrival{range_m, other_rad, power * sent});
+    const double middle_rad = 0.5 * (azimuth_rad + other_rad);
+    const double in_common = InCommon(azimuth_rad, middle_rad);
+    if (in_common > 0.0) {
+      take(GhostArrival{range_m, middle_rad, 2.0 * power * std::sqrt(sent * sent_by_other) * in_common});
+    }
+  }
+
+ private:
+  double OfLeg(const GhostLeg& leg) const;
+  double MirrorLossDb(const GhostLeg& leg) const;
+  // 0 where next to nothing.
+  double InCommon(double azimuth_rad, double middle_rad) const;
+
+  double level_;
+  double absorption_db_per_m_;
+  ElevationResponse elevation_;
+  AzimuthResponse<double> azimuth_;
+  TransmitPattern transmit_;
+  std::vector<GsabParameters<double>> materials_;
+  std::vector<double> loss_db_;  // of a reflection by each material; infinity where it is no mirror
+};
+
+// Where an arrival lies among the columns of a fan and fine rows of range: shared between the two nearest of
+// either. Outside of them it is not heard; half a step beyond either end still counts as the end.
+class ArrivalGrid {
+ public:
+  // `column_azimuth_rad` must outlive it.
+  ArrivalGrid(const std::vector<double>& column_azimuth_rad, double range_min_m, double step_m, int rows)
+      : columns_(column_azimuth_rad), range_min_m_(range_min_m), step_m_(step_m), rows_(rows) {}
+
+  // Calls take(row, column, power) for up to four cells.
+  template <typename Take>
+  void ForEachCell(const GhostArrival& arrival, Take&& take) const {
+    const auto column = Place(arrival.azimuth_rad);
+    if (!column) return;
+    const double position = (arrival.range_m - range_min_m_) / step_m_ - 0.5;
+    const int row = static_cast<int>(std::floor(position));
+    const double along = position - row;
+    for (const int down : {0, 1}) {
+      if (row + down < 0 || row + down >= rows_) continue;
+      const double of_row = arrival.power * (down == 0 ? 1.0 - along : along);
+      take(row + down, column->index, (1.0 - column->fraction) * of_row);
+      take(row + down, column->index + 1, column->fraction * of_row);
+    }
+  }
+
+ private:
+  // Index and fraction of the way to the next.
+  struct Between {
+    int index = 0;
+    double fraction = 0.0;
+  };
+  std::optional<Between> Place(double azimuth_rad) const;
+
+  const std::vector<double>& columns_;
+  double range_min_m_;
+  double step_m_;
+  int rows_;
+};
+
+// Adds the list to a map. What arrives between two columns or rows is shared between them; outside of them
+// it is not heard.
+void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
+               ScatterMap& scatter);
+
+}  // namespace sonarcal

@@ -1,0 +1,372 @@
+#include "sim/ghosts/ghost_trace.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/math/random.h"
+#include "core/types/error.h"
+#include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/beam_pattern.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr std::uint32_t kSpotsStream = 0x4000;
+// Rays start this far off the surface they leave, of the largest coordinate: some ten roundings.
+constexpr double kClearance = 1e-5;
+
+struct Tracing {
+  const RayCaster& caster;
+  const MirrorSurface& mirrors;
+  const RayFan& fan;
+  const GhostOptions& options;
+  Eigen::Vector3d sonar_m;
+  Eigen::Matrix3d world_from_sonar;
+  double clearance_m = 0.0;
+  double leftmost_rad = 0.0;  // that the fan covers
+  double rightmost_rad = 0.0;
+};
+
+// A bundle that was reflected, and the ray that it began as.
+struct Seen {
+  RayBundle bundle;
+  int triangle = 0;  // that it was reflected by
+  int col = 0;
+  GhostLeg leg;  // azimuth, elevation and mirrors so far
+};
+
+// The patch that a leg ends at.
+struct Patch {
+  Eigen::Vector3d point_m;
+  Eigen::Vector3d normal;  // towards where the leg comes from
+  Eigen::Vector3d back;    // along the leg, unit length
+  int col = 0;
+  int triangle = 0;
+  int mirror_triangle = 0;  // the last that the leg was reflected by
+  GhostLeg leg;
+};
+
+float AngleRad(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
+  return static_cast<float>(std::atan2(direction.cross(normal).norm(), std::abs(direction.dot(normal))));
+}
+
+// Bundles of a row of the fan that met a mirror, reflected there.
+std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, int row) {
+  const RayFan& fan = tracing.fan;
+  std::vector<Seen> seen;
+  for (int col = 0; col < fan.cols(); ++col) {
+    const std::size_t ray = static_cast<std::size_t>(row) * fan.cols() + col;
+    const int triangle = hits.triangle[ray];
+    if (triangle < 0 || !(hits.range_m[ray] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
+    Eigen::Vector3d direction = fan.Direction(row, col).cast<double>();
+    double range_m = hits.range_m[ray];
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col, {}};
+    begun.leg.azimuth_rad = static_cast<float>(fan.AzimuthRad(row, col));
+    begun.leg.elevation_rad = static_cast<float>(fan.ElevationRad(row, col));
+    begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
+    begun.bundle = tracing.mirrors.Reflected(begun.bundle, triangle, range_m);
+    seen.push_back(begun);
+  }
+  return seen;
+}
+
+// The same of rays at random spots of the row's cells.
+std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
+  const RayFan& fan = tracing.fan;
+  const CounterRandom spots(*tracing.options.spots_seed, kSpotsStream);
+  std::vector<Eigen::Vector3d> directions;
+  FreeRays rays;
+  for (int col = 0; col < fan.cols(); ++col) {
+    const auto [u, v] = spots.Uniform2(static_cast<std::uint64_t>(row) * fan.cols() + col);
+    directions.push_back(fan.DirectionWithin(row, col, u - 0.5, v - 0.5));
+    rays.Add(tracing.sonar_m, tracing.world_from_sonar * directions.back(),
+             2.0 * tracing.options.range_max_m);
+  }
+  const FanHits hits = tracing.caster.Meet(rays);
+  std::vector<Seen> seen;
+  for (int col = 0; col < fan.cols(); ++col) {
+    const int triangle = hits.triangle[col];
+    if (triangle < 0 || !(hits.range_m[col] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
+    const Eigen::Vector3d& direction = directions[col];
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col, {}};
+    begun.leg.azimuth_rad = static_cast<float>(std::atan2(direction.x(), direction.y()));
+    begun.leg.elevation_rad = static_cast<float>(std::asin(std::clamp(direction.z(), -1.0, 1.0)));
+    begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
+    begun.bundle = tracing.mirrors.Reflected(begun.bundle, triangle, hits.range_m[col]);
+    seen.push_back(begun);
+  }
+  return seen;
+}
+
+// Sends the bundles on to what they meet. Those that met another mirror, reflected there, replace `seen`.
+std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Seen>& seen) {
+  FreeRays rays;
+  for (const Seen& one : seen) {
+    const RayBundle& bundle = one.bundle;
+    // The other leg takes some of the way, too, but how little is not known before.
+    const double left_m = 2.0 * tracing.options.range_max_m - bundle.length_m;
+    const Eigen::Vector3d normal = tracing.caster.TriangleNormal(one.triangle).cast<double>();
+    const double aside_m = std::copysign(tracing.clearance_m, normal.dot(bundle.direction));
+    rays.Add(bundle.point_m + aside_m * normal, bundle.direction, std::max(left_m, 0.0));
+  }
+  const FanHits hits = tracing.caster.Meet(rays);
+  std::vector<Patch> patches;
+  std::vector<Seen> further;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const int triangle = hits.triangle[i];
+    const double range_m = hits.range_m[i];
+    if (triangle < 0 || !(range_m > 0.0)) continue;
+    const Seen& one = seen[i];
+    Patch patch{.point_m = one.bundle.At(range_m),
+                .normal = tracing.caster.TriangleNormal(triangle).cast<double>(),
+                .back = -one.bundle.direction,
+                .col = one.col,
+                .triangle = triangle,
+                .mirror_triangle = one.triangle,
+                .leg = one.leg};
+    if (patch.normal.dot(one.bundle.direction) > 0.0) patch.normal = -patch.normal;
+    patch.leg.length_m = static_cast<float>(one.bundle.length_m + range_m);
+    patch.leg.spreading_m = static_cast<float>(one.bundle.SpreadingM(range_m));
+    patch.leg.incidence_rad = AngleRad(one.bundle.direction, patch.normal);
+    patches.push_back(patch);
+    if (level < tracing.options.order && tracing.mirrors.Reflects(triangle)) {
+      Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col, one.leg};
+      next.leg.mirror[level] = tracing.caster.TriangleMaterial(triangle);
+      further.push_back(next);
+    }
+  }
+  seen = std::move(further);
+  return patches;
+}
+
+bool IsKept(const GhostOptions& options, float range_m) {
+  return range_m > 0.0F && range_m >= options.range_min_m && range_m < options.range_max_m;
+}
+
+bool IsHeard(const GhostOptions& options, const GhostLeg& leg) {
+  return leg.azimuth_rad >= options.heard_left_rad && leg.azimuth_rad <= options.heard_right_rad;
+}
+
+// Whether an echo out by `leg`, which may be sent, and back by `other`, or the reverse, is of the list.
+bool IsWanted(const Tracing& tracing, const GhostLeg& leg, const GhostLeg& other) {
+  return leg.azimuth_rad >= tracing.leftmost_rad && leg.azimuth_rad <= tracing.rightmost_rad &&
+         (IsHeard(tracing.options, leg) || IsHeard(tracing.options, other)) &&
+         IsKept(tracing.options, 0.5F * (leg.length_m + other.length_m));
+}
+
+// A leg that leaves the sonar in a direction of the world, by flat mirrors if any.
+GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d& from_sonar,
+                 float incidence_rad) {
+  const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * from_sonar;
+  GhostLeg leg;
+  leg.length_m = static_cast<float>(length_m);
+  leg.spreading_m = leg.length_m;
+  leg.azimuth_rad = static_cast<float>(std::atan2(in_sonar.x(), in_sonar.y()));
+  leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
+  leg.incidence_rad = incidence_rad;
+  return leg;
+}
+
+// The straight legs of patches, in their order; nothing where the scene is in the way or the echo would lie
+// outside the range window.
+std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const std::vector<Patch>& patches) {
+  std::vector<std::optional<GhostLeg>> legs(patches.size());
+  std::vector<std::size_t> of_ray;
+  FreeRays rays;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const Patch& patch = patches[i];
+    const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
+    const Eigen::Vector3d to_sonar_m = tracing.sonar_m - start_m;
+    const double length_m = to_sonar_m.norm();
+    if (!(to_sonar_m.dot(patch.normal) > 0.0)) continue;
+    const GhostLeg leg =
+        LegBack(tracing, length_m, -to_sonar_m / length_m, AngleRad(to_sonar_m / length_m, patch.normal));
+    if (!IsWanted(tracing, leg, patch.leg)) continue;
+    legs[i] = leg;
+    of_ray.push_back(i);
+    rays.Add(start_m, to_sonar_m / length_m, length_m - tracing.clearance_m);
+  }
+  const std::vector<char> obstructed = tracing.caster.Obstructed(rays);
+  for (std::size_t ray = 0; ray < of_ray.size(); ++ray) {
+    if (obstructed[ray] != 0) legs[of_ray[ray]].reset();
+  }
+  return legs;
+}
+
+GhostEcho EchoOf(const Tracing& tracing, int row, const Patch& patch) {
+  return {.material = tracing.caster.TriangleMaterial(patch.triangle),
+          .both_ways = false,
+          .solid_angle_sr = static_cast<float>(tracing.fan.SolidAngleSr(row, patch.col)),
+          .tilt_rad = patch.leg.incidence_rad,
+          .leg = patch.leg,
+          .other = patch.leg};
+}
+
+void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patches,
+               std::vector<GhostEcho>& echoes) {
+  const std::vector<std::optional<GhostLeg>> straight = StraightLegs(tracing, patches);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const Patch& patch = patches[i];
+    GhostEcho echo = EchoOf(tracing, row, patch);
+    // There and back by two mirrors each is an echo of third order and more.
+    if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m()) &&
+        IsHeard(tracing.options, echo.leg)) {
+      echoes.push_back(echo);
+    }
+    if (!straight[i]) continue;
+    echo.both_ways = true;
+    echo.other = *straight[i];
+    const Eigen::Vector3d straight_back = (tracing.sonar_m - patch.point_m).normalized();
+    echo.tilt_rad = AngleRad((patch.back + straight_back).normalized(), patch.normal);
+    echoes.push_back(echo);
+  }
+}
+
+// Echoes out by the mirror that showed a patch and back by one flat mirror, and the reverse: the second leg
+// by the sonar's image behind that mirror. Of two flat mirrors the one of the earlier plane shows the patch,
+// so that no pair comes twice.
+void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>& patches,
+                      std::int32_t plane_idx, std::vector<GhostEcho>& echoes) {
+  struct Candidate {
+    const Patch* patch;
+    GhostLeg leg;
+    Eigen::Vector3d back;      // from the patch towards the image
+    Eigen::Vector3d mirror_m;  // where the way meets the mirror's plane
+    double to_mirror_m;
+  };
+  const MirrorSurface::Plane& plane = tracing.mirrors.planes()[plane_idx];
+  const Eigen::Vector3d image_m = plane.ImageOf(tracing.sonar_m);
+  std::vector<Candidate> candidates;
+  FreeRays to_mirror;
+  for (const Patch& patch : patches) {
+    if (tracing.mirrors.PlaneOf(patch.mirror_triangle) >= plane_idx) continue;
+    const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
+    const Eigen::Vector3d to_image_m = image_m - start_m;
+    const double length_m = to_image_m.norm();
+    const Eigen::Vector3d back = to_image_m / length_m;
+    const double share = (plane.offset_m - plane.normal.dot(start_m)) / plane.normal.dot(to_image_m);
+    if (!(back.dot(patch.normal) > 0.0) || !(share > 0.0 && share < 1.0)) continue;
+    const Eigen::Vector3d mirror_m = start_m + share * to_image_m;
+    const Eigen::Vector3d from_sonar = (mirror_m - tracing.sonar_m).normalized();
+    const GhostLeg leg = LegBack(tracing, length_m, from_sonar, AngleRad(back, patch.normal));
+    if (!IsWanted(tracing, leg, patch.leg)) continue;
+    candidates.push_back({&patch, leg, back, mirror_m, share * length_m});
+    to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);
+  }
+  // What each meets first must be the mirror, and the rest of the way be free.
+  const FanHits hits = tracing.caster.Meet(to_mirror);
+  std::vector<std::size_t> met;
+  FreeRays to_sonar;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (hits.triangle[i] < 0 || tracing.mirrors.PlaneOf(hits.triangle[i]) != plane_idx) continue;
+    const Candidate& candidate = candidates[i];
+    const Eigen::Vector3d rest_m = tracing.sonar_m - candidate.mirror_m;
+    const double aside_m = std::copysign(tracing.clearance_m, plane.normal.dot(rest_m));
+    candidates[i].leg.mirror[0] = tracing.caster.TriangleMaterial(hits.triangle[i]);
+    met.push_back(i);
+    to_sonar.Add(candidate.mirror_m + aside_m * plane.normal, rest_m.normalized(),
+                 rest_m.norm() - 2.0 * tracing.clearance_m);
+  }
+  const std::vector<char> obstructed = tracing.caster.Obstructed(to_sonar);
+  for (std::size_t ray = 0; ray < met.size(); ++ray) {
+    if (obstructed[ray] != 0) continue;
+    const Candidate& candidate = candidates[met[ray]];
+    GhostEcho echo = EchoOf(tracing, row, *candidate.patch);
+    echo.both_ways = true;
+    echo.other = candidate.leg;
+    echo.tilt_rad = AngleRad((candidate.patch->back + candidate.back).normalized(), candidate.patch->normal);
+    echoes.push_back(echo);
+  }
+}
+
+std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, int row) {
+  std::vector<GhostEcho> echoes;
+  std::vector<Seen> seen = tracing.options.spots_seed ? FirstReflectionsAtSpots(tracing, row)
+                                                      : FirstReflections(tracing, hits, row);
+  for (int level = 1; level <= tracing.options.order && !seen.empty(); ++level) {
+    const std::vector<Patch> patches = PatchesSeen(tracing, level, seen);
+    AddEchoes(tracing, row, patches, echoes);
+    if (level > 1 || tracing.options.order < 2) continue;
+    for (std::size_t plane = 0; plane < tracing.mirrors.planes().size(); ++plane) {
+      AddEchoesByPlane(tracing, row, patches, static_cast<std::int32_t>(plane), echoes);
+    }
+  }
+  return echoes;
+}
+
+}  // namespace
+
+void GhostOptions::Check() const {
+  if (order != 1 && order != 2) throw DataError("ghosts: order {}, expected 1 or 2", order);
+}
+
+std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_names,
+                                      const ParameterSet& parameters) {
+  std::vector<char> reflects;
+  for (const std::string& name : material_names) {
+    reflects.push_back(parameters.mirrors.count(name) != 0 ? 1 : 0);
+  }
+  return reflects;
+}
+
+RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam) {
+  constexpr double kWidestMarginDeg = 60.0;  // that RayFanOptions allows
+  RayFanOptions options = fan;
+  if (fan.sampling == Sampling::kBeams) {
+    options.cols = std::max(fan.cols / 4, 1);
+    options.rows = std::max(fan.rows / 2, 1);
+  }
+  if (beam.mirror_lobes == MirrorLobes::kMain) {
+    const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));
+    options.elevation_span_deg = std::min(options.elevation_span_deg, main_lobe_deg);
+  }
+  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
+  const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));
+  options.azimuth_margin_deg =
+      std::clamp(beam.transmit_end_deg - edge_deg, fan.azimuth_margin_deg, kWidestMarginDeg);
+  return options;
+}
+
+std::pair<double, double> AzimuthsRad(const RayFan& fan) {
+  const int last = fan.cols() - 1;
+  const auto half_width = [&](int col, int beside) {
+    return 0.5 * std::abs(fan.AzimuthRad(col) - fan.AzimuthRad(beside));
+  };
+  return {fan.AzimuthRad(0) - half_width(0, std::min(1, last)),
+          fan.AzimuthRad(last) + half_width(last, std::max(last - 1, 0))};
+}
+
+GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, const RayFan& fan,
+                      const Pose& world_from_sonar, const GhostOptions& options) {
+  options.Check();
+  Tracing tracing{.caster = caster,
+                  .mirrors = mirrors,
+                  .fan = fan,
+                  .options = options,
+                  .sonar_m = world_from_sonar.position_m,
+                  .world_from_sonar = world_from_sonar.rotation.toRotationMatrix()};
+  tracing.clearance_m =
+      kClearance * std::max(mirrors.largest_coordinate_m(), tracing.sonar_m.cwiseAbs().maxCoeff());
+  std::tie(tracing.leftmost_rad, tracing.rightmost_rad) = AzimuthsRad(fan);
+
+  FanHits hits;
+  if (!options.spots_seed) hits = caster.Cast(fan, world_from_sonar, 2.0 * options.range_max_m);
+  std::vector<std::vector<GhostEcho>> by_row(fan.rows());
+  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
+    for (int row = rows.begin(); row != rows.end(); ++row) by_row[row] = EchoesOfRow(tracing, hits, row);
+  });
+  GhostList list;
+  list.material_names = caster.material_names();
+  std::size_t count = 0;
+  for (const auto& row : by_row) count += row.size();
+  list.echoes.reserve(count);
+  for (const auto& row : by_row) list.echoes.insert(list.echoes.end(), row.begin(), row.end());
+  return list;
+}
+
+}  // namespace sonarcal

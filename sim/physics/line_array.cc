@@ -1,0 +1,93 @@
+#include "sim/physics/line_array.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/types/error.h"
+#include "core/types/units.h"
+
+namespace sonarcal {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+LineArray ArrayOfLength(double wavelengths, int elements, double taper) {
+  LineArray array;
+  double sum = 0.0;
+  for (int i = 0; i < elements; ++i) {
+    const double place = (i + 0.5) / elements - 0.5;  // of the length
+    const double cosine = std::cos(std::numbers::pi * place);
+    array.position_wavelengths.push_back(place * wavelengths);
+    array.shading.push_back((1.0 - taper) + taper * cosine * cosine);
+    sum += array.shading.back();
+  }
+  for (double& weight : array.shading) weight /= sum;
+  return array;
+}
+
+}  // namespace
+
+double LineArray::Power(double sine) const {
+  Complex sum(0.0);
+  for (std::size_t i = 0; i < shading.size(); ++i) {
+    sum += std::polar(shading[i], kTwoPi * position_wavelengths[i] * sine);
+  }
+  return std::norm(sum);
+}
+
+LineArray MakeLineArray(double half_power_width_rad, double taper) {
+  const double width_deg = DegFromRad(half_power_width_rad);
+  if (!(width_deg >= 0.05 && width_deg <= 60.0)) {
+    throw DataError("azimuth beam width {} degrees: an array is made for 0.05 .. 60", width_deg);
+  }
+  if (!(taper >= 0.0 && taper <= 1.0)) throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", taper);
+  // The length, by halving: main lobes of all tapers lie between those of half and of twice the wavelength
+  // over the width.
+  const double sine = std::sin(0.5 * half_power_width_rad);
+  double shortest = 0.2 / sine;
+  double longest = 1.0 / sine;
+  const int elements = static_cast<int>(std::ceil(2.0 * longest));
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (shortest + longest);
+    (ArrayOfLength(middle, elements, taper).Power(sine) > 0.5 ? shortest : longest) = middle;
+  }
+  // As many elements as the length needs at half a wavelength; fewer of them change its width by O(1 / n^2),
+  // so the length is found once more by the ratio.
+  const int fewer = std::max(static_cast<int>(std::ceil(2.0 * longest)), 4);
+  double length = longest;
+  double low = 0.9 * length;
+  double high = 1.1 * length;
+  for (int i = 0; i < 60; ++i) {
+    length = 0.5 * (low + high);
+    (ArrayOfLength(length, fewer, taper).Power(sine) > 0.5 ? low : high) = length;
+  }
+  return ArrayOfLength(length, fewer, taper);
+}
+
+Beamformer::Beamformer(const LineArray& array, const PolarAxes& axes)
+    : elements_(static_cast<int>(array.shading.size())), steering_(axes.beam_count(), elements_) {
+  double squares = 0.0;
+  for (const double weight : array.shading) squares += weight * weight;
+  noise_scale_ = 1.0 / std::sqrt(squares);
+  for (int beam = 0; beam < axes.beam_count(); ++beam) {
+    const double sine = std::sin(axes.beam_azimuth_rad[beam]);
+    for (int i = 0; i < elements_; ++i) {
+      steering_(beam, i) = std::polar(array.shading[i], -kTwoPi * array.position_wavelengths[i] * sine);
+    }
+  }
+}
+
+Complex Beamformer::Beam(int beam, std::span<const Complex> field) const {
+  const auto steering = steering_.row(beam);
+  double re = 0.0;
+  double im = 0.0;
+  for (int i = 0; i < elements_; ++i) {
+    re += steering[i].real() * field[i].real() - steering[i].imag() * field[i].imag();
+    im += steering[i].real() * field[i].imag() + steering[i].imag() * field[i].real();
+  }
+  return {re, im};
+}
+
+}  // namespace sonarcal

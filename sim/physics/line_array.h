@@ -1,0 +1,42 @@
+// A sonar's receiver as a line array along X, and the beams that are formed of it.
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "core/types/image.h"
+
+namespace sonarcal {
+
+struct LineArray {
+  std::vector<double> position_wavelengths;  // of each element along X, symmetric about 0
+  std::vector<double> shading;               // its weight; of sum 1
+
+  // |sum of shading x exp(2 pi i position sine)|^2: 1 on the axis.
+  double Power(double sine) const;
+};
+
+// Throws DataError for a half-power width outside 0.05..60 degrees or a taper outside 0..1.
+LineArray MakeLineArray(double half_power_width_rad, double taper);
+
+// Shaded sums over the elements, each beam steered to its centre.
+class Beamformer {
+ public:
+  Beamformer(const LineArray& array, const PolarAxes& axes);
+
+  int elements() const { return elements_; }
+
+  // Noise of unit power in each element leaves the beams with unit power once multiplied by this.
+  double noise_scale() const { return noise_scale_; }
+
+  // Of the fields at the elements.
+  std::complex<double> Beam(int beam, std::span<const std::complex<double>> field) const;
+
+ private:
+  int elements_;
+  Grid<std::complex<double>> steering_;  // beams x elements
+  double noise_scale_ = 1.0;
+};
+
+}  // namespace sonarcal

@@ -1,0 +1,46 @@
+#include "sim/rays/acoustic_fan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/types/units.h"
+#include "sim/physics/beam_and_pulse.h"
+
+namespace sonarcal {
+namespace {
+
+constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no side lobes
+constexpr double kMostElevationDeg = 176.0;
+constexpr double kRowDeg = 0.107;  // on average; crowded, a sixth of that at the horizon
+constexpr double kCrowding = 6.0;
+// Of azimuth: they hold the main lobe of every pattern and the side lobes over -35 dB of a Hann-shaded
+// array's.
+constexpr double kMarginWidths = 3.0;
+constexpr double kMostMarginDeg = 20.0;
+constexpr double kColumnsPerWidth = 4.0;
+constexpr int kFewestColumnsPerBeam = 4;
+constexpr int kMostColumnsPerBeam = 8;
+
+}  // namespace
+
+RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters) {
+  const ParameterSet complete = WithResponse(sonar, parameters);
+  const BeamParameters& beam = complete.beam;
+  const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
+  const double width_deg = std::max(beam.azimuth_width_deg, 1e-3);
+  const int per_beam = std::clamp(static_cast<int>(std::ceil(kColumnsPerWidth * spacing_deg / width_deg)),
+                                  kFewestColumnsPerBeam, kMostColumnsPerBeam);
+  const double span_deg = beam.elevation_pattern == ElevationPattern::kGaussian
+                              ? std::min(kGaussianWidths * beam.elevation_width_deg, kMostElevationDeg)
+                              : kMostElevationDeg;
+  return {.sampling = Sampling::kBeams,
+          .cols = per_beam * sonar.axes.beam_count(),
+          .rows = static_cast<int>(std::ceil(span_deg / kRowDeg)),
+          .elevation_span_deg = span_deg,
+          .azimuth_margin_deg = std::min(kMarginWidths * beam.azimuth_width_deg, kMostMarginDeg),
+          .row_crowding = kCrowding,
+          .stagger = true,
+          .stagger_rows = true};
+}
+
+}  // namespace sonarcal

@@ -1,0 +1,335 @@
+#include "sim/rays/row_math.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#define SONARCAL_AVX2
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/math/random.h"
+#include "sim/rays/vector_versions.h"
+
+namespace sonarcal::row_math {
+
+SONARCAL_VECTOR_VERSIONS
+double Dot(const double* __restrict a, const double* __restrict b, int count) {
+  // Sums of their own for each place in a vector, several vectors at once.
+  constexpr int kLanes = 16;
+  double sums[kLanes] = {};
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
+  }
+  double sum = 0.0;
+  for (; i < count; ++i) sum += a[i] * b[i];
+  for (const double of_lane : sums) sum += of_lane;
+  return sum;
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Directions(const float* __restrict x, const float* __restrict y, float across, float up,
+                const float* __restrict rotation, int count, float* __restrict world_x,
+                float* __restrict world_y, float* __restrict world_z) {
+  for (int i = 0; i < count; ++i) {
+    const float right = x[i] * across;
+    const float ahead = y[i] * across;
+    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + up * up);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * up);
+  }
+}
+
+namespace {
+
+// Of angles within half a radian, by the first terms of their series.
+struct SmallTurn {
+  explicit SmallTurn(float angle_rad) {
+    const float square = angle_rad * angle_rad;
+    sine = angle_rad * (1.0F - square / 6.0F * (1.0F - square / 20.0F * (1.0F - square / 42.0F)));
+    cosine = 1.0F - square / 2.0F * (1.0F - square / 12.0F * (1.0F - square / 30.0F));
+  }
+  float sine;
+  float cosine;
+};
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void TurnedAndRaisedDirections(const float* __restrict x, const float* __restrict y,
+                               const float* __restrict width_rad, float part, const float* __restrict raise,
+                               float height_rad, float across, float up, const float* __restrict rotation,
+                               int count, float* __restrict world_x, float* __restrict world_y,
+                               float* __restrict world_z) {
+  for (int i = 0; i < count; ++i) {
+    const SmallTurn aside(part * width_rad[i]);
+    const SmallTurn raised(raise[i] * height_rad);
+    const float level = across * raised.cosine - up * raised.sine;
+    const float height = up * raised.cosine + across * raised.sine;
+    const float right = (x[i] * aside.cosine + y[i] * aside.sine) * level;
+    const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * level;
+    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + height * height);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * height);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * height);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * height);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void TurnedDirections(const float* __restrict x, const float* __restrict y, const float* __restrict width_rad,
+                      float part, float across, float up, const float* __restrict rotation, int count,
+                      float* __restrict world_x, float* __restrict world_y, float* __restrict world_z) {
+  for (int i = 0; i < count; ++i) {
+    const SmallTurn aside(part * width_rad[i]);
+    const float right = (x[i] * aside.cosine + y[i] * aside.sine) * across;
+    const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * across;
+    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + up * up);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * up);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void CellWeights(const float* __restrict cosine, const float* __restrict limit,
+                 const float* __restrict per_rad, float slope, float height, int count,
+                 float* __restrict weight) {
+  const float upper = slope + 0.5F * height;
+  const float lower = slope - 0.5F * height;
+  for (int i = 0; i < count; ++i) {
+    const float top = upper < limit[i] ? upper : limit[i];
+    const float bottom = lower > -limit[i] ? lower : -limit[i];
+    // The height less what lies beyond keeps the digits that top - bottom loses.
+    const float within = height - (upper - top) - (bottom - lower);
+    const float kept = within > 0.0F ? within : 0.0F;
+    const float near = cosine[i];
+    // An elevation is atan(slope x cosine), a difference of two the arc of (a - b) / (1 + a b).
+    const float beside = 1.0F + top * bottom * near * near;
+    const float turned = beside < 0.0F ? std::numbers::pi_v<float> : 0.0F;
+    weight[i] = per_rad[i] * (std::atan(kept * near / beside) + turned);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void HalfTangents(const float* __restrict dx, const float* __restrict dy, const float* __restrict dz,
+                  const float* __restrict nx, const float* __restrict ny, const float* __restrict nz,
+                  int count, float* __restrict half_tangent) {
+  for (int i = 0; i < count; ++i) {
+    const float x = dy[i] * nz[i] - dz[i] * ny[i];
+    const float y = dz[i] * nx[i] - dx[i] * nz[i];
+    const float z = dx[i] * ny[i] - dy[i] * nx[i];
+    const float sine_square = x * x + y * y + z * z;
+    const float cosine = std::abs(dx[i] * nx[i] + dy[i] * ny[i] + dz[i] * nz[i]);
+    const float length = std::sqrt(sine_square + cosine * cosine);
+    half_tangent[i] = std::sqrt(sine_square) / (length + cosine + 1e-30F);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void EchoSteps(const EchoLevel& level, const Table& table, const float* __restrict range_m,
+               const float* __restrict half_tangent, const float* __restrict weight, int count,
+               std::int32_t* __restrict steps) {
+  constexpr float kNearestM = 1e-4F;
+  constexpr float kFarthestM = 1e6F;
+  const EchoLevel l = level;
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = half_tangent[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
+    const float near = range_m[i] > kNearestM ? range_m[i] : kNearestM;
+    const float metres = near < kFarthestM ? near : kFarthestM;
+    const float echo = l.offset - l.per_log * std::log(metres) - l.per_m * metres + strength;
+    const float kept = echo > l.limit ? l.limit : (echo < -l.limit ? -l.limit : echo);
+    steps[i] = static_cast<std::int32_t>(std::nearbyint(kept * weight[i]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void RaisedWeights(const Table& table, float at, float per_raise, const float* __restrict raise,
+                   const float* __restrict width, int count, float* __restrict weight) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float along = (at + per_raise * raise[i]) * table_steps;
+    const float inside = along > table_steps ? table_steps : along;
+    const float position = inside > 0.0F ? inside : 0.0F;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    weight[i] = width[i] * (values[cell] + part * (values[cell + 1] - values[cell]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void PatchPowers(const Table& table, float per_m, const float* __restrict range_m,
+                 const float* __restrict half_tangent, const float* __restrict weight, int count,
+                 float* __restrict power) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = half_tangent[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
+    const float range = range_m[i];
+    power[i] = strength * weight[i] * std::exp(-per_m * range) / (range * range);
+  }
+}
+
+namespace {
+
+constexpr int kLanes = 64;
+
+// Philox2 (core/math/random.h), a lane for each index.
+void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset,
+                      std::uint32_t* word0, std::uint32_t* word1) {
+  for (int i = 0; i < kLanes; ++i) {
+    const auto words =
+        Philox2({first + static_cast<std::uint32_t>(offset[i]), static_cast<std::uint32_t>(seed >> 32)},
+                static_cast<std::uint32_t>(seed));
+    word0[i] = words[0];
+    word1[i] = words[1];
+  }
+}
+
+#ifdef SONARCAL_AVX2
+struct PhiloxLanes {
+  __m256i word0;
+  __m256i word1;
+};
+
+__attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by, __m256i key) {
+  // 32 x 32 bit products of the even lanes and of the odd ones; high and low halves put side by side.
+  const __m256i even = _mm256_mul_epu32(lanes.word0, by);
+  const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(lanes.word0, 32), by);
+  const __m256i high = _mm256_blend_epi32(_mm256_srli_epi64(even, 32), odd, 0xAA);
+  const __m256i low = _mm256_blend_epi32(even, _mm256_slli_epi64(odd, 32), 0xAA);
+  lanes.word0 = _mm256_xor_si256(_mm256_xor_si256(high, key), lanes.word1);
+  lanes.word1 = low;
+}
+
+// Four vectors at a time: one's products are under way while the others' are used.
+__attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::uint32_t first,
+                                                     const std::int32_t* offset, std::uint32_t* word0,
+                                                     std::uint32_t* word1) {
+  constexpr int kVectors = 4;
+  constexpr int kOfVector = 8;
+  const __m256i by = _mm256_set1_epi64x(philox::kMultiplierOfTwo);
+  const __m256i weyl = _mm256_set1_epi32(static_cast<int>(philox::kWeyl0));
+  const __m256i from = _mm256_set1_epi32(static_cast<int>(first));
+  const __m256i high = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed >> 32)));
+  for (int start = 0; start < kLanes; start += kVectors * kOfVector) {
+    PhiloxLanes lanes[kVectors];
+    for (int v = 0; v < kVectors; ++v) {
+      const auto* offsets = reinterpret_cast<const __m256i*>(offset + start + v * kOfVector);
+      lanes[v] = {_mm256_add_epi32(from, _mm256_loadu_si256(offsets)), high};
+    }
+    __m256i key = _mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(seed)));
+    for (int round = 0; round < philox::kRounds; ++round) {
+      for (PhiloxLanes& of_vector : lanes) Round(of_vector, by, key);
+      key = _mm256_add_epi32(key, weyl);
+    }
+    for (int v = 0; v < kVectors; ++v) {
+      _mm256_store_si256(reinterpret_cast<__m256i*>(word0 + start + v * kOfVector), lanes[v].word0);
+      _mm256_store_si256(reinterpret_cast<__m256i*>(word1 + start + v * kOfVector), lanes[v].word1);
+    }
+  }
+}
+#endif
+
+void PhiloxWords(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset, std::uint32_t* word0,
+                 std::uint32_t* word1) {
+#ifdef SONARCAL_AVX2
+  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (has_avx2) {
+    PhiloxWordsAvx2(seed, first, offset, word0, word1);
+    return;
+  }
+#endif
+  PhiloxWordsPlain(seed, first, offset, word0, word1);
+}
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void NormalPairs(std::uint64_t seed, std::uint32_t first, const std::int32_t* __restrict offset, int count,
+                 float* __restrict a, float* __restrict b) {
+  for (int start = 0; start < count; start += kLanes) {
+    const int here = count - start < kLanes ? count - start : kLanes;
+    std::int32_t whole[kLanes] = {};  // the last offsets, where they fill no whole set of lanes
+    if (here < kLanes) std::copy_n(offset + start, here, whole);
+    alignas(32) std::uint32_t first_word[kLanes];
+    alignas(32) std::uint32_t second_word[kLanes];
+    PhiloxWords(seed, first, here < kLanes ? whole : offset + start, first_word, second_word);
+    // Box and Muller. Turns lie within half a one of 0, where single precision serves a sine best. Sine and
+    // cosine in loops of their own: a compiler that takes them together finds no vectors for both.
+    constexpr float kStep = 0x1p-32F;
+    constexpr float kWholeTurn = 2.0F * std::numbers::pi_v<float>;
+    float radius[kLanes];
+    float angle[kLanes];
+    float normal_a[kLanes];
+    float normal_b[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+      const float u =
+          (static_cast<float>(static_cast<std::int32_t>(first_word[i] >> 1)) * 2.0F + 1.0F) * kStep;
+      radius[i] = std::sqrt(-2.0F * std::log(u));
+      angle[i] = static_cast<float>(static_cast<std::int32_t>(second_word[i])) * (kWholeTurn * kStep);
+    }
+    for (int i = 0; i < kLanes; ++i) normal_a[i] = radius[i] * std::cos(angle[i]);
+    for (int i = 0; i < kLanes; ++i) normal_b[i] = radius[i] * std::sin(angle[i]);
+    for (int i = 0; i < here; ++i) {
+      a[start + i] = normal_a[i];
+      b[start + i] = normal_b[i];
+    }
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const float* __restrict range_m,
+             const float* __restrict azimuth_rad, const float* __restrict a, const float* __restrict b,
+             int count, float* __restrict noisy_range_m, float* __restrict noisy_azimuth_rad) {
+  const float per_square = growth.per_reference_square;
+  if (growth.root) {
+    for (int i = 0; i < count; ++i) {
+      const float g = std::sqrt(1.0F + range_m[i] * range_m[i] * per_square);
+      noisy_range_m[i] = range_m[i] + range_scale * g * a[i];
+      noisy_azimuth_rad[i] = azimuth_rad[i] + azimuth_scale * g * b[i];
+    }
+    return;
+  }
+  for (int i = 0; i < count; ++i) {
+    const float g = 1.0F + range_m[i] * range_m[i] * per_square;
+    noisy_range_m[i] = range_m[i] + range_scale * g * a[i];
+    noisy_azimuth_rad[i] = azimuth_rad[i] + azimuth_scale * g * b[i];
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Bins(const float* __restrict value, float first, float per_step, int bins, int count,
+          std::int32_t* __restrict bin) {
+  const auto end = static_cast<float>(bins);
+  for (int i = 0; i < count; ++i) {
+    const float position = (value[i] - first) * per_step;
+    const bool inside = position >= 0.0F && position < end;
+    const float kept = inside ? position : -1.0F;
+    bin[i] = static_cast<std::int32_t>(kept);
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Pixels(const float* __restrict range_m, float nearest_m, float farthest_m,
+            const std::int32_t* __restrict bin, const std::int32_t* __restrict beam, int beams,
+            std::int32_t other, int count, std::int32_t* __restrict pixel) {
+  for (int i = 0; i < count; ++i) {
+    const bool in_window = range_m[i] > 0.0F && range_m[i] >= nearest_m && range_m[i] < farthest_m;
+    const bool inside = in_window && bin[i] >= 0 && beam[i] >= 0;
+    pixel[i] = inside ? bin[i] * beams + beam[i] : other;
+  }
+}
+
+}  // namespace sonarcal::row_math
