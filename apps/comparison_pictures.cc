@@ -5,10 +5,10 @@
 #include <string_view>
 #include <utility>
 
-#include "apps/report/pictures/picture.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

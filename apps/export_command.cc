@@ -18,12 +18,12 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
-#include "apps/report/pictures/fan_pictures.h"
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
 #include "core/types/error.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/fan_pictures.h"
 #include "data_io/recordings/npz_writer.h"
 #include "data_io/ros/ros1_bag_writer.h"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "apps/depth_picture.h"
-#include "apps/report/pictures/picture.h"
 #include "core/imaging/fan_image.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

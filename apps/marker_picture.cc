@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/report/pictures/picture.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

@@ -14,7 +14,6 @@
 #include "apps/provenance.h"
 #include "apps/ray_options.h"
 #include "apps/report/paper_files.h"
-#include "apps/report/pictures/picture.h"
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
 #include "apps/run_output.h"
@@ -23,6 +22,7 @@
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/picture.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
 

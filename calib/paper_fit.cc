@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "calib/degenerate_fit.h"
 #include "calib/fit.h"
 #include "calib/fit_starts.h"
-#include "calib/models/coarse_paper.h"
 #include "calib/problem_builder.h"
 
 namespace sonarcal {
@@ -162,9 +162,9 @@ FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry
   PaperFrameModel model(frames, geometry, material_names, initial);
   FitConfig complete = config;
   if (!complete.free) complete.free = PaperFreeByDefault();
-  const CoarsePaperFrames coarse = MakeCoarse(frames, geometry);
-  PaperFrameModel coarse_model(coarse.frames, coarse.geometry, material_names, initial);
-  ModelFit fit = PaperFitter(model, model.Values(initial), complete, options).Run(coarse_model);
+  const std::unique_ptr<PaperFrameModel> coarse = model.InBlocks();
+  ModelFit fit =
+      PaperFitter(model, model.Values(initial), complete, options).Run(coarse != nullptr ? *coarse : model);
   // Where the data determine nothing, only the priors are left: that is no solution.
   const bool determined = std::any_of(
       fit.report.parameters.begin(), fit.report.parameters.end(), [](const FittedParameter& parameter) {

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "apps/report/pictures/picture.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

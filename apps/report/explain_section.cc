@@ -11,8 +11,8 @@
 #include "apps/report/cause_pictures.h"
 #include "apps/report/fit_section.h"
 #include "apps/report/html_text.h"
-#include "apps/report/pictures/picture.h"
 #include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

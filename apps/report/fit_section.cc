@@ -11,8 +11,8 @@
 #include "apps/report/agreement_section.h"
 #include "apps/report/comparison_section.h"
 #include "apps/report/html_text.h"
-#include "apps/report/pictures/picture.h"
 #include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
 #include "sim/physics/gsab.h"
 
 namespace sonarcal {

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/html_text.h"
-#include "apps/report/pictures/picture.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

@@ -10,11 +10,11 @@
 #include <iterator>
 
 #include "apps/report/html_text.h"
-#include "apps/report/pictures/picture.h"
 #include "apps/report/report_css.h"
 #include "apps/report/report_script.h"
 #include "core/types/error.h"
 #include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "apps/report/html_text.h"
-#include "apps/report/pictures/picture.h"
 #include "data_io/images/image_io.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

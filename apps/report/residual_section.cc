@@ -9,8 +9,8 @@
 
 #include "apps/report/figure_words.h"
 #include "apps/report/html_text.h"
-#include "apps/report/pictures/picture.h"
 #include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
 
 namespace sonarcal {
 namespace {

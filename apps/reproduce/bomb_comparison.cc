@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/reproduce/bomb.h"
-#include "apps/reproduce/bomb_fit.h"
+#include "calib/bomb_fit.h"
 #include "calib/models/held_out_frames.h"
 #include "calib/noise/background_display.h"
 #include "core/types/units.h"
 #include "data_io/sonars/aris3000_frames_io.h"
 #include "sim/paper/paper_values.h"
 #include "sim/physics/receiver.h"
+#include "sim/scenes/bomb.h"
 #include "sim/scenes/scenes.h"
 
 namespace sonarcal {

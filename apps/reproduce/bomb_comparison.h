@@ -1,7 +1,7 @@
 // The paper's comparison on a real sonar's frames: two frames of a bomb recorded by an ARIS 3000
 // (data_io/sonars/aris3000_frames_io.h). Models are fitted on the first frame and judged on the other, twice:
 //
-//   - both with outline and pose of apps/reproduce/bomb_fit.h, found beforehand on the first frame: what the
+//   - both with outline and pose of calib/bomb_fit.h, found beforehand on the first frame: what the
 //   models do
 //     where the geometry is as good as it gets;
 //   - the paper's with a plain outline and the pose that a search on the first frame finds here, from
@@ -37,7 +37,7 @@ struct BombComparison {
   MetricsReport acoustic_sample;
   std::vector<FramePictures> acoustic_pictures;
 
-  // With outline and pose of apps/reproduce/bomb_fit.h.
+  // With outline and pose of calib/bomb_fit.h.
   struct Fitted {
     RecordingFit paper;
     RecordingFit acoustic;  // without metrics and pictures, which are these
@@ -59,7 +59,7 @@ DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
                                               const SegmentationOptions& segmentation);
 
 // The recorded frames as a fit of the acoustic model takes them: each with the pose that was found beforehand
-// (apps/reproduce/bomb_fit.h), the outline as scene, and the parameters to start from.
+// (calib/bomb_fit.h), the outline as scene, and the parameters to start from.
 struct KnownBomb {
   std::unique_ptr<MemoryRecording> recording;
   Scene scene;

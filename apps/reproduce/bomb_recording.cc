@@ -4,14 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/reproduce/bomb.h"
 #include "apps/reproduce/bomb_comparison.h"
-#include "apps/reproduce/bomb_fit.h"
 #include "apps/reproduce/known_recording.h"
+#include "calib/bomb_fit.h"
 #include "calib/models/held_out_frames.h"
 #include "core/types/error.h"
 #include "data_io/sonars/aris3000_frames_io.h"
 #include "sim/physics/display.h"
+#include "sim/scenes/bomb.h"
 
 namespace sonarcal {
 namespace {

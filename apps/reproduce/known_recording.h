@@ -5,7 +5,7 @@
 //
 //   bomb        two frames of a bomb, recorded by an ARIS 3000 (aris3000_uxo), and the other pose of it:
 //               frame 0 is fitted; 1 shows the same still scene, so that receiver noise alone is new in it;
-//               2, the other pose, is independent. Outline and poses are those of apps/reproduce/bomb_fit.h,
+//               2, the other pose, is independent. Outline and poses are those of calib/bomb_fit.h,
 //               beam, pulse and curve are fitted to frame 0, and the pose of frame 2 to frame 2 with all else
 //               held.
 //   hull-strip  three pings of a ship's hull, recorded by a DIDSON (didson_hull), in which a person marked

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/provenance.h"
-#include "apps/report/pictures/picture.h"
 #include "apps/run_output.h"
 #include "apps/view/view_controls.h"
 #include "apps/view/view_files.h"
@@ -22,6 +21,7 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/picture.h"
 #include "metrics/json/metrics_json.h"
 
 namespace sonarcal {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/models/coarse_paper.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/paper/paper_values.h"
@@ -55,6 +56,7 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const Imag
     : frames_(frames),
       geometry_(geometry),
       material_names_(material_names),
+      given_(initial),
       initial_(PaperParametersFor(initial, material_names)),
       catalog_(BuildCatalog(material_names)),
       shown_(material_names.size(), false) {
@@ -126,6 +128,37 @@ void PaperFrameModel::AddPriors() {
     entry.prior = Prior{.coordinate = entry.CoordinateFromValue(value),
                         .sigma = entry.typical_step * (amplitude ? kStepsOfLevel : 1.0)};
   }
+}
+
+namespace {
+
+class PaperModelOfBlocks final : private CoarsePaperFrames, public PaperFrameModel {
+ public:
+  PaperModelOfBlocks(CoarsePaperFrames of, const std::vector<std::string>& material_names,
+                     const ParameterSet& initial)
+      : CoarsePaperFrames(std::move(of)), PaperFrameModel(frames, geometry, material_names, initial) {}
+};
+
+}  // namespace
+
+std::unique_ptr<PaperFrameModel> PaperFrameModel::InBlocks() const {
+  CoarsePaperFrames coarse = MakeCoarse(frames_, geometry_);
+  const double pixels_a_block =
+      static_cast<double>(pixel_count()) / (static_cast<double>(coarse.geometry.axes.range_bins) *
+                                            static_cast<double>(coarse.geometry.axes.beam_count()));
+  if (pixels_a_block <= 1.0) return nullptr;
+  auto model = std::make_unique<PaperModelOfBlocks>(std::move(coarse), material_names_, given_);
+  if (noise_) {
+    PaperNoise noise = *noise_;
+    noise.sigma /= std::sqrt(pixels_a_block);
+    noise.knee_sigma /= std::sqrt(pixels_a_block);
+    model->SetNoise(noise);
+  }
+  return model;
+}
+
+std::unique_ptr<FrameModel> PaperFrameModel::Coarse(std::size_t /*wanted_pixels*/) const {
+  return InBlocks();
 }
 
 template <typename Body>

@@ -36,7 +36,7 @@ struct PaperClipping {
   double recorded = 0.0;  // at full scale in the recording
 };
 
-class PaperFrameModel final : public FrameModel {
+class PaperFrameModel : public FrameModel {
  public:
   // Frames, geometry and names must outlive the model. Throws DataError where a frame does not fit the
   // geometry, or a material of the scene has no parameters.
@@ -57,6 +57,11 @@ class PaperFrameModel final : public FrameModel {
   bool DerivativesAreCheap() const override { return false; }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
+  std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
+
+  // The same frames in blocks of pixels: a tenth of the work, and nearly what the pixels tell of curves and
+  // display. It owns its frames; null where the image cannot be divided. Its noise is that of block means.
+  std::unique_ptr<PaperFrameModel> InBlocks() const;
 
   ParameterValues Values(const ParameterSet& parameters) const;
   void Store(const ParameterValues& values, ParameterSet& parameters) const;
@@ -88,6 +93,7 @@ class PaperFrameModel final : public FrameModel {
   const std::vector<FitFrame>& frames_;
   const ImageGeometry& geometry_;
   const std::vector<std::string>& material_names_;
+  ParameterSet given_;
   PaperParameters<double> initial_;  // and what no catalog entry names
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> shown_;

@@ -11,8 +11,8 @@
 
 #include "apps/depth_picture.h"
 #include "apps/gallery_pictures.h"
-#include "apps/report/pictures/picture.h"
 #include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 

@@ -2,7 +2,7 @@
 // background of frame 0, model fitted on frame 0, judged on frame 1. It is one still scene, so frame 1 has
 // other receiver noise but the same speckle and the same pose.
 //
-// Outline (apps/reproduce/bomb.h) and poses were found beforehand by least squares of images, on frame 0 and
+// Outline (sim/scenes/bomb.h) and poses were found beforehand by least squares of images, on frame 0 and
 // on the other pose alone, and are held in the first fit: about them the likelihood trades the wrong outline
 // for worse images. Beam and pulse end at or near their upper bounds: take neither width for the sonar's.
 //
@@ -18,8 +18,7 @@
 #include <iostream>
 #include <vector>
 
-#include "apps/reproduce/bomb.h"
-#include "apps/reproduce/bomb_fit.h"
+#include "calib/bomb_fit.h"
 #include "calib/noise/background_display.h"
 #include "calib/target_fit.h"
 #include "core/types/units.h"
@@ -27,6 +26,7 @@
 #include "data_io/sonars/aris3000_frames_io.h"
 #include "metrics/compare.h"
 #include "sim/physics/display.h"
+#include "sim/scenes/bomb.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal {

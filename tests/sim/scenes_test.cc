@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/reproduce/bomb.h"
 #include "core/types/error.h"
+#include "sim/scenes/bomb.h"
 #include "tests/support/mesh_checks.h"
 
 namespace sonarcal {

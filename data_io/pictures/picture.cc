@@ -1,4 +1,4 @@
-#include "apps/report/pictures/picture.h"
+#include "data_io/pictures/picture.h"
 
 #include <algorithm>
 #include <cmath>

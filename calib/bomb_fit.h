@@ -1,7 +1,7 @@
 // What is known beforehand of the frames of a bomb that an ARIS 3000 recorded
 // (data_io/sonars/aris3000_frames_io.h), for fits of the acoustic model to them: docs/bomb.md.
 //
-// Outline (apps/reproduce/bomb.h) and poses were found once by least squares of images, on frame 0 and on the
+// Outline (sim/scenes/bomb.h) and poses were found once by least squares of images, on frame 0 and on the
 // other pose alone, and are held where the model is fitted: about them the likelihood trades the wrong
 // outline for worse images. Frame 1 shows the same still scene as frame 0.
 #pragma once

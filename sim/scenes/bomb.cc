@@ -1,4 +1,4 @@
-#include "apps/reproduce/bomb.h"
+#include "sim/scenes/bomb.h"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "apps/reproduce/bomb_fit.h"
+#include "calib/bomb_fit.h"
 
 #include "core/types/units.h"
 

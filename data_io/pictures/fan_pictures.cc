@@ -1,4 +1,4 @@
-#include "apps/report/pictures/fan_pictures.h"
+#include "data_io/pictures/fan_pictures.h"
 
 #include <fmt/format.h>
 
