@@ -355,8 +355,8 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
   add_list(
       "--choose", options->choose,
       "Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, one after "
-      "the other: pattern (of the beams in azimuth), elevation, looks, trend (of noise with range), "
-      "display (default: nothing)",
+      "the other: pattern (of the beams in azimuth), elevation, mirrors (lobes through which they are seen), "
+      "looks, trend (of noise with range), display (default: nothing)",
       "NAME,NAME");
   CLI::Option* noise_only =
       command->add_flag("--noise-only", options->noise_only,

@@ -16,7 +16,8 @@ using testing::SmallSonar;
 using testing::SmallTank;
 using testing::SmallTankOptions;
 
-// Without clipping, and with errors that reach over several pixels, a block's value is the mean of its pixels.
+// Without clipping, and with errors that reach over several pixels, a block's value is the mean of its
+// pixels.
 TEST(CoarsePaper, ABlocksValueIsTheMeanOfItsPixels) {
   const std::vector<std::string> materials = {"floor", "box"};
   ParameterSet parameters = PaperValues(SmallSonar(), materials);
@@ -46,14 +47,12 @@ TEST(CoarsePaper, ABlocksValueIsTheMeanOfItsPixels) {
       double measured = 0.0;
       for (int bin = 0; bin < bins; ++bin) {
         for (int beam = 0; beam < beams; ++beam) {
-          const auto pixel =
-              static_cast<std::size_t>(row * bins + bin) * model.beams() + col * beams + beam;
+          const auto pixel = static_cast<std::size_t>(row * bins + bin) * model.beams() + col * beams + beam;
           mean += (fine.residual[pixel] + frames[0].measured[pixel]) / (bins * beams);
           measured += frames[0].measured[pixel] / (bins * beams);
         }
       }
-      const double block =
-          coarse.residual[static_cast<std::size_t>(row) * blocks->beams() + col] + measured;
+      const double block = coarse.residual[static_cast<std::size_t>(row) * blocks->beams() + col] + measured;
       squares += mean * mean;
       difference += (block - mean) * (block - mean);
     }
