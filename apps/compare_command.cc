@@ -141,7 +141,7 @@ HtmlReport MakeReport(const MetricsReport& metrics, const ShownFrames& shown, in
   return report;
 }
 
-// The frames that are asked for, in ranges with commas between them; empty: all.
+// Frames of the comma-separated ranges; all frames if empty.
 std::vector<int> AskedFrames(const std::string& ranges, const RecordingSource& real,
                              const RecordingSource& simulated) {
   std::vector<int> frames;
@@ -158,7 +158,7 @@ std::vector<int> AskedFrames(const std::string& ranges, const RecordingSource& r
   return frames;
 }
 
-// The scene that --scene names, or with --object the one that a recording names; nothing without either.
+// Scene of --scene. With --object, the scene that a recording names. Nullopt if there is neither.
 std::optional<SceneGeometry> SceneOf(const CompareCommandOptions& options, const RecordingSource& real,
                                      const RecordingSource& simulated) {
   std::filesystem::path scene = options.scene;
@@ -174,8 +174,7 @@ std::optional<SceneGeometry> SceneOf(const CompareCommandOptions& options, const
       std::in_place, ReadSceneFile(scene, options.scene_format, options.common), real.info().sonar);
 }
 
-// Poses of the simulation: the model is shown where it was simulated. Those of the real recording where the
-// simulation states none.
+// Poses of the simulation. If it states none, poses of the real recording.
 std::vector<TimedPose> ObjectPoses(const RecordingSource& real, const RecordingSource& simulated) {
   const bool states_pose =
       simulated.frame_count() > 0 && simulated.frame_info(0).world_from_sonar.has_value();

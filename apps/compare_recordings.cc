@@ -85,7 +85,7 @@ class PairComparer {
     return pair;
   }
 
-  // Null where no object is asked for.
+  // Null without an object.
   const PixelBox* BoxFor(int frame, const Pair& pair) const {
     if (!compare_.object) return nullptr;
     const auto box = options_.boxes.find(frame);

@@ -84,7 +84,7 @@ Subject OpenKnown(const ExplainCommandOptions& options, const RunOutput& output)
   WritePrepared(prepared, output / "recording");
   ComparisonOptions comparison = options.comparison;
   CompareOptions compare = comparison.For(prepared.recording->info().sonar.axes);
-  // A method that is asked for by name, or by --object, wins over the recording's own.
+  // A method given by name or by --object overrides the recording's own.
   const SegmentationOptions& own = prepared.comparison.segmentation;
   if (!comparison.object.method && !compare.object && own.method != compare.segmentation.method) {
     comparison.object.method = compare.segmentation.method = own.method;

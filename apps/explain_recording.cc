@@ -18,6 +18,7 @@
 #include "metrics/segmentation/region.h"
 #include "metrics/segmentation/segmentation.h"
 #include "sim/gathered/echo_causes.h"
+#include "sim/paper/paper_image.h"
 #include "sim/physics/display.h"
 
 namespace sonarcal {
@@ -65,7 +66,7 @@ MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<G
   for (std::size_t f = 0; f < frames.size(); ++f) {
     Frame frame{recorded.frame_info(frames[f].index), images != nullptr ? (*images)[f] : frames[f].image};
     frame.image.scale = info.scale;
-    for (float& value : frame.image.value.values()) value = std::round(value);  // as a recording has it
+    QuantiseImage(frame.image);
     all.push_back(std::move(frame));
   }
   return {std::move(info), std::move(all)};

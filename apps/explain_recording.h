@@ -74,8 +74,8 @@ struct ExplainedRecording {
   FrameSplit split;
   Explanation explanation;
   JudgedSteps judged;  // by all frames held out together
-  // The last step on these frames, as `compare` scores it: its expected image, and a draw where it knows
-  // speckle.
+  // Metrics of the last step on these frames, as `compare` computes them: of its expected image, and of a
+  // speckled sample if the step models speckle.
   std::optional<MetricsReport> metrics_after = {};
   std::optional<MetricsReport> sample_metrics_after = {};
   std::vector<JudgedSteps> by_frame;  // by each alone

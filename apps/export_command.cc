@@ -20,6 +20,7 @@
 #include "apps/ray_options.h"
 #include "apps/run_output.h"
 #include "apps/simulate_recording.h"
+#include "apps/sonar_option.h"
 #include "core/types/error.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
@@ -272,12 +273,7 @@ void SetupExport(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   command->add_option("--params", options->params, "Parameters to export to a simulator")->type_name("JSON");
-  command
-      ->add_option("--sonar", options->sonar,
-                   "Sonar of a simulator's configuration: a name (see sonarcal sonars), a recording, or a "
-                   "JSON file with a 'sonar' "
-                   "object")
-      ->type_name("NAME|FILE");
+  AddSonar(*command, options->sonar, " (for the configuration of a simulator)");
   AddAbsorption(*command, options->absorption);
   command
       ->add_option("--recording", options->recording,

@@ -136,7 +136,7 @@ std::string ParametersText(const FitReport& report) {
   return text;
 }
 
-// What a person wants to see in a terminal: what moved, how sure it is, and whether it helped.
+// Summary for the terminal: curves, parameters with standard errors, metrics before and after.
 std::string SummaryText(const RecordingFit& fit, const std::string& recording,
                         const std::filesystem::path& out) {
   const FitReport& report = fit.fit.report;
@@ -144,12 +144,14 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
   for (const std::string& sentence : report.warnings) text += fmt::format("warning: {}\n", sentence);
   text += fmt::format("{}: fitted to frames {}, judged on {}\n", recording, FrameList(report.frames_used),
                       fit.judged_on_held_out ? "frames " + FrameList(report.frames_held_out)
-                                             : "the same frames, as none is held out");
+                                             : "the same frames, because none is held out");
   const std::size_t width = NameWidth(report);
   text += CurvesText(report, fit.seen) + ParametersText(report);
-  for (const std::string& sentence : report.unidentifiable_directions)
-    text += fmt::format("  left open: {}\n", sentence);
-  for (const std::string& sentence : report.other_poses) text += fmt::format("  left open: {}\n", sentence);
+  const auto add_list = [&](const char* title, const std::vector<std::string>& sentences) {
+    if (!sentences.empty()) text += fmt::format("  {}:\n    {}\n", title, fmt::join(sentences, "\n    "));
+  };
+  add_list("not identifiable", report.unidentifiable_directions);
+  add_list("other poses that fit equally well", report.other_poses);
 
   const IntensityDomain domain = fit.after.options.intensity_domain;
   text += fmt::format("  {:<{}}  {:>9}  {:>9}\n", fit.judged_on_held_out ? "held-out frames" : "frames used",
@@ -182,7 +184,7 @@ std::string SummaryText(const RecordingFit& fit, const std::string& recording,
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
 
-// Throws UsageError for options that the chosen way to fit does not take.
+// Throws UsageError for options that have no effect in the chosen kind of fit.
 void RefuseWithoutEffect(const CLI::App& command, const FitCommandOptions& options) {
   const OptionNames noise_options = {"--range-min", "--range-max", "--find-background", "--hold-out-bands",
                                      "--reject-beyond"};

@@ -10,10 +10,10 @@
 namespace sonarcal {
 namespace {
 
-// Below this IoU between two samples, detection by itself is too rough to say anything of a pose.
-constexpr double kLeastOwnIou = 0.2;
+// Below this IoU between two samples, segmentation is too uncertain to test a pose.
+constexpr double kMinOwnIou = 0.2;
 
-// The summary of those frames of a report that stand in another one.
+// Summary over the frames of `report` that `of` has too.
 ViewSummary OverFramesOf(const MetricsReport& report, const MetricsReport& of) {
   std::vector<FrameMetrics> frames;
   for (const FrameMetrics& frame : report.frames) {
@@ -41,14 +41,14 @@ void DoubtAgreement(const RecordingFit& fit, std::vector<std::string>& doubts) {
   const ViewSummary& own = fit.sample_pair->aggregate.macro.polar;
   const std::optional<double> own_iou = own.At("iou").value;
   const double iou = recorded.At("iou").value.value_or(0.0);
-  if (own_iou && *own_iou >= kLeastOwnIou && iou < kLeastShareOfOwnIou * *own_iou) {
+  if (own_iou && *own_iou >= kMinOwnIou && iou < kMinShareOfOwnIou * *own_iou) {
     doubts.push_back(
         fmt::format("the fit has not found the recorded object: IoU {:.2f} between the recording and a "
                     "speckled sample of the "
                     "fitted model, {:.2f} between two samples, so the standard errors do not hold",
                     iou, *own_iou));
   }
-  // Without an object in either image there is the whole image.
+  // If neither image has an object, the whole image is compared.
   const bool has_object = recorded.Over(fit.after.options.intensity_domain).mean_absolute.value.has_value();
   const IntensityDomain domain = has_object ? fit.after.options.intensity_domain : IntensityDomain::kWhole;
   const std::optional<double> own_error = own.Over(domain).mean_absolute.value;

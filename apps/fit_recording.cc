@@ -24,13 +24,14 @@
 #include "data_io/parameters/parameters_io.h"
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/gathered/power_response.h"
+#include "sim/paper/paper_image.h"
 
 namespace sonarcal {
 namespace {
 
 constexpr std::size_t kMostViewed = 16;  // frames in the report: each is traced again
 
-// Frames of which two samples are compared with each other: each is traced twice more.
+// Number of frames on which two samples are compared with each other. Each is traced twice more.
 constexpr int kPairFrames = 4;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
@@ -54,8 +55,8 @@ class ExpectedRecording final : public RecordingSource {
   Frame ReadFrame(int index) const override {
     Frame frame{frame_info(index), render_(index)};
     const double factor = info_.scale.full_scale / frame.image.scale.full_scale;
-    for (float& value : frame.image.value.values())
-      value = static_cast<float>(std::round(value * factor));  // as a recording has it
+    for (float& value : frame.image.value.values()) value = static_cast<float>(value * factor);
+    QuantiseImage(frame.image);
     frame.image.scale = info_.scale;
     return frame;
   }

@@ -1,4 +1,4 @@
-// What a fit made worse, in sentences for FitReport::warnings.
+// Metrics that a fit made worse, as sentences for FitReport::warnings.
 #pragma once
 
 #include <string>

@@ -21,6 +21,7 @@
 #include "apps/run_output.h"
 #include "apps/scenes_command.h"
 #include "apps/simulate_recording.h"
+#include "apps/sonar_option.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/images/image_io.h"
@@ -203,10 +204,7 @@ void SetupGallery(CLI::App& app) {
       ->add_option("--params", options->params,
                    "Parameters (default: the paper's Table 4 for every material of the program's scenes)")
       ->type_name("JSON");
-  command
-      ->add_option("--sonar", options->sonar,
-                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object")
-      ->type_name("NAME|FILE");
+  AddSonar(*command, options->sonar);
   command->add_option("--views", options->views, "The first so many viewpoints of each scene, 0 for all")
       ->type_name("N")
       ->check(CLI::Range(0, 10000).description(""));

@@ -1,5 +1,4 @@
-// Options that were given although they have no effect beside the others: refused, so that nobody takes their
-// effect for granted.
+// Refuses options that have no effect together with the other options.
 #pragma once
 
 #include <string_view>
@@ -15,10 +14,10 @@ using OptionNames = std::vector<std::string_view>;  // "--rays"
 
 bool IsGiven(const CLI::App& command, std::string_view name);
 
-// Throws UsageError "--rays has no effect WHY" for the first of these options that was given.
+// Throws UsageError "--rays has no effect WHY" for the first of these options that the user gave.
 void RefuseGiven(const CLI::App& command, const OptionNames& names, std::string_view why);
 
-// The same for all options except these, --json, --quiet, --force and --help.
+// Refuses every option that the user gave except these, --json, --quiet, --force and --help.
 void RefuseGivenExcept(const CLI::App& command, const OptionNames& names, std::string_view why);
 
 // --scene-unit and --scene-up without --scene.

@@ -45,7 +45,7 @@ std::optional<int> ParseCount(std::string_view text) {
   return value;
 }
 
-// A beam without a ray would be dark, so that RayFan casts more columns than were asked for.
+// RayFan casts more columns than requested, because a beam without a ray would be dark.
 void CheckColumns(const RayFanOptions& fan, const SonarModel& sonar, const std::string& rays) {
   const int beams = sonar.axes.beam_count();
   if (rays.empty() || fan.sampling != Sampling::kBeams || fan.cols >= beams) return;

@@ -67,7 +67,8 @@ void AddReachOptions(CLI::App& command, int& ghost_order, std::optional<double>&
 // Throws UsageError where a weight is chosen for a model that takes none: only the paper's sums over rays.
 void CheckRayWeight(RayWeight weight, EchoModel model);
 
-// Where other rays are cast than --rays says, because each beam takes whole columns: a sentence, else empty.
+// Sentence about the number of rays if it differs from --rays, because each beam takes whole columns; else
+// empty.
 std::string RaysNote(const RayOptions& options, const Simulator& simulator);
 
 std::string_view ToString(Sampling sampling);

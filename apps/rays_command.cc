@@ -18,6 +18,7 @@
 #include "apps/run_output.h"
 #include "apps/scene_option.h"
 #include "apps/simulate_recording.h"
+#include "apps/sonar_option.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
@@ -263,11 +264,7 @@ void SetupRays(CLI::App& app) {
       AddCommand(app, "rays", "Says how far images of few rays are from images of many, by either sampling");
   AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
                   /*required=*/true);
-  command
-      ->add_option("--sonar", options->sonar,
-                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object")
-      ->type_name("NAME|FILE")
-      ->required();
+  AddSonar(*command, options->sonar)->required();
   command->add_option("--params", options->params, "Parameters of the paper's model")
       ->type_name("JSON")
       ->required();

@@ -1,5 +1,5 @@
-// How a recording that the paper's model simulated was sampled. The paper counts each ray alike, so the two
-// samplings have different images (docs/rays.md), and a fit by the other sampling is biased.
+// Sampling of a recording that the paper's model simulated. The paper gives each ray the same weight, so the
+// two samplings have different images (docs/rays.md), and a fit with the other sampling is biased.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace sonarcal {
 struct RaysForFit {
   RayOptions rays;      // as they are to be cast
   std::string note;     // what was taken from the recording; empty: nothing
-  std::string warning;  // in what the rays asked for contradict the recording's; empty: in nothing
+  std::string warning;  // how the requested rays differ from the recording's; empty: they agree
 };
 
-// Returns the rays for a fit of `model`. What the caller leaves open is taken from the recording.
+// Returns the rays for a fit of `model`. The recording gives what the caller does not.
 RaysForFit ChooseRays(const RayOptions& asked, const RecordingInfo& info, EchoModel model);
 
 }  // namespace sonarcal

@@ -53,7 +53,7 @@ struct EarlierRun {
   std::vector<fs::path> outputs;
 };
 
-// What provenance.json says of the run that wrote the folder; nothing where it does not say it.
+// The run that wrote the folder, from provenance.json; nullopt if unknown.
 std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
   const Json json = ReadLeniently(folder / kProvenance);
   if (!json.is_object() || json.value("program", Json()) != "sonarcal") return std::nullopt;

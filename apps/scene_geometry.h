@@ -33,7 +33,7 @@ class SceneGeometry {
  public:
   // Throws DataError as RayFan and RayCaster do.
   SceneGeometry(Scene scene, const SonarModel& sonar);
-  // The same of a scene that others trace as well. `caster` must outlive this.
+  // Uses the caller's ray caster, which must outlive this.
   SceneGeometry(const RayCaster& caster, const SonarModel& sonar);
 
   CellGeometry At(const Pose& world_from_sonar) const;
@@ -43,7 +43,7 @@ class SceneGeometry {
   // explain and view search the same box. Throws DataError as CheckObject.
   PixelBox ObjectBox(const Pose& world_from_sonar, const ObjectSearch& object) const;
 
-  // The same for each of these poses, by index.
+  // Boxes of these poses, by index.
   std::map<int, PixelBox> ObjectBoxes(const std::vector<TimedPose>& poses, const ObjectSearch& object) const;
 
   const std::vector<std::string>& material_names() const { return caster_->material_names(); }

@@ -15,7 +15,7 @@ namespace sonarcal {
 
 enum class LengthUnit { kMetre, kCentimetre, kMillimetre, kInch, kFoot };
 
-// Of an OBJ or STL; where not given, the conventions of data_io/scenes/cad_io.h.
+// Unit and up axis of an OBJ or STL file. Default: the conventions of data_io/scenes/cad_io.h.
 struct SceneFormat {
   std::optional<LengthUnit> unit;
   std::optional<UpAxis> up;

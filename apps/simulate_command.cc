@@ -20,6 +20,7 @@
 #include "apps/seed_option.h"
 #include "apps/simulate_recording.h"
 #include "apps/simulate_resume.h"
+#include "apps/sonar_option.h"
 #include "core/imaging/fan_image.h"
 #include "data_io/images/image_io.h"
 #include "data_io/json/json_writer.h"
@@ -275,11 +276,7 @@ ExitStatus RunSimulate(const SimulateOptions& options) {
 void AddSimulateOptions(CLI::App* command, SimulateOptions* options) {
   AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
                   /*required=*/true);
-  command
-      ->add_option("--sonar", options->sonar,
-                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object")
-      ->type_name("NAME|FILE")
-      ->required();
+  AddSonar(*command, options->sonar)->required();
   command->add_option("--params", options->params, "Parameters: materials, levels in dB, errors")
       ->type_name("JSON")
       ->required();

@@ -21,6 +21,7 @@
 #include "apps/run_output.h"
 #include "apps/scenes_command.h"
 #include "apps/simulate_recording.h"
+#include "apps/sonar_option.h"
 #include "apps/view/view_api.h"
 #include "apps/view/view_server.h"
 #include "core/types/error.h"
@@ -179,11 +180,7 @@ void SetupView(CLI::App& app) {
       app, "view", "Shows a scene, a sonar in it and its image live on a page of this machine, with sliders");
   AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
                   /*required=*/true);
-  command
-      ->add_option("--sonar", options->sonar,
-                   "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object "
-                   "(default: that of --real)")
-      ->type_name("NAME|FILE");
+  AddSonar(*command, options->sonar, " (default: that of --real)");
   command
       ->add_option("--params", options->params,
                    "Parameters to start from (default: those of the program's own scenes)")

@@ -17,7 +17,7 @@ namespace sonarcal {
 TargetPose BombPose();       // of frames 0 and 1
 TargetPose BombOtherPose();  // of other_pose_fan.png; from here its fit starts
 
-// Where the fan lies in other_pose_fan.png: apex and arcs as the recording's README gives them.
+// Fan of other_pose_fan.png: apex and arcs as given in the README of the recording.
 FanGeometry BombOtherPoseFan();
 
 // Where the fit starts: a beam and a pulse as the grain shows them. `display` as read off the background

@@ -19,7 +19,7 @@
 namespace sonarcal {
 namespace {
 
-// Pixels of all frames together in which alternatives are looked for.
+// Number of pixels of all frames together on which alternatives are searched.
 constexpr std::size_t kCoarsePixels = 40'000;
 constexpr int kExchangeIterations = 40;
 constexpr int kProfileIterations = 12;
@@ -33,9 +33,9 @@ const double kAlikeNats = std::log(100.0);
 constexpr double kSameSigmas = 1.0;
 constexpr double kProfileSigmas = 2.5;
 // A profile that reaches a bound before this share of the way says nothing.
-constexpr double kLeastReach = 0.3;
+constexpr double kMinReach = 0.3;
 // A profile that rises by less than this share of the parabola's rise: no standard error describes it.
-constexpr double kLeastRise = 0.3;
+constexpr double kMinRise = 0.3;
 
 constexpr int kMembers = 6;
 using Curve = std::array<double, kMembers>;  // A, B, C, D, E, F
@@ -48,7 +48,7 @@ double ExponentOfWidth(double width_deg) {
   return std::pow(180.0 / std::numbers::pi / width_deg, 2);
 }
 
-// Curves much like this one in which bumps have taken other places.
+// Curves similar to this one, with exchanged bumps.
 std::vector<Curve> Exchanged(const Curve& curve) {
   const auto [a, b, c, d, e, f] = curve;
   constexpr double kWeak = 0.3;
@@ -165,7 +165,7 @@ class Search {
 
   double Sigma(int inside) const { return std::sqrt(point_.covariance(inside, inside)); }
 
-  // Of the material's entries inside their bounds, the priors' included.
+  // Information about the material's entries that are not at a bound, including their priors.
   Eigen::MatrixXd Information(const MaterialEntries& material, const ParameterValues& values) const {
     std::vector<int> active;
     for (const int k : material.inside) active.push_back(point_.interior[k]);
@@ -176,7 +176,7 @@ class Search {
     return information;
   }
 
-  // By how much larger the fit's variances are than those of independent pixels: a nat of cost counts for as
+  // Factor by which the fit's variances exceed those of independent pixels: a nat of cost counts for as
   // much less. The geometric mean over the material's entries, and never less than 1.
   double DesignEffect(const MaterialEntries& material, const Eigen::MatrixXd& information) const {
     const Eigen::MatrixXd covariance = point_.covariance(material.inside, material.inside);
@@ -227,8 +227,8 @@ class Search {
       double wide = 0.0;
       for (const double side : {-1.0, 1.0}) {
         const double rise = RiseOverParabola(material, base, conditional, k, side);
-        if (rise < kLeastRise) open[entry] = true;
-        wide += 0.5 / std::sqrt(std::max(rise, kLeastRise));
+        if (rise < kMinRise) open[entry] = true;
+        wide += 0.5 / std::sqrt(std::max(rise, kMinRise));
       }
       result_.widening[entry] = std::max(1.0, wide);
     }
@@ -250,7 +250,7 @@ class Search {
     }
     const CatalogEntry& of = catalog_[held];
     const double moved = of.CoordinateFromValue(start[held]) - of.CoordinateFromValue(base.values[held]);
-    if (std::abs(moved) < kLeastReach * std::abs(step)) return 1.0;
+    if (std::abs(moved) < kMinReach * std::abs(step)) return 1.0;
     std::vector<int> others = material.free;
     std::erase(others, held);
     const std::optional<Optimum> profile = Solve(others, start, kProfileIterations);
@@ -272,8 +272,8 @@ class Search {
       list = fmt::format("{} and {}", fmt::join(members, ", "), list);
     }
     result_.sentences.push_back(
-        fmt::format("Not determined separately: {} {} (curves with other values fit alike); the curve itself "
-                    "is determined",
+        fmt::format("Not determined separately: {} {} (curves with other values fit equally well); the "
+                    "curve itself is determined",
                     name, list));
   }
 

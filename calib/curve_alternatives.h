@@ -1,4 +1,4 @@
-// Whether the parameters of a backscatter curve are determined one by one, or only the curve they make.
+// Tests whether the parameters of a backscatter curve are determined separately, or only the curve.
 //
 // A curve is a sum of three bumps: A exp(-delta^2 / 2 B^2), E exp(-delta^2 / 2 F^2) and C cos^D(delta), which
 // is close to a Gaussian of half-width 57.3 / sqrt(D) degrees. The bumps can take each other's places, and

@@ -27,7 +27,7 @@ constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to tell valleys apart
 constexpr double kLikelihoodTolerance = 1e-2;
 
-// Times that a fit goes to a better curve beside the one reached, at most, and by how much better it is.
+// Max number of moves to a better curve, and the min gain of a move.
 constexpr int kMovesToBetter = 2;
 constexpr double kBetterNats = 0.05;
 
@@ -216,14 +216,15 @@ class Fitter {
     return equations;
   }
 
-  // Leaves the covariance at an optimum that exchanged curves do not better, and what they say of it.
+  // Moves to the best optimum that exchanged curves find, computes its covariance, and returns the tests
+  // there.
   CurveAlternatives TestCurves() {
     for (int move = 0;; ++move) {
       const NormalEquations equations = AccumulateInterior();
       covariance_ = JackknifeCovariance(equations);
       student_ = StudentFactors(equations);
       if (!options_.test_curves || interior_.empty()) return {};
-      Say("looking for other curves that fit as well");
+      Say("searching for other curves that fit equally well");
       CurveAlternatives curves = FindCurveAlternatives(
           model_, catalog_,
           {.values = state_.values, .free = state_.active, .interior = interior_, .covariance = covariance_},
@@ -232,7 +233,7 @@ class Fitter {
     }
   }
 
-  // Goes to the first of these starts from which a solve of all parameters ends lower.
+  // Solves all parameters from each start and moves to the first optimum of lower cost.
   bool TakeBetter(const std::vector<ParameterValues>& starts) {
     const ParameterValues values = state_.values;
     const double cost = report_.cost_final;
@@ -261,7 +262,8 @@ class Fitter {
       const CatalogEntry& entry = catalog_[interior_[i]];
       const double step = std::min(entry.prior->sigma, entry.typical_step);
       coordinates.push_back({entry.name, step, entry.logarithmic});
-      // Not finite where hardly more than one block determines a parameter: that counts as open.
+      // Sigma is not finite if hardly more than one block determines a parameter: it is not identifiable
+      // then.
       if (!(StandardError(i) <= std::sqrt(kOpenShare) * step) || !std::isfinite(Sigma(i)))
         status_[interior_[i]] = ParameterStatus::kUnidentifiable;
     }
@@ -273,13 +275,13 @@ class Fitter {
       report_.unidentifiable_directions.push_back(std::move(words));
   }
 
-  // Standard error of the coordinate of an entry of `interior_`, as far as it is known itself.
+  // Standard error of the coordinate of an entry of `interior_`. Uncertain itself if few blocks determine it.
   double StandardError(std::size_t i) const {
     const auto k = static_cast<Eigen::Index>(i);
     return std::sqrt(covariance_(k, k)) * (widening_.empty() ? 1.0 : widening_[interior_[i]]);
   }
 
-  // What is reported: 1.96 of it either way is a 95 % interval, however few blocks the error above rests on.
+  // Reported standard error: +-1.96 of it is a 95 % interval, however few blocks determine StandardError.
   double Sigma(std::size_t i) const {
     return StandardError(i) * (student_.size() > 0 ? student_(static_cast<Eigen::Index>(i)) : 1.0);
   }

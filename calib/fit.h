@@ -6,7 +6,7 @@
 // pixels: neighbouring pixels share speckle grain and range errors, and the plain least-squares covariance
 // would be too small.
 //
-// What the data cannot tell is found and said: a parameter whose material is in no frame stays where it was;
+// Parameters that the data do not determine are reported: one whose material is in no frame keeps its value;
 // others have priors, and where the data leave most of a prior's variance, a parameter is reported as
 // unidentifiable. (Without noise there are no priors: then parameters that the data leave open are held at
 // their initial value, and the rest is solved again.)

@@ -32,7 +32,7 @@ struct ResidualSummary {
 };
 
 struct FitReport {
-  // What makes the fit doubtful: one full sentence each, without a full stop. Shown before any figure.
+  // Reasons to doubt the fit: one full sentence each, without a full stop. Shown before any figure.
   std::vector<std::string> warnings;
   std::vector<FittedParameter> parameters;
   std::vector<std::string> gauge;                      // what was fixed and why, in words

@@ -45,10 +45,10 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // to the covariance: of what the data leave open, the prior's own variance remains.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
-// By how much wider than 1.96 standard errors a 95 % interval has to be where the covariance above is a sum
-// over few blocks: Student's law with as many degrees of freedom as the blocks that determine the parameter
-// count for (Satterthwaite; Bell & McCaffrey, Survey Methodology 28(2), 2002). 1 for many blocks; not finite
-// below two degrees of freedom.
+// Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over
+// few blocks: Student's law with as many degrees of freedom as the blocks that determine the parameter count
+// for (Satterthwaite; Bell & McCaffrey, Survey Methodology 28(2), 2002). 1 for many blocks; not finite below
+// two degrees of freedom.
 Eigen::VectorXd StudentFactors(const NormalEquations& equations);
 
 // A coordinate as words need it.

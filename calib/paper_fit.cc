@@ -15,13 +15,14 @@
 namespace sonarcal {
 namespace {
 
-// Before anything is fitted: a tenth of full scale, and enough dither to keep the way to faint pixels even.
+// Noise before the first fit: a tenth of full scale, and enough dither to give faint pixels a slope.
 constexpr PaperNoise kFirstNoise = {.sigma = 0.1, .knee_sigma = 0.1, .variance_levels = 0.7};
 constexpr int kNoiseRounds = 3;
-// RMS difference of images, of full scale, from which on two ends of a search are two places.
+// Two ends of a search are different optima if the RMS difference of their images exceeds this, of full
+// scale.
 constexpr double kOtherImage = 0.01;
 
-// So nearly that another round would change no value by what it is uncertain by.
+// Alike enough that another round would change no value by its standard error.
 bool AreAlike(const PaperNoise& a, const PaperNoise& b) {
   constexpr double kRelative = 0.1;
   constexpr double kUnrounded = 1.3;  // variances as large as this make no difference (paper_likelihood.h)
@@ -36,7 +37,7 @@ class PaperFitter {
               const FitOptions& options)
       : model_(model), given_(std::move(given)), config_(config), options_(options) {}
 
-  // `coarse`: of the same frames, to search on.
+  // `coarse`: the same frames in blocks, for the search.
   ModelFit Run(PaperFrameModel& coarse) {
     model_.SetNoise(kFirstNoise);
     coarse.SetNoise(kFirstNoise);
@@ -44,9 +45,9 @@ class PaperFitter {
     if (ends_.empty() || options_.rough) return ends_.empty() ? last_ : ends_.front();
     ModelFit fit = Settle(ends_.front());
     if (!fit.usable) return fit;
-    // The runner-up, where it is another place: it may be the better one once it is solved as far.
+    // The second best end, if its image differs: it may be the better one once it has converged.
     if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage) {
-      Say("solving from the second best start");
+      Say("solving from the second-best start");
       ModelFit other = Fit(model_, ends_[1].values, config_, Again(/*rough=*/true));
       if (other.usable && CostOf(other.values) < CostOf(fit.values)) {
         ModelFit better = Settle(other);
@@ -74,9 +75,9 @@ class PaperFitter {
     return again;
   }
 
-  // Roughly from every start; ends_ are where they ended, best first.
+  // Solves roughly from every start and sorts `ends_`, best first.
   void Search(const PaperFrameModel& model) {
-    // Bounds in bins and beams are those of the recording, not of its blocks.
+    // Bounds in bins and beams refer to the recording's pixels, not to blocks.
     FitConfig config = config_;
     for (const CatalogEntry& entry : model_.catalog()) {
       if (entry.group == ParameterGroup::kJitter)
@@ -99,7 +100,7 @@ class PaperFitter {
     });
   }
 
-  // Values and noise in turn.
+  // Solves for values and noise in turn.
   ModelFit Settle(const ModelFit& from) {
     ModelFit fit = from;
     bool settled = false;
@@ -165,7 +166,7 @@ FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry
   const std::unique_ptr<PaperFrameModel> coarse = model.InBlocks();
   ModelFit fit =
       PaperFitter(model, model.Values(initial), complete, options).Run(coarse != nullptr ? *coarse : model);
-  // Where the data determine nothing, only the priors are left: that is no solution.
+  // If the data determine nothing, only the priors are left: that is no solution.
   const bool determined = std::any_of(
       fit.report.parameters.begin(), fit.report.parameters.end(), [](const FittedParameter& parameter) {
         return parameter.status == ParameterStatus::kFree || parameter.status == ParameterStatus::kAtBound;

@@ -23,7 +23,7 @@ struct Format {
 // The first that knows the path opens it.
 constexpr Format kFormats[] = {
     {"a recording folder (recording.json)", IsRecordingFolder, OpenRecordingFolder},
-    // Before formats that are told by the names of pictures: whoever wrote the geometry knows better.
+    // Before formats that are recognised by names of pictures: a geometry file is more specific.
     {"pictures with their geometry (NAME.geometry.json, geometry.json)", HasPictureGeometry,
      OpenPictureRecording},
     {"ARIS v5 (.aris)", IsAris, OpenAris},

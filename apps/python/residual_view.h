@@ -12,8 +12,8 @@
 
 namespace sonarcal::python {
 
-// What a frame says at given values. The residual of the acoustic model is that whose half square is the
-// negative log-likelihood of speckle. The residual of the paper's model is the difference expected - recorded
+// Residuals of a frame at given values. Half the square of the acoustic model's residual is the negative
+// log-likelihood of speckle. The residual of the paper's model is the difference expected - recorded
 // in full scales; after WeighAbout it is that of calib/models/paper_likelihood.h.
 struct FrameResiduals {
   PolarImage expected;  // on the recording's grey scale
@@ -41,7 +41,8 @@ class ResidualView {
   FrameResiduals At(const ParameterValues& values, int frame, const std::vector<std::string>& names);
 
   // Weighs the residuals of the paper's model from now on by the noise that the frames show about these
-  // values, as a fit does that ends there. Throws DataError for the acoustic model, which knows its noise.
+  // values, as does a fit that ends at these values. Throws DataError for the acoustic model, which knows its
+  // noise.
   void WeighAbout(const ParameterValues& values);
 
  private:

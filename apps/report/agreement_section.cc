@@ -63,7 +63,7 @@ std::string IntensityInWords(const MetricsReport& metrics) {
   return text + ".";
 }
 
-// What is known of the floor where nothing was measured.
+// Sentence about the floor if it was not measured.
 std::string SpeckleInWords(const NoiseFloor& floor) {
   const std::string& reason = floor.real_against_real.absent_reason;
   const std::string unmeasured =

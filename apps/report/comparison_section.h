@@ -25,8 +25,7 @@ void AddMetricTables(HtmlReport& report, const MetricsReport& metrics);
 void AddBeforeAfterTable(HtmlReport& report, const MetricsReport& before, const MetricsReport& after,
                          const std::string& caption);
 
-// What the colours of overlays and regions mean, once for all pictures of a page. `real`: how their real side
-// is called.
+// Explains the colours of overlays and regions, once per page. `real`: name of the real side.
 void AddPictureLegend(HtmlReport& report, const std::string& real);
 
 // Recorded (or synthetic), simulated, overlay and regions of one frame, polar and fan.

@@ -202,7 +202,7 @@ std::string TextOf(const ExplainedRecording& explained, const JudgedSteps& judge
   return text;
 }
 
-// Nothing, where likelihood and error of the frames held out do not say opposite things.
+// Nullopt if likelihood and error of the held-out frames agree.
 std::optional<std::string> ContradictionOf(const ExplainedRecording& explained, const JudgedSteps& judged,
                                            std::size_t i) {
   if (judged.verdict[i] != Verdict::kContradicted) return std::nullopt;

@@ -38,8 +38,8 @@ void AddCauses(HtmlReport& report, const ExplainedRecording& explained,
 // percent together.
 std::string CauseSentence(const ExplainedRecording& explained);
 
-// What makes the explanation doubtful, a sentence each: values and searches that ended at the end of their
-// range, and steps of which likelihood and error of the frames held out say opposite things.
+// Reasons to doubt the explanation, one sentence each: values and searches that ended at the end of their
+// range, and steps whose held-out likelihood and held-out error disagree.
 std::vector<std::string> WarningsOf(const ExplainedRecording& explained, const ExplanationTelling& telling);
 
 // The object of explain.json.

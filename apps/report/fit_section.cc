@@ -23,7 +23,7 @@ constexpr double kCurveStepDeg = 0.5;
 constexpr double kCurveDepthDb = 60.0;
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMapsShown = 3;
-constexpr double kLeastMapShare = 1e-3;  // of a frame's pixels: fewer are not to be seen on a map
+constexpr double kMinMapShare = 1e-3;  // of a frame's pixels: fewer are not to be seen on a map
 constexpr double kSigmasOf95 = 1.96;
 constexpr double kWidestSigmaDb = 5.0;
 constexpr std::size_t kCorrelationsShown = 8;
@@ -306,7 +306,7 @@ void AddUnexplained(HtmlReport& report, const RecordingFit& fit) {
     for (float& value : missing.values()) value = 1.0F - value;
     const auto less = std::count_if(missing.values().begin(), missing.values().end(),
                                     [](float value) { return value > 0.5F; });
-    if (static_cast<double>(less) < kLeastMapShare * static_cast<double>(missing.size())) {
+    if (static_cast<double>(less) < kMinMapShare * static_cast<double>(missing.size())) {
       dark.push_back(fit.fit.report.frames_used[i]);
       continue;
     }
@@ -318,7 +318,7 @@ void AddUnexplained(HtmlReport& report, const RecordingFit& fit) {
     report.Paragraph(
         fmt::format("No map is shown of frame{} {}: fewer than {:g} % of the pixels counted for "
                     "less than half.",
-                    dark.size() == 1 ? "" : "s", FrameList(dark), 100.0 * kLeastMapShare));
+                    dark.size() == 1 ? "" : "s", FrameList(dark), 100.0 * kMinMapShare));
   }
   if (!row.pictures.empty()) report.Add(row);
 }
@@ -349,9 +349,9 @@ void AddFittedValues(HtmlReport& report, const RecordingFit& fit) {
   for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
   if (!result.unidentifiable_directions.empty()) {
     report.Callout(
-        CalloutKind::kLimit, "What these frames leave open",
+        CalloutKind::kLimit, "Not identifiable from these frames",
         "The frames used do not determine these values separately. Each stands where it was held, where its "
-        "prior puts it, or at one of several values that fit alike. No sigma is given for it.");
+        "prior puts it, or at one of several values that fit equally well. No sigma is given for it.");
     report.List(result.unidentifiable_directions);
   }
   if (!result.other_poses.empty()) {

@@ -8,7 +8,7 @@
 
 namespace sonarcal {
 
-// What makes the fit doubtful, before any figure; nothing where nothing does.
+// Adds the warnings of the fit, before any figure.
 void AddFitWarnings(HtmlReport& report, const FitReport& fit, const std::string& model = {});
 
 // The few numbers to look at first: agreement before and after.

@@ -20,8 +20,8 @@ std::string Base64(std::span<const std::uint8_t> bytes);
 // A number for a table or an axis: fixed decimals, a true minus sign, a dash where it is not finite.
 std::string FormatNumber(double value, int decimals);
 
-// What the real side of a comparison is called: "recorded", "synthetic" where a simulation stands in for the
-// sonar; and as the caption of a picture.
+// Name of the real side of a comparison: "recorded", or "synthetic" if a simulation made it. As a word and as
+// the caption of a picture.
 std::string RealWord(bool is_synthetic);
 std::string RealCaption(bool is_synthetic);
 

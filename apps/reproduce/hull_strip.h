@@ -47,7 +47,7 @@ struct HullStripOptions {
 // window. Throws DataError for a lean outside its domain or fewer than two marks next to each other.
 Scene MakeHullStrip(const FirstReturn& marks, const PolarAxes& axes, const HullStripOptions& options);
 
-// What to say of an angle at the end of those that a search tried; nothing of one within.
+// Warning for an angle at the end of the searched range; nullopt for one inside it.
 std::optional<std::string> LeanAtEnd(double lean_deg, double largest_tried_deg);
 
 // Range, in parts of the mark's, of the assumed line at an elevation.

@@ -193,7 +193,7 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
     };
     constexpr const char* kIou = "IoU of the object";
     constexpr const char* kError = "intensity error";
-    // Nothing doubtful stands among the first figures.
+    // The key figures show no doubtful fit.
     const char* paper_image = IsSound(paper) ? "paper model, fitted: expected image"
                                              : "paper model, its own values: expected image";
     return std::vector<KeyFigure>{figure(kIou, p, paper_image),

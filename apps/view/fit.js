@@ -106,6 +106,7 @@ export class Fit {
         make('details', {}, make('summary', {}, `${values.length} values`),
              make('div', {class: 'scroll', tabindex: '0'},
                   table(['parameter', 'before', 'fitted', 'sigma', ''], values))),
-        ...result.left_open.map((sentence) => make('p', {class: 'soft'}, `Left open: ${sentence}`)));
+        ...(result.left_open.length > 0 ? [make('p', {}, 'Not identifiable:')] : []),
+        ...result.left_open.map((sentence) => make('p', {class: 'soft'}, sentence)));
   }
 }

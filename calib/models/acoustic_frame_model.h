@@ -68,7 +68,7 @@ class AcousticFrameModel final : public FrameModel {
   // much, and is linear in nothing.
   Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                              const RayFan& fan) const;
-  // The same with the noise floor.
+  // Mean power including the noise floor.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const RayFan& fan) const;
   // The simulator's fan with fewer rows and columns by this factor.

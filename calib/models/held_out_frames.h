@@ -1,4 +1,4 @@
-// What frames must be to evaluate a fit that did not see them.
+// Conditions on the held-out frames of a fit.
 #pragma once
 
 #include "calib/parameters/fit_config.h"
@@ -6,9 +6,9 @@
 
 namespace sonarcal {
 
-// Throws DataError where the pixels of a held-out frame are those of a frame used, to the last one: it was
-// given twice, and evaluates nothing. No two pings of a sonar are alike, because of receiver noise. Frames of
-// one grey level throughout, such as black ones, do not count.
+// Throws DataError if a held-out frame and a used frame have identical pixels: the frame was given twice and
+// evaluates nothing. Two pings of a sonar always differ by receiver noise. Frames of a single grey level,
+// such as black ones, are not checked.
 void CheckHeldOut(const RecordingSource& recording, const FrameSplit& split);
 
 }  // namespace sonarcal

@@ -46,8 +46,8 @@ class WholeFrame final : public FrameEvaluation {
 
 // Errors wider than this many bins and beams are no errors of a ray any more; a configuration may say
 // otherwise.
-constexpr double kMostBins = 3.0;
-constexpr double kMostBeams = 6.0;
+constexpr double kMaxErrorBins = 3.0;
+constexpr double kMaxErrorBeams = 6.0;
 
 }  // namespace
 
@@ -73,14 +73,14 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const Imag
   const double beam_deg = DegFromRad((geometry.beam_edges_rad.back() - geometry.beam_edges_rad.front()) /
                                      geometry.axes.beam_count());
   for (CatalogEntry& entry : catalog_) {
-    if (entry.name == "jitter.sigma_range_m") entry.upper = kMostBins * geometry.axes.range_bin_m();
-    if (entry.name == "jitter.sigma_azimuth_deg") entry.upper = kMostBeams * beam_deg;
+    if (entry.name == "jitter.sigma_range_m") entry.upper = kMaxErrorBins * geometry.axes.range_bin_m();
+    if (entry.name == "jitter.sigma_azimuth_deg") entry.upper = kMaxErrorBeams * beam_deg;
   }
   BoundByLevel();
   AddPriors();
 }
 
-// Bounds of curves and display, of what no gauge moves.
+// Sets bounds of curves and display, for quantities that do not depend on the gauge.
 void PaperFrameModel::BoundByLevel() {
   // An echo 1 m from the sonar: at least this much above dB_min, at most this much above the dB_max given.
   // The paper's own lies 70 dB above dB_min and 67 dB above dB_max.
@@ -89,7 +89,7 @@ void PaperFrameModel::BoundByLevel() {
   // Display spans: a third of the paper's own; the paper's example, 0 to 100 dB, is the widest.
   constexpr double kNarrowestDb = 1.0;
   constexpr double kWidestDb = 100.0;
-  // Wider Gaussians and flatter cosines take the place of one another.
+  // Beyond these, a wide Gaussian and a flat cosine are the same curve.
   constexpr double kFlattestD = 0.3;
   constexpr double kSteepestD = 3.0;
   constexpr double kWidestFDeg = 30.0;
@@ -114,8 +114,8 @@ void PaperFrameModel::BoundByLevel() {
   }
 }
 
-// About the paper's own curve, whatever values a fit starts from: so that the best fit does not depend on the
-// start. What the frames do not determine stays there, and is reported as not determined.
+// Centres the priors on the paper's own curve for every start, so that the best fit does not depend on the
+// start. Parameters that the frames do not determine stay there and are reported as not determined.
 void PaperFrameModel::AddPriors() {
   constexpr double kStepsOfLevel = 2.0;  // 20 dB: the gauge is the user's
   const GsabParameters<double> paper;
@@ -174,7 +174,7 @@ void PaperFrameModel::ForPixels(const ParameterValues& values, const Body& body)
 }
 
 PaperNoise PaperFrameModel::NoiseAbout(const ParameterValues& values) const {
-  // Of full scale: pixels by which the knee is judged; and of grey levels, faint ones.
+  // Pixels that determine the knee, as parts of full scale. Faint pixels, in grey levels.
   constexpr double kBrightLow = 0.25;
   constexpr double kBrightHigh = 0.9;
   constexpr double kFaintLow = 2.0;

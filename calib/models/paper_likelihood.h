@@ -51,7 +51,7 @@ inline ValueAndSlope RoundedLevels(double x, double variance_over_mean) {
   // A variance as large as this comes from rays of a whole level and more each: rounding does not matter.
   constexpr double kDithered = 0.7;
   constexpr double kUnrounded = 1.3;
-  // Less would be a staircase; beyond the first step roundings cancel.
+  // A smaller variance gives a staircase. Roundings cancel beyond its first step.
   constexpr double kFirstStep = 0.12;
   constexpr double kOtherSteps = 0.3;
   if (x >= kRoundedBelow || variance_over_mean >= kUnrounded) return {x, 1.0};
@@ -93,7 +93,7 @@ inline internal::ValueAndSlope ExpectedRecorded(double mean, double level, const
 
 inline PaperResidual PaperPixelResidual(double mean, double recorded, double level, const PaperNoise& noise) {
   internal::ValueAndSlope expected = ExpectedRecorded(mean, level, noise);
-  // A lit pixel that the model shades below black: the way back is up.
+  // A lit pixel that the model shades below black keeps a slope upwards.
   if (mean < 0.0 && recorded > 0.0) expected = {mean, 1.0};
   return {(expected.value - recorded) / noise.sigma, expected.slope / noise.sigma};
 }

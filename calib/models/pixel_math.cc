@@ -94,7 +94,7 @@ void Likelihood(const double* __restrict power, const double* __restrict mean, i
   constexpr double kNear = 1e-4;
   const double root_looks = std::sqrt(looks);
   for (int i = 0; i < count; ++i) {
-    const double x = std::min(std::max(power[i] / mean[i], kLeastRatio), kMostRatio);
+    const double x = std::min(std::max(power[i] / mean[i], kMinPowerRatio), kMaxPowerRatio);
     const double e = x - 1.0;
     const double size = std::abs(e);
     const bool near = size < kNear;

@@ -41,10 +41,10 @@ LikelihoodTerm Censored(double probability, double rest, double slope_of_log) {
 }  // namespace
 
 LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, double looks) {
-  const double x = std::min(std::max(recorded.power / mean, kLeastRatio), kMostRatio);
+  const double x = std::min(std::max(recorded.power / mean, kMinPowerRatio), kMaxPowerRatio);
   switch (recorded.censoring) {
     case Censoring::kAtMost: {
-      // Of no power at all every mean is as unlikely.
+      // A recorded power of 0 is equally unlikely for every mean.
       if (recorded.power == 0.0) return {std::sqrt(-2.0 * std::log(kTiny)), 0.0};
       // For tiny x, F(x) -> (L x)^L / Gamma(L + 1) and x f / F -> L.
       const double below = looks == 1.0 ? -std::expm1(-x) : igamma(looks, looks * x);

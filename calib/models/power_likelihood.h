@@ -26,10 +26,9 @@ struct LikelihoodTerm {
   double slope = 0.0;  // d residual / d eta
 };
 
-// Ratios of a power to its mean are kept within these: a power of nothing, or one without end, is as far
-// away.
-inline constexpr double kLeastRatio = 1e-300;
-inline constexpr double kMostRatio = 1e300;
+// Limits of the ratio of a power to its mean, for a power of 0 or infinity.
+inline constexpr double kMinPowerRatio = 1e-300;
+inline constexpr double kMaxPowerRatio = 1e300;
 
 // power >= 0, mean > 0, looks > 0.
 LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, double looks);

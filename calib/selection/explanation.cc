@@ -68,7 +68,7 @@ std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& 
   return grey;
 }
 
-// Of speckle's power over its mean: half of a Gamma law of mean 1 lies below.
+// Median of speckle power over its mean: the median of a Gamma law of mean 1.
 double SpeckleMedian(double looks) {
   double low = 0.0;
   double high = 1.0;  // the median lies below the mean
@@ -345,7 +345,7 @@ class Explainer {
     }
   }
 
-  // Of each value that ended at the end of its range, the last step that fitted it.
+  // Warns of each value that ended at the end of its range, in the last step that fitted it.
   void Warn() {
     std::map<std::string, std::string> warnings;
     for (const ExplainedStep& step : result_.steps) {
@@ -363,7 +363,7 @@ class Explainer {
     for (const auto& [name, sentence] : warnings) result_.warnings.push_back(sentence);
     const double looks = result_.steps.back().parameters.receiver.looks;
     constexpr double kBeside = 1.005;
-    // One look, the other end, is what speckle of a single ping has.
+    // The lower end, one look, is normal: speckle of a single ping has one look.
     if (looks > kMostLooks / kBeside) {
       result_.warnings.push_back(
           fmt::format("step '{}': receiver.looks ended at the end of its range, {:.3g} of {:g} to {:g}",

@@ -212,7 +212,7 @@ double LitShareOfSide(const Mask& lit, const FanGeometry& fan, int direction) {
 double LitShareOfFarArc(const Mask& lit, const FanGeometry& fan) {
   constexpr int kRays = 200;
   constexpr double kNearPx = 3.0;
-  constexpr double kBeyondPx = 60.0;  // where nothing may be lit
+  constexpr double kBeyondPx = 60.0;  // beyond this nothing may be lit
   int near = 0;
   for (int ray = 0; ray < kRays; ++ray) {
     const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
@@ -244,8 +244,8 @@ void FanGeometry::Validate(const std::string& what) const {
 }
 
 std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
-  constexpr std::int64_t kFewestLit = 100;
-  if (CountSet(lit) < kFewestLit) return std::nullopt;
+  constexpr std::int64_t kMinLitPixels = 100;
+  if (CountSet(lit) < kMinLitPixels) return std::nullopt;
   const std::vector<Point> hull = ConvexHull(Outline(lit));
   const std::optional<Side> left = FindSide(hull, -1);
   const std::optional<Side> right = FindSide(hull, +1);
@@ -280,11 +280,12 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
 }
 
 bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {
-  constexpr double kFewestLit = 0.7;  // of a side or an arc that is seen
+  constexpr double kMinLitShare = 0.7;  // of a side or an arc that is seen
   const double far_px = std::max(5.0, 0.02 * lit.cols());
   const std::optional<FanGeometry> own = FindFanGeometry(lit);
   if (!own) return false;
-  if (LitShareOfSide(lit, *own, -1) < kFewestLit || LitShareOfSide(lit, *own, +1) < kFewestLit) return false;
+  if (LitShareOfSide(lit, *own, -1) < kMinLitShare || LitShareOfSide(lit, *own, +1) < kMinLitShare)
+    return false;
   for (const int direction : {-1, +1}) {
     for (const double radius : {fan.radius_min_px, fan.radius_max_px}) {
       const double row = fan.apex_y_px - radius * std::cos(RadFromDeg(fan.half_angle_deg));
@@ -293,7 +294,7 @@ bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {
   }
   const double far_row = own->apex_y_px - own->radius_max_px;
   return std::abs(far_row - (fan.apex_y_px - fan.radius_max_px)) > far_px &&
-         LitShareOfFarArc(lit, *own) >= kFewestLit;
+         LitShareOfFarArc(lit, *own) >= kMinLitShare;
 }
 
 }  // namespace sonarcal

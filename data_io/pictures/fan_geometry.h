@@ -36,9 +36,9 @@ struct FanGeometry {
 // radii and apex in the direction ahead, and half a per cent of x_scale for a fan of +-15 degrees.
 std::optional<FanGeometry> FindFanGeometry(const Mask& lit);
 
-// Whether `lit`, of a single picture, shows that its fan is another than `fan`: it has two sides or a far arc
-// of its own, lit along most of their length, more than 5 pixels and 2 % of the picture's width away from
-// those of `fan`. Dark places within `fan` do not count as another fan.
+// Whether the lit pixels of a single picture show another fan than `fan`: it has two sides or a far arc of
+// its own, lit along most of their length, more than 5 pixels and 2 % of the picture's width away from those
+// of `fan`. Dark places within `fan` do not count as another fan.
 bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan);
 
 }  // namespace sonarcal

@@ -43,10 +43,10 @@ Mask LitPixels(const PictureFrames& pictures, int index) {
   return lit;
 }
 
-constexpr int kMostFrames = 32;  // that the fan is looked for in
+constexpr int kMaxFrames = 32;  // that the fan is looked for in
 
 // Frames to look at: up to `most`, evenly spread.
-std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMostFrames) {
+std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMaxFrames) {
   const int count = std::min(pictures.count(), most);
   std::vector<int> indices;
   for (int i = 0; i < count; ++i)
@@ -68,18 +68,18 @@ Mask LitInAny(const PictureFrames& pictures) {
   return lit;
 }
 
-// One fan is read for all pictures: throws DataError where some show another.
+// One fan is read for all pictures. Throws DataError if some pictures show another fan.
 void RefuseAnotherFan(const PictureFrames& pictures, const FanGeometry& fan, const fs::path& path) {
-  constexpr int kMostPictures = 512;  // files are read quickly, frames of a video are not
+  constexpr int kMaxPictures = 512;  // files are read quickly, frames of a video are not
   std::vector<int> others;
-  const std::vector<int> looked_at = FramesToLookAt(pictures, IsVideo(path) ? kMostFrames : kMostPictures);
+  const std::vector<int> looked_at = FramesToLookAt(pictures, IsVideo(path) ? kMaxFrames : kMaxPictures);
   for (const int index : looked_at) {
     if (ShowsAnotherFan(LitPixels(pictures, index), fan)) others.push_back(index);
   }
   if (others.empty()) return;
-  constexpr std::size_t kMostNamed = 5;
+  constexpr std::size_t kMaxNamed = 5;
   std::string names;
-  for (std::size_t i = 0; i < std::min(others.size(), kMostNamed); ++i)
+  for (std::size_t i = 0; i < std::min(others.size(), kMaxNamed); ++i)
     names += (i == 0 ? "" : ", ") + pictures.name(others[i]);
   throw DataError(
       "{}: {} of the {} pictures looked at show another fan than the others ({}{}), expected one window of "
@@ -87,7 +87,7 @@ void RefuseAnotherFan(const PictureFrames& pictures, const FanGeometry& fan, con
       "for all: move the pictures of each window into a folder of their own; or, if these are dark at a "
       "side, "
       "give apex_px, radius_px and half_angle_deg in {}",
-      path.string(), others.size(), looked_at.size(), names, others.size() > kMostNamed ? ", ..." : "",
+      path.string(), others.size(), looked_at.size(), names, others.size() > kMaxNamed ? ", ..." : "",
       GeometryFileOf(path).string());
 }
 

@@ -52,9 +52,9 @@ std::vector<fs::path> FrameFiles(const fs::path& folder) {
   return files;
 }
 
-// Counts over which a picture was stretched: the N of grey = floor(count * 255 / N), by the levels that
-// occur. Nothing where no N stands out, as of a picture that was not stretched. A few pixels may lie between
-// the levels, such as interpolated ones.
+// Number of counts over which a picture was stretched: the N of grey = floor(count * 255 / N), from the
+// levels that occur. Nullopt if no N stands out, such as in a picture that was not stretched. A few pixels
+// may lie between the levels, such as interpolated ones.
 std::optional<int> StretchedCounts(const Grid<float>& picture) {
   constexpr int kLevels = 256;
   constexpr int kFewest = 16;  // a picture of fewer levels shows too little to tell

@@ -1,6 +1,6 @@
-// Where the object of a frame is searched: a box around what the scene's model shows of one material. The box
-// comes from the model and not from either image, and it flatters every ratio, because nothing outside it can
-// be taken for the object. So every report states it.
+// Region in which the object of a frame is searched: a box around one material of the scene's model. The box
+// comes from the model and not from either image. It flatters every ratio, because nothing outside it can be
+// taken for the object. So every report states it.
 #pragma once
 
 #include <string>

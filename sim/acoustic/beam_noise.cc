@@ -8,7 +8,7 @@
 namespace sonarcal {
 namespace {
 
-constexpr double kCutDb = -40.0;  // of a beam's response to noise
+constexpr double kCutDb = -40.0;  // a beam's response to noise is cut below this
 constexpr double kSourcesPerWidth = 4.0;
 
 // Weights of each beam for directions of noise, numbered along a coordinate in which beams have one shape.

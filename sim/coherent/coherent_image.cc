@@ -262,7 +262,7 @@ class ElementNoise {
   std::vector<double> filter_;
 };
 
-// What the receiver does to the beams, factors on power.
+// Factors of the receiver on power.
 struct ReceiverPower {
   std::vector<double> gain;         // by bin
   std::vector<double> sensitivity;  // by beam, to echoes

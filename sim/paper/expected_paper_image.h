@@ -166,7 +166,7 @@ inline std::vector<double> ExpectedPaperImage(const EchoHistogram& histogram, co
   return image;
 }
 
-// The same in dual numbers, as PaperImageEvaluation::Derivatives takes them. Derivatives are 0 where the
+// The image in dual numbers, as in PaperImageEvaluation::Derivatives. Derivatives are 0 where the
 // image is clamped.
 template <typename Dual>
 std::vector<Dual> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeometry& geometry,

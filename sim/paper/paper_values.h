@@ -31,7 +31,7 @@ inline DisplayParameters<double> PaperDisplay(double source_level_db = kPaperSou
   return {.db_min = db_min, .db_max = db_min + kPaperDisplaySpanDb};
 }
 
-// The rule in words, for reports.
+// The rule as text for reports.
 inline constexpr const char* kPaperDisplayRule =
     "The paper does not give dB_min, dB_max and the sizes of the range and azimuth errors. The rule here is "
     "the "

@@ -66,8 +66,8 @@ inline double FrancoisGarrisonDbPerM(double frequency_hz, const Water& water) {
   return db_per_km * 1e-3;
 }
 
-// What of frequency and water lies outside the limits that the formula's authors state, one phrase each;
-// empty where the formula holds. `formula` is not kAuto.
+// Values of frequency and water outside the limits that the formula's authors state, one phrase each; empty
+// where the formula holds. `formula` is not kAuto.
 //
 // Ainslie-McColm: 100 Hz..1 MHz, -6..35 C, 5..50 ppt, pH 7.7..8.3, to 7 km.
 // Francois-Garrison: up to 500 kHz, where magnesium sulphate or boric acid dominate, from 400 Hz, -1.8..30 C,

@@ -101,8 +101,8 @@ struct RayCaster::Embree {
 
 RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_unique<Embree>()) {
   scene_.Validate("scene");
-  // The same kernels on all processors with AVX2, so that rays hit the same edges with and without AVX-512.
-  // The variable is for trying the others.
+  // AVX2 kernels on all processors that have AVX2, also with AVX-512: rays then hit the same edges. The
+  // variable selects other kernels for tests.
   const char* kernels = std::getenv("SONARCAL_EMBREE");
   embree_->device = rtcNewDevice(kernels != nullptr ? kernels : "max_isa=avx2");
   if (embree_->device == nullptr) {

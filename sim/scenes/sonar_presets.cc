@@ -65,7 +65,7 @@ struct RangeWindow {
 // The window of the recorded frames of data_io/sonars/aris3000_frames_io.h.
 constexpr RangeWindow kAris3000Window = {0.690, 2.998, 780};
 
-// Where no width is given, beams are as wide as they are apart.
+// Without a width, the beam width is the beam spacing.
 SonarPreset Aris(std::string_view name, int model, ArisSystem system, double frequency_hz, int beams,
                  const RangeWindow& window, std::string_view assumed, double width_deg = 0.0) {
   const auto centres_deg = ArisBeamCentresDeg(system, beams, ArisLens::kStandard);

@@ -105,7 +105,7 @@ def _recording(source: Union[Recording, Path]) -> Recording:
 
 
 def read_scene(file: Path, *, scene_unit: Optional[str] = None, scene_up: Optional[str] = None) -> Scene:
-    """A scene from glTF, OBJ or STL. Of an OBJ or STL: scene_unit "m", "cm", "mm", "in" or "ft", scene_up "y" or "z"."""
+    """A scene from glTF, OBJ or STL. For OBJ and STL: scene_unit "m", "cm", "mm", "in" or "ft", scene_up "y" or "z"."""
     return _sonarcal._read_scene(file, _words({"scene_unit": scene_unit, "scene_up": scene_up}))
 
 
@@ -274,7 +274,7 @@ def compare_images(
     valid: Optional[np.ndarray] = None,
     **options: Any,
 ) -> dict[str, Any]:
-    """Every figure of two polar images, whoever made them: metrics.json of this one pair as a dict.
+    """Every figure of two polar images from any source: metrics.json of this one pair as a dict.
 
     real, simulated: shape (range_bins, beams), grey values 0 .. full_scale, row 0 nearest, column 0 leftmost.
     range_edges_m: range_bins + 1 edges, evenly spaced; beam_azimuth_deg: centres of the beams, rising, positive to
