@@ -10,8 +10,9 @@ namespace sonarcal {
 // `note`: appended to the description, such as " (default: that of --real)".
 inline CLI::Option* AddSonar(CLI::App& command, std::string& sonar, const std::string& note = {}) {
   return command
-      .add_option("--sonar", sonar,
-                  "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object" + note)
+      .add_option(
+          "--sonar", sonar,
+          "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object" + note)
       ->type_name("NAME|FILE");
 }
 

@@ -122,8 +122,7 @@ TEST_F(BatchTest, RunsEveryCombinationAndTheComparisonsAfterThem) {
   EXPECT_EQ(summary.at("jobs").at(4).at("options").at("seed"), "2");
   EXPECT_EQ(summary.at("jobs").at(10).at("options").at("sim"), (world_ / "out" / "sim" / "0004").string());
   EXPECT_EQ(summary.at("jobs").at(10).at("options").at("pictures"), "2");
-  // What the table says is what the comparison says, and that is of the simulation it came after: each seed
-  // is another draw.
+  // The table has the figures of the comparison of its own simulation: each seed gives another sample.
   std::map<int, double> iou;
   for (int i = 0; i < 6; ++i) {
     const Json metrics = ReadJsonFile(world_ / "out" / "judged" / fmt::format("{:04}", i) / "metrics.json");

@@ -98,7 +98,7 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
   EXPECT_THAT(html, HasSubstr("Frame 1, synthetic"));
   EXPECT_THAT(html, ::testing::Not(HasSubstr("Frame 1, recorded")));
   EXPECT_EQ(testing::PictureFault(html), "");
-  // Whatever is doubtful is said everywhere.
+  // Terminal, report and JSON have the same warnings.
   ASSERT_TRUE(json["warnings"].is_array());
   for (const nlohmann::json& sentence : json["warnings"])
     EXPECT_THAT(outcome.out, HasSubstr("warning: " + sentence.get<std::string>() + "\n"));

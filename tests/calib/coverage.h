@@ -25,7 +25,7 @@ enum class Speckle {
   kGrained,      // Simulator's draw: coherent through beam and pulse, pixels a grain apart are alike
 };
 
-// Where each fit starts, which is what its priors are centred on.
+// Start of each fit. The priors are centred on it.
 enum class Start {
   kAboutTruth,  // drawn about the truth as the priors say
   kReadme,      // the same curve for every material, as `reproduce` writes it for README's fit

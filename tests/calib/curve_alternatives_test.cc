@@ -74,7 +74,7 @@ Coverage Cover(bool test_curves, int data_sets) {
   return coverage;
 }
 
-// What chance leaves of a share: three standard deviations.
+// Three standard deviations of a share of `count` trials.
 double Chance(double share, int count) {
   return 3.0 * std::sqrt(share * (1.0 - share) / count);
 }

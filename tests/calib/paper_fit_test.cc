@@ -94,8 +94,8 @@ TEST_F(PaperFitToItself, TheTruthLiesWithinTheStatedErrors) {
   EXPECT_LT(largest, 4.0);
 }
 
-// The same place from the paper's values and from a display of 70 dB with other curves: the expected images
-// are compared, because what the frames leave open stands at its prior.
+// Two starts: the paper's values, and a display of 70 dB with other curves. The expected images are compared,
+// because parameters that the frames do not determine stay at their priors.
 TEST_F(PaperFitToItself, AnotherStartEndsAtTheSamePlace) {
   const std::vector<FitFrame> frames = Frames(3);
   ParameterSet other = Start();

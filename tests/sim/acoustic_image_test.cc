@@ -347,7 +347,7 @@ TEST_F(SampledImage, MeanPowerIsTheExpectation) {
   EXPECT_NEAR(all, 1.0, 4.5 / std::sqrt(kDraws * 150.0));
 }
 
-// The same draw, beam by beam: nothing but the factor.
+// Two samples of one seed differ only by the factor of each beam.
 TEST_F(SampledImage, SensitivityScalesTheEchoesOfABeam) {
   acoustics_.parameters.receiver.noise_db.reset();
   const Grid<double> even = acoustics_.SampledPower(scatter_, 5);

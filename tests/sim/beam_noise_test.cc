@@ -44,7 +44,7 @@ double ErrorOf(int bins) {
   return 3.8 / std::sqrt(64.0 * bins);
 }
 
-// What the coherent model gave for noise alone: a Hann-tapered array of 160 elements.
+// Reference: noise alone in the coherent model, with a Hann-tapered array of 160 elements.
 TEST(BeamNoise, OfTheP900IsThatOfItsArray) {
   constexpr int kBins = 8000;
   constexpr Lags kCoherent = {1.0, 0.95, 0.82, 0.63, 0.44, 0.27};

@@ -145,8 +145,8 @@ TEST_F(SyntheticTankWithGhosts, GhostsExplainWhatTheDirectImageDoesNot) {
   EXPECT_LT(with_where_ghosts, 0.5 * without_where_ghosts);
 }
 
-// By what the recording says that a part of the power has to be multiplied: weighted least squares over the
-// pixels that have some of it, whose standard deviation is at most the whole power. 17 pixels are as one.
+// Factor of one part of the expected power that fits the recording best: weighted least squares over the
+// pixels that show this part, whose standard deviation is at most the whole power. 17 pixels are as one.
 struct PartFactor {
   void Add(double recorded, double rest, double part) {
     const double whole = rest + part;
@@ -161,8 +161,8 @@ struct PartFactor {
   double square = 0.0;
 };
 
-// Of the surface's ghosts by the elevation of the leg that is further off the axis, and of direct echoes:
-// what docs/ghosts.md shows.
+// Recorded over expected power: ghosts by the surface, by the elevation of the leg further off the axis;
+// direct echoes through side lobes. docs/ghosts.md shows the output.
 TEST_F(SyntheticTankWithGhosts, HasDirectEchoesThroughSideLobesAndNoGhosts) {
   const double main_deg =
       DegFromRad(MainLobeEndRad(ElevationResponseOf(simulator_->sonar(), parameters_.beam)));
