@@ -1,5 +1,5 @@
 // `sonarcal batch PLAN --out DIR`: simulates, compares or fits over many recordings and parameter sets
-// (docs/batch.md).
+// (docs/guide/batch.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // `sonarcal poses`: where the sonar was, from pictures that a camera beside it took of markers
-// (calib/markers/marker_poses.h; docs/markers.md).
+// (calib/markers/marker_poses.h; docs/guide/markers.md).
 //
 // Written: poses.json, world_from_sonar of the frames that have a pose, for `simulate --poses`;
 // trajectory.csv, the same over time, for `convert --trajectory`; marker_poses.json, every frame with its

@@ -34,7 +34,7 @@ struct RayOptions {
   RayOptions() = default;
   explicit RayOptions(Sampling default_sampling) : sampling(default_sampling) {}
 
-  // The one asked for; else for the paper's model `beams`, which need the fewest rays (docs/rays.md). The
+  // The one asked for; else for the paper's model `beams`, which need the fewest rays (docs/guide/rays.md). The
   // acoustic model has rays of its own, and the scatterers of the coherent one stand on the rays, of which
   // there are to be many: `frustum`.
   Sampling SamplingFor(EchoModel model) const;

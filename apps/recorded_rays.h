@@ -1,5 +1,5 @@
 // Sampling of a recording that the paper's model simulated. The paper gives each ray the same weight, so the
-// two samplings have different images (docs/rays.md), and a fit with the other sampling is biased.
+// two samplings have different images (docs/guide/rays.md), and a fit with the other sampling is biased.
 #pragma once
 
 #include <string>

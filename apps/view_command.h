@@ -1,5 +1,5 @@
 // `sonarcal view`: a page on this machine that shows a scene, a sonar in it and what it would see, and
-// follows every parameter as it is moved; beside a recording where there is one (docs/view.md).
+// follows every parameter as it is moved; beside a recording where there is one (docs/guide/view.md).
 //
 // Written, where asked for by the page: params.json, poses.json, sonar.json where the sonar was changed, and
 // provenance.json, into `out`.

@@ -6,7 +6,7 @@ namespace sonarcal {
 namespace {
 
 constexpr double kBeamDeg = 0.35;
-// Chosen with frame 1 in sight: 1.0, 0.6 and 0.4 were tried (docs/bomb.md).
+// Chosen with frame 1 in sight: 1.0, 0.6 and 0.4 were tried (docs/studies/bomb.md).
 constexpr double kTaper = 0.6;
 constexpr double kElevationBeamDeg = 30.0;
 constexpr double kPulseBins = 3.0;

@@ -1,5 +1,5 @@
 // What is known beforehand of the frames of a bomb that an ARIS 3000 recorded
-// (data_io/sonars/aris3000_frames_io.h), for fits of the acoustic model to them: docs/bomb.md.
+// (data_io/sonars/aris3000_frames_io.h), for fits of the acoustic model to them: docs/studies/bomb.md.
 //
 // Outline (sim/scenes/bomb.h) and poses were found once by least squares of images, on frame 0 and on the
 // other pose alone, and are held where the model is fitted: about them the likelihood trades the wrong

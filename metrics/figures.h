@@ -1,7 +1,7 @@
 // Every figure of a comparison, once: its name, how frames are averaged, and which way is better. Means over
 // frames, pooled figures, intervals, floors, metrics.json, per_frame.csv and the comparison with an earlier
 // run all walk this table. To add a figure: measure it into ViewMetrics (metrics/compare.h) and add a row in
-// figures.cc; docs/metrics.md has the formulas.
+// figures.cc; docs/reference/metrics.md has the formulas.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The picture of docs/bomb.md, from what `sonarcal reproduce --out REPORT` wrote.
+"""The picture of docs/studies/bomb.md, from what `sonarcal reproduce --out REPORT` wrote.
 
 usage: scripts/bomb_pictures.py REPORT docs/images/bomb_models.png
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Whether a fit's sigmas are true: fits synthetic data sets, and prints how often their intervals cover the
-# truth, as Markdown. Takes some minutes. docs/coverage.md shows what it printed.
+# truth, as Markdown. Takes some minutes. docs/studies/coverage.md shows what it printed.
 #
 #   scripts/coverage.sh [SETS]     SETS: data sets of each kind (default: 200)
 

@@ -4,7 +4,7 @@
 
 man -l --warnings must have nothing to say of any page, each command of --help has its page with all options that
 its --help lists, and bash offers these options, the commands, and the words of options that take one of a few. The table of
-docs/sonars.md is what `sonarcal sonars` lists.
+docs/reference/sonars.md is what `sonarcal sonars` lists.
 """
 
 import json
@@ -82,8 +82,8 @@ def check_fish(folder):
 
 
 def check_sonars():
-    """docs/sonars.md has a row for each sonar known by name, with its figures."""
-    page = pathlib.Path(__file__).parent.parent.joinpath("docs", "sonars.md").read_text(encoding="utf-8")
+    """docs/reference/sonars.md has a row for each sonar known by name, with its figures."""
+    page = pathlib.Path(__file__).parent.parent.joinpath("docs", "reference", "sonars.md").read_text(encoding="utf-8")
     rows = {}
     for line in page.splitlines():
         if line.startswith("| `"):
@@ -102,7 +102,7 @@ def check_sonars():
             f"{sonar['range_min_m']:g}..{sonar['range_max_m']:g}",
             f"{1e3 * (sonar['range_max_m'] - sonar['range_min_m']) / sonar['range_bins']:.3g}",
         ]
-    assert rows == expected, f"docs/sonars.md has {rows}, the program {expected}"
+    assert rows == expected, f"docs/reference/sonars.md has {rows}, the program {expected}"
 
 
 def main():

@@ -1,4 +1,4 @@
-// The plan of a batch: which commands run with which options (docs/batch.md).
+// The plan of a batch: which commands run with which options (docs/guide/batch.md).
 //
 //   {"format": "sonarcal-batch/1",
 //    "entries": [

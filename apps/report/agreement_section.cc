@@ -239,7 +239,7 @@ void AddEveryFigure(HtmlReport& report, const MetricsReport& metrics) {
   Table table{.caption = "Every figure of the polar images",
               .columns = {{"Figure"}, {"Unit", {}, false}, {"Mean of frames"}, {"95 %"}, {"Pixels pooled"}},
               .rows = {},
-              .notes = {"Formulas and sources: docs/metrics.md. Figures without any value are left out."}};
+              .notes = {"Formulas and sources: docs/reference/metrics.md. Figures without any value are left out."}};
   if (floor != nullptr) {
     table.columns.push_back({"Floor of the mean"});
     table.notes.push_back(FloorNote(metrics.noise_floor));

@@ -115,7 +115,7 @@ enum class ElevationPattern {
 };
 
 // Lobes of the elevation pattern through which mirrors are seen. Those of direct echoes, physically; some
-// simulations end their mirror legs where the main lobe does (docs/ghosts.md).
+// simulations end their mirror legs where the main lobe does (docs/studies/ghosts.md).
 enum class MirrorLobes { kAll, kMain };
 
 // Half-power widths of the beam, two-way; 0 = take the sonar's own. Where nobody says otherwise a beam has

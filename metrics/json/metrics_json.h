@@ -26,7 +26,7 @@
 // FIGURES are those of metrics/figures.h, each at its path: "iou", "intensity": {"union": {"rmse": ...}}.
 // SUMMARY is for each figure its value, "..._ci": [lo, hi] and "..._floor" (what no simulator could beat,
 // from `noise_floor`), those of the fan below "fan", those in fractions of full scale again below
-// "in_grey_levels" and, where the scale is known, "in_db". docs/metrics.md defines every figure.
+// "in_grey_levels" and, where the scale is known, "in_db". docs/reference/metrics.md defines every figure.
 //
 // CLASSES are lists of one length: {"name" or "from" and "to", "unit", "whole": SUMS, "union": SUMS}; SUMS is
 // {"pixels", "bias", "mean_absolute"}. The map's lists run row by row, a cell being `bins` x `beams` pixels.

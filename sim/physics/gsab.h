@@ -68,7 +68,7 @@ T GsabPower(const GsabParameters<T>& p, double incidence_deg) {
 // off the direction midway between them: backscatter (GsabPower) where the two are one, and the same either
 // way round. The two peaks are those of facets, which reflect one direction into the other where they are
 // tilted so; the rest scatters what it gets by the cosine of either leg alike. Published for none of these
-// curves: a coherent simulation of a tank, not ours, follows it (docs/ghosts.md), and not the mean of both
+// curves: a coherent simulation of a tank, not ours, follows it (docs/studies/ghosts.md), and not the mean of both
 // backscatters.
 template <typename T>
 T GsabBetweenPower(const GsabParameters<T>& p, double incidence_deg, double other_deg, double tilt_deg) {

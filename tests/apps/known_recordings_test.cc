@@ -1,5 +1,5 @@
 // The real recordings that `explain --known` explains, and the strip of surface that stands for a hull. Few
-// rays, so that each takes half a minute; figures are those of docs/explain.md for many.
+// rays, so that each takes half a minute; figures are those of docs/guide/explain.md for many.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -209,7 +209,7 @@ TEST(KnownRecordings, BombIsExplained) {
   const JudgedSteps& same = explained.by_frame[0];
   const JudgedSteps& other = explained.by_frame[1];
   EXPECT_EQ(same.verdict[3], Verdict::kWorthIt) << "the noise floor";
-  // What docs/bomb.md holds its own fit to, over the whole image. A draw moves the IoU by 0.02: two of these.
+  // What docs/studies/bomb.md holds its own fit to, over the whole image. A draw moves the IoU by 0.02: two of these.
   EXPECT_LE(*same.figures.back().intensity_error, 0.053);
   EXPECT_LE(*other.figures.back().intensity_error, 0.050);
   EXPECT_GE(*same.figures.back().iou, 0.80 - 0.04);

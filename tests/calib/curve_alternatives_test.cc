@@ -65,7 +65,7 @@ Coverage Cover(bool test_curves, int data_sets) {
       }
     }
   }
-  // docs/coverage.md has these lines.
+  // docs/studies/coverage.md has these lines.
   for (std::size_t k = 0; k < 6; ++k) {
     fmt::print("{} {}: fitted in {} of {}, 95 % intervals cover {:.1f} %\n",
                test_curves ? "tested" : "untested", "ABCDEF"[k], coverage.fitted[k], 2 * data_sets,

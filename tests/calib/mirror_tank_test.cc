@@ -21,7 +21,7 @@ using testing::SyntheticTank;
 constexpr int kCovered = 90;
 
 // What a curve may be off by, as without ghosts (synthetic_tank_test.cc): sigmas do not cover all that the
-// model lacks (docs/ghosts.md).
+// model lacks (docs/studies/ghosts.md).
 constexpr double kMostOffDb = 1.5;
 
 // Share of the covered angles at which the true curve lies in the fitted one's 95 % band.

@@ -21,7 +21,7 @@ ParameterSet Known(const ImageScale& scale) {
   known.beam.azimuth_width_deg = 1.0;
   known.beam.elevation_width_deg = 20.0;
   known.beam.mirror_lobes =
-      MirrorLobes::kMain;  // as the simulation that made the recordings (docs/ghosts.md)
+      MirrorLobes::kMain;  // as the simulation that made the recordings (docs/studies/ghosts.md)
   known.pulse.length_m = 0.0254;
   return known;
 }

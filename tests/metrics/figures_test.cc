@@ -27,7 +27,7 @@ TEST(FiguresTest, EveryPathAndLabelOccursOnce) {
 // A figure of the table that its page does not define would be one that nobody can look up.
 TEST(FiguresTest, EveryNameStandsInThePageThatDefinesThem) {
   const std::string page =
-      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "docs/metrics.md") +
+      testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "docs/reference/metrics.md") +
       testing::ReadFile(std::filesystem::path(SONARCAL_SOURCE_DIR) / "metrics/measures/occupancy.h");
   for (const Figure& figure : Figures()) {
     const std::string name = figure.path.substr(figure.path.rfind('.') + 1);

@@ -1,4 +1,4 @@
-// How well each method of segmentation finds what people outlined, as Markdown: docs/segmentation.md shows
+// How well each method of segmentation finds what people outlined, as Markdown: docs/guide/segmentation.md shows
 // what it printed.
 //
 //   segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]

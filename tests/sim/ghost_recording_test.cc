@@ -162,7 +162,7 @@ struct PartFactor {
 };
 
 // Recorded over expected power: ghosts by the surface, by the elevation of the leg further off the axis;
-// direct echoes through side lobes. docs/ghosts.md shows the output.
+// direct echoes through side lobes. docs/studies/ghosts.md shows the output.
 TEST_F(SyntheticTankWithGhosts, HasDirectEchoesThroughSideLobesAndNoGhosts) {
   const double main_deg =
       DegFromRad(MainLobeEndRad(ElevationResponseOf(simulator_->sonar(), parameters_.beam)));

@@ -47,7 +47,7 @@ class SyntheticTruth : public ::testing::Test {
       // "flat to 24 deg, cosine amplitude roll-off to zero at 45 deg"
       parameters_.beam.transmit_even_deg = 24.0;
       parameters_.beam.transmit_end_deg = 45.0;
-      parameters_.beam.mirror_lobes = MirrorLobes::kMain;  // docs/ghosts.md
+      parameters_.beam.mirror_lobes = MirrorLobes::kMain;  // docs/studies/ghosts.md
     }
     SimulationOptions options;
     options.fan = {.sampling = Sampling::kBeams,

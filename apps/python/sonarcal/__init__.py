@@ -252,7 +252,7 @@ def compare(
     params: Optional[Path] = None,
     progress: Optional[Progress] = None,
 ) -> dict[str, Any]:
-    """metrics.json of the two recordings as a dict, as `sonarcal compare` makes it (docs/metrics.md).
+    """metrics.json of the two recordings as a dict, as `sonarcal compare` makes it (docs/reference/metrics.md).
 
     frames: range(A, B), "A:B" or "A:B,C:D" of both. cell, guard, training, blur, opening, closing, max_size: (range bins,
     beams). region_range in metres, region_azimuth in degrees, region_margin in metres, contrast_db in dB.
@@ -437,7 +437,7 @@ def reproduce_tank(
 
 
 def known_bomb(folder: Path) -> tuple[Recording, Scene, dict[str, Any]]:
-    """Two frames of a bomb that an ARIS 3000 recorded, with the pose and outline found beforehand (docs/bomb.md).
+    """Two frames of a bomb that an ARIS 3000 recorded, with the pose and outline found beforehand (docs/studies/bomb.md).
 
     folder: aris3000_uxo of the real recordings. Returns the recording, the scene, and the acoustic model's
     parameters to start a fit from.
