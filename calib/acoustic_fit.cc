@@ -17,7 +17,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Rounds about a new point, at most; and the move, in parts of what a round may move, below which no other
@@ -73,7 +73,7 @@ FitConfig WithDefaults(FitConfig config, const ParameterSet& initial,
 // The steps of a fit, one after the other.
 class AcousticFitter {
  public:
-  AcousticFitter(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+  AcousticFitter(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                  const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
       : options_(options),
         config_(WithDefaults(given, initial, simulator.caster().material_names())),
@@ -372,14 +372,14 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
   return DbFromPower(*at / of_mean);
 }
 
-AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+AcousticFit FitAcousticModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                              const ParameterSet& initial, const FitConfig& config,
                              const FitOptions& options) {
   if (frames.empty()) throw DataError("fit: no frames");
   return AcousticFitter(simulator, frames, initial, config, options).Run();
 }
 
-std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+std::vector<Pose> FitPosesOnly(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                                const ParameterSet& parameters, const PosePrior& prior,
                                const std::function<void(const std::string&)>& progress) {
   if (frames.empty()) return {};
@@ -396,4 +396,4 @@ std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<Aco
   return poses;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -17,7 +17,7 @@
 #include "calib/fit.h"
 #include "calib/models/acoustic_frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // What a fit of the acoustic model frees where nobody says: curves and noise floor, the pulse where its
 // length is not given, as a level per area hangs on it, and what MirrorsFreeByDefault says. The gauge: gain
@@ -40,14 +40,14 @@ struct AcousticFit {
 
 // `initial` must name a noise level; of mirrors it is completed as WithMirrorStart says. Throws DataError as
 // FitPaperModel does.
-AcousticFit FitAcousticModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+AcousticFit FitAcousticModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                              const ParameterSet& initial, const FitConfig& config,
                              const FitOptions& options = {});
 
 // The poses of frames, radiometry and all else held: for frames that a fit did not see, which would otherwise
 // be judged at poses known to be off.
-std::vector<Pose> FitPosesOnly(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+std::vector<Pose> FitPosesOnly(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                                const ParameterSet& parameters, const PosePrior& prior = {},
                                const std::function<void(const std::string&)>& progress = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

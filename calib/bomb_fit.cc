@@ -2,7 +2,7 @@
 
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kBeamDeg = 0.35;
@@ -29,7 +29,7 @@ TargetPose BombOtherPose() {
           .pitch_rad = RadFromDeg(30.6)};
 }
 
-FanGeometry BombOtherPoseFan() {
+data_io::FanGeometry BombOtherPoseFan() {
   return {.apex_x_px = 361.9,
           .apex_y_px = 1343.0,
           .radius_min_px = 309.0,
@@ -59,4 +59,4 @@ TargetFitOptions BombFitOptions() {
   return options;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

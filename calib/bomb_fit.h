@@ -12,13 +12,13 @@
 #include "core/types/sonar_model.h"
 #include "data_io/pictures/fan_geometry.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 TargetPose BombPose();       // of frames 0 and 1
 TargetPose BombOtherPose();  // of other_pose_fan.png; from here its fit starts
 
 // Fan of other_pose_fan.png: apex and arcs as given in the README of the recording.
-FanGeometry BombOtherPoseFan();
+data_io::FanGeometry BombOtherPoseFan();
 
 // Where the fit starts: a beam and a pulse as the grain shows them. `display` as read off the background
 // (calib/noise/background_display.h), on which the noise is 0 dB.
@@ -27,4 +27,4 @@ ParameterSet BombInitial(const DisplayParameters<double>& display, const SonarMo
 // Of the model, at the pose given.
 TargetFitOptions BombFitOptions();
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -16,7 +16,7 @@
 #include "calib/solve.h"
 #include "sim/physics/gsab.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Number of pixels of all frames together on which alternatives are searched.
@@ -66,7 +66,7 @@ std::vector<Curve> Exchanged(const Curve& curve) {
 }
 
 double PowerOf(const Curve& c, double incidence_deg) {
-  return GsabPower(GsabParameters<double>{c[0], c[1], c[2], c[3], c[4], c[5]}, incidence_deg);
+  return sim::GsabPower(GsabParameters<double>{c[0], c[1], c[2], c[3], c[4], c[5]}, incidence_deg);
 }
 
 // The second curve with the level of the first at oblique incidence.
@@ -311,4 +311,4 @@ bool OrderGaussians(const std::vector<CatalogEntry>& catalog, const std::vector<
   return exchanged;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

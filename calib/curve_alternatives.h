@@ -24,7 +24,7 @@
 
 #include "calib/models/frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // The optimum that is tested.
 struct FittedPoint {
@@ -51,4 +51,4 @@ CurveAlternatives FindCurveAlternatives(const FrameModel& model, const std::vect
 bool OrderGaussians(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
                     ParameterValues& values);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // One value at a bound may be a curve without that term. From two on, the model asks for what is refused.
@@ -67,4 +67,4 @@ std::vector<std::string> DegenerateFitWarnings(const FitReport& report, const Pa
   return warnings;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

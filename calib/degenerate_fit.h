@@ -8,7 +8,7 @@
 #include "calib/fit_report.h"
 #include "calib/models/paper_frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Another place where the search ended, from another start.
 struct OtherOptimum {
@@ -21,4 +21,4 @@ struct OtherOptimum {
 std::vector<std::string> DegenerateFitWarnings(const FitReport& report, const PaperClipping& clipping,
                                                const std::vector<OtherOptimum>& others);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -18,7 +18,7 @@
 #include "calib/solve.h"
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Relative change of cost at which a trial start is told from another.
@@ -447,4 +447,4 @@ ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitC
   return arena.execute([&] { return Fitter(model, initial, config, options).Run(); });
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -23,7 +23,7 @@
 #include "calib/parameters/fit_config.h"
 #include "calib/parameters/fit_options.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Values of an image as a fit wants them. Throws DataError where they are not grey levels.
 std::vector<double> MeasuredForFit(const PolarImage& image);
@@ -54,8 +54,8 @@ std::vector<std::string> PaperFreeByDefault();
 
 // All frames share `geometry` and `material_names` (those of the scene). Throws DataError for a configuration
 // that names nothing free, or frames that do not fit the geometry.
-FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+FitResult FitPaperModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                         const std::vector<std::string>& material_names, const ParameterSet& initial,
                         const FitConfig& config, const FitOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -7,7 +7,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -17,20 +17,6 @@ Json FiniteOrNull(double value) {
 }
 
 }  // namespace
-
-std::string_view ToString(ParameterStatus status) {
-  switch (status) {
-    case ParameterStatus::kFree:
-      return "free";
-    case ParameterStatus::kFixed:
-      return "fixed";
-    case ParameterStatus::kUnidentifiable:
-      return "unidentifiable";
-    case ParameterStatus::kAtBound:
-      return "at_bound";
-  }
-  return "unknown";
-}
 
 const FittedParameter* FitReport::Find(const std::string& name) const {
   for (const FittedParameter& parameter : parameters) {
@@ -106,4 +92,4 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
   return json.dump(2) + "\n";
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -4,15 +4,21 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "calib/fitted_curve.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 enum class ParameterStatus { kFree, kFixed, kUnidentifiable, kAtBound };
-
-std::string_view ToString(ParameterStatus status);
+constexpr auto WordsOf(std::type_identity<ParameterStatus>) {
+  return Words<ParameterStatus, 4>{{{"free", ParameterStatus::kFree},
+                                    {"fixed", ParameterStatus::kFixed},
+                                    {"unidentifiable", ParameterStatus::kUnidentifiable},
+                                    {"at_bound", ParameterStatus::kAtBound}}};
+}
 
 struct FittedParameter {
   std::string name;
@@ -66,4 +72,4 @@ bool HasTruth(const FitReport& report);
 // `"metrics_before": {...}`, or empty.
 std::string FitReportJson(const FitReport& report, const std::string& extra_members = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

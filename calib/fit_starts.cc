@@ -6,7 +6,7 @@
 #include "calib/problem_builder.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Narrow, middling and wide peaks: A, B, C, D, E, F.
@@ -82,4 +82,4 @@ ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const s
   return values;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -7,7 +7,7 @@
 
 #include "calib/models/frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // A parameter's place in a catalog, -1 where it has none of that name.
 int FindEntry(const std::vector<CatalogEntry>& catalog, const std::string& name);
@@ -30,4 +30,4 @@ ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const s
 void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
                       ParameterValues& values);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -7,7 +7,7 @@
 
 #include "sim/physics/gsab.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using Dual = ceres::Jet<double, 6>;
@@ -38,7 +38,7 @@ std::vector<FittedCurve> FittedCurves(const std::vector<CatalogEntry>& catalog,
     curve.material = material_names[material];
     for (int deg = 0; deg <= 90; ++deg) {
       const Dual level_db =
-          GsabDb(GsabParameters<Dual>{gsab[0], gsab[1], gsab[2], gsab[3], gsab[4], gsab[5]}, deg);
+          sim::GsabDb(GsabParameters<Dual>{gsab[0], gsab[1], gsab[2], gsab[3], gsab[4], gsab[5]}, deg);
       const Eigen::VectorXd slope = of_coordinates.transpose() * level_db.v;
       curve.incidence_deg.push_back(deg);
       curve.backscatter_db.push_back(level_db.a);
@@ -49,4 +49,4 @@ std::vector<FittedCurve> FittedCurves(const std::vector<CatalogEntry>& catalog,
   return curves;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

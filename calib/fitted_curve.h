@@ -8,7 +8,7 @@
 
 #include "calib/models/frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct FittedCurve {
   std::string material;
@@ -25,4 +25,4 @@ std::vector<FittedCurve> FittedCurves(const std::vector<CatalogEntry>& catalog,
                                       const ParameterValues& values, const std::vector<int>& fitted,
                                       const Eigen::MatrixXd& covariance);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -11,7 +11,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Parameters that take part in a direction with at least this share of its largest component are named.
@@ -199,4 +199,4 @@ Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance) {
   return inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Sums over the residuals of a least-squares problem at its solution, and over each block of residuals that
 // share noise (speckle grain, range and azimuth errors) and may therefore not be counted as independent.
@@ -70,4 +70,4 @@ inline constexpr double kOpenShare = 0.1;
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -13,7 +13,7 @@
 #include "calib/parameters/fit_options.h"
 #include "calib/problem_builder.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Of the damping. Edges that move by more than pulse and beam are wide are linear in nothing: from a whole
@@ -209,4 +209,4 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   return ended;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

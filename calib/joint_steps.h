@@ -14,7 +14,7 @@
 
 #include "calib/models/acoustic_frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct JointStepOptions {
   int steps = 6;  // at most
@@ -36,4 +36,4 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
                     const std::function<void(ParameterValues&)>& settle, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -6,7 +6,7 @@
 
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr const char* kTransmitEnd = "beam.transmit_end_deg";
@@ -41,4 +41,4 @@ ParameterSet WithMirrorStart(ParameterSet initial, const FitConfig& config,
   return initial;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -8,7 +8,7 @@
 #include "core/types/parameters.h"
 #include "core/types/sonar_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // A loss to start from where a mirror is named among what is free, but not in the parameters: that of a
 // surface that reflects a third of the pressure.
@@ -29,4 +29,4 @@ std::vector<std::string> MirrorsFreeByDefault(const ParameterSet& initial,
 ParameterSet WithMirrorStart(ParameterSet initial, const FitConfig& config,
                              const std::vector<std::string>& material_names, const SonarModel& sonar);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -12,7 +12,7 @@
 #include "calib/fit_starts.h"
 #include "calib/problem_builder.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Noise before the first fit: a tenth of full scale, and enough dither to give faint pixels a slope.
@@ -157,7 +157,7 @@ std::vector<std::string> PaperFreeByDefault() {
   return {"materials", "display.db_max", "jitter.sigma_range_m", "jitter.sigma_azimuth_deg"};
 }
 
-FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+FitResult FitPaperModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                         const std::vector<std::string>& material_names, const ParameterSet& initial,
                         const FitConfig& config, const FitOptions& options) {
   PaperFrameModel model(frames, geometry, material_names, initial);
@@ -177,4 +177,4 @@ FitResult FitPaperModel(const std::vector<FitFrame>& frames, const ImageGeometry
   return result;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -16,7 +16,7 @@
 #include "calib/models/pixel_math.h"
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -352,4 +352,4 @@ double CostAt(const FrameModel& model, const ParameterValues& values, int frames
   return cost;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

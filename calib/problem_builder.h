@@ -11,7 +11,7 @@
 #include "calib/models/frame_model.h"
 #include "calib/parameters/fit_options.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // One solve: which parameters move, and all others at their values.
 struct FitState {
@@ -47,4 +47,4 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
 // Half the sum of squares over the first `frames` frames, without a problem and without priors.
 double CostAt(const FrameModel& model, const ParameterValues& values, int frames);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Ends a solve where somebody wants it ended.
@@ -47,4 +47,4 @@ SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& 
   return result;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

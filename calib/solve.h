@@ -7,7 +7,7 @@
 
 #include "calib/problem_builder.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct SolveLimits {
   double function_tolerance = 1e-8;  // relative change of cost that ends it
@@ -26,4 +26,4 @@ struct SolveSummary {
 SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                       const SolveLimits& limits, const std::function<bool()>& stop, FitState& state);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

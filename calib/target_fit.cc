@@ -7,7 +7,7 @@
 
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 std::vector<std::string> ModelParameters(const Scene& target) {
@@ -66,7 +66,7 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
   result.simulation.water = water;
   result.simulation.noise = true;
   result.simulation.fan = {
-      .sampling = Sampling::kBeams,
+      .sampling = sim::Sampling::kBeams,
       .cols = sonar.axes.beam_count() * options.cols_per_beam,
       .rows = static_cast<int>(std::ceil(options.elevation_span_deg / options.ray_height_deg)),
       .elevation_span_deg = options.elevation_span_deg,
@@ -78,7 +78,7 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
     result.simulation.fan.cols *= 2;
     result.simulation.fan.rows *= 2;
   }
-  const Simulator simulator(result.placed, sonar, result.simulation);
+  const sim::Simulator simulator(result.placed, sonar, result.simulation);
   std::vector<AcousticFrame> frames = {{.index = 0,
                                         .world_from_sonar = SonarOfPlaced(pose),
                                         .recorded = RecordedPowers(recorded, initial.display)}};
@@ -91,4 +91,4 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
   return result;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

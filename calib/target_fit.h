@@ -12,7 +12,7 @@
 #include "calib/poses/target_pose.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct TargetFitOptions {
   double ray_height_deg = 0.05;  // half of it, and twice the columns, where the pose is free
@@ -38,7 +38,7 @@ struct TargetFitOptions {
 struct TargetFit {
   AcousticFit fit;
   Scene placed;  // the target in the world of the fit
-  SimulationOptions simulation;
+  sim::SimulationOptions simulation;
 };
 
 // The target as `pose` shows it, in the world of the fit; and the sonar's pose in it.
@@ -51,4 +51,4 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
                     const PolarImage& recorded, const TargetPose& pose, const ParameterSet& initial,
                     const TargetFitOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

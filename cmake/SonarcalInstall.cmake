@@ -12,6 +12,9 @@ install(DIRECTORY core data_io metrics sim calib
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sonarcal
   FILES_MATCHING PATTERN "*.h")
 if(SONARCAL_BUILD_APPS)
+  install(DIRECTORY apps/workflow
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sonarcal/apps
+    FILES_MATCHING PATTERN "*.h")
   install(TARGETS sonarcal RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   include(SonarcalDocumentation)
 endif()

@@ -11,7 +11,7 @@
 #include "data_io/ros/bag.h"
 #include "data_io/ros/ros_messages.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr const char* kStaticTopic = "/tf_static";
@@ -199,4 +199,4 @@ std::vector<TrajectoryPose> ReadBagTrajectory(const std::filesystem::path& path,
   return poses;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

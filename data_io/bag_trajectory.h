@@ -19,7 +19,7 @@
 
 #include "data_io/trajectory_io.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct BagPoseOptions {
   std::string topic = {};        // "/odom", "/tf"
@@ -34,4 +34,4 @@ struct BagPoseOptions {
 std::vector<TrajectoryPose> ReadBagTrajectory(const std::filesystem::path& bag,
                                               const BagPoseOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -11,7 +11,7 @@
 #include "data_io/sonars/didson_io.h"
 #include "data_io/sonars/oculus_io.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 struct Format {
@@ -50,4 +50,4 @@ std::unique_ptr<RecordingSource> OpenRecording(const std::filesystem::path& path
   throw DataError("{}: not a recording of a known format, expected one of: {}", path.string(), understood);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,10 +8,10 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Throws DataError where nothing is there, what is there is of no known format (the sentence lists those
 // known), or its reader refuses it.
 std::unique_ptr<RecordingSource> OpenRecording(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

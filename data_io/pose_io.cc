@@ -8,7 +8,7 @@
 #include "data_io/open_recording.h"
 #include "data_io/recordings/recording_io.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -17,7 +17,7 @@ constexpr std::string_view kFormat = "sonar-poses/1";
 
 JsonReader ListOfPoses(const JsonReader& json) {
   if (json.is_array()) return json;
-  json.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
+  json.CheckFormat(kFormat);
   return json.At("poses");
 }
 
@@ -65,4 +65,4 @@ void WritePoses(const std::filesystem::path& file, const std::vector<TimedPose>&
   WriteJson(file, {{"format", kFormat}, {"poses", std::move(list)}});
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -14,7 +14,7 @@
 #include "core/types/pose.h"
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct TimedPose {
   std::optional<double> time_s;
@@ -34,4 +34,4 @@ std::vector<TimedPose> ReadPosesOrRecording(const std::filesystem::path& path);
 // Whole or not at all.
 void WritePoses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

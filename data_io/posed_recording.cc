@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 PosedRecording::PosedRecording(std::unique_ptr<RecordingSource> recording, PosesOverTime poses)
     : recording_(std::move(recording)), poses_(std::move(poses)), info_(recording_->info()) {
@@ -44,4 +44,4 @@ FrameInfo PosedRecording::WithPose(int index, FrameInfo info) const {
   return info;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

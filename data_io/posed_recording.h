@@ -8,7 +8,7 @@
 #include "core/types/recording.h"
 #include "data_io/trajectory_io.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct PosesOverTime {
   std::vector<TrajectoryPose> world_from_body;
@@ -43,4 +43,4 @@ class PosedRecording final : public RecordingSource {
   int posed_count_ = 0;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

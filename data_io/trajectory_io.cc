@@ -16,7 +16,7 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::size_t kMostBytes = 1 << 30;
@@ -232,10 +232,10 @@ std::optional<Pose> PoseAt(const std::vector<TrajectoryPose>& trajectory, double
 
 Pose ReadMount(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
-  json.At("format").Word(JsonWords<bool, 1>{{{"sonar-mount/1", true}}});
+  json.CheckFormat("sonar-mount/1");
   const Pose body_from_sonar = ReadPose(json.At("body_from_sonar"));
   json.Finish();
   return body_from_sonar;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -22,13 +22,20 @@
 
 #include <filesystem>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/pose.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 enum class TrajectoryFormat { kTum, kEuroc, kCsv };
+constexpr auto WordsOf(std::type_identity<TrajectoryFormat>) {
+  return Words<TrajectoryFormat, 3>{{{"tum", TrajectoryFormat::kTum},
+                                     {"euroc", TrajectoryFormat::kEuroc},
+                                     {"csv", TrajectoryFormat::kCsv}}};
+}
 
 // What the first lines look like. Throws DataError where they are none of these.
 TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file);
@@ -48,4 +55,4 @@ std::optional<Pose> PoseAt(const std::vector<TrajectoryPose>& trajectory, double
 // body_from_sonar. Throws DataError with file, line and key.
 Pose ReadMount(const std::filesystem::path& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 
 #include "metrics/figures.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // One view of the frames.
@@ -180,4 +180,4 @@ Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames, FrameLevels l
   return aggregate;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -22,7 +22,7 @@
 #include "metrics/bootstrap.h"
 #include "metrics/compare.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct Statistic {
   std::optional<double> value;
@@ -70,4 +70,4 @@ struct Aggregate {
 // their own any more, pooled.
 Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames, FrameLevels levels = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 double Quantile(const std::vector<double>& sorted, double share) {
@@ -76,4 +76,4 @@ Interval PercentileInterval95(std::vector<double> draws) {
   return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

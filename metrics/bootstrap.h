@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 inline constexpr int kBootstrapDraws = 2000;
 inline constexpr std::uint64_t kBootstrapSeed = 20240107;
@@ -52,4 +52,4 @@ int PolitisWhiteBlockLength(std::span<const double> series);
 // draw.
 Interval PercentileInterval95(std::vector<double> draws);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -6,7 +6,7 @@
 
 #include "metrics/find_objects.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 void CheckWhole(const PolarImage& image, std::string_view which) {
@@ -77,10 +77,6 @@ ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, doubl
 }
 
 }  // namespace
-
-std::string_view ToString(SimulatedObject object) {
-  return object == SimulatedObject::kEchoes ? "echoes" : "same_rule";
-}
 
 void CompareOptions::Check() const {
   segmentation.Check();
@@ -203,4 +199,4 @@ FrameMetrics CompareFrames(const PolarImage& real, const PolarImage& simulated,
   return FrameComparer(options).Compare(real, simulated);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

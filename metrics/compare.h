@@ -14,11 +14,13 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/imaging/fan_image.h"
 #include "core/types/image.h"
 #include "core/types/mask.h"
+#include "core/types/words.h"
 #include "metrics/measures/intensity.h"
 #include "metrics/measures/level_histograms.h"
 #include "metrics/measures/occupancy.h"
@@ -29,7 +31,7 @@
 #include "metrics/speckle.h"
 #include "metrics/threshold_sweep.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Where the simulated object is.
 enum class SimulatedObject {
@@ -39,9 +41,10 @@ enum class SimulatedObject {
   // Neither smoothed nor tidied.
   kEchoes,
 };
-
-// "same_rule", "echoes".
-std::string_view ToString(SimulatedObject object);
+constexpr auto WordsOf(std::type_identity<SimulatedObject>) {
+  return Words<SimulatedObject, 2>{
+      {{"same_rule", SimulatedObject::kSameRule}, {"echoes", SimulatedObject::kEchoes}}};
+}
 
 struct CompareOptions {
   SegmentationOptions segmentation;
@@ -146,4 +149,4 @@ class FrameComparer {
 FrameMetrics CompareFrames(const PolarImage& real, const PolarImage& simulated,
                            const CompareOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 std::optional<double> Reciprocal(double value) {
@@ -224,4 +224,4 @@ std::string IntensityErrorPath(IntensityDomain domain) {
   return fmt::format("intensity.{}.mean_absolute", ToString(domain));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -12,7 +12,7 @@
 
 #include "metrics/compare.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 enum class FigureUnit {
   kNone,       // a ratio or a count
@@ -67,4 +67,4 @@ std::size_t FigureIndex(std::string_view path);
 // "intensity.union.mean_absolute" and its like: the figure named "intensity_error".
 std::string IntensityErrorPath(IntensityDomain domain);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -5,7 +5,7 @@
 
 #include "metrics/segmentation/scored_image.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // The simulated object at any setting of the segmentation.
@@ -64,4 +64,4 @@ ObjectRegions FindObjects(const PolarImage& real, const PolarImage& simulated, c
   return found;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

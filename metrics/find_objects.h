@@ -7,7 +7,7 @@
 
 #include "metrics/compare.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct ObjectRegions {
   Segmentation real;
@@ -19,4 +19,4 @@ struct ObjectRegions {
 ObjectRegions FindObjects(const PolarImage& real, const PolarImage& simulated, const CompareOptions& options,
                           const Mask* region, const Mask* valid);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

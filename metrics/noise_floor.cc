@@ -6,7 +6,7 @@
 
 #include "core/types/pose.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;  // of power
@@ -88,18 +88,6 @@ NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& 
           .drawn = std::nullopt};
 }
 
-std::string_view ToString(FloorSource source) {
-  switch (source) {
-    case FloorSource::kNone:
-      return "none";
-    case FloorSource::kRealAgainstReal:
-      return "real_against_real";
-    case FloorSource::kDrawn:
-      return "drawn";
-  }
-  return "unknown floor";
-}
-
 FloorSource NoiseFloor::source() const {
   const bool pairs = !real_against_real.pairs.empty();
   if (drawn && !(pairs && !real_against_real.assumed_still)) return FloorSource::kDrawn;
@@ -118,4 +106,4 @@ const Aggregate* NoiseFloor::Beside() const {
   return nullptr;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -20,14 +20,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/image.h"
 #include "core/types/recording.h"
+#include "core/types/words.h"
 #include "metrics/aggregate.h"
 #include "metrics/compare.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 double SingleLookPairDifferenceDb();  // 6.02
 double SingleLookMeanDifferenceDb();  // 4.27
@@ -67,9 +69,11 @@ struct DrawnFloor {
 
 // Where the floor beside the figures comes from.
 enum class FloorSource { kNone, kRealAgainstReal, kDrawn };
-
-// "none", "real_against_real", "drawn": the names used in metrics.json.
-std::string_view ToString(FloorSource source);
+constexpr auto WordsOf(std::type_identity<FloorSource>) {
+  return Words<FloorSource, 3>{{{"none", FloorSource::kNone},
+                                {"real_against_real", FloorSource::kRealAgainstReal},
+                                {"drawn", FloorSource::kDrawn}}};
+}
 
 struct NoiseFloor {
   std::optional<SpeckleFloor> speckle;
@@ -86,4 +90,4 @@ struct NoiseFloor {
 NoiseFloor MeasureNoiseFloor(const RecordingSource& real, const CompareOptions& options,
                              const std::map<int, PixelBox>& boxes = {}, int max_pairs = 100);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -6,7 +6,7 @@
 
 #include "metrics/compare.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr int kBlockPixels = kSpeckleBlockBins * kSpeckleBlockBeams;
@@ -153,4 +153,4 @@ SpeckleMeasures MeasureSpeckle(const Grid<float>& real, const Grid<float>& simul
           .simulated_object = MeasureSpeckleIn(simulated, scale, object, kHalfOver)};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -27,7 +27,7 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 inline constexpr int kSpeckleBlockBins = 16;
 inline constexpr int kSpeckleBlockBeams = 8;
@@ -67,4 +67,4 @@ SpeckleMeasures MeasureSpeckle(const Grid<float>& real, const Grid<float>& simul
                                const Mask& real_object, const Mask& simulated_object,
                                const Mask* valid = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

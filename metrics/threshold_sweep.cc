@@ -7,7 +7,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 const std::array<SweepRatio, kSweepRatios> kSweptRatios = {{
     {"ns_over_nr", &Occupancy::ns_over_nr},
@@ -123,4 +123,4 @@ std::string ThresholdSweep::Csv() const {
   return csv;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

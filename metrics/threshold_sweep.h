@@ -18,7 +18,7 @@
 #include "metrics/measures/occupancy.h"
 #include "metrics/segmentation/segmentation_options.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct SweepOptions {
   int steps = 0;  // settings that are tried, 2..1000; 0: no sweep
@@ -92,4 +92,4 @@ class ThresholdSweep {
   int frames_ = 0;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

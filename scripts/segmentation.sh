@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How well each method of segmentation finds what people outlined, as Markdown: IoU, precision and recall on
-# pictures that its settings were not chosen on. Takes some minutes. docs/guide/segmentation.md shows what it printed.
+# pictures that its settings were not chosen on. Takes some minutes. docs/studies/segmentation.md shows what it printed.
 #
 #   scripts/segmentation.sh [FOLDER] [METHODS]
 #

@@ -7,7 +7,7 @@
 #include "sim/ghosts/ghost_power.h"
 #include "sim/paper/paper_frame.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 SimulationOptions Checked(SimulationOptions options) {
@@ -77,12 +77,12 @@ GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSe
   const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters, thin);
   if (!mirrors) return {};
   const auto [left_rad, right_rad] = AzimuthsRad(fan_);
-  return sonarcal::TraceGhosts(*caster_, mirrors->surface, mirrors->fan, world_from_sonar,
-                               {.order = options_.ghost_order,
-                                .range_min_m = sonar_.axes.range_min_m,
-                                .range_max_m = sonar_.axes.range_max_m,
-                                .heard_left_rad = left_rad,
-                                .heard_right_rad = right_rad});
+  return sonarcal::sim::TraceGhosts(*caster_, mirrors->surface, mirrors->fan, world_from_sonar,
+                                    {.order = options_.ghost_order,
+                                     .range_min_m = sonar_.axes.range_min_m,
+                                     .range_max_m = sonar_.axes.range_max_m,
+                                     .heard_left_rad = left_rad,
+                                     .heard_right_rad = right_rad});
 }
 
 ScatterMap Simulator::Scatter(const EchoList& echoes, const ParameterSet& parameters,
@@ -198,4 +198,4 @@ PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet&
   return image;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -23,7 +23,7 @@
 #include "sim/physics/absorption.h"
 #include "sim/rays/trace.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct SimulationOptions {
   RayFanOptions fan;
@@ -106,4 +106,4 @@ class Simulator {
       mirrors_;  // by `thin`, of the materials last asked for
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -38,6 +38,9 @@ if(SONARCAL_BUILD_APPS)
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py ${PROJECT_SOURCE_DIR}/docs/guide
       $<TARGET_FILE:sonarcal>)
   set_tests_properties(guide PROPERTIES TIMEOUT 1200)
+  add_test(NAME schema
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>)
+  set_tests_properties(schema PROPERTIES TIMEOUT 600)
   if(NOT SONARCAL_SANITIZE)
     add_test(NAME package
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/package_test.py ${PROJECT_BINARY_DIR}

@@ -14,7 +14,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,4 +133,4 @@ JobLock::~JobLock() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -12,7 +12,7 @@
 #include <map>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::batch {
 
 struct LedgerState {
   enum class Event { kStarted, kDone, kFailed };
@@ -66,4 +66,4 @@ class JobLock {
   int descriptor_ = -1;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

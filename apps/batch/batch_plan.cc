@@ -14,7 +14,7 @@
 #include "data_io/files/hash.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,7 +42,7 @@ auto IfOfThisKind(Read read) -> std::optional<decltype(read())> {
 }
 
 // One value as a word of a command line.
-std::string WordOf(const JsonReader& value, const CLI::Option& option) {
+std::string WordOf(const data_io::JsonReader& value, const CLI::Option& option) {
   if (option.get_items_expected_max() == 0) return value.Bool() ? "true" : "false";
   if (const auto given = IfOfThisKind([&] { return value.Bool(); })) {
     value.Fail(fmt::format("is {}, expected a value of --{}", *given, option.get_lnames().front()));
@@ -51,7 +51,8 @@ std::string WordOf(const JsonReader& value, const CLI::Option& option) {
   return value.String();
 }
 
-const CLI::Option& FindOption(const CLI::App& command, const std::string& name, const JsonReader& where) {
+const CLI::Option& FindOption(const CLI::App& command, const std::string& name,
+                              const data_io::JsonReader& where) {
   if (std::find(kOwnOptions.begin(), kOwnOptions.end(), name) != kOwnOptions.end())
     where.Fail(fmt::format("is an option that the batch sets itself, expected one of {} --help",
                            command.get_name()));
@@ -62,14 +63,14 @@ const CLI::Option& FindOption(const CLI::App& command, const std::string& name, 
                          command.get_name()));
 }
 
-std::vector<PlannedOption> ReadOptions(const JsonReader& json, const CLI::App& command, bool lists) {
+std::vector<PlannedOption> ReadOptions(const data_io::JsonReader& json, const CLI::App& command, bool lists) {
   std::vector<PlannedOption> options;
   for (const auto& [name, value] : json.Members()) {
     PlannedOption option{.name = name, .values = {}};
     const CLI::Option& known = FindOption(command, name, value);
     if (value.is_array()) {
       if (!lists) value.Fail("is a list, expected one value, as each row is one job");
-      for (const JsonReader& item : value.Items()) option.values.push_back(WordOf(item, known));
+      for (const data_io::JsonReader& item : value.Items()) option.values.push_back(WordOf(item, known));
       if (option.values.empty()) value.Fail("is an empty list, expected at least one value");
     } else {
       option.values.push_back(WordOf(value, known));
@@ -80,7 +81,8 @@ std::vector<PlannedOption> ReadOptions(const JsonReader& json, const CLI::App& c
 }
 
 // All combinations of the options' values, the last option running fastest.
-std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options, const JsonReader& where) {
+std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options,
+                                 const data_io::JsonReader& where) {
   std::vector<Chosen> combinations = {{}};
   for (const PlannedOption& option : options) {
     if (combinations.size() * option.values.size() > kMostJobs)
@@ -99,7 +101,7 @@ std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options, cons
 
 // Replaces "{out}" and "{option}" by what the job before has.
 std::string Filled(const std::string& text, const BatchJob& before, const fs::path& out,
-                   const JsonReader& where) {
+                   const data_io::JsonReader& where) {
   std::string filled;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t open = text.find('{', at);
@@ -141,30 +143,30 @@ std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& o
     if (fs::is_directory(path, error)) path /= "recording.json";
     if (!fs::is_regular_file(path, error)) continue;
     std::string& digest = digests[path];
-    if (digest.empty()) digest = Sha256OfFile(path);
+    if (digest.empty()) digest = data_io::Sha256OfFile(path);
     text += digest + '\n';
   }
-  return Sha256(text);
+  return data_io::Sha256(text);
 }
 
 class Reader {
  public:
   Reader(const fs::path& file, fs::path out, const CLI::App& root)
-      : root_(root), out_(std::move(out)), json_(JsonReader::FromFile(file)) {
+      : root_(root), out_(std::move(out)), json_(data_io::JsonReader::FromFile(file)) {
     plan_.folder = fs::absolute(file).parent_path();
   }
 
   BatchPlan Read() {
-    json_.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
-    const JsonReader entries = json_.At("entries");
-    for (const JsonReader& entry : entries.Items()) AddEntry(entry);
+    json_.CheckFormat(kFormat);
+    const data_io::JsonReader entries = json_.At("entries");
+    for (const data_io::JsonReader& entry : entries.Items()) AddEntry(entry);
     json_.Finish();
     if (plan_.jobs.empty()) entries.Fail("is empty, expected at least one entry");
     return std::move(plan_);
   }
 
  private:
-  void AddEntry(const JsonReader& entry) {
+  void AddEntry(const data_io::JsonReader& entry) {
     const std::string name = NameOf(entry.At("name"));
     const CLI::App& command = CommandOf(entry.At("command"));
     const std::vector<PlannedOption> options =
@@ -193,7 +195,7 @@ class Reader {
   }
 
   void AddJob(const std::string& id, const std::string& command, Chosen chosen, const std::string& id_before,
-              const JsonReader& entry) {
+              const data_io::JsonReader& entry) {
     if (plan_.jobs.size() == kMostJobs) entry.Fail(fmt::format("makes more than {} jobs", kMostJobs));
     BatchJob job{.id = id, .command = command, .options = {}, .arguments = {}, .after = id_before, .key = {}};
     std::string key_before;
@@ -210,7 +212,7 @@ class Reader {
   }
 
   // A name becomes a folder.
-  std::string NameOf(const JsonReader& json) const {
+  std::string NameOf(const data_io::JsonReader& json) const {
     const std::string& name = json.String();
     const bool is_plain = !name.empty() && name.size() <= 100 && name.front() != '.' && name.front() != '-' &&
                           std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -224,17 +226,17 @@ class Reader {
     return name;
   }
 
-  const CLI::App& CommandOf(const JsonReader& json) const {
+  const CLI::App& CommandOf(const data_io::JsonReader& json) const {
     const std::string& name = json.String();
     if (std::find(kCommands.begin(), kCommands.end(), name) == kCommands.end())
       json.Fail(fmt::format("is '{}', expected one of {}", name, fmt::join(kCommands, ", ")));
     return *root_.get_subcommand(name);
   }
 
-  static std::vector<Chosen> ReadRows(const JsonReader& json, const CLI::App& command,
+  static std::vector<Chosen> ReadRows(const data_io::JsonReader& json, const CLI::App& command,
                                       const std::vector<PlannedOption>& options) {
     std::vector<Chosen> rows;
-    for (const JsonReader& item : json.Items()) {
+    for (const data_io::JsonReader& item : json.Items()) {
       Chosen row;
       for (const PlannedOption& option : ReadOptions(item, command, /*lists=*/false)) {
         for (const PlannedOption& other : options) {
@@ -251,7 +253,7 @@ class Reader {
 
   const CLI::App& root_;
   const fs::path out_;
-  JsonReader json_;
+  data_io::JsonReader json_;
   BatchPlan plan_;
   std::map<std::string, std::vector<std::string>> jobs_of_entry_;
   std::map<std::string, std::size_t> index_of_job_;
@@ -264,4 +266,4 @@ BatchPlan ReadBatchPlan(const fs::path& file, const fs::path& out, const CLI::Ap
   return Reader(file, out, root).Read();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -24,7 +24,7 @@ namespace CLI {
 class App;
 }
 
-namespace sonarcal {
+namespace sonarcal::batch {
 
 struct BatchJob {
   std::string id;                              // "tank/0003"
@@ -47,4 +47,4 @@ struct BatchPlan {
 BatchPlan ReadBatchPlan(const std::filesystem::path& file, const std::filesystem::path& out,
                         const CLI::App& root);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "apps/batch/job_process.h"
-#include "apps/command.h"
+#include "apps/cli/command.h"
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,7 +20,8 @@ constexpr auto kBetweenLooks = std::chrono::milliseconds(20);
 
 // A comparison that passed a threshold is done: its output lies there.
 bool IsDoneStatus(int status) {
-  return status == static_cast<int>(ExitStatus::kDone) || status == static_cast<int>(ExitStatus::kThreshold);
+  return status == static_cast<int>(cli::ExitStatus::kDone) ||
+         status == static_cast<int>(cli::ExitStatus::kThreshold);
 }
 
 }  // namespace
@@ -205,4 +206,4 @@ LedgerState BatchRunner::RunOnly(const std::string& id) {
   return *StateOf(job);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

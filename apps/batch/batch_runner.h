@@ -11,7 +11,7 @@
 #include "apps/batch/batch_ledger.h"
 #include "apps/batch/batch_plan.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 
 enum class JobState { kWaiting, kDone, kFailed };
 
@@ -57,4 +57,4 @@ class BatchRunner {
   BatchLedger ledger_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -10,7 +10,7 @@
 
 #include "data_io/files/csv_text.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -52,7 +52,7 @@ Json FiguresOf(const BatchJob& job, const std::filesystem::path& output) {
 }
 
 std::string Cell(const Json& value) {
-  return CsvText(value.is_string() ? value.get<std::string>() : value.dump());
+  return data_io::CsvText(value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 }  // namespace
@@ -117,4 +117,4 @@ std::string BatchSummaryCsv(const Json& summary) {
   return text;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -11,7 +11,7 @@
 #include "apps/batch/batch_ledger.h"
 #include "apps/batch/batch_plan.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 
 // {"format": "sonarcal-batch-summary/1", "jobs": [{"job", "command", "state": "done" | "failed" | "waiting",
 //   "status", "wall_s", "why", "options": {...}, "figures": {...}}], "done": n, "failed": n, "waiting": n}
@@ -26,4 +26,4 @@ nlohmann::ordered_json BatchSummaryJson(const BatchPlan& plan, const std::vector
 // breaks is quoted, as RFC 4180 has it; one that a job does not have is empty.
 std::string BatchSummaryCsv(const nlohmann::ordered_json& summary);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -13,7 +13,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ std::string LastSentence(const fs::path& log) {
   return last;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::batch {
 
 class JobProcess {
  public:
@@ -40,4 +40,4 @@ class JobProcess {
 // The last sentence that the program wrote to its log; empty where it wrote none.
 std::string LastSentence(const std::filesystem::path& log);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::batch

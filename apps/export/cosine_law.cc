@@ -6,11 +6,11 @@
 #include "core/types/units.h"
 #include "sim/physics/gsab.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 CosineLaw FitCosineLaw(const GsabParameters<double>& gsab, double exponent) {
   const auto excess_db = [&](double degree) {
-    return GsabDb(gsab, degree) - 10.0 * exponent * std::log10(std::cos(RadFromDeg(degree)));
+    return sim::GsabDb(gsab, degree) - 10.0 * exponent * std::log10(std::cos(RadFromDeg(degree)));
   };
   const int angles = static_cast<int>(kCosineLawMostDeg) + 1;
   double sum_db = 0.0;
@@ -23,4 +23,4 @@ CosineLaw FitCosineLaw(const GsabParameters<double>& gsab, double exponent) {
   return law;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -8,7 +8,7 @@
 
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 struct CosineLaw {
   double coefficient = 0.0;  // k, a power ratio
@@ -23,4 +23,4 @@ inline constexpr double kCosineLawMostDeg = 75.0;
 // kCosineLawMostDeg, every degree alike. Exact (worst_db = 0) where A = E = 0 and D = n.
 CosineLaw FitCosineLaw(const GsabParameters<double>& gsab, double exponent);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

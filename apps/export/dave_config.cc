@@ -20,7 +20,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 namespace {
 
 constexpr double kLambert = 2.0;
@@ -154,4 +154,4 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
   return config;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

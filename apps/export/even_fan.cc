@@ -9,7 +9,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 namespace {
 
 constexpr double kSlackInBeams = 1e-3;
@@ -66,4 +66,4 @@ void AccountForBeams(const EvenFan& fan, const std::string& target, ExportAccoun
   account.Approximated("sonar.beam_azimuth_deg", target, how);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -5,7 +5,7 @@
 
 #include "apps/export/export_account.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 struct EvenFan {
   int beams = 0;
@@ -29,4 +29,4 @@ EvenFan EvenFanOf(const ExportSource& source);
 void AccountForBeams(const EvenFan& fan, const std::string& target, ExportAccount& account,
                      const std::string& also = "");
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -9,7 +9,7 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/parameters/parameters_io.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -77,27 +77,13 @@ std::vector<std::pair<std::string, std::string>> Unused(const ParameterSet& para
 
 }  // namespace
 
-std::string_view ToString(Expression expression) {
-  switch (expression) {
-    case Expression::kExported:
-      return "exported";
-    case Expression::kApproximated:
-      return "approximated";
-    case Expression::kNotExpressed:
-      return "not_expressed";
-    case Expression::kUnused:
-      break;
-  }
-  return "unused";
-}
-
 ExportAccount::ExportAccount(const ExportSource& source) {
-  Json json = ParametersJson(source.parameters);
+  Json json = data_io::ParametersJson(source.parameters);
   json.erase("format");
-  Json sonar = SonarJson(source.sonar);
+  Json sonar = data_io::SonarJson(source.sonar);
   sonar.erase("name");
   Flatten("sonar", sonar, lines_);
-  Flatten("water", WaterJson(source.water), lines_);
+  Flatten("water", data_io::WaterJson(source.water), lines_);
   Flatten("absorption_db_per_m", source.absorption_db_per_m, lines_);
   for (const auto& [key, member] : json.items()) {
     if (key == "water") continue;  // already there, as it was resolved
@@ -180,4 +166,4 @@ std::vector<std::string> ExportAccount::Sentences() const {
   return sentences;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

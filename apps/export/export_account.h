@@ -7,14 +7,16 @@
 
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/parameters.h"
 #include "core/types/sonar_model.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 // What is exported: parameters, and the sonar and water they are of.
 struct ExportSource {
@@ -30,7 +32,12 @@ enum class Expression {
   kNotExpressed,  // the other simulator has nothing for it; `how` says why
   kUnused,        // has no effect with these parameters, as mirrors of the paper's model
 };
-std::string_view ToString(Expression expression);
+constexpr auto WordsOf(std::type_identity<Expression>) {
+  return Words<Expression, 4>{{{"exported", Expression::kExported},
+                               {"approximated", Expression::kApproximated},
+                               {"not_expressed", Expression::kNotExpressed},
+                               {"unused", Expression::kUnused}}};
+}
 
 struct AccountLine {
   std::string parameter;
@@ -68,4 +75,4 @@ class ExportAccount {
   std::vector<bool> accounted_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -8,7 +8,7 @@
 #include "core/types/units.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 std::map<std::string, CosineLaw> FitCosineLaws(const ParameterSet& parameters, double exponent) {
   std::map<std::string, CosineLaw> laws;
@@ -45,7 +45,7 @@ double FloorOfFullScale(const ExportSource& source) {
   const PolarAxes& axes = source.sonar.axes;
   double sum = 0.0;
   for (int beam = 0; beam < axes.beam_count(); ++beam) {
-    sum += NoisePower(source.parameters.receiver, axes.range_max_m, beam, source.absorption_db_per_m);
+    sum += sim::NoisePower(source.parameters.receiver, axes.range_max_m, beam, source.absorption_db_per_m);
   }
   return sum / axes.beam_count() / PowerFromDb(source.parameters.display.db_max);
 }
@@ -97,4 +97,4 @@ void AccountForTheRest(const std::string& simulator, ExportAccount& account) {
   account.NotExpressed("model", fmt::format("{} has an echo model of its own", simulator));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -7,7 +7,7 @@
 #include "apps/export/cosine_law.h"
 #include "apps/export/export_account.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 // Laws of all materials for one exponent of the cosine.
 std::map<std::string, CosineLaw> FitCosineLaws(const ParameterSet& parameters, double exponent);
@@ -41,4 +41,4 @@ void AccountForFloor(const std::string& target, const std::string& how, ExportAc
 // What no simulator here has: the rest of the parameters, by group. Called last.
 void AccountForTheRest(const std::string& simulator, ExportAccount& account);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -16,7 +16,7 @@
 #include "apps/export/xml_text.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& name) {
   const PolarAxes& axes = source.sonar.axes;
@@ -85,4 +85,4 @@ ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& nam
   return config;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -8,7 +8,7 @@
 #include "apps/export/simulator_configs.h"
 #include "data_io/json/json_writer.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& name) {
   const ParameterSet& parameters = source.parameters;
@@ -31,7 +31,7 @@ ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& 
   const nlohmann::ordered_json sensor = {
       {"sensor_type", "ImagingSonar"}, {"sensor_name", name}, {"configuration", configuration}};
 
-  ExportedConfig config{.files = {{"", JsonText(sensor)}},
+  ExportedConfig config{.files = {{"", data_io::JsonText(sensor)}},
                         .account = ExportAccount(source),
                         .schema = "HoloOcean 2, ImagingSonar"};
   ExportAccount& account = config.account;
@@ -58,4 +58,4 @@ ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& 
   return config;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

@@ -14,7 +14,7 @@
 #include "apps/export/simulator_configs.h"
 #include "data_io/json/json_writer.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& name) {
   const ParameterSet& parameters = source.parameters;
@@ -41,7 +41,7 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
         {"central_peak", 0.0}}},
       {"reflectivity", RelativeReflectivities(laws)}};
 
-  ExportedConfig config{.files = {{"", JsonText(arguments)}},
+  ExportedConfig config{.files = {{"", data_io::JsonText(arguments)}},
                         .account = ExportAccount(source),
                         .schema = "OceanSim 2809388, ImagingSonarSensor"};
   ExportAccount& account = config.account;
@@ -67,4 +67,4 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
   return config;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

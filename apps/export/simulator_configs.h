@@ -3,7 +3,7 @@
 // is left to its defaults.
 //
 // To add a simulator: a file here with its Export function, a line in kSimulators of
-// apps/export_command.cc, and its schema, from its own pages, in tests/apps/simulator_schemas.h.
+// apps/commands/export_command.cc, and its schema, from its own pages, in tests/apps/export/simulator_schemas.h.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 #include "apps/export/export_account.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 struct ExportedFile {
   std::string suffix;  // after the name that the user gave, less its extension; empty for that name itself
@@ -44,4 +44,4 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
 // the beams alone.
 ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& name);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

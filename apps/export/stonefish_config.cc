@@ -11,7 +11,7 @@
 #include "apps/export/simulator_configs.h"
 #include "apps/export/xml_text.h"
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 namespace {
 
 void SetAttribute(pugi::xml_node node, const char* name, double value) {
@@ -80,4 +80,4 @@ ExportedConfig ExportToStonefish(const ExportSource& source, const std::string& 
   return config;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

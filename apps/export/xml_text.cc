@@ -6,7 +6,7 @@
 
 #include <pugixml.hpp>
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 namespace {
 
 // Two dashes end a comment in XML; names of materials may have them.
@@ -56,4 +56,4 @@ std::string XmlText(pugi::xml_document& document, const std::string& schema, con
   return text.str();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

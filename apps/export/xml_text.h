@@ -10,7 +10,7 @@ class xml_document;
 class xml_node;
 }  // namespace pugi
 
-namespace sonarcal {
+namespace sonarcal::exporting {
 
 // Adds <name>value</name>.
 void AddElement(pugi::xml_node parent, const char* name, const std::string& value);
@@ -33,4 +33,4 @@ pugi::xml_node AddSdfSensor(pugi::xml_document& document, const SdfSensor& senso
 std::string XmlText(pugi::xml_document& document, const std::string& schema, const std::string& remarks,
                     const ExportAccount& account);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::exporting

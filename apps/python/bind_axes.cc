@@ -9,7 +9,7 @@
 
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
-#include "apps/simulate_recording.h"
+#include "apps/workflow/simulate.h"
 #include "core/imaging/fan_image.h"
 #include "core/types/pose.h"
 #include "core/types/units.h"
@@ -66,7 +66,7 @@ void BindPose(py::module_& module) {
       .def_static(
           "looking_at",
           [](const Three& from_m, const Three& target_m) {
-            return LookingAt(Vector(from_m), Vector(target_m));
+            return sim::LookingAt(Vector(from_m), Vector(target_m));
           },
           py::arg("from_m"), py::arg("target_m"),
           "A sonar at from_m that looks at target_m, its right side level.")
@@ -256,47 +256,49 @@ py::object WaterDict(const std::optional<Water>& water) {
 }
 
 void BindSonar(py::module_& module) {
-  py::class_<SonarChoice>(module, "Sonar",
-                          "What is known of a sonar before anything is fitted, and of its water.")
-      .def_property_readonly("name", [](const SonarChoice& choice) { return choice.sonar.name; })
+  py::class_<workflow::SonarChoice>(module, "Sonar",
+                                    "What is known of a sonar before anything is fitted, and of its water.")
+      .def_property_readonly("name", [](const workflow::SonarChoice& choice) { return choice.sonar.name; })
       .def_property_readonly("frequency_hz",
-                             [](const SonarChoice& choice) { return choice.sonar.frequency_hz; })
+                             [](const workflow::SonarChoice& choice) { return choice.sonar.frequency_hz; })
       .def_property_readonly(
-          "axes", [](const SonarChoice& choice) -> const PolarAxes& { return choice.sonar.axes; },
+          "axes", [](const workflow::SonarChoice& choice) -> const PolarAxes& { return choice.sonar.axes; },
           py::return_value_policy::reference_internal, "Where the pixels of its images lie.")
       .def_property_readonly(
           "azimuth_beam_width_deg",
-          [](const SonarChoice& choice) { return choice.sonar.azimuth_beam_width_deg; },
+          [](const workflow::SonarChoice& choice) { return choice.sonar.azimuth_beam_width_deg; },
           "Two-way half-power width of a beam, degrees; 0 where unknown.")
       .def_property_readonly(
           "elevation_beam_width_deg",
-          [](const SonarChoice& choice) { return choice.sonar.elevation_beam_width_deg; },
+          [](const workflow::SonarChoice& choice) { return choice.sonar.elevation_beam_width_deg; },
           "Two-way half-power width in elevation, degrees; 0 where unknown.")
       .def_property_readonly(
           "beam_forming",
-          [](const SonarChoice& choice) -> std::optional<std::string> {
+          [](const workflow::SonarChoice& choice) -> std::optional<std::string> {
             if (choice.sonar.beam_forming == BeamForming::kUnknown) return std::nullopt;
-            return std::string(JsonWord(kBeamFormings, choice.sonar.beam_forming));
+            return std::string(ToString(choice.sonar.beam_forming));
           },
           "\"array\" or \"lens\"; None where unknown.")
-      .def_property_readonly("sound_speed_m_per_s",
-                             [](const SonarChoice& choice) { return choice.sonar.sound_speed_m_per_s; })
       .def_property_readonly(
-          "water", [](const SonarChoice& choice) { return WaterDict(choice.water); },
+          "sound_speed_m_per_s",
+          [](const workflow::SonarChoice& choice) { return choice.sonar.sound_speed_m_per_s; })
+      .def_property_readonly(
+          "water", [](const workflow::SonarChoice& choice) { return WaterDict(choice.water); },
           "temperature_c, salinity_ppt, ph and depth_m; None where unknown.")
-      .def("__repr__", [](const SonarChoice& choice) {
+      .def("__repr__", [](const workflow::SonarChoice& choice) {
         return fmt::format("Sonar({}, {:g} kHz, {} beams x {} range bins)", choice.sonar.name,
                            choice.sonar.frequency_hz / 1000.0, choice.sonar.axes.beam_count(),
                            choice.sonar.axes.range_bins);
       });
-  module.def("sonar", &ChooseSonar, py::arg("name_or_file"), py::call_guard<py::gil_scoped_release>(),
+  module.def("sonar", &workflow::ChooseSonar, py::arg("name_or_file"),
+             py::call_guard<py::gil_scoped_release>(),
              "A sonar by the name of a preset, from a recording of any format, or from a JSON file with a "
              "'sonar' object.");
   module.def(
       "sonar_presets",
       [] {
         std::vector<std::string> names;
-        for (const SonarPreset& preset : SonarPresets()) names.emplace_back(preset.name);
+        for (const sim::SonarPreset& preset : sim::SonarPresets()) names.emplace_back(preset.name);
         return names;
       },
       "Names that sonar() knows.");

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <memory>
 
-#include "apps/locked_recording.h"
-#include "apps/provenance.h"
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
-#include "apps/run_output.h"
-#include "apps/simulate_recording.h"
+#include "apps/workflow/simulate.h"
 #include "data_io/open_recording.h"
 #include "data_io/pose_io.h"
+#include "data_io/recordings/locked_recording.h"
 #include "data_io/recordings/recording_io.h"
 
 namespace sonarcal::python {
@@ -21,7 +21,7 @@ namespace {
 namespace py = pybind11;
 
 std::shared_ptr<RecordingSource> Open(const std::filesystem::path& path) {
-  return std::make_shared<LockedRecording>(OpenRecording(path));
+  return std::make_shared<data_io::LockedRecording>(data_io::OpenRecording(path));
 }
 
 // Index as Python has it: from the end where negative.
@@ -124,7 +124,7 @@ void BindRecordingClass(py::module_& module) {
       .def_property_readonly(
           "sonar",
           [](const Source& r) {
-            return SonarChoice{r.info().sonar, r.info().water, {}};
+            return workflow::SonarChoice{r.info().sonar, r.info().water, {}};
           },
           "What it says of its sonar and water.")
       .def_property_readonly(
@@ -159,7 +159,8 @@ void BindRecordingClass(py::module_& module) {
           "poses",
           [](const Source& r) {
             std::vector<Pose> poses;
-            for (const TimedPose& pose : PosesOfRecording(r)) poses.push_back(pose.world_from_sonar);
+            for (const data_io::TimedPose& pose : data_io::PosesOfRecording(r))
+              poses.push_back(pose.world_from_sonar);
             return poses;
           },
           "world_from_sonar of every frame; DataError where one has none.")
@@ -178,13 +179,15 @@ void BindRecordingClass(py::module_& module) {
              py::object progress) {
             const Listener listener(std::move(progress), py::none());
             const py::gil_scoped_release release;
-            RunOutput output(folder, "save", force);
-            WriteRecording(r, output.directory(), {.bits = bits, .progress = [&](int done, int in_all) {
-                                                     listener.Progress("Writing", done, in_all);
-                                                   }});
-            WriteProvenance(output.staging(), {.command = "save",
-                                               .configuration = {{"source", r.info().source}, {"bits", bits}},
-                                               .inputs = {}});
+            cli::RunOutput output(folder, "save", force);
+            data_io::WriteRecording(r, output.directory(),
+                                    {.bits = bits, .progress = [&](int done, int in_all) {
+                                       listener.Progress("Writing", done, in_all);
+                                     }});
+            cli::WriteProvenance(output.staging(),
+                                 {.command = "save",
+                                  .configuration = {{"source", r.info().source}, {"bits", bits}},
+                                  .inputs = {}});
             output.Commit();
           },
           py::arg("folder"), py::arg("bits") = 0, py::arg("force") = false, py::arg("progress") = py::none(),
@@ -209,9 +212,10 @@ void BindRecording(py::module_& module) {
              "A recording of any format that sonarcal reads (data_io/README.md), frames not read yet.");
   module.def(
       "_recording_from_images",
-      [](const std::vector<FloatArray>& images, const SonarChoice& sonar, const std::vector<Pose>& poses,
-         const std::vector<double>& times_s, double full_scale, std::optional<double> db_min,
-         std::optional<double> db_max, const py::object& valid, std::string source, bool synthetic) {
+      [](const std::vector<FloatArray>& images, const workflow::SonarChoice& sonar,
+         const std::vector<Pose>& poses, const std::vector<double>& times_s, double full_scale,
+         std::optional<double> db_min, std::optional<double> db_max, const py::object& valid,
+         std::string source, bool synthetic) {
         return FromImages(images, sonar.sonar, poses, times_s, full_scale, db_min, db_max, valid,
                           std::move(source), synthetic);
       },
@@ -223,14 +227,15 @@ void BindRecording(py::module_& module) {
         SonarModel sonar;
         sonar.name = "unknown";
         sonar.axes = axes;
-        return SonarChoice{sonar, {}, {}};
+        return workflow::SonarChoice{sonar, {}, {}};
       },
       py::arg("axes"));
   module.def(
       "read_poses",
       [](const std::filesystem::path& path) {
         std::vector<Pose> poses;
-        for (const TimedPose& pose : ReadPosesOrRecording(path)) poses.push_back(pose.world_from_sonar);
+        for (const data_io::TimedPose& pose : data_io::ReadPosesOrRecording(path))
+          poses.push_back(pose.world_from_sonar);
         return poses;
       },
       py::arg("path"), py::call_guard<py::gil_scoped_release>(),
@@ -238,10 +243,10 @@ void BindRecording(py::module_& module) {
   module.def(
       "write_poses",
       [](const std::filesystem::path& file, const std::vector<Pose>& poses) {
-        std::vector<TimedPose> timed;
+        std::vector<data_io::TimedPose> timed;
         timed.reserve(poses.size());
         for (const Pose& pose : poses) timed.push_back({.time_s = {}, .world_from_sonar = pose});
-        WritePoses(file, timed);
+        data_io::WritePoses(file, timed);
       },
       py::arg("file"), py::arg("poses"), py::call_guard<py::gil_scoped_release>(),
       "Writes a file of poses, whole or not at all.");

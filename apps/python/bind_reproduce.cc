@@ -26,17 +26,19 @@ struct TankResult {
 TankResult ReproduceTank(bool quick, std::uint64_t seed, int threads, py::object progress, py::object say) {
   const Listener listener(std::move(progress), std::move(say));
   const py::gil_scoped_release release;
-  const ThreadLimit limit(threads);
-  TankComparisonOptions options{.seed = seed, .threads = threads, .quick = quick, .comparison = TankRules()};
+  const workflow::ThreadLimit limit(threads);
+  reproduce::TankComparisonOptions options{
+      .seed = seed, .threads = threads, .quick = quick, .comparison = reproduce::TankRules()};
   options.on_frame = [&](int done, int in_all) { listener.Progress("Recording", done, in_all); };
   options.on_note = [&](const std::string& line) { listener.Say(line); };
-  Reproduction reproduction{.tank = CompareTank(options), .bomb = {}, .bomb_absent = {}, .shown = {}};
-  TankComparison& tank = reproduction.tank;
-  TankResult result{.metrics = ReproductionMetricsJson(reproduction),
+  reproduce::Reproduction reproduction{
+      .tank = reproduce::CompareTank(options), .bomb = {}, .bomb_absent = {}, .shown = {}};
+  reproduce::TankComparison& tank = reproduction.tank;
+  TankResult result{.metrics = reproduce::ReproductionMetricsJson(reproduction),
                     .recording = {},
                     .scene = std::move(tank.scene),
-                    .paper = ParametersJson(tank.fit.fit.parameters).dump(),
-                    .acoustic = ParametersJson(tank.acoustic.fit.parameters).dump()};
+                    .paper = data_io::ParametersJson(tank.fit.fit.parameters).dump(),
+                    .acoustic = data_io::ParametersJson(tank.acoustic.fit.parameters).dump()};
   result.recording = std::move(tank.recording);
   return result;
 }
@@ -55,9 +57,9 @@ void BindReproduce(py::module_& module) {
   module.def(
       "_known_bomb",
       [](const std::filesystem::path& folder) {
-        KnownBomb bomb = PrepareBomb(folder);
+        reproduce::KnownBomb bomb = reproduce::PrepareBomb(folder);
         return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)),
-                              std::move(bomb.scene), ParametersJson(bomb.initial).dump());
+                              std::move(bomb.scene), data_io::ParametersJson(bomb.initial).dump());
       },
       py::arg("folder"));
 }

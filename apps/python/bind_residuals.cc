@@ -24,11 +24,11 @@ class LockedView {
   template <typename... Args>
   explicit LockedView(Args&&... args) : view_(std::forward<Args>(args)...) {}
 
-  FrameResiduals At(const ParameterValues& values, int frame, const std::vector<std::string>& names) {
+  FrameResiduals At(const calib::ParameterValues& values, int frame, const std::vector<std::string>& names) {
     const std::lock_guard lock(mutex_);
     return view_.At(values, frame, names);
   }
-  void WeighAbout(const ParameterValues& values) {
+  void WeighAbout(const calib::ParameterValues& values) {
     const std::lock_guard lock(mutex_);
     view_.WeighAbout(values);
   }
@@ -44,21 +44,21 @@ std::unique_ptr<LockedView> MakeView(std::shared_ptr<RecordingSource> recording,
                                      const std::vector<std::string>& words, py::object progress) {
   const Listener listener(std::move(progress), py::none());
   const py::gil_scoped_release release;
-  FitRecordingOptions options;
+  workflow::FitRecordingOptions options;
   CLI::App command;
-  AddRayOptions(command, options.rays);
+  cli::AddRayOptions(command, options.rays);
   ParseWords(command, words);
   options.on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); };
-  const ThreadLimit threads(options.rays.threads);
+  const workflow::ThreadLimit threads(options.rays.threads);
   return std::make_unique<LockedView>(std::move(recording), scene,
-                                      ParseParameters(params, "the parameters given"), std::move(frames),
-                                      options);
+                                      data_io::ParseParameters(params, "the parameters given"),
+                                      std::move(frames), options);
 }
 
 template <typename Value>
-std::vector<Value> OfEntries(const LockedView& view, Value CatalogEntry::*member) {
+std::vector<Value> OfEntries(const LockedView& view, Value calib::CatalogEntry::*member) {
   std::vector<Value> values;
-  for (const CatalogEntry& entry : view.view().catalog()) values.push_back(entry.*member);
+  for (const calib::CatalogEntry& entry : view.view().catalog()) values.push_back(entry.*member);
   return values;
 }
 
@@ -100,14 +100,17 @@ void BindResiduals(py::module_& module) {
                          "The residual of a fit at any parameters, for inspection: the models are the "
                          "library's own, nothing is solved.")
       .def_property_readonly(
-          "names", [](const LockedView& v) { return OfEntries(v, &CatalogEntry::name); },
+          "names", [](const LockedView& v) { return OfEntries(v, &calib::CatalogEntry::name); },
           "Every parameter of the model, as in fit.json.")
-      .def_property_readonly("units", [](const LockedView& v) { return OfEntries(v, &CatalogEntry::unit); })
+      .def_property_readonly("units",
+                             [](const LockedView& v) { return OfEntries(v, &calib::CatalogEntry::unit); })
       .def_property_readonly(
-          "lower", [](const LockedView& v) { return Copy<double>(OfEntries(v, &CatalogEntry::lower)); },
+          "lower",
+          [](const LockedView& v) { return Copy<double>(OfEntries(v, &calib::CatalogEntry::lower)); },
           "Lower bounds, shape (names,).")
       .def_property_readonly(
-          "upper", [](const LockedView& v) { return Copy<double>(OfEntries(v, &CatalogEntry::upper)); },
+          "upper",
+          [](const LockedView& v) { return Copy<double>(OfEntries(v, &calib::CatalogEntry::upper)); },
           "Upper bounds, shape (names,).")
       .def_property_readonly(
           "initial", [](const LockedView& v) { return Copy<double>(v.view().initial_values()); },

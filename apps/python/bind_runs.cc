@@ -7,16 +7,16 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "apps/compare_command.h"
-#include "apps/empty_frames.h"
-#include "apps/fit_command.h"
+#include "apps/commands/compare_command.h"
+#include "apps/commands/fit_command.h"
+#include "apps/commands/simulate_command.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
 #include "apps/python/words.h"
-#include "apps/simulate_command.h"
 #include "data_io/parameters/parameters_io.h"
 #include "metrics/segmentation/segmentation.h"
+#include "sim/gathered/empty_frames.h"
 
 namespace sonarcal::python {
 namespace {
@@ -28,32 +28,34 @@ using Recording = std::shared_ptr<RecordingSource>;
 
 constexpr const char* kGiven = "the parameters given";  // for messages, where a command names a file
 
-std::vector<TimedPose> Timed(const std::vector<Pose>& poses,
-                             const std::vector<std::optional<double>>& times_s) {
-  std::vector<TimedPose> timed;
+std::vector<data_io::TimedPose> Timed(const std::vector<Pose>& poses,
+                                      const std::vector<std::optional<double>>& times_s) {
+  std::vector<data_io::TimedPose> timed;
   for (std::size_t i = 0; i < poses.size(); ++i)
     timed.push_back({.time_s = i < times_s.size() ? times_s[i] : std::nullopt, .world_from_sonar = poses[i]});
   return timed;
 }
 
-Recording Simulate(const Scene& scene, const SonarChoice& sonar, const std::string& params,
+Recording Simulate(const Scene& scene, const workflow::SonarChoice& sonar, const std::string& params,
                    const std::vector<Pose>& poses, const std::vector<std::optional<double>>& times_s,
                    const std::string& scene_path, const Words& words, py::object progress, py::object say) {
   const Listener listener(std::move(progress), std::move(say));
   const py::gil_scoped_release release;
-  SimulateOptions options;
+  commands::SimulateOptions options;
   CLI::App command;
-  AddSimulateOptions(&command, &options);
+  commands::AddSimulateOptions(&command, &options);
   ParseWords(command, words);
   if (poses.empty()) throw DataError("poses: none, expected one or more");
-  const ThreadLimit threads(options.rays.threads);
-  const ResolvedSimulation resolved = ResolveSimulation(options, sonar, ParseParameters(params, kGiven));
-  const Simulator simulator(scene, sonar.sonar, resolved.simulation);
-  for (const std::string& sentence : SimulationCaveats(options, simulator, resolved)) listener.Say(sentence);
-  const std::vector<int> empty = PosesThatSeeNothing(simulator, poses);
-  if (!empty.empty()) listener.Say(EmptyFramesWarning(simulator, poses, empty));
+  const workflow::ThreadLimit threads(options.rays.threads);
+  const commands::ResolvedSimulation resolved =
+      commands::ResolveSimulation(options, sonar, data_io::ParseParameters(params, kGiven));
+  const sim::Simulator simulator(scene, sonar.sonar, resolved.simulation);
+  for (const std::string& sentence : commands::SimulationCaveats(options, simulator, resolved))
+    listener.Say(sentence);
+  const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, poses);
+  if (!empty.empty()) listener.Say(sim::EmptyFramesWarning(simulator, poses, empty));
   const int frames_in_all = static_cast<int>(poses.size());
-  return SimulateRecording(
+  return workflow::SimulateRecording(
       simulator, Timed(poses, times_s), resolved.parameters, scene_path,
       [&](int done) { listener.Progress("Simulating", done, frames_in_all); }, options.expected);
 }
@@ -62,16 +64,16 @@ std::string Compare(const RecordingSource& real, const RecordingSource& simulate
                     py::object progress) {
   const Listener listener(std::move(progress), py::none());
   const py::gil_scoped_release release;
-  CompareCommandOptions options;
+  commands::CompareCommandOptions options;
   CLI::App command;
-  AddCompareOptions(&command, &options);
+  commands::AddCompareOptions(&command, &options);
   ParseWords(command, words);
   options.pictures = 0;
   options.common.quiet = true;
-  const Comparison comparison = MeasureComparison(options, real, simulated, {}, [&](int done, int in_all) {
-    listener.Progress("Comparing", done, in_all);
-  });
-  return MetricsJson(comparison.metrics);
+  const commands::Comparison comparison = commands::MeasureComparison(
+      options, real, simulated, {},
+      [&](int done, int in_all) { listener.Progress("Comparing", done, in_all); });
+  return metrics::MetricsJson(comparison.metrics);
 }
 
 struct Fitted {
@@ -85,13 +87,14 @@ Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::stri
            const Words& words, py::object progress, py::object say) {
   const Listener listener(std::move(progress), std::move(say));
   const py::gil_scoped_release release;
-  FitCommandOptions options;
+  commands::FitCommandOptions options;
   CLI::App command;
-  AddFitOptions(&command, &options);
+  commands::AddFitOptions(&command, &options);
   ParseWords(command, words);
-  const ThreadLimit threads(options.rays.threads);
-  const ParameterSet initial = ParseParameters(params, kGiven);
-  for (const std::string& sentence : MirrorCaveats(initial, scene.material_names)) listener.Say(sentence);
+  const workflow::ThreadLimit threads(options.rays.threads);
+  const ParameterSet initial = data_io::ParseParameters(params, kGiven);
+  for (const std::string& sentence : workflow::MirrorCaveats(initial, scene.material_names))
+    listener.Say(sentence);
   // Ceres is not written to be left by an exception: it is asked to stop, and the exception thrown after it.
   std::exception_ptr thrown;
   int iterations = 0;
@@ -104,33 +107,34 @@ Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::stri
     }
     return thrown != nullptr;
   };
-  RecordingFit fit;
+  workflow::RecordingFit fit;
   try {
-    fit = FitAsAsked(options, recording, scene, ResolveFitConfig(options, initial, scene), initial,
-                     {.say = [&](const std::string& sentence) { listener.Say(sentence); },
-                      .on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); },
-                      .stop = stop});
-  } catch (const FitStopped&) {
+    fit = commands::FitAsAsked(
+        options, recording, scene, commands::ResolveFitConfig(options, initial, scene), initial,
+        {.say = [&](const std::string& sentence) { listener.Say(sentence); },
+         .on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); },
+         .stop = stop});
+  } catch (const calib::FitStopped&) {
     std::rethrow_exception(thrown);
   }
-  Fitted fitted{.usable = fit.fit.usable, .report = FitJson(fit), .parameters = {}, .poses = {}};
-  if (fit.fit.usable) fitted.parameters = ParametersJson(fit.fit.parameters).dump();
-  for (const TimedPose& pose : fit.poses) fitted.poses.push_back(pose.world_from_sonar);
+  Fitted fitted{.usable = fit.fit.usable, .report = commands::FitJson(fit), .parameters = {}, .poses = {}};
+  if (fit.fit.usable) fitted.parameters = data_io::ParametersJson(fit.fit.parameters).dump();
+  for (const data_io::TimedPose& pose : fit.poses) fitted.poses.push_back(pose.world_from_sonar);
   return fitted;
 }
 
 py::array SegmentImage(const PolarImage& image, const Words& words) {
-  Segmentation found;
+  metrics::Segmentation found;
   {
     const py::gil_scoped_release release;
-    ComparisonOptions options;
+    cli::ComparisonOptions options;
     CLI::App command;
-    AddComparisonOptions(command, options);
+    cli::AddComparisonOptions(command, options);
     ParseWords(command, words);
-    const CompareOptions compare = options.For(image.axes);
+    const metrics::CompareOptions compare = options.For(image.axes);
     if (compare.object)
       throw UsageError("object: one image has no scene to search it by, expected compare()");
-    found = Segment(image, compare.segmentation, compare.region ? &*compare.region : nullptr);
+    found = metrics::Segment(image, compare.segmentation, compare.region ? &*compare.region : nullptr);
   }
   const auto grid = std::make_shared<Mask>(std::move(found.object));
   const py::capsule owner(new std::shared_ptr<Mask>(grid),
@@ -141,15 +145,15 @@ py::array SegmentImage(const PolarImage& image, const Words& words) {
 // The long names of a command's options, for a test that Python has them all.
 Words OptionNames(const std::string& command_name) {
   CLI::App command;
-  SimulateOptions simulate;
-  CompareCommandOptions compare;
-  FitCommandOptions fit;
+  commands::SimulateOptions simulate;
+  commands::CompareCommandOptions compare;
+  commands::FitCommandOptions fit;
   if (command_name == "simulate") {
-    AddSimulateOptions(&command, &simulate);
+    commands::AddSimulateOptions(&command, &simulate);
   } else if (command_name == "compare") {
-    AddCompareOptions(&command, &compare);
+    commands::AddCompareOptions(&command, &compare);
   } else if (command_name == "fit") {
-    AddFitOptions(&command, &fit);
+    commands::AddFitOptions(&command, &fit);
   } else {
     throw UsageError("command '{}', expected simulate, compare or fit", command_name);
   }
@@ -179,17 +183,19 @@ void BindRuns(py::module_& module) {
   module.def(
       "_parse_parameters",
       [](const std::string& text, const std::string& name) {
-        return ParametersJson(ParseParameters(text, name)).dump();
+        return data_io::ParametersJson(data_io::ParseParameters(text, name)).dump();
       },
       py::arg("text"), py::arg("name"));
   module.def(
       "_read_parameters",
-      [](const std::filesystem::path& file) { return ParametersJson(ReadParameters(file)).dump(); },
+      [](const std::filesystem::path& file) {
+        return data_io::ParametersJson(data_io::ReadParameters(file)).dump();
+      },
       py::arg("file"));
   module.def(
       "_write_parameters",
       [](const std::filesystem::path& file, const std::string& text) {
-        WriteParameters(file, ParseParameters(text, kGiven));
+        data_io::WriteParameters(file, data_io::ParseParameters(text, kGiven));
       },
       py::arg("file"), py::arg("text"));
   module.def("_option_names", &OptionNames, py::arg("command"));

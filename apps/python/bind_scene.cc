@@ -8,11 +8,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/scene_option.h"
+#include "apps/commands/scenes_command.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/words.h"
-#include "apps/scene_option.h"
-#include "apps/scenes_command.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/scenes/scene_io.h"
 #include "sim/scenes/environments.h"
@@ -62,12 +62,12 @@ py::array_t<float> BoundsOf(const Scene& scene) {
 // `words` of --scene-unit and --scene-up.
 Scene ReadSceneOf(const std::filesystem::path& file, const std::vector<std::string>& words) {
   std::filesystem::path ignored;
-  SceneFormat format;
+  cli::SceneFormat format;
   CLI::App command;
-  AddSceneOptions(command, ignored, format, "", false);
+  cli::AddSceneOptions(command, ignored, format, "", false);
   ParseWords(command, words);
-  const CommonOptions quiet{.json = false, .quiet = true};
-  return ReadSceneFile(file, format, quiet);
+  const cli::CommonOptions quiet{.json = false, .quiet = true};
+  return cli::ReadSceneFile(file, format, quiet);
 }
 
 }  // namespace
@@ -104,7 +104,8 @@ void BindScene(py::module_& module) {
       .def_readonly("material_names", &Scene::material_names, "Names by which parameters know the materials.")
       .def_property_readonly("bounds_m", &BoundsOf, "Lowest and highest corner, shape (2, 3), metres.")
       .def(
-          "save", [](const Scene& scene, const std::filesystem::path& file) { WriteGltf(scene, file); },
+          "save",
+          [](const Scene& scene, const std::filesystem::path& file) { data_io::WriteGltf(scene, file); },
           py::arg("file"), py::call_guard<py::gil_scoped_release>(),
           "Writes glTF: .gltf, or .glb; whole or not at all.")
       .def("__repr__", [](const Scene& scene) {
@@ -118,7 +119,7 @@ void BindScene(py::module_& module) {
       "environments",
       [] {
         std::map<std::string, std::string> described;
-        for (const Environment& environment : Environments())
+        for (const sim::Environment& environment : sim::Environments())
           described.emplace(environment.name, environment.description);
         return described;
       },
@@ -126,7 +127,7 @@ void BindScene(py::module_& module) {
   module.def(
       "environment",
       [](const std::string& name, double max_edge_m, bool surface, std::uint64_t seed, bool bed) {
-        return FindEnvironment(name).make(
+        return sim::FindEnvironment(name).make(
             {.max_edge_m = max_edge_m, .surface = surface, .seed = seed, .bed = bed});
       },
       py::arg("name"), py::arg("max_edge_m") = 0.0, py::arg("surface") = false, py::arg("seed") = 1,
@@ -135,9 +136,10 @@ void BindScene(py::module_& module) {
       "surface: the\n"
       "tank's water surface too; seed: of the seabed; bed: a flat bed below what would stand free.");
   module.def(
-      "viewpoints", [](const std::string& name) { return FindEnvironment(name).viewpoints(); },
+      "viewpoints", [](const std::string& name) { return sim::FindEnvironment(name).viewpoints(); },
       py::arg("name"), "Poses to look at a scene from.");
-  module.def("_environment_parameters", [] { return ParametersJson(EnvironmentParameters()).dump(); });
+  module.def("_environment_parameters",
+             [] { return data_io::ParametersJson(commands::EnvironmentParameters()).dump(); });
 }
 
 }  // namespace sonarcal::python

@@ -11,7 +11,7 @@ namespace {
 
 namespace py = pybind11;
 
-// What the commands make one sentence of as well (apps/command.cc).
+// What the commands make one sentence of as well (apps/cli/command.cc).
 void RegisterErrors(py::module_& module) {
   static py::exception<sonarcal::DataError> data_error(module, "DataError", PyExc_ValueError);
   static py::exception<sonarcal::UsageError> usage_error(module, "UsageError", PyExc_ValueError);

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <utility>
 
-#include "apps/recorded_rays.h"
-#include "apps/simulate_recording.h"
+#include "apps/workflow/ray_options.h"
+#include "apps/workflow/simulate.h"
 #include "calib/acoustic_fit.h"
 #include "core/types/error.h"
 
@@ -27,47 +27,49 @@ std::vector<int> FramesOf(std::vector<int> asked, int frame_count) {
 }  // namespace
 
 ResidualView::ResidualView(std::shared_ptr<const RecordingSource> recording, const Scene& scene,
-                           ParameterSet initial, std::vector<int> frames, const FitRecordingOptions& options)
+                           ParameterSet initial, std::vector<int> frames,
+                           const workflow::FitRecordingOptions& options)
     : recording_(std::move(recording)),
       initial_(std::move(initial)),
       frames_(FramesOf(std::move(frames), recording_->frame_count())) {
-  CheckFittable(*recording_, initial_, options);
-  CheckRayWeight(options.rays.weight, initial_.model);
+  workflow::CheckFittable(*recording_, initial_, options);
+  workflow::CheckRayWeight(options.rays.ray_weight, initial_.model);
   const RecordingInfo& info = recording_->info();
-  const std::vector<TimedPose> poses = PosesOfRecording(*recording_);
-  const WaterChoice water = ChooseWater(initial_, info.water);
+  const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(*recording_);
+  const workflow::WaterChoice water = workflow::ChooseWater(initial_, info.water);
   if (initial_.model == EchoModel::kAcoustic) {
-    TakeDisplay(info.scale, initial_);
-    simulator_ = std::make_unique<Simulator>(
-        scene, info.sonar, AcousticSimulation(options.rays, info.sonar, water.water, initial_));
-    acoustic_frames_ = AcousticFrames(*recording_, poses, frames_, options, initial_.display);
+    workflow::TakeDisplay(info.scale, initial_);
+    simulator_ = std::make_unique<sim::Simulator>(
+        scene, info.sonar, workflow::AcousticSimulation(options.rays, info.sonar, water.water, initial_));
+    acoustic_frames_ = workflow::AcousticFrames(*recording_, poses, frames_, options, initial_.display);
     if (!initial_.receiver.noise_db)
-      initial_.receiver.noise_db = NoiseStartDb(acoustic_frames_, initial_.receiver.looks);
-    acoustic_ = std::make_unique<AcousticFrameModel>(*simulator_, acoustic_frames_, initial_);
+      initial_.receiver.noise_db = calib::NoiseStartDb(acoustic_frames_, initial_.receiver.looks);
+    acoustic_ = std::make_unique<calib::AcousticFrameModel>(*simulator_, acoustic_frames_, initial_);
     initial_values_ = acoustic_->initial_values();
     point_ = initial_values_;
     return;
   }
-  simulator_ = std::make_unique<Simulator>(
-      scene, info.sonar, ChooseRays(options.rays, info, EchoModel::kPaper).rays.For(info.sonar, water.water));
+  simulator_ = std::make_unique<sim::Simulator>(
+      scene, info.sonar,
+      workflow::ChooseRays(options.rays, info, EchoModel::kPaper).rays.For(info.sonar, water.water));
   geometry_.emplace(info.sonar, simulator_->absorption_db_per_m());
-  std::vector<TimedPose> of_frames;
+  std::vector<data_io::TimedPose> of_frames;
   for (const int frame : frames_) of_frames.push_back(poses[frame]);
-  std::vector<EchoHistogram> echoes = TraceFrames(*simulator_, of_frames, options);
+  std::vector<sim::EchoHistogram> echoes = workflow::TraceFrames(*simulator_, of_frames, options);
   echoes_.resize(poses.size());
   for (std::size_t i = 0; i < frames_.size(); ++i) echoes_[frames_[i]] = std::move(echoes[i]);
-  paper_frames_ = PaperFrames(*recording_, echoes_, frames_, options);
-  paper_ = std::make_unique<PaperFrameModel>(paper_frames_, *geometry_, simulator_->caster().material_names(),
-                                             initial_);
+  paper_frames_ = workflow::PaperFrames(*recording_, echoes_, frames_, options);
+  paper_ = std::make_unique<calib::PaperFrameModel>(paper_frames_, *geometry_,
+                                                    simulator_->caster().material_names(), initial_);
   initial_values_ = paper_->Values(initial_);
 }
 
-const FrameModel& ResidualView::model() const {
+const calib::FrameModel& ResidualView::model() const {
   if (paper_) return *paper_;
   return *acoustic_;
 }
 
-const std::vector<CatalogEntry>& ResidualView::catalog() const {
+const std::vector<calib::CatalogEntry>& ResidualView::catalog() const {
   return model().catalog();
 }
 
@@ -75,20 +77,20 @@ std::vector<int> ResidualView::EntriesOf(const std::vector<std::string>& names) 
   std::vector<int> entries;
   for (const std::string& name : names) {
     const auto found = std::find_if(catalog().begin(), catalog().end(),
-                                    [&](const CatalogEntry& entry) { return entry.name == name; });
+                                    [&](const calib::CatalogEntry& entry) { return entry.name == name; });
     if (found == catalog().end()) throw DataError("'{}' is no parameter of this model", name);
     entries.push_back(static_cast<int>(found - catalog().begin()));
   }
   return entries;
 }
 
-PolarImage ResidualView::Expected(int position, const ParameterValues& values) const {
+PolarImage ResidualView::Expected(int position, const calib::ParameterValues& values) const {
   PolarImage image;
   if (paper_) {
     ParameterSet parameters = initial_;
     paper_->Store(values, parameters);
-    image = PaperImage(paper_frames_[position].echoes, *geometry_,
-                       PaperParametersFor(parameters, simulator_->caster().material_names()));
+    image = workflow::PaperImage(paper_frames_[position].echoes, *geometry_,
+                                 sim::PaperParametersFor(parameters, simulator_->caster().material_names()));
   } else {
     const ParameterSet parameters = acoustic_->Parameters(values);
     const Pose pose = acoustic_->PoseOf(position, values);
@@ -102,19 +104,19 @@ PolarImage ResidualView::Expected(int position, const ParameterValues& values) c
   return image;
 }
 
-void ResidualView::CheckCount(const ParameterValues& values) const {
+void ResidualView::CheckCount(const calib::ParameterValues& values) const {
   if (values.size() != catalog().size())
     throw DataError("values: {} numbers, expected one for each of the {} parameters", values.size(),
                     catalog().size());
 }
 
-void ResidualView::WeighAbout(const ParameterValues& values) {
+void ResidualView::WeighAbout(const calib::ParameterValues& values) {
   if (!paper_) throw DataError("weigh_about is for the paper's model: the acoustic model knows its noise");
   CheckCount(values);
   paper_->SetNoise(paper_->NoiseAbout(values));
 }
 
-FrameResiduals ResidualView::At(const ParameterValues& values, int frame,
+FrameResiduals ResidualView::At(const calib::ParameterValues& values, int frame,
                                 const std::vector<std::string>& names) {
   CheckCount(values);
   const auto found = std::find(frames_.begin(), frames_.end(), frame);
@@ -125,7 +127,7 @@ FrameResiduals ResidualView::At(const ParameterValues& values, int frame,
     std::vector<int> geometric;
     bool moved = false;
     for (std::size_t i = 0; i < catalog().size(); ++i) {
-      if (!IsGeometric(catalog()[i])) continue;
+      if (!calib::IsGeometric(catalog()[i])) continue;
       moved = moved || values[i] != point_[i];
       if (std::count(active.begin(), active.end(), static_cast<int>(i)) > 0)
         geometric.push_back(static_cast<int>(i));
@@ -137,8 +139,9 @@ FrameResiduals ResidualView::At(const ParameterValues& values, int frame,
     }
   }
 
-  PixelTerms terms;
-  const auto wanted = active.empty() ? FrameModel::Terms::kResiduals : FrameModel::Terms::kDerivatives;
+  calib::PixelTerms terms;
+  const auto wanted =
+      active.empty() ? calib::FrameModel::Terms::kResiduals : calib::FrameModel::Terms::kDerivatives;
   if (!model().Evaluate(position, values, active, wanted, terms))
     throw DataError("the model has no value here: is display.db_max above display.db_min?");
   const int bins = model().range_bins();

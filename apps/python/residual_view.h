@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/fit_frames.h"
+#include "apps/workflow/fit_frames.h"
 #include "core/types/mask.h"
 
 namespace sonarcal::python {
@@ -28,42 +28,42 @@ class ResidualView {
  public:
   // Traces the frames of these indices; empty: all. Throws DataError as FitRecording does.
   ResidualView(std::shared_ptr<const RecordingSource> recording, const Scene& scene, ParameterSet initial,
-               std::vector<int> frames, const FitRecordingOptions& options);
+               std::vector<int> frames, const workflow::FitRecordingOptions& options);
 
   // Every parameter of the model, in the order of `values`.
-  const std::vector<CatalogEntry>& catalog() const;
-  const ParameterValues& initial_values() const { return initial_values_; }
+  const std::vector<calib::CatalogEntry>& catalog() const;
+  const calib::ParameterValues& initial_values() const { return initial_values_; }
   const std::vector<int>& frames() const { return frames_; }
 
   // `frame` is its index in the recording; derivatives are by `names`. Where beam, pulse or poses are moved
   // or asked for, the frames are traced again, as between the rounds of a fit. Throws DataError for values
   // at which the model has none. Not for two threads at once.
-  FrameResiduals At(const ParameterValues& values, int frame, const std::vector<std::string>& names);
+  FrameResiduals At(const calib::ParameterValues& values, int frame, const std::vector<std::string>& names);
 
   // Weighs the residuals of the paper's model from now on by the noise that the frames show about these
   // values, as does a fit that ends at these values. Throws DataError for the acoustic model, which knows its
   // noise.
-  void WeighAbout(const ParameterValues& values);
+  void WeighAbout(const calib::ParameterValues& values);
 
  private:
-  const FrameModel& model() const;
-  void CheckCount(const ParameterValues& values) const;
+  const calib::FrameModel& model() const;
+  void CheckCount(const calib::ParameterValues& values) const;
   std::vector<int> EntriesOf(const std::vector<std::string>& names) const;
-  PolarImage Expected(int position, const ParameterValues& values) const;
+  PolarImage Expected(int position, const calib::ParameterValues& values) const;
 
   std::shared_ptr<const RecordingSource> recording_;
   ParameterSet initial_;
   std::vector<int> frames_;
-  std::unique_ptr<Simulator> simulator_;
-  std::optional<ImageGeometry> geometry_;
-  std::vector<EchoHistogram> echoes_;  // paper, by frame of the recording
-  std::vector<FitFrame> paper_frames_;
-  std::vector<AcousticFrame> acoustic_frames_;
-  std::unique_ptr<PaperFrameModel> paper_;  // one of the two
-  std::unique_ptr<AcousticFrameModel> acoustic_;
-  ParameterValues initial_values_;
-  ParameterValues point_;       // acoustic: geometry is taken about it
-  std::vector<int> geometric_;  // and differentiated by these
+  std::unique_ptr<sim::Simulator> simulator_;
+  std::optional<sim::ImageGeometry> geometry_;
+  std::vector<sim::EchoHistogram> echoes_;  // paper, by frame of the recording
+  std::vector<calib::FitFrame> paper_frames_;
+  std::vector<calib::AcousticFrame> acoustic_frames_;
+  std::unique_ptr<calib::PaperFrameModel> paper_;  // one of the two
+  std::unique_ptr<calib::AcousticFrameModel> acoustic_;
+  calib::ParameterValues initial_values_;
+  calib::ParameterValues point_;  // acoustic: geometry is taken about it
+  std::vector<int> geometric_;    // and differentiated by these
 };
 
 }  // namespace sonarcal::python

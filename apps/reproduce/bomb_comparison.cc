@@ -15,7 +15,7 @@
 #include "sim/scenes/bomb.h"
 #include "sim/scenes/scenes.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 // Of an ARIS 3000 at 3 MHz. The beam is that of its data sheet; the pulse is not recorded with the frames,
@@ -43,7 +43,7 @@ ParameterSet AcousticFor(const PolarImage& image, const SonarModel& sonar) {
   parameters.source_level_db = 0.0;
   parameters.display = {.db_min = 0.0, .db_max = *image.scale.db_span};
   parameters.receiver.noise_db =
-      MedianGrey(image) / image.scale.full_scale * *image.scale.db_span - MeanLogSpeckleDb(1.0);
+      MedianGrey(image) / image.scale.full_scale * *image.scale.db_span - sim::MeanLogSpeckleDb(1.0);
   parameters.receiver.gain_db = kEchoOverNoiseDb;
   parameters.beam.azimuth_width_deg = kAzimuthBeamDeg;
   parameters.pulse.length_m = kPulseBins * sonar.axes.range_bin_m();
@@ -54,10 +54,10 @@ ParameterSet AcousticFor(const PolarImage& image, const SonarModel& sonar) {
 
 // Pixels within reach of the object found in the recorded image: the model has no background to explain the
 // rest by.
-Mask AroundObject(const PolarImage& image, const SegmentationOptions& segmentation) {
+Mask AroundObject(const PolarImage& image, const metrics::SegmentationOptions& segmentation) {
   constexpr int kReachBins = 20;
   constexpr int kReachBeams = 4;
-  const Mask object = Segment(image, segmentation).object;
+  const Mask object = metrics::Segment(image, segmentation).object;
   Mask around(object.rows(), object.cols());
   for (int row = 0; row < object.rows(); ++row) {
     for (int col = 0; col < object.cols(); ++col) {
@@ -74,14 +74,14 @@ Mask AroundObject(const PolarImage& image, const SegmentationOptions& segmentati
 }
 
 // Pixels out of reach of the object found in the image.
-Mask Background(const PolarImage& image, const SegmentationOptions& segmentation) {
-  Mask background = BoxAround(Segment(image, segmentation).object, 20, 8);
+Mask Background(const PolarImage& image, const metrics::SegmentationOptions& segmentation) {
+  Mask background = metrics::BoxAround(metrics::Segment(image, segmentation).object, 20, 8);
   for (std::uint8_t& pixel : background.values()) pixel = pixel == 0 ? 1 : 0;
   return background;
 }
 
 // Of all echoes but the rarest 0.1 % at either end.
-IncidenceRange IncidenceOf(const EchoList& echoes) {
+workflow::IncidenceRange IncidenceOf(const sim::EchoList& echoes) {
   std::vector<float> incidence = echoes.incidence_rad;
   if (incidence.empty()) return {};
   const auto at = [&](double share) {
@@ -96,12 +96,12 @@ IncidenceRange IncidenceOf(const EchoList& echoes) {
 class Comparison {
  public:
   Comparison(const std::filesystem::path& folder, const BombComparisonOptions& options)
-      : options_(options), recorded_(OpenAris3000Frames(folder)) {
+      : options_(options), recorded_(data_io::OpenAris3000Frames(folder)) {
     if (recorded_->frame_count() < 2) {
       throw DataError("{}: {} frames, expected two: one to fit and one to judge", folder.string(),
                       recorded_->frame_count());
     }
-    CheckHeldOut(*recorded_, {.used = {0}, .held_out = {1}});
+    calib::CheckHeldOut(*recorded_, {.used = {0}, .held_out = {1}});
     frames_ = {recorded_->ReadFrame(0), recorded_->ReadFrame(1)};
     water_ = recorded_->info().water.value_or(Water{});
     bomb_.info = recorded_->info();
@@ -110,10 +110,10 @@ class Comparison {
   BombComparison Run() {
     Search();
     Say("fitting the paper's model at the pose found");
-    bomb_.fit = FitPaper(MakeBody(), bomb_.pose.best.pose);
+    bomb_.fit = FitPaper(sim::MakeBody(), bomb_.pose.best.pose);
     JudgeAsFound();
     Say("fitting both models with the outline and the pose found beforehand");
-    bomb_.fitted.paper = FitPaper(MakeBomb(), BombPose());
+    bomb_.fitted.paper = FitPaper(sim::MakeBomb(), calib::BombPose());
     FitAcoustic();
     bomb_.real_against_real = Judge({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
     return std::move(bomb_);
@@ -125,10 +125,10 @@ class Comparison {
   }
 
   void Search() {
-    const Scene body = MakeBody();
+    const Scene body = sim::MakeBody();
     const SonarModel& sonar = recorded_->info().sonar;
     bomb_.acoustic = AcousticFor(frames_[0].image, sonar);
-    PoseSearchOptions search;
+    calib::PoseSearchOptions search;
     search.progress = options_.on_note;
     if (options_.quick) {
       search.yaw_steps = 12;
@@ -138,18 +138,18 @@ class Comparison {
       search.max_iterations = 5;
       search.ridge_elevations_deg = {0.0};
     }
-    bomb_.pose = SearchPose(body, sonar, water_, frames_[0].image, bomb_.acoustic, search);
+    bomb_.pose = calib::SearchPose(body, sonar, water_, frames_[0].image, bomb_.acoustic, search);
     bomb_.acoustic.receiver.gain_db += bomb_.pose.best.gain_db;
   }
 
   // A still scene: both frames have the pose of the first.
-  RecordingFit FitPaper(const Scene& body, const TargetPose& pose) const {
+  workflow::RecordingFit FitPaper(const Scene& body, const calib::TargetPose& pose) const {
     RecordingInfo info = recorded_->info();
     info.sonar.elevation_beam_width_deg = kElevationSpanDeg;
     info.water = water_;
     std::vector<Frame> frames = frames_;
     for (Frame& frame : frames) frame.info.world_from_sonar = pose.WorldFromSonar();
-    FitRecordingOptions fit;
+    workflow::FitRecordingOptions fit;
     fit.rays = Rays();
     fit.comparison = options_.comparison;
     fit.fit.progress = options_.on_note;
@@ -164,15 +164,16 @@ class Comparison {
     fit.fit.block_beams = 4;
     SonarModel sonar = info.sonar;
     sonar.azimuth_beam_width_deg = kAzimuthBeamDeg;
-    return FitRecording(MemoryRecording(info, frames), body, PaperValues(sonar, {"body"}), fit);
+    return workflow::FitRecording(MemoryRecording(info, frames), body, sim::PaperValues(sonar, {"body"}),
+                                  fit);
   }
 
   void JudgeAsFound() {
-    SimulationOptions simulation = Rays().For(recorded_->info().sonar, water_, EchoModel::kAcoustic);
+    sim::SimulationOptions simulation = Rays().For(recorded_->info().sonar, water_, EchoModel::kAcoustic);
     simulation.noise = true;
     simulation.fan.elevation_span_deg = kElevationSpanDeg;
-    const Simulator simulator(MakeBody(), recorded_->info().sonar, simulation);
-    const EchoList echoes = simulator.TraceEchoes(bomb_.pose.best.pose.WorldFromSonar());
+    const sim::Simulator simulator(sim::MakeBody(), recorded_->info().sonar, simulation);
+    const sim::EchoList echoes = simulator.TraceEchoes(bomb_.pose.best.pose.WorldFromSonar());
     bomb_.acoustic_expected = Judge({frames_[1]}, {simulator.RenderExpected(echoes, bomb_.acoustic)},
                                     "expected image of the acoustic model", true, &bomb_.acoustic_pictures);
     bomb_.acoustic_sample = Judge({frames_[1]}, {simulator.RenderEchoes(echoes, bomb_.acoustic)},
@@ -184,20 +185,21 @@ class Comparison {
     const SonarModel& sonar = recorded_->info().sonar;
     const PolarImage& image = frames_[0].image;
     const DisplayParameters<double> display = DisplayOfBackground(image, options_.comparison.segmentation);
-    TargetFitOptions options = BombFitOptions();
+    calib::TargetFitOptions options = calib::BombFitOptions();
     options.threads = options_.threads;
     options.fit.progress = options_.on_note;
     if (options_.quick) {
       options.ray_height_deg = 0.2;
       options.fit.max_iterations = 5;
     }
-    fitted.acoustic.initial = BombInitial(display, sonar);
-    TargetFit fit = FitTarget(MakeBomb(), sonar, water_, image, BombPose(), fitted.acoustic.initial, options);
+    fitted.acoustic.initial = calib::BombInitial(display, sonar);
+    calib::TargetFit fit = calib::FitTarget(sim::MakeBomb(), sonar, water_, image, calib::BombPose(),
+                                            fitted.acoustic.initial, options);
     fitted.acoustic.fit = {std::move(fit.fit.parameters), std::move(fit.fit.report), fit.fit.usable};
     fitted.acoustic.fit.report.frames_held_out = {1};
     if (!fit.fit.usable) return;
-    const Simulator simulator(fit.placed, sonar, fit.simulation);
-    const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
+    const sim::Simulator simulator(fit.placed, sonar, fit.simulation);
+    const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
     fitted.acoustic.seen["body"] = IncidenceOf(echoes);
     const ParameterSet& parameters = fitted.acoustic.fit.parameters;
     const PolarImage expected = simulator.RenderExpected(echoes, parameters);
@@ -217,8 +219,9 @@ class Comparison {
   }
 
   // Images in the place of recorded frames, one by one.
-  MetricsReport Judge(const std::vector<Frame>& real, std::vector<PolarImage> images, const std::string& name,
-                      bool synthetic, std::vector<FramePictures>* pictures = nullptr) const {
+  metrics::MetricsReport Judge(const std::vector<Frame>& real, std::vector<PolarImage> images,
+                               const std::string& name, bool synthetic,
+                               std::vector<report::FramePictures>* pictures = nullptr) const {
     const RecordingInfo& info = recorded_->info();
     RecordingInfo simulated = info;
     simulated.source = name;
@@ -228,23 +231,22 @@ class Comparison {
       images[i].scale = real[i].image.scale;
       frames.push_back({real[i].info, std::move(images[i])});
     }
-    const CompareRecordingsOptions compare{
+    const workflow::CompareRecordingsOptions compare{
         .compare = options_.comparison, .as_displayed = true, .noise_floor = false};
-    PictureMaker maker;
-    return CompareRecordings(MemoryRecording(info, real), MemoryRecording(simulated, std::move(frames)),
-                             compare,
-                             [&](const PolarImage& r, const PolarImage& s, const FrameMetrics& metrics) {
-                               if (pictures == nullptr) return;
-                               pictures->push_back(maker.Make(r, s, metrics));
-                               pictures->back().index = 1;  // in the recording
-                             });
+    report::PictureMaker maker;
+    return workflow::CompareRecordings(
+        MemoryRecording(info, real), MemoryRecording(simulated, std::move(frames)), compare,
+        [&](const PolarImage& r, const PolarImage& s, const metrics::FrameMetrics& metrics) {
+          if (pictures == nullptr) return;
+          pictures->push_back(maker.Make(r, s, metrics));
+          pictures->back().index = 1;  // in the recording
+        });
   }
 
-  RayOptions Rays() const {
-    RayOptions rays(Sampling::kBeams);
+  workflow::RayOptions Rays() const {
+    workflow::RayOptions rays(sim::Sampling::kBeams);
     rays.threads = options_.threads;
-    rays.rays =
-        fmt::format("{}x{}", 2 * recorded_->info().sonar.axes.beam_count(), options_.quick ? 140 : 560);
+    rays.rays = RayGridSize{2 * recorded_->info().sonar.axes.beam_count(), options_.quick ? 140 : 560};
     return rays;
   }
 
@@ -258,22 +260,23 @@ class Comparison {
 }  // namespace
 
 DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
-                                              const SegmentationOptions& segmentation) {
-  return FitBackgroundDisplay(image, Background(image, segmentation), DisplayLaw::kSoftAmplitude).display;
+                                              const metrics::SegmentationOptions& segmentation) {
+  return calib::FitBackgroundDisplay(image, Background(image, segmentation), DisplayLaw::kSoftAmplitude)
+      .display;
 }
 
-KnownBomb PrepareBomb(const std::filesystem::path& folder, const SegmentationOptions& segmentation) {
-  const auto recorded = OpenAris3000Frames(folder);
+KnownBomb PrepareBomb(const std::filesystem::path& folder, const metrics::SegmentationOptions& segmentation) {
+  const auto recorded = data_io::OpenAris3000Frames(folder);
   RecordingInfo info = recorded->info();
   info.sonar.elevation_beam_width_deg = kElevationSpanDeg;
   std::vector<Frame> frames;
   for (int i = 0; i < recorded->frame_count(); ++i) {
     frames.push_back(recorded->ReadFrame(i));
-    frames.back().info.world_from_sonar = BombPose().WorldFromSonar();
+    frames.back().info.world_from_sonar = calib::BombPose().WorldFromSonar();
   }
   const DisplayParameters<double> display = DisplayOfBackground(frames.at(0).image, segmentation);
-  ParameterSet initial = BombInitial(display, info.sonar);
-  return {std::make_unique<MemoryRecording>(std::move(info), std::move(frames)), MakeBomb(),
+  ParameterSet initial = calib::BombInitial(display, info.sonar);
+  return {std::make_unique<MemoryRecording>(std::move(info), std::move(frames)), sim::MakeBomb(),
           std::move(initial)};
 }
 
@@ -281,4 +284,4 @@ BombComparison CompareBomb(const std::filesystem::path& folder, const BombCompar
   return Comparison(folder, options).Run();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -13,7 +13,7 @@
 #include "sim/physics/display.h"
 #include "sim/scenes/bomb.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 constexpr const char* kOtherPose = "other_pose_fan.png";
@@ -25,22 +25,23 @@ PolarImage Reshown(const PolarImage& image, const DisplayParameters<double>& own
   PolarImage result = image;
   result.scale = scale;
   for (float& value : result.value.values()) {
-    const double power = PowerFromDisplay(own, value / image.scale.full_scale);
-    value =
-        static_cast<float>(std::lround(std::clamp(DisplayValue(shown, power), 0.0, 1.0) * scale.full_scale));
+    const double power = sim::PowerFromDisplay(own, value / image.scale.full_scale);
+    value = static_cast<float>(
+        std::lround(std::clamp(sim::DisplayValue(shown, power), 0.0, 1.0) * scale.full_scale));
   }
   return result;
 }
 
-TargetFit FitBomb(const RecordingInfo& info, const PolarImage& image, const TargetPose& pose,
-                  const ParameterSet& initial, TargetFitOptions fit, const PrepareOptions& options) {
+calib::TargetFit FitBomb(const RecordingInfo& info, const PolarImage& image, const calib::TargetPose& pose,
+                         const ParameterSet& initial, calib::TargetFitOptions fit,
+                         const PrepareOptions& options) {
   fit.threads = options.threads;
   if (options.quick) {
     fit.ray_height_deg = 0.2;
     fit.fit.max_iterations = 15;
   }
-  TargetFit result =
-      FitTarget(MakeBomb(), info.sonar, info.water.value_or(Water{}), image, pose, initial, fit);
+  calib::TargetFit result =
+      calib::FitTarget(sim::MakeBomb(), info.sonar, info.water.value_or(Water{}), image, pose, initial, fit);
   if (!result.fit.usable) {
     throw DataError("{}: the fit of the bomb ended without a usable solution ({})", info.source,
                     result.fit.report.termination);
@@ -49,7 +50,7 @@ TargetFit FitBomb(const RecordingInfo& info, const PolarImage& image, const Targ
 }
 
 // The sonar's pose in the target's own frame, from that in the world of a fit to `near`.
-Pose InTargetFrame(const Pose& world_from_sonar, const TargetPose& near) {
+Pose InTargetFrame(const Pose& world_from_sonar, const calib::TargetPose& near) {
   const Pose target_from_world = Pose{near.SonarFromTarget().rotation, Eigen::Vector3d::Zero()}.Inverse();
   return target_from_world * world_from_sonar;
 }
@@ -60,37 +61,38 @@ PreparedRecording PrepareBombRecording(const std::filesystem::path& folder, cons
   const auto say = [&](const std::string& line) {
     if (options.on_note) options.on_note(line);
   };
-  const auto recorded = OpenAris3000Frames(folder);
+  const auto recorded = data_io::OpenAris3000Frames(folder);
   if (recorded->frame_count() < 2) {
     throw DataError("{}: {} frame, expected two of the bomb", folder.string(), recorded->frame_count());
   }
-  CheckHeldOut(*recorded, {.used = {0}, .held_out = {1}});
-  const auto other = OpenAris3000FanPicture(folder / kOtherPose, BombOtherPoseFan());
+  calib::CheckHeldOut(*recorded, {.used = {0}, .held_out = {1}});
+  const auto other = data_io::OpenAris3000FanPicture(folder / kOtherPose, calib::BombOtherPoseFan());
   RecordingInfo info = recorded->info();
   std::vector<Frame> frames = {recorded->ReadFrame(0), recorded->ReadFrame(1), other->ReadFrame(0)};
 
   say("fitting beam, pulse and curve to frame 0 of the bomb");
   const DisplayParameters<double> display = DisplayOfBackground(frames[0].image, {});
-  const TargetFit model =
-      FitBomb(info, frames[0].image, BombPose(), BombInitial(display, info.sonar), BombFitOptions(), options);
+  const calib::TargetFit model =
+      FitBomb(info, frames[0].image, calib::BombPose(), calib::BombInitial(display, info.sonar),
+              calib::BombFitOptions(), options);
   frames[2].image =
       Reshown(frames[2].image, DisplayOfBackground(frames[2].image, {}), display, frames[0].image.scale);
   say("finding the other pose, the model held");
-  TargetFitOptions of_pose = BombFitOptions();
+  calib::TargetFitOptions of_pose = calib::BombFitOptions();
   of_pose.free_model = false;
   of_pose.free_pose = true;
-  const TargetFit pose =
-      FitBomb(info, frames[2].image, BombOtherPose(), model.fit.parameters, of_pose, options);
+  const calib::TargetFit pose =
+      FitBomb(info, frames[2].image, calib::BombOtherPose(), model.fit.parameters, of_pose, options);
 
-  frames[0].info.world_from_sonar = BombPose().WorldFromSonar();
+  frames[0].info.world_from_sonar = calib::BombPose().WorldFromSonar();
   frames[1].info.world_from_sonar = frames[0].info.world_from_sonar;
-  frames[2].info.world_from_sonar = InTargetFrame(pose.fit.world_from_sonar[0], BombOtherPose());
+  frames[2].info.world_from_sonar = InTargetFrame(pose.fit.world_from_sonar[0], calib::BombOtherPose());
   info.notes.emplace_back("Frame 2 is other_pose_fan.png, its powers shown by the display of frame 0.");
   info.notes.emplace_back("Poses were found by fits to the frames themselves; none is recorded.");
   PreparedRecording prepared{
       .title = "a bomb, ARIS 3000 (recorded)",
       .recording = std::make_unique<MemoryRecording>(info, std::move(frames)),
-      .scene = MakeBomb(),
+      .scene = sim::MakeBomb(),
       .parameters = model.fit.parameters,
       .held_out = {1, 2},
       .apart = true,
@@ -111,4 +113,4 @@ PreparedRecording PrepareBombRecording(const std::filesystem::path& folder, cons
   return prepared;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -4,22 +4,23 @@
 
 #include <cmath>
 
-#include "apps/report/comparison_section.h"
-#include "apps/report/fit_section.h"
-#include "apps/report/html_text.h"
-#include "apps/report/segmentation_text.h"
+#include "apps/report/html/html_text.h"
+#include "apps/report/pictures/shown_frames.h"
+#include "apps/report/sections/comparison_section.h"
+#include "apps/report/sections/fit_section.h"
+#include "apps/report/sections/segmentation_text.h"
 #include "core/types/units.h"
 #include "sim/paper/paper_values.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
-std::string Figure(const Statistic& statistic, int digits) {
+std::string Figure(const metrics::Statistic& statistic, int digits) {
   return statistic.value ? fmt::format("{:.{}f}", *statistic.value, digits) : "none";
 }
 
-void AddPose(HtmlReport& report, const BombComparison& bomb) {
-  const TargetPose& pose = bomb.pose.best.pose;
+void AddPose(report::HtmlReport& report, const BombComparison& bomb) {
+  const calib::TargetPose& pose = bomb.pose.best.pose;
   report.Subsection("From nothing: the pose found by a search");
   report.Facts(
       {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
@@ -31,17 +32,17 @@ void AddPose(HtmlReport& report, const BombComparison& bomb) {
         fmt::format("{:.4f} rms of full scale", std::sqrt(bomb.pose.best.cost))}});
   report.Paragraph("One frame does not tell:");
   report.List(bomb.pose.open);
-  Table starts{.caption = "Where the starts ended, on a coarse image, best first",
-               .columns = {{"Start"},
-                           {"Range", "m"},
-                           {"Azimuth", "deg"},
-                           {"Elevation", "deg"},
-                           {"Yaw", "deg"},
-                           {"Pitch", "deg"},
-                           {"Difference", "rms"}},
-               .rows = {}};
+  report::Table starts{.caption = "Where the starts ended, on a coarse image, best first",
+                       .columns = {{"Start"},
+                                   {"Range", "m"},
+                                   {"Azimuth", "deg"},
+                                   {"Elevation", "deg"},
+                                   {"Yaw", "deg"},
+                                   {"Pitch", "deg"},
+                                   {"Difference", "rms"}},
+                       .rows = {}};
   for (std::size_t i = 0; i < bomb.pose.starts.size(); ++i) {
-    const PoseCandidate& c = bomb.pose.starts[i];
+    const calib::PoseCandidate& c = bomb.pose.starts[i];
     starts.rows.push_back(
         {{fmt::format("{}", i + 1), fmt::format("{:.3f}", c.pose.range_m),
           fmt::format("{:.2f}", DegFromRad(c.pose.azimuth_rad)),
@@ -52,10 +53,10 @@ void AddPose(HtmlReport& report, const BombComparison& bomb) {
   report.Add(starts);
 }
 
-void AddFittedOutline(HtmlReport& report, const BombComparison& bomb) {
+void AddFittedOutline(report::HtmlReport& report, const BombComparison& bomb) {
   report.Subsection("Both models on the other frame");
-  report.Callout(CalloutKind::kLimit, "The paper model's own values", kPaperDisplayRule);
-  AddFitWarnings(report, bomb.fitted.paper.fit.report, "paper model");
+  report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);
+  report::AddFitWarnings(report, bomb.fitted.paper.fit.report, "paper model");
   report.Add(RowTable(
       BombRows(bomb), "The frame that was not fitted (recorded by a sonar), polar image",
       {"Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
@@ -75,54 +76,55 @@ void AddFittedOutline(HtmlReport& report, const BombComparison& bomb) {
       "pulse, which the acoustic model has, are what brings the simulated image near the recorded one.");
   const BombComparison::Fitted& fitted = bomb.fitted;
   const bool synthetic = bomb.info.synthetic;
-  AddPictureLegend(report, RealWord(synthetic));
-  for (const FramePictures& frame : fitted.paper.pictures_after)
-    AddFramePictures(report, frame, "The paper's model, fitted", synthetic);
-  for (const FramePictures& frame : fitted.expected_pictures)
-    AddFramePictures(report, frame, "The acoustic model, fitted: expected image", synthetic);
-  for (const FramePictures& frame : fitted.sample_pictures)
-    AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample", synthetic);
-  for (const RecordingFit* fit : {&fitted.paper, &fitted.acoustic}) {
+  report::AddPictureLegend(report, report::RealWord(synthetic));
+  const report::FitPictures paper_pictures = report::ShowFit(fitted.paper);
+  for (const report::FramePictures& frame : paper_pictures.after)
+    report::AddFramePictures(report, frame, "The paper's model, fitted", synthetic);
+  for (const report::FramePictures& frame : fitted.expected_pictures)
+    report::AddFramePictures(report, frame, "The acoustic model, fitted: expected image", synthetic);
+  for (const report::FramePictures& frame : fitted.sample_pictures)
+    report::AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample", synthetic);
+  for (const workflow::RecordingFit* fit : {&fitted.paper, &fitted.acoustic}) {
     const char* name = fit == &fitted.paper ? "paper's" : "acoustic";
     report.Subsection(fmt::format("Values of the {} model, fitted to the bomb", name));
     if (fit->fit.usable) {
-      AddFittedValues(report, *fit);
+      report::AddFittedValues(report, *fit);
     } else {
-      report.Callout(CalloutKind::kWarning, "No usable solution", fit->fit.report.termination);
+      report.Callout(report::CalloutKind::kWarning, "No usable solution", fit->fit.report.termination);
     }
   }
 }
 
 }  // namespace
 
-Table RowTable(const std::vector<SummaryRow>& rows, const std::string& caption,
-               std::vector<std::string> notes) {
-  Table table{.caption = caption,
-              .columns = {{"Simulated with"},
-                          {"Ns/Nr"},
-                          {"Na/Ns"},
-                          {"Na/Nr"},
-                          {"IoU"},
-                          {"Error, union"},
-                          {"Error, overlap"},
-                          {"Error, whole image"}},
-              .rows = {},
-              .notes = std::move(notes)};
+report::Table RowTable(const std::vector<SummaryRow>& rows, const std::string& caption,
+                       std::vector<std::string> notes) {
+  report::Table table{.caption = caption,
+                      .columns = {{"Simulated with"},
+                                  {"Ns/Nr"},
+                                  {"Na/Ns"},
+                                  {"Na/Nr"},
+                                  {"IoU"},
+                                  {"Error, union"},
+                                  {"Error, overlap"},
+                                  {"Error, whole image"}},
+                      .rows = {},
+                      .notes = std::move(notes)};
   for (const SummaryRow& row : rows) {
-    const ViewSummary& view = row.metrics->aggregate.macro.polar;
+    const metrics::ViewSummary& view = row.metrics->aggregate.macro.polar;
     table.rows.push_back({{row.name, Figure(view.At("ns_over_nr"), 2), Figure(view.At("na_over_ns"), 2),
                            Figure(view.At("na_over_nr"), 2), Figure(view.At("iou"), 2),
-                           Figure(view.Over(IntensityDomain::kUnion).mean_absolute, 3),
-                           Figure(view.Over(IntensityDomain::kOverlap).mean_absolute, 3),
-                           Figure(view.Over(IntensityDomain::kWhole).mean_absolute, 3)},
-                          row.muted    ? RowStyle::kMuted
-                          : row.strong ? RowStyle::kStrong
-                                       : RowStyle::kPlain});
+                           Figure(view.Over(metrics::IntensityDomain::kUnion).mean_absolute, 3),
+                           Figure(view.Over(metrics::IntensityDomain::kOverlap).mean_absolute, 3),
+                           Figure(view.Over(metrics::IntensityDomain::kWhole).mean_absolute, 3)},
+                          row.muted    ? report::RowStyle::kMuted
+                          : row.strong ? report::RowStyle::kStrong
+                                       : report::RowStyle::kPlain});
   }
   return table;
 }
 
-void AddBomb(HtmlReport& report, const BombComparison& bomb) {
+void AddBomb(report::HtmlReport& report, const BombComparison& bomb) {
   report.Section("A bomb before an ARIS 3000");
   report.Paragraph(
       "Two frames of a body of revolution (length 737 mm, diameter 208 mm, ogive nose) in a test basin. No "
@@ -134,25 +136,26 @@ void AddBomb(HtmlReport& report, const BombComparison& bomb) {
       "not "
       "fitted.");
   report.Callout(
-      CalloutKind::kLimit, "What the second frame can show",
+      report::CalloutKind::kLimit, "What the second frame can show",
       "Both frames show one still scene, and its speckle is frozen: judging on the second guards against "
       "fitting receiver noise, not against a wrong pose, shape or speckle grain.");
-  report.Paragraph("How the bomb is found: " + DetectorText(bomb.acoustic_expected.options));
+  report.Paragraph("How the bomb is found: " + report::DetectorText(bomb.acoustic_expected.options));
   AddFittedOutline(report, bomb);
   AddPose(report, bomb);
-  AddFitWarnings(report, bomb.fit.fit.report, "paper model at the pose found");
+  report::AddFitWarnings(report, bomb.fit.fit.report, "paper model at the pose found");
   report.Add(RowTable(SearchedBombRows(bomb),
                       "The same frame with the plain outline and the pose found by the search",
                       {"Acoustic model: the one the pose was searched with, its noise floor read off the "
                        "fitted frame's background and its strength found with the pose; its curve is not "
                        "fitted."}));
   const bool synthetic = bomb.info.synthetic;
-  AddPictureLegend(report, RealWord(synthetic));
-  for (const FramePictures& frame : bomb.fit.pictures_after)
-    AddFramePictures(report, frame, "The paper's model, fitted, at the pose found", synthetic);
-  for (const FramePictures& frame : bomb.acoustic_pictures)
-    AddFramePictures(report, frame, "The acoustic model, not fitted, at the pose found: expected image",
-                     synthetic);
+  report::AddPictureLegend(report, report::RealWord(synthetic));
+  const report::FitPictures pictures = report::ShowFit(bomb.fit);
+  for (const report::FramePictures& frame : pictures.after)
+    report::AddFramePictures(report, frame, "The paper's model, fitted, at the pose found", synthetic);
+  for (const report::FramePictures& frame : bomb.acoustic_pictures)
+    report::AddFramePictures(report, frame,
+                             "The acoustic model, not fitted, at the pose found: expected image", synthetic);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/html_report.h"
+#include "apps/report/html/html_report.h"
 #include "apps/reproduce/summary_rows.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
-void AddBomb(HtmlReport& report, const BombComparison& bomb);
+void AddBomb(report::HtmlReport& report, const BombComparison& bomb);
 
 // Occupancy and intensity errors of the polar image, a row a way to simulate.
-Table RowTable(const std::vector<SummaryRow>& rows, const std::string& caption,
-               std::vector<std::string> notes);
+report::Table RowTable(const std::vector<SummaryRow>& rows, const std::string& caption,
+                       std::vector<std::string> notes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

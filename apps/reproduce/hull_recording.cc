@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "apps/background_law_of.h"
-#include "apps/fit_recording.h"
 #include "apps/reproduce/hull_strip.h"
 #include "apps/reproduce/known_recording.h"
+#include "apps/workflow/comparison_options.h"
+#include "apps/workflow/fit.h"
 #include "calib/acoustic_fit.h"
 #include "calib/noise/noise_fit.h"
 #include "calib/selection/held_out_likelihood.h"
@@ -16,7 +16,7 @@
 #include "data_io/sonars/didson_io.h"
 #include "sim/physics/recorded_beam.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 constexpr double kLeansDeg[] = {0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0};
@@ -49,7 +49,7 @@ std::vector<MarkedPing> ReadMarked(const RecordingSource& pings, const std::file
 class HullMaker {
  public:
   HullMaker(std::filesystem::path folder, const PrepareOptions& options)
-      : folder_(std::move(folder)), options_(options), pings_(OpenDidson(folder_ / "test")) {
+      : folder_(std::move(folder)), options_(options), pings_(data_io::OpenDidson(folder_ / "test")) {
     info_ = pings_->info();
     marked_ = ReadMarked(*pings_, folder_ / "first_return");
     if (marked_.size() <= kHeldOut) {
@@ -93,11 +93,11 @@ class HullMaker {
         kApartM));
     std::vector<std::string> warnings;
     if (const auto at_end = LeanAtEnd(lean_deg, largest_deg)) warnings.push_back(*at_end);
-    CompareOptions comparison;
+    metrics::CompareOptions comparison;
     // Where most of the picture is clipped to black, spreads of grey find nothing.
-    comparison.segmentation.method = SegmentationMethod::kLikelihoodRatio;
-    comparison.segmentation.background_law =
-        std::make_shared<const BackgroundLaw>(BackgroundLawOf(parameters, info.sonar.axes, folder_.string()));
+    comparison.segmentation.method = metrics::SegmentationMethod::kLikelihoodRatio;
+    comparison.segmentation.background_law = std::make_shared<const metrics::BackgroundLaw>(
+        workflow::BackgroundLawOf(parameters, info.sonar.axes, folder_.string()));
     return {.title = "hull strip from marks, DIDSON (recorded)",
             .recording = std::make_unique<MemoryRecording>(info, std::move(frames)),
             .scene = Strips(lean_deg),
@@ -120,8 +120,8 @@ class HullMaker {
   ParameterSet Initial() {
     if (!noise_) {
       Say("fitting the noise of the target-free pings");
-      const auto background = OpenDidson(folder_ / "background");
-      NoiseFit fit = FitNoise(*background, {});
+      const auto background = data_io::OpenDidson(folder_ / "background");
+      calib::NoiseFit fit = calib::FitNoise(*background, {});
       if (!fit.usable) {
         throw DataError("{}: the noise fit {}", (folder_ / "background").string(), fit.report.termination);
       }
@@ -133,7 +133,7 @@ class HullMaker {
     initial.display = noise_->display;
     initial.receiver = noise_->receiver;
     initial.receiver.gain_db = 120.0;  // the level is the material's to carry
-    initial.beam = RecordedBeam(info_);
+    initial.beam = sim::RecordedBeam(info_);
     initial.beam.elevation_width_deg = info_.sonar.elevation_beam_width_deg;
     initial.pulse.length_m = kPulseBins * info_.sonar.axes.range_bin_m();
     initial.materials[kMaterial].gsab = {
@@ -157,33 +157,33 @@ class HullMaker {
 
   // The model fitted to the pings that are not held out, and their likelihood.
   std::pair<ParameterSet, double> FitAt(double lean_deg, const ParameterSet& initial) const {
-    RayOptions rays{Sampling::kBeams};
-    rays.rays = options_.quick ? "192x200" : "384x800";
+    workflow::RayOptions rays{sim::Sampling::kBeams};
+    rays.rays = options_.quick ? RayGridSize{192, 200} : RayGridSize{384, 800};
     rays.threads = options_.threads;
-    const Simulator simulator(Strips(lean_deg), info_.sonar,
-                              AcousticSimulation(rays, info_.sonar, Water{}, initial));
-    std::vector<GreyFrame> used;
+    const sim::Simulator simulator(Strips(lean_deg), info_.sonar,
+                                   workflow::AcousticSimulation(rays, info_.sonar, Water{}, initial));
+    std::vector<calib::GreyFrame> used;
     for (std::size_t i = 0; i < kHeldOut; ++i) {
       used.push_back({.index = static_cast<int>(i),
                       .world_from_sonar = *marked_[i].frame.info.world_from_sonar,
                       .image = marked_[i].frame.image,
-                      .use = ValidPixels(info_)});
+                      .use = workflow::ValidPixels(info_)});
     }
-    const std::vector<AcousticFrame> frames = FramesFor(used, initial.display);
-    FitOptions fit;
+    const std::vector<calib::AcousticFrame> frames = calib::FramesFor(used, initial.display);
+    calib::FitOptions fit;
     fit.starts = 1;
     fit.max_iterations = options_.quick ? 10 : 60;
     fit.threads = options_.threads;
-    const FitConfig config{.free = std::vector<std::string>{"materials", "pulse.length_m"}};
-    const AcousticFit fitted = FitAcousticModel(simulator, frames, initial, config, fit);
+    const calib::FitConfig config{.free = std::vector<std::string>{"materials", "pulse.length_m"}};
+    const calib::AcousticFit fitted = calib::FitAcousticModel(simulator, frames, initial, config, fit);
     if (!fitted.usable) {
       throw DataError("{}: the fit of a strip that leans {:g} degrees ended without a usable solution ({})",
                       folder_.string(), lean_deg, fitted.report.termination);
     }
-    const AcousticFrameModel model(simulator, frames, fitted.parameters);
-    const double nats =
-        GreyLikelihood(used, MeanPowers(model), fitted.parameters, fit.block_bins, fit.block_beams)
-            .PerPixel();
+    const calib::AcousticFrameModel model(simulator, frames, fitted.parameters);
+    const double nats = calib::GreyLikelihood(used, calib::MeanPowers(model), fitted.parameters,
+                                              fit.block_bins, fit.block_beams)
+                            .PerPixel();
     return {fitted.parameters, nats};
   }
 
@@ -208,7 +208,7 @@ class HullMaker {
   std::unique_ptr<RecordingSource> pings_;
   RecordingInfo info_;
   std::vector<MarkedPing> marked_;
-  std::optional<NoiseLaw> noise_;
+  std::optional<calib::NoiseLaw> noise_;
 };
 
 }  // namespace
@@ -217,4 +217,4 @@ PreparedRecording PrepareHullRecording(const std::filesystem::path& folder, cons
   return HullMaker(folder, options).Make();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

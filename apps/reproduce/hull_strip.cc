@@ -10,7 +10,7 @@
 #include "core/types/units.h"
 #include "data_io/images/image_io.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 constexpr double kMostLeanDeg = 80.0;
@@ -91,7 +91,7 @@ class StripMaker {
 }  // namespace
 
 FirstReturn ReadFirstReturn(const std::filesystem::path& file, const PolarAxes& axes) {
-  const ImageFile image(file);
+  const data_io::ImageFile image(file);
   if (image.header().rows != axes.range_bins || image.header().cols != axes.beam_count()) {
     throw DataError("{}: {}, expected {} x {}, one row a range bin and one column a beam", file.string(),
                     image.header().Describe(), axes.range_bins, axes.beam_count());
@@ -173,4 +173,4 @@ Scene MakeHullStrip(const FirstReturn& marks, const PolarAxes& axes, const HullS
   return std::move(maker).Take();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

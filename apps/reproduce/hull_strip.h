@@ -23,7 +23,7 @@
 #include "core/types/image.h"
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
 inline constexpr int kSmoothBeams = 9;
 
@@ -53,4 +53,4 @@ std::optional<std::string> LeanAtEnd(double lean_deg, double largest_tried_deg);
 // Range, in parts of the mark's, of the assumed line at an elevation.
 double StripRangeRatio(double lean_rad, double half_beam_rad, double elevation_rad);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -5,7 +5,7 @@
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 std::filesystem::path FolderOf(const std::filesystem::path& recordings, const char* name) {
@@ -40,9 +40,9 @@ void WritePrepared(const PreparedRecording& prepared, const std::filesystem::pat
   for (const std::string& caveat : prepared.caveats) info.notes.push_back(caveat);
   std::vector<Frame> frames;
   for (int i = 0; i < recording.frame_count(); ++i) frames.push_back(recording.ReadFrame(i));
-  WriteRecording(MemoryRecording(std::move(info), std::move(frames)), folder);
-  WriteGltf(prepared.scene, folder / "scene.gltf");
-  WriteParameters(folder / "params.json", prepared.parameters);
+  data_io::WriteRecording(MemoryRecording(std::move(info), std::move(frames)), folder);
+  data_io::WriteGltf(prepared.scene, folder / "scene.gltf");
+  data_io::WriteParameters(folder / "params.json", prepared.parameters);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -1,4 +1,4 @@
-// Real recordings that can be explained (apps/explain_command.h) although they came without scene, pose or
+// Real recordings that can be explained (apps/commands/explain_command.h) although they came without scene, pose or
 // parameters, and what the project knows or assumes in place of these. Recordings lie in the user's folder
 // and never in the project; what is made of them here is as another command wants it, and is written where
 // the user says.
@@ -21,23 +21,29 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
-#include "apps/compare_recordings.h"
+#include "apps/workflow/compare.h"
 #include "core/types/parameters.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
 enum class KnownRecording { kBomb, kHullStrip };
+constexpr auto WordsOf(std::type_identity<KnownRecording>) {
+  return Words<KnownRecording, 2>{
+      {{"bomb", KnownRecording::kBomb}, {"hull-strip", KnownRecording::kHullStrip}}};
+}
 
 struct PreparedRecording {
   std::string title;                           // said wherever its pictures are shown
   std::unique_ptr<MemoryRecording> recording;  // a pose with every frame
   Scene scene;
   ParameterSet parameters;
-  CompareOptions comparison = {};  // how its object is found
+  metrics::CompareOptions comparison = {};  // how its object is found
   std::vector<int> held_out;
   bool apart = false;       // held-out frames tell different things, so that they are judged one by one
   bool hold_noise = false;  // the floor of the parameters was found where there is nothing else
@@ -65,4 +71,4 @@ PreparedRecording PrepareHullRecording(const std::filesystem::path& folder, cons
 // `folder` must not be there.
 void WritePrepared(const PreparedRecording& prepared, const std::filesystem::path& folder);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
 struct PublishedDataSet {
   double ns_over_nr;  // Table 6
@@ -19,4 +19,4 @@ inline constexpr std::array<PublishedDataSet, 3> kPublished = {{{1.21, 0.75, 0.8
                                                                 {1.10, 0.84, 0.88, 0.23, 0.31, 0.18},
                                                                 {1.25, 0.73, 0.80, 0.24, 0.30, 0.15}}};
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -6,37 +6,37 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/report/comparison_section.h"
-#include "apps/report/fit_section.h"
-#include "apps/report/report_end.h"
+#include "apps/report/html/report_end.h"
+#include "apps/report/sections/comparison_section.h"
+#include "apps/report/sections/fit_section.h"
 #include "apps/reproduce/bomb_report.h"
 #include "apps/reproduce/paper_tables.h"
 #include "apps/reproduce/summary_rows.h"
 #include "core/types/units.h"
 #include "sim/paper/paper_values.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string Figure(const Statistic& statistic, int digits = 2) {
+std::string Figure(const metrics::Statistic& statistic, int digits = 2) {
   return statistic.value ? fmt::format("{:.{}f}", *statistic.value, digits) : "none";
 }
 
-Json JsonOf(const Statistic& statistic) {
+Json JsonOf(const metrics::Statistic& statistic) {
   return statistic.value ? Json(*statistic.value) : Json(nullptr);
 }
 
-RowStyle FittedStyle(const RecordingFit& fit) {
-  return IsSound(fit) ? RowStyle::kStrong : RowStyle::kPlain;
+report::RowStyle FittedStyle(const workflow::RecordingFit& fit) {
+  return IsSound(fit) ? report::RowStyle::kStrong : report::RowStyle::kPlain;
 }
 
-void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
-  Table table{.caption = "Occupancy, as the paper's Table 6: means over frames of the polar image",
-              .columns = {{"Data set"}, {"Ns/Nr"}, {"Na/Ns"}, {"Na/Nr"}},
-              .rows = {}};
-  const auto add = [&](const std::string& name, const ViewSummary& view, RowStyle style) {
+void AddOccupancyTable(report::HtmlReport& report, const TankComparison& tank) {
+  report::Table table{.caption = "Occupancy, as the paper's Table 6: means over frames of the polar image",
+                      .columns = {{"Data set"}, {"Ns/Nr"}, {"Na/Ns"}, {"Na/Nr"}},
+                      .rows = {}};
+  const auto add = [&](const std::string& name, const metrics::ViewSummary& view, report::RowStyle style) {
     table.rows.push_back(
         {{name, Figure(view.At("ns_over_nr")), Figure(view.At("na_over_ns")), Figure(view.At("na_over_nr"))},
          style});
@@ -44,15 +44,16 @@ void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
   for (int set = 0; set < kTankDataSets; ++set) {
     const TankDataSet& data = tank.data_sets[set];
     const PublishedDataSet& paper = kPublished[set];
-    table.rows.push_back({{fmt::format("Data set {} (held-out frames {})", set + 1, FrameList(data.frames))},
-                          RowStyle::kGroup});
-    add("paper model, its own values (synthetic)", data.before.macro.polar, RowStyle::kPlain);
+    table.rows.push_back(
+        {{fmt::format("Data set {} (held-out frames {})", set + 1, report::FrameList(data.frames))},
+         report::RowStyle::kGroup});
+    add("paper model, its own values (synthetic)", data.before.macro.polar, report::RowStyle::kPlain);
     add(FittedName(tank.fit) + " (synthetic)", data.after.macro.polar, FittedStyle(tank.fit));
     add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample.macro.polar,
-        RowStyle::kStrong);
+        report::RowStyle::kStrong);
     table.rows.push_back({{"published (other recordings)", fmt::format("{:.2f}", paper.ns_over_nr),
                            fmt::format("{:.2f}", paper.na_over_ns), fmt::format("{:.2f}", paper.na_over_nr)},
-                          RowStyle::kMuted});
+                          report::RowStyle::kMuted});
   }
   table.notes = {
       "Ours: the recorded side is synthetic. The published rows come from recordings that were never "
@@ -64,13 +65,14 @@ void AddOccupancyTable(HtmlReport& report, const TankComparison& tank) {
   report.Add(table);
 }
 
-void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
-  Table table{.caption = "Intensity error and simulation time, as the paper's Table 7",
-              .columns = {{"Data set"}, {"X-Y image"}, {"R-theta image"}, {"Simulation time", "s a frame"}},
-              .rows = {}};
-  const IntensityDomain domain = tank.fit.after.options.intensity_domain;
-  const auto add = [&](const std::string& name, const Aggregate& all, const std::string& time,
-                       RowStyle style) {
+void AddIntensityTable(report::HtmlReport& report, const TankComparison& tank) {
+  report::Table table{
+      .caption = "Intensity error and simulation time, as the paper's Table 7",
+      .columns = {{"Data set"}, {"X-Y image"}, {"R-theta image"}, {"Simulation time", "s a frame"}},
+      .rows = {}};
+  const metrics::IntensityDomain domain = tank.fit.after.options.intensity_domain;
+  const auto add = [&](const std::string& name, const metrics::Aggregate& all, const std::string& time,
+                       report::RowStyle style) {
     table.rows.push_back({{name, Figure(all.macro.fan.Over(domain).mean_absolute),
                            Figure(all.macro.polar.Over(domain).mean_absolute), time},
                           style});
@@ -78,16 +80,18 @@ void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
   for (int set = 0; set < kTankDataSets; ++set) {
     const TankDataSet& data = tank.data_sets[set];
     const PublishedDataSet& paper = kPublished[set];
-    table.rows.push_back({{fmt::format("Data set {}", set + 1)}, RowStyle::kGroup});
-    add("paper model, its own values (synthetic)", data.before, "", RowStyle::kPlain);
+    table.rows.push_back({{fmt::format("Data set {}", set + 1)}, report::RowStyle::kGroup});
+    add("paper model, its own values (synthetic)", data.before, "", report::RowStyle::kPlain);
     add(FittedName(tank.fit) + " (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
         FittedStyle(tank.fit));
-    add("acoustic model, fitted, expected image (synthetic)", data.acoustic_expected, "", RowStyle::kStrong);
-    add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample, "", RowStyle::kPlain);
+    add("acoustic model, fitted, expected image (synthetic)", data.acoustic_expected, "",
+        report::RowStyle::kStrong);
+    add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample, "",
+        report::RowStyle::kPlain);
     table.rows.push_back(
         {{"published (other recordings)", fmt::format("{:.2f}", paper.intensity_xy),
           fmt::format("{:.2f}", paper.intensity_rtheta), fmt::format("{:.2f}", paper.simulation_time_s)},
-         RowStyle::kMuted});
+         report::RowStyle::kMuted});
   }
   table.notes = {
       fmt::format("Mean absolute difference of the normalised images over the {} of the two object regions.",
@@ -98,7 +102,7 @@ void AddIntensityTable(HtmlReport& report, const TankComparison& tank) {
   report.Add(table);
 }
 
-std::vector<std::string> FloorNotes(const NoiseFloor& floor) {
+std::vector<std::string> FloorNotes(const metrics::NoiseFloor& floor) {
   std::vector<std::string> notes = {
       "Occupancy of the acoustic model is to be read from the sample: no detector finds an object of speckle "
       "in an image without any. Intensity errors of the sample are larger than those of the expected image, "
@@ -112,40 +116,40 @@ std::vector<std::string> FloorNotes(const NoiseFloor& floor) {
   return notes;
 }
 
-void AddTank(HtmlReport& report, const TankComparison& tank) {
+void AddTank(report::HtmlReport& report, const TankComparison& tank) {
   report.Section("The paper's tank");
   report.Callout(
-      CalloutKind::kSynthetic, "The recorded side is synthetic",
+      report::CalloutKind::kSynthetic, "The recorded side is synthetic",
       "The paper's recordings were never published. What stands in their place here is a simulation by "
       "another image formation than the two that are fitted: the echoes of point scatterers of random phase "
       "at the elements of an array, noise at each element, a beamformer, a logarithmic display. Agreement "
       "says how the models fare against such images, not how they fare in a tank. The acoustic model shares "
       "its formulas for one echo with it, and knows its beam, pulse and display: the comparison favours it.");
-  report.Paragraph(
-      fmt::format("Two mock-ups stand in the tank of Table 5; three data sets of four frames look at the "
-                  "first, the second and "
-                  "both. Both models are fitted to frames {} and judged on the {} others.",
-                  FrameList(tank.fit.fit.report.frames_used), tank.fit.fit.report.frames_held_out.size()));
+  report.Paragraph(fmt::format(
+      "Two mock-ups stand in the tank of Table 5; three data sets of four frames look at the "
+      "first, the second and "
+      "both. Both models are fitted to frames {} and judged on the {} others.",
+      report::FrameList(tank.fit.fit.report.frames_used), tank.fit.fit.report.frames_held_out.size()));
   report.Paragraph(tank.absorption + " Recording and both models share it.");
-  report.Callout(CalloutKind::kLimit, "The paper model's own values", kPaperDisplayRule);
-  AddFitWarnings(report, tank.fit.fit.report, "paper model");
-  AddFitWarnings(report, tank.acoustic.fit.report, "acoustic model");
+  report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);
+  report::AddFitWarnings(report, tank.fit.fit.report, "paper model");
+  report::AddFitWarnings(report, tank.acoustic.fit.report, "acoustic model");
   AddOccupancyTable(report, tank);
   AddIntensityTable(report, tank);
   report.Add(RowTable(TankRows(tank), "All held-out frames of the tank (synthetic), polar image",
                       FloorNotes(tank.acoustic.after.noise_floor)));
   report.Subsection("Frames before and after the fit of the paper's model");
-  AddFitComparison(report, tank.fit);
+  report::AddFitComparison(report, tank.fit);
   report.Subsection("Frames before and after the fit of the acoustic model");
-  AddFitComparison(report, tank.acoustic);
-  AddUnexplained(report, tank.acoustic);
+  report::AddFitComparison(report, tank.acoustic);
+  report::AddUnexplained(report, tank.acoustic);
   report.Subsection("Values of the paper's model, fitted to the tank");
-  AddFittedValues(report, tank.fit);
+  report::AddFittedValues(report, tank.fit);
   report.Subsection("Values of the acoustic model, fitted to the tank");
-  AddFittedValues(report, tank.acoustic);
+  report::AddFittedValues(report, tank.acoustic);
 }
 
-void AddShown(HtmlReport& report, const std::vector<ShownRecording>& shown) {
+void AddShown(report::HtmlReport& report, const std::vector<ShownRecording>& shown) {
   if (shown.empty()) return;
   report.Section("Other recordings");
   report.Paragraph(
@@ -155,7 +159,7 @@ void AddShown(HtmlReport& report, const std::vector<ShownRecording>& shown) {
   for (const ShownRecording& recording : shown) {
     report.Subsection(recording.name);
     if (!recording.failure.empty()) {
-      report.Callout(CalloutKind::kWarning, "Not read", recording.failure);
+      report.Callout(report::CalloutKind::kWarning, "Not read", recording.failure);
       continue;
     }
     const SonarModel& sonar = recording.info.sonar;
@@ -168,43 +172,44 @@ void AddShown(HtmlReport& report, const std::vector<ShownRecording>& shown) {
                                         DegFromRad(sonar.axes.beam_azimuth_rad.front()),
                                         DegFromRad(sonar.axes.beam_azimuth_rad.back()))}});
     if (!recording.info.notes.empty()) report.List(recording.info.notes);
-    report.Add(
-        PictureRow{.caption = recording.name + ", first frame",
-                   .pictures = {{.png = recording.polar_png, .caption = "Polar", .alt = {}, .crisp = true},
-                                {.png = recording.fan_png, .caption = "Fan", .alt = {}, .crisp = false}},
-                   .columns = 2,
-                   .legend = {}});
+    report.Add(report::PictureRow{
+        .caption = recording.name + ", first frame",
+        .pictures = {{.png = recording.polar_png, .caption = "Polar", .alt = {}, .crisp = true},
+                     {.png = recording.fan_png, .caption = "Fan", .alt = {}, .crisp = false}},
+        .columns = 2,
+        .legend = {}});
   }
 }
 
-void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
-  const IntensityDomain domain = reproduction.tank.fit.after.options.intensity_domain;
-  const auto figures_of = [&](const std::string& what, const RecordingFit& paper,
-                              const MetricsReport& acoustic, const MetricsReport& sample) {
-    const ViewSummary& p = (IsSound(paper) ? paper.after : paper.before).aggregate.macro.polar;
-    const ViewSummary& a = acoustic.aggregate.macro.polar;
-    const ViewSummary& s = sample.aggregate.macro.polar;
-    const auto figure = [&](const char* label, const ViewSummary& view, const char* image) {
+void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
+  const metrics::IntensityDomain domain = reproduction.tank.fit.after.options.intensity_domain;
+  const auto figures_of = [&](const std::string& what, const workflow::RecordingFit& paper,
+                              const metrics::MetricsReport& acoustic, const metrics::MetricsReport& sample) {
+    const metrics::ViewSummary& p = (IsSound(paper) ? paper.after : paper.before).aggregate.macro.polar;
+    const metrics::ViewSummary& a = acoustic.aggregate.macro.polar;
+    const metrics::ViewSummary& s = sample.aggregate.macro.polar;
+    const auto figure = [&](const char* label, const metrics::ViewSummary& view, const char* image) {
       const bool iou = std::string_view(label) == "IoU of the object";
-      return KeyFigure{.label = fmt::format("{}, {}", what, label),
-                       .value = iou ? Figure(view.At("iou")) : Figure(view.Over(domain).mean_absolute, 3),
-                       .unit = iou ? "" : "of full scale",
-                       .note = image};
+      return report::KeyFigure{
+          .label = fmt::format("{}, {}", what, label),
+          .value = iou ? Figure(view.At("iou")) : Figure(view.Over(domain).mean_absolute, 3),
+          .unit = iou ? "" : "of full scale",
+          .note = image};
     };
     constexpr const char* kIou = "IoU of the object";
     constexpr const char* kError = "intensity error";
     // The key figures show no doubtful fit.
     const char* paper_image = IsSound(paper) ? "paper model, fitted: expected image"
                                              : "paper model, its own values: expected image";
-    return std::vector<KeyFigure>{figure(kIou, p, paper_image),
-                                  figure(kError, p, paper_image),
-                                  figure(kIou, a, "acoustic model, fitted: expected image"),
-                                  figure(kError, a, "acoustic model, fitted: expected image"),
-                                  figure(kIou, s, "acoustic model, fitted: speckled sample"),
-                                  figure(kError, s, "acoustic model, fitted: speckled sample")};
+    return std::vector<report::KeyFigure>{figure(kIou, p, paper_image),
+                                          figure(kError, p, paper_image),
+                                          figure(kIou, a, "acoustic model, fitted: expected image"),
+                                          figure(kError, a, "acoustic model, fitted: expected image"),
+                                          figure(kIou, s, "acoustic model, fitted: speckled sample"),
+                                          figure(kError, s, "acoustic model, fitted: speckled sample")};
   };
   const TankComparison& tank = reproduction.tank;
-  std::vector<KeyFigure> figures =
+  std::vector<report::KeyFigure> figures =
       figures_of("Tank (synthetic)", tank.fit, tank.acoustic.after, *tank.acoustic.sample_after);
   if (reproduction.bomb && reproduction.bomb->fitted.paper.fit.usable &&
       reproduction.bomb->fitted.acoustic.fit.usable) {
@@ -213,30 +218,31 @@ void AddSummary(HtmlReport& report, const Reproduction& reproduction) {
     figures.insert(figures.end(), of_bomb.begin(), of_bomb.end());
   }
   report.KeyFigures(figures);
-  if (!reproduction.bomb) report.Callout(CalloutKind::kNote, "No real recording", reproduction.bomb_absent);
+  if (!reproduction.bomb)
+    report.Callout(report::CalloutKind::kNote, "No real recording", reproduction.bomb_absent);
 }
 
 }  // namespace
 
-HtmlReport MakeReproductionReport(const Reproduction& reproduction,
-                                  const nlohmann::ordered_json& provenance) {
-  HtmlReport report("Simulated and recorded sonar images",
-                    "The comparison of Park, Sensors 2024, 24(23), 7835, made again");
+report::HtmlReport MakeReproductionReport(const Reproduction& reproduction,
+                                          const nlohmann::ordered_json& provenance) {
+  report::HtmlReport report("Simulated and recorded sonar images",
+                            "The comparison of Park, Sensors 2024, 24(23), 7835, made again");
   AddSummary(report, reproduction);
   AddTank(report, reproduction.tank);
   if (reproduction.bomb) AddBomb(report, *reproduction.bomb);
   AddShown(report, reproduction.shown);
-  AddMetricDefinitions(report, reproduction.tank.fit.after);
-  EndReport(report, provenance);
+  report::AddMetricDefinitions(report, reproduction.tank.fit.after);
+  report::EndReport(report, provenance);
   return report;
 }
 
 std::string ReproductionMetricsJson(const Reproduction& reproduction) {
   const TankComparison& tank = reproduction.tank;
-  Json json = Json::parse(MetricsJson(tank.fit.after));
-  json["metrics_before"] = Json::parse(MetricsJson(tank.fit.before));
-  const auto summary = [&](const Aggregate& all) {
-    const IntensityDomain domain = tank.fit.after.options.intensity_domain;
+  Json json = Json::parse(metrics::MetricsJson(tank.fit.after));
+  json["metrics_before"] = Json::parse(metrics::MetricsJson(tank.fit.before));
+  const auto summary = [&](const metrics::Aggregate& all) {
+    const metrics::IntensityDomain domain = tank.fit.after.options.intensity_domain;
     return Json{{"ns_over_nr", JsonOf(all.macro.polar.At("ns_over_nr"))},
                 {"na_over_ns", JsonOf(all.macro.polar.At("na_over_ns"))},
                 {"na_over_nr", JsonOf(all.macro.polar.At("na_over_nr"))},
@@ -244,11 +250,12 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
                  {{"polar", JsonOf(all.macro.polar.Over(domain).mean_absolute)},
                   {"fan", JsonOf(all.macro.fan.Over(domain).mean_absolute)}}}};
   };
-  json["paper_display_rule"] = kPaperDisplayRule;
+  json["paper_display_rule"] = sim::kPaperDisplayRule;
   json["paper_fit_warnings"] = tank.fit.fit.report.warnings;
-  json["acoustic"] = {{"metrics_before", Json::parse(MetricsJson(tank.acoustic.before))},
-                      {"metrics_after", Json::parse(MetricsJson(tank.acoustic.after))},
-                      {"sample_metrics_after", Json::parse(MetricsJson(*tank.acoustic.sample_after))}};
+  json["acoustic"] = {
+      {"metrics_before", Json::parse(metrics::MetricsJson(tank.acoustic.before))},
+      {"metrics_after", Json::parse(metrics::MetricsJson(tank.acoustic.after))},
+      {"sample_metrics_after", Json::parse(metrics::MetricsJson(*tank.acoustic.sample_after))}};
   json["summary"] = {{"synthetic", true}, {"rows", Json::parse(SummaryJson(TankRows(tank)))}};
   json["data_sets"] = Json::array();
   for (int set = 0; set < kTankDataSets; ++set) {
@@ -275,7 +282,7 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
     return json.dump(2) + "\n";
   }
   const BombComparison& bomb = *reproduction.bomb;
-  const TargetPose& pose = bomb.pose.best.pose;
+  const calib::TargetPose& pose = bomb.pose.best.pose;
   json["bomb"] = {{"synthetic", false},
                   {"pose",
                    {{"range_m", pose.range_m},
@@ -285,15 +292,15 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
                     {"pitch_deg", DegFromRad(pose.pitch_rad)},
                     {"rms_difference", std::sqrt(bomb.pose.best.cost)},
                     {"not_told_by_one_frame", bomb.pose.open}}},
-                  {"acoustic_expected", Json::parse(MetricsJson(bomb.acoustic_expected))},
-                  {"acoustic_sample", Json::parse(MetricsJson(bomb.acoustic_sample))}};
+                  {"acoustic_expected", Json::parse(metrics::MetricsJson(bomb.acoustic_expected))},
+                  {"acoustic_sample", Json::parse(metrics::MetricsJson(bomb.acoustic_sample))}};
   if (bomb.fit.fit.usable) {
-    json["bomb"]["metrics_before"] = Json::parse(MetricsJson(bomb.fit.before));
-    json["bomb"]["metrics_after"] = Json::parse(MetricsJson(bomb.fit.after));
+    json["bomb"]["metrics_before"] = Json::parse(metrics::MetricsJson(bomb.fit.before));
+    json["bomb"]["metrics_after"] = Json::parse(metrics::MetricsJson(bomb.fit.after));
   }
   json["bomb"]["fitted_outline"] = {{"rows", Json::parse(SummaryJson(BombRows(bomb)))}};
   json["bomb"]["searched_pose"] = {{"rows", Json::parse(SummaryJson(SearchedBombRows(bomb)))}};
   return json.dump(2) + "\n";
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -8,11 +8,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "apps/report/html_report.h"
+#include "apps/report/html/html_report.h"
 #include "apps/reproduce/bomb_comparison.h"
 #include "apps/reproduce/tank_comparison.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
 // A recording that is read and shown, no more: it has no pose and no scene.
 struct ShownRecording {
@@ -31,11 +31,12 @@ struct Reproduction {
   std::vector<ShownRecording> shown;
 };
 
-HtmlReport MakeReproductionReport(const Reproduction& reproduction, const nlohmann::ordered_json& provenance);
+report::HtmlReport MakeReproductionReport(const Reproduction& reproduction,
+                                          const nlohmann::ordered_json& provenance);
 
 // The text of metrics.json: the tank's held-out frames after the fit of the paper's model in the form of
 // `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a sample),
 // "summary" (apps/reproduce/summary_rows.h), "data_sets" with the published values, and "bomb".
 std::string ReproductionMetricsJson(const Reproduction& reproduction);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -2,13 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
-bool IsSound(const RecordingFit& fit) {
+bool IsSound(const workflow::RecordingFit& fit) {
   return fit.fit.report.warnings.empty();
 }
 
-std::string FittedName(const RecordingFit& fit) {
+std::string FittedName(const workflow::RecordingFit& fit) {
   return IsSound(fit) ? "paper model, fitted" : "paper model, fitted (doubtful)";
 }
 
@@ -51,21 +51,21 @@ std::vector<SummaryRow> SearchedBombRows(const BombComparison& bomb) {
 
 std::string SummaryJson(const std::vector<SummaryRow>& rows) {
   using Json = nlohmann::ordered_json;
-  const auto of = [](const Statistic& s) { return s.value ? Json(*s.value) : Json(nullptr); };
+  const auto of = [](const metrics::Statistic& s) { return s.value ? Json(*s.value) : Json(nullptr); };
   Json json = Json::object();
   for (const SummaryRow& row : rows) {
-    const ViewSummary& view = row.metrics->aggregate.macro.polar;
+    const metrics::ViewSummary& view = row.metrics->aggregate.macro.polar;
     json[row.key] = {{"name", row.name},
                      {"iou", of(view.At("iou"))},
                      {"ns_over_nr", of(view.At("ns_over_nr"))},
                      {"na_over_ns", of(view.At("na_over_ns"))},
                      {"na_over_nr", of(view.At("na_over_nr"))},
                      {"intensity_error",
-                      {{"union", of(view.Over(IntensityDomain::kUnion).mean_absolute)},
-                       {"overlap", of(view.Over(IntensityDomain::kOverlap).mean_absolute)},
-                       {"whole", of(view.Over(IntensityDomain::kWhole).mean_absolute)}}}};
+                      {{"union", of(view.Over(metrics::IntensityDomain::kUnion).mean_absolute)},
+                       {"overlap", of(view.Over(metrics::IntensityDomain::kOverlap).mean_absolute)},
+                       {"whole", of(view.Over(metrics::IntensityDomain::kWhole).mean_absolute)}}}};
   }
   return json.dump();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -8,21 +8,21 @@
 #include "apps/reproduce/bomb_comparison.h"
 #include "apps/reproduce/tank_comparison.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
 struct SummaryRow {
   std::string key;   // in metrics.json
   std::string name;  // for people
-  const MetricsReport* metrics = nullptr;
+  const metrics::MetricsReport* metrics = nullptr;
   bool strong = false;  // a fitted model as it is to be read
   bool muted = false;   // no simulation of a model: what to read the others beside
 };
 
 // Whether a fit has no warnings. One that has is not printed in bold.
-bool IsSound(const RecordingFit& fit);
+bool IsSound(const workflow::RecordingFit& fit);
 
 // A row's name for a fit of the paper's model.
-std::string FittedName(const RecordingFit& fit);
+std::string FittedName(const workflow::RecordingFit& fit);
 
 // On the held-out frames of the synthetic tank.
 std::vector<SummaryRow> TankRows(const TankComparison& tank);
@@ -38,4 +38,4 @@ std::vector<SummaryRow> SearchedBombRows(const BombComparison& bomb);
 // "whole"}}} of the polar images, as JSON text.
 std::string SummaryJson(const std::vector<SummaryRow>& rows);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

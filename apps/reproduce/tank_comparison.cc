@@ -6,13 +6,13 @@
 #include <chrono>
 #include <numeric>
 
-#include "apps/simulate_recording.h"
+#include "apps/workflow/simulate.h"
 #include "data_io/parameters/parameters_io.h"
 #include "sim/paper/paper_values.h"
 #include "sim/rays/acoustic_fan.h"
 #include "sim/scenes/sonar_presets.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 namespace {
 
 constexpr int kFramesPerSet = 4;
@@ -52,10 +52,10 @@ ParameterSet AcousticInitial(const ParameterSet& truth, const SonarModel& sonar)
   return initial;
 }
 
-std::vector<TimedPose> AllPoses() {
-  std::vector<TimedPose> poses;
+std::vector<data_io::TimedPose> AllPoses() {
+  std::vector<data_io::TimedPose> poses;
   for (int set = 1; set <= kTankDataSets; ++set) {
-    for (const Pose& pose : PaperTankPoses(set)) {
+    for (const Pose& pose : sim::PaperTankPoses(set)) {
       poses.push_back({.time_s = static_cast<double>(poses.size()), .world_from_sonar = pose});
     }
   }
@@ -63,7 +63,7 @@ std::vector<TimedPose> AllPoses() {
 }
 
 // Seconds to simulate a frame as the paper does: trace, shade, bin.
-double SecondsPerFrame(const Simulator& simulator, const std::vector<TimedPose>& poses,
+double SecondsPerFrame(const sim::Simulator& simulator, const std::vector<data_io::TimedPose>& poses,
                        const std::vector<int>& frames, const ParameterSet& parameters) {
   const auto start = std::chrono::steady_clock::now();
   for (const int frame : frames) simulator.Render(poses[frame].world_from_sonar, parameters, frame);
@@ -71,18 +71,19 @@ double SecondsPerFrame(const Simulator& simulator, const std::vector<TimedPose>&
          static_cast<double>(frames.size());
 }
 
-std::vector<FrameMetrics> OfFrames(const MetricsReport& report, const std::vector<int>& frames) {
-  std::vector<FrameMetrics> chosen;
-  for (const FrameMetrics& metrics : report.frames) {
+std::vector<metrics::FrameMetrics> OfFrames(const metrics::MetricsReport& report,
+                                            const std::vector<int>& frames) {
+  std::vector<metrics::FrameMetrics> chosen;
+  for (const metrics::FrameMetrics& metrics : report.frames) {
     if (std::find(frames.begin(), frames.end(), metrics.index) != frames.end()) chosen.push_back(metrics);
   }
   return chosen;
 }
 
-RecordingFit Fitted(const TankComparison& tank, const ParameterSet& initial,
-                    const FitRecordingOptions& options) {
+workflow::RecordingFit Fitted(const TankComparison& tank, const ParameterSet& initial,
+                              const workflow::FitRecordingOptions& options) {
   if (options.on_note) options.on_note(fmt::format("fitting the {} model", ToString(initial.model)));
-  RecordingFit fit = FitRecording(*tank.recording, tank.scene, initial, options);
+  workflow::RecordingFit fit = workflow::FitRecording(*tank.recording, tank.scene, initial, options);
   if (!fit.fit.usable) {
     throw DataError("the fit of the tank by the {} model ended without a usable solution: {}",
                     ToString(initial.model), fit.fit.report.termination);
@@ -91,9 +92,10 @@ RecordingFit Fitted(const TankComparison& tank, const ParameterSet& initial,
 }
 
 // The rays that the acoustic model wants.
-FitRecordingOptions ForAcoustic(FitRecordingOptions fit, bool quick) {
-  fit.rays.rays = quick ? "256x600" : "";
-  fit.fit.function_tolerance = FitOptions().function_tolerance;
+workflow::FitRecordingOptions ForAcoustic(workflow::FitRecordingOptions fit, bool quick) {
+  fit.rays.rays.reset();
+  if (quick) fit.rays.rays = RayGridSize{256, 600};
+  fit.fit.function_tolerance = calib::FitOptions().function_tolerance;
   fit.fit.down_weight = true;
   return fit;
 }
@@ -101,40 +103,40 @@ FitRecordingOptions ForAcoustic(FitRecordingOptions fit, bool quick) {
 }  // namespace
 
 // As `fit --object mockup` and `compare --object mockup` do.
-CompareOptions TankRules() {
-  CompareOptions rules;
-  rules.object = ObjectSearch{.material = "mockup"};
-  rules.segmentation = SegmentationInBox();
+metrics::CompareOptions TankRules() {
+  metrics::CompareOptions rules;
+  rules.object = metrics::ObjectSearch{.material = "mockup"};
+  rules.segmentation = metrics::SegmentationInBox();
   return rules;
 }
 
 TankComparison CompareTank(const TankComparisonOptions& options) {
   TankComparison tank;
-  tank.scene = MakePaperTank(PaperTankOfPaper(options.size));
+  tank.scene = sim::MakePaperTank(sim::PaperTankOfPaper(options.size));
   tank.truth = SyntheticTruth();
-  const std::vector<TimedPose> poses = AllPoses();
-  const SonarPreset& preset = FindSonarPreset("p900-45");
-  tank.initial = PaperValues(preset.sonar, {"floor", "wall", "mockup"});
+  const std::vector<data_io::TimedPose> poses = AllPoses();
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  tank.initial = sim::PaperValues(preset.sonar, {"floor", "wall", "mockup"});
   tank.acoustic_initial = AcousticInitial(tank.truth, preset.sonar);
 
-  SimulationOptions recorder;
+  sim::SimulationOptions recorder;
   recorder.water = preset.water;
-  tank.absorption = AbsorptionStatement(recorder.absorption, preset.sonar.frequency_hz, preset.water);
+  tank.absorption = sim::AbsorptionStatement(recorder.absorption, preset.sonar.frequency_hz, preset.water);
   recorder.noise = true;
   recorder.seed = options.seed;
   // Two scatterers a beam of 0.18 degrees, in elevation as far as a beam hears.
-  recorder.fan = AcousticFanOptions(preset.sonar, tank.truth);
+  recorder.fan = sim::AcousticFanOptions(preset.sonar, tank.truth);
   recorder.fan.azimuth_margin_deg = 0.0;
   recorder.fan.cols = preset.sonar.axes.beam_count() * 2;
   recorder.fan.rows = options.quick ? 300 : 1000;
-  const Simulator recording_simulator(tank.scene, preset.sonar, recorder);
-  tank.recording = SimulateRecording(recording_simulator, poses, tank.truth, "", [&](int done) {
+  const sim::Simulator recording_simulator(tank.scene, preset.sonar, recorder);
+  tank.recording = workflow::SimulateRecording(recording_simulator, poses, tank.truth, "", [&](int done) {
     if (options.on_frame) options.on_frame(done, static_cast<int>(poses.size()));
   });
 
-  FitRecordingOptions fit;
+  workflow::FitRecordingOptions fit;
   fit.rays.threads = options.threads;
-  if (options.quick) fit.rays.rays = "256x200";
+  if (options.quick) fit.rays.rays = RayGridSize{256, 200};
   fit.comparison = options.comparison;
   fit.truth = tank.truth;
   fit.fit.starts = 1;
@@ -151,22 +153,23 @@ TankComparison CompareTank(const TankComparisonOptions& options) {
   tank.fit = Fitted(tank, tank.initial, fit);
   tank.acoustic = Fitted(tank, tank.acoustic_initial, ForAcoustic(fit, options.quick));
 
-  RayOptions paper_rays(Sampling::kFrustum);
-  if (options.quick) paper_rays.rays = "300x240";
-  const Simulator paper(tank.scene, preset.sonar, paper_rays.For(preset.sonar, preset.water));
+  workflow::RayOptions paper_rays(sim::Sampling::kFrustum);
+  if (options.quick) paper_rays.rays = RayGridSize{300, 240};
+  const sim::Simulator paper(tank.scene, preset.sonar, paper_rays.For(preset.sonar, preset.water));
   tank.paper_rays = {paper.fan().cols(), paper.fan().rows()};
   for (int set = 0; set < kTankDataSets; ++set) {
     TankDataSet& data = tank.data_sets[set];
     for (const int frame : tank.fit.fit.report.frames_held_out) {
       if (frame / kFramesPerSet == set) data.frames.push_back(frame);
     }
-    data.before = AggregateFrames(OfFrames(tank.fit.before, data.frames));
-    data.after = AggregateFrames(OfFrames(tank.fit.after, data.frames));
-    data.acoustic_expected = AggregateFrames(OfFrames(tank.acoustic.after, data.frames));
-    data.acoustic_sample = AggregateFrames(OfFrames(tank.acoustic.sample_after.value(), data.frames));
+    data.before = metrics::AggregateFrames(OfFrames(tank.fit.before, data.frames));
+    data.after = metrics::AggregateFrames(OfFrames(tank.fit.after, data.frames));
+    data.acoustic_expected = metrics::AggregateFrames(OfFrames(tank.acoustic.after, data.frames));
+    data.acoustic_sample =
+        metrics::AggregateFrames(OfFrames(tank.acoustic.sample_after.value(), data.frames));
     data.simulation_time_s = SecondsPerFrame(paper, poses, data.frames, tank.initial);
   }
   return tank;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -12,19 +12,19 @@
 #include <string>
 #include <vector>
 
-#include "apps/fit_recording.h"
+#include "apps/workflow/fit.h"
 #include "sim/scenes/scenes.h"
 
-namespace sonarcal {
+namespace sonarcal::reproduce {
 
 inline constexpr int kTankDataSets = 3;
 
 struct TankComparisonOptions {
-  PaperSize size = PaperSize::kTable5;
+  sim::PaperSize size = sim::PaperSize::kTable5;
   std::uint64_t seed = 1;
   int threads = 0;
   bool quick = false;  // few rays and one start: to try the way, not for figures
-  CompareOptions comparison;
+  metrics::CompareOptions comparison;
   std::function<void(int done, int in_all)> on_frame = {};  // of the recording, as it is made
   std::function<void(const std::string& line)> on_note = {};
 };
@@ -32,11 +32,11 @@ struct TankComparisonOptions {
 // Figures of one of the paper's three data sets, over its held-out frames.
 struct TankDataSet {
   std::vector<int> frames;
-  Aggregate before;  // paper model
-  Aggregate after;
-  Aggregate acoustic_expected;     // acoustic model after its fit: the mean over speckle
-  Aggregate acoustic_sample;       // and a speckled sample, from which occupancy is to be read
-  double simulation_time_s = 0.0;  // mean of its frames, paper model at the paper's 1500 x 1200 rays
+  metrics::Aggregate before;  // paper model
+  metrics::Aggregate after;
+  metrics::Aggregate acoustic_expected;  // acoustic model after its fit: the mean over speckle
+  metrics::Aggregate acoustic_sample;    // and a speckled sample, from which occupancy is to be read
+  double simulation_time_s = 0.0;        // mean of its frames, paper model at the paper's 1500 x 1200 rays
 };
 
 struct TankComparison {
@@ -45,17 +45,17 @@ struct TankComparison {
   ParameterSet initial;           // the paper's Tables 4 and 5
   ParameterSet acoustic_initial;  // what one knows beforehand, for the acoustic model
   std::unique_ptr<MemoryRecording> recording;
-  RecordingFit fit;       // of the paper's model
-  RecordingFit acoustic;  // of the acoustic one
+  workflow::RecordingFit fit;       // of the paper's model
+  workflow::RecordingFit acoustic;  // of the acoustic one
   std::array<TankDataSet, kTankDataSets> data_sets;
   RayGridSize paper_rays;
   std::string absorption;  // a sentence: the formula of recording and models
 };
 
 // How the mock-ups are found.
-CompareOptions TankRules();
+metrics::CompareOptions TankRules();
 
 // Throws DataError where a fit has no usable solution.
 TankComparison CompareTank(const TankComparisonOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::reproduce

@@ -5,11 +5,11 @@ math(EXPR size "${digits} / 2")
 string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
 string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes
        "${bytes}")
-file(WRITE "${OUTPUT}" "namespace sonarcal {
+file(WRITE "${OUTPUT}" "namespace sonarcal::view {
 extern const unsigned char ${NAME}[];
 extern const unsigned long ${NAME}Size;
 const unsigned char ${NAME}[] = {
 ${bytes}0};
 const unsigned long ${NAME}Size = ${size};
-}  // namespace sonarcal
+}  // namespace sonarcal::view
 ")

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/provenance.h"
-#include "apps/run_output.h"
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
 #include "apps/view/view_controls.h"
 #include "apps/view/view_files.h"
 #include "apps/view/view_mesh.h"
@@ -24,7 +24,7 @@
 #include "data_io/pictures/picture.h"
 #include "metrics/json/metrics_json.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -86,7 +86,7 @@ std::string GreyBytes(const PolarImage& image) {
 }
 
 // 1: object in the real image, 2: in the simulated one, 3: in both.
-std::string RegionBytes(const FrameMasks& masks) {
+std::string RegionBytes(const metrics::FrameMasks& masks) {
   std::string bytes;
   bytes.reserve(masks.polar_real.size());
   for (std::size_t i = 0; i < masks.polar_real.size(); ++i) {
@@ -96,23 +96,23 @@ std::string RegionBytes(const FrameMasks& masks) {
   return bytes;
 }
 
-Json RampJson(ColorMap map) {
+Json RampJson(data_io::ColorMap map) {
   Grid<float> ramp(1, 256);
   for (int i = 0; i < 256; ++i) ramp(0, i) = static_cast<float>(i);
-  const RgbImage colours = Colorize(ramp, {0.0, 255.0}, map);
+  const RgbImage colours = data_io::Colorize(ramp, {0.0, 255.0}, map);
   Json json = Json::array();
-  for (const Rgb& colour : colours.values()) json.push_back({colour[0], colour[1], colour[2]});
+  for (const data_io::Rgb& colour : colours.values()) json.push_back({colour[0], colour[1], colour[2]});
   return json;
 }
 
-Json ColourJson(const Rgb& colour) {
+Json ColourJson(const data_io::Rgb& colour) {
   return {colour[0], colour[1], colour[2]};
 }
 
 Json FramesJson(const ViewSetup& setup) {
   Json frames = Json::array();
   for (std::size_t i = 0; i < setup.poses.size(); ++i) {
-    const TimedPose& pose = setup.poses[i];
+    const data_io::TimedPose& pose = setup.poses[i];
     Json item = {
         {"name", setup.real ? setup.real->frame_info(static_cast<int>(i)).name : fmt::format("frame {}", i)},
         {"pose", AnglePoseJson(pose.world_from_sonar)}};
@@ -125,8 +125,9 @@ Json FramesJson(const ViewSetup& setup) {
 Json RecordedJson(const ViewSetup& setup) {
   if (!setup.real) return nullptr;
   const RecordingInfo& info = setup.real->info();
-  Json json = {
-      {"name", RecordingName(info)}, {"synthetic", info.synthetic}, {"full_scale", info.scale.full_scale}};
+  Json json = {{"name", workflow::RecordingName(info)},
+               {"synthetic", info.synthetic},
+               {"full_scale", info.scale.full_scale}};
   if (info.scale.db_min) json["db_min"] = *info.scale.db_min;
   if (info.scale.db_max) json["db_max"] = *info.scale.db_max;
   return json;
@@ -183,34 +184,35 @@ ViewAnswer ViewApi::Session() const {
                                                           .water = setup.water,
                                                           .material_names = session_.scene().material_names,
                                                           .recorded = setup.real != nullptr});
-  return JsonAnswer(
-      {{"version", SONARCAL_VERSION},
-       {"scene", setup.scene_path},
-       {"material_names", session_.scene().material_names},
-       {"sonar",
-        {{"name", setup.sonar.name},
-         {"frequency_hz", setup.sonar.frequency_hz},
-         {"range_min_m", setup.sonar.axes.range_min_m},
-         {"range_max_m", setup.sonar.axes.range_max_m},
-         {"range_bins", setup.sonar.axes.range_bins},
-         {"beams", setup.sonar.axes.beam_count()},
-         {"field_of_view_deg", FieldOfViewDeg(setup.sonar.axes)},
-         {"azimuth_beam_width_deg", setup.sonar.azimuth_beam_width_deg},
-         {"elevation_beam_width_deg", setup.sonar.elevation_beam_width_deg}}},
-       {"parameters", ParametersJson(parameters)},
-       {"controls", ViewControlsJson(controls)},
-       {"frames", FramesJson(setup)},
-       {"poses_given", setup.poses_given},
-       {"recorded", RecordedJson(setup)},
-       {"segmentation", ToString(setup.compare.segmentation.method)},
-       {"object", setup.compare.object ? Json(setup.compare.object->material) : Json(nullptr)},
-       {"intensity_domain", ToString(setup.compare.intensity_domain)},
-       {"out", out_.string()},
-       {"colours", {{"inferno", RampJson(ColorMap::kInferno)}, {"viridis", RampJson(ColorMap::kViridis)}}},
-       {"alike", kAlikeGrey},
-       {"regions",
-        {ColourJson(kNeitherColor), ColourJson(kRealOnlyColor), ColourJson(kSimulatedOnlyColor),
-         ColourJson(kBothColor)}}});
+  return JsonAnswer({{"version", SONARCAL_VERSION},
+                     {"scene", setup.scene_path},
+                     {"material_names", session_.scene().material_names},
+                     {"sonar",
+                      {{"name", setup.sonar.name},
+                       {"frequency_hz", setup.sonar.frequency_hz},
+                       {"range_min_m", setup.sonar.axes.range_min_m},
+                       {"range_max_m", setup.sonar.axes.range_max_m},
+                       {"range_bins", setup.sonar.axes.range_bins},
+                       {"beams", setup.sonar.axes.beam_count()},
+                       {"field_of_view_deg", FieldOfViewDeg(setup.sonar.axes)},
+                       {"azimuth_beam_width_deg", setup.sonar.azimuth_beam_width_deg},
+                       {"elevation_beam_width_deg", setup.sonar.elevation_beam_width_deg}}},
+                     {"parameters", data_io::ParametersJson(parameters)},
+                     {"controls", ViewControlsJson(controls)},
+                     {"frames", FramesJson(setup)},
+                     {"poses_given", setup.poses_given},
+                     {"recorded", RecordedJson(setup)},
+                     {"segmentation", ToString(setup.compare.segmentation.method)},
+                     {"object", setup.compare.object ? Json(setup.compare.object->material) : Json(nullptr)},
+                     {"intensity_domain", ToString(setup.compare.intensity_domain)},
+                     {"out", out_.string()},
+                     {"colours",
+                      {{"inferno", RampJson(data_io::ColorMap::kInferno)},
+                       {"viridis", RampJson(data_io::ColorMap::kViridis)}}},
+                     {"alike", data_io::kAlikeGrey},
+                     {"regions",
+                      {ColourJson(data_io::kNeitherColor), ColourJson(data_io::kRealOnlyColor),
+                       ColourJson(data_io::kSimulatedOnlyColor), ColourJson(data_io::kBothColor)}}});
 }
 
 ViewAnswer ViewApi::MeshOfScene() const {
@@ -232,7 +234,7 @@ ViewAnswer ViewApi::Recorded(std::string_view body) const {
   if (!session_.setup().real) return Refusal(422, "no recording is shown: start with --real");
   int frame = 0;
   try {
-    const JsonReader json = JsonReader::FromText(body, "request");
+    const data_io::JsonReader json = data_io::JsonReader::FromText(body, "request");
     frame = static_cast<int>(json.At("frame").Integer(0, session_.frame_count() - 1));
     json.Finish();
   } catch (const DataError& error) {
@@ -248,10 +250,11 @@ ViewAnswer ViewApi::Compare(std::string_view body) {
   if (!session_.setup().real) return Refusal(422, "there is nothing to compare with: start with --real");
   const ViewState state = StateOf(body, session_);
   const ViewComparison comparison = session_.Compare(state);
-  Json json = Json::parse(FrameMetricsJson(comparison.metrics, session_.setup().compare.intensity_domain));
+  Json json =
+      Json::parse(metrics::FrameMetricsJson(comparison.metrics, session_.setup().compare.intensity_domain));
   json["sequence"] = state.sequence;
   json["notes_of_all"] = comparison.notes;
-  const FrameMasks& masks = comparison.metrics.masks.value();
+  const metrics::FrameMasks& masks = comparison.metrics.masks.value();
   json["bins"] = masks.polar_real.rows();
   json["beams"] = masks.polar_real.cols();
   return {200, kBytes, Framed(Text(json), RegionBytes(masks))};
@@ -267,18 +270,18 @@ ViewAnswer ViewApi::Save(std::string_view body) {
   if (out_.empty()) return Refusal(422, "no folder to write into was given: start with --out");
   const ViewFiles files = FilesOf(session_, state, out_.string());
   const std::scoped_lock lock(save_mutex_);
-  RunOutput output(out_, "view", force_);
-  for (const auto& [name, text] : files.text) WriteFileWhole(output / name, text);
+  cli::RunOutput output(out_, "view", force_);
+  for (const auto& [name, text] : files.text) data_io::WriteFileWhole(output / name, text);
   const ViewSetup& setup = session_.setup();
-  Provenance provenance{.command = "view",
-                        .configuration = {{"scene", setup.scene_path},
-                                          {"sonar", setup.sonar_argument},
-                                          {"noise", state.noise},
-                                          {"frame", state.frame},
-                                          {"simulate", files.command}},
-                        .inputs = {setup.scene_path}};
+  cli::Provenance provenance{.command = "view",
+                             .configuration = {{"scene", setup.scene_path},
+                                               {"sonar", setup.sonar_argument},
+                                               {"noise", state.noise},
+                                               {"frame", state.frame},
+                                               {"simulate", files.command}},
+                             .inputs = {setup.scene_path}};
   if (state.noise) provenance.seed = state.seed;
-  WriteProvenance(output.staging(), provenance);
+  cli::WriteProvenance(output.staging(), provenance);
   output.Commit();
   Json names = Json::array();
   for (const auto& [name, text] : files.text) names.push_back(name);
@@ -289,12 +292,13 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   const ViewSetup& setup = session_.setup();
   if (!setup.real) return Refusal(422, "there is nothing to fit to: start with --real");
   ViewState state;
-  FitRecordingOptions options{.rays = setup.rays, .config = {}, .fit = {}, .comparison = setup.compare};
+  workflow::FitRecordingOptions options{
+      .rays = setup.rays, .config = {}, .fit = {}, .comparison = setup.compare};
   try {
-    const JsonReader json = JsonReader::FromText(body, "request");
+    const data_io::JsonReader json = data_io::JsonReader::FromText(body, "request");
     json.At("state");
     if (const auto hold = json.Find("hold")) {
-      for (const JsonReader& name : hold->Items()) options.config.fixed.push_back(name.String());
+      for (const data_io::JsonReader& name : hold->Items()) options.config.fixed.push_back(name.String());
     }
     if (const auto starts = json.Find("starts"))
       options.fit.starts = static_cast<int>(starts->Integer(1, 100));
@@ -310,8 +314,9 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
     return Refusal(422, "a fit takes the sonar as recorded: put its controls back first");
   }
   const bool acoustic = state.parameters.model == EchoModel::kAcoustic;
-  options.config.free = acoustic ? AcousticFreeByDefault(state.parameters, session_.scene().material_names)
-                                 : PaperFreeByDefault();
+  options.config.free = acoustic
+                            ? calib::AcousticFreeByDefault(state.parameters, session_.scene().material_names)
+                            : calib::PaperFreeByDefault();
   options.fit.down_weight = acoustic;
   options.fit.threads = setup.rays.threads;
   fit_.Start({.real = session_.RecordingOf(state),
@@ -321,4 +326,4 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   return JsonAnswer(fit_.Status());
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

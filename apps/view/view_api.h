@@ -28,7 +28,7 @@
 #include "apps/view/view_fit.h"
 #include "apps/view/view_session.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 struct ViewAnswer {
   int status = 200;
@@ -63,4 +63,4 @@ class ViewApi {
   ViewFit fit_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -14,7 +14,7 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/parameters/parameters_io.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -146,11 +146,11 @@ class Builder {
  public:
   explicit Builder(const ViewControlInput& input)
       : input_(input),
-        start_({{"parameters", ParametersJson(input.parameters)}}),
-        paper_(BuildCatalog(input.material_names)),
-        acoustic_(BuildAcousticCatalog(input.material_names, input.sonar, {},
-                                       std::vector<char>(input.material_names.size(), 1))) {
-    start_["parameters"]["water"] = WaterJson(input.water);
+        start_({{"parameters", data_io::ParametersJson(input.parameters)}}),
+        paper_(calib::BuildCatalog(input.material_names)),
+        acoustic_(calib::BuildAcousticCatalog(input.material_names, input.sonar, {},
+                                              std::vector<char>(input.material_names.size(), 1))) {
+    start_["parameters"]["water"] = data_io::WaterJson(input.water);
   }
 
   std::vector<ViewControl> Build() {
@@ -198,14 +198,14 @@ class Builder {
     control.slider_upper = std::min(control.upper, by_factor ? middle * std::exp(reach) : middle + reach);
   }
 
-  const CatalogEntry* Find(EchoModel model, const std::string& name) const {
+  const calib::CatalogEntry* Find(EchoModel model, const std::string& name) const {
     const auto& catalog = model == kPaper ? paper_ : acoustic_;
     const auto found = std::find_if(catalog.begin(), catalog.end(),
-                                    [&](const CatalogEntry& entry) { return entry.name == name; });
+                                    [&](const calib::CatalogEntry& entry) { return entry.name == name; });
     return found == catalog.end() ? nullptr : &*found;
   }
 
-  void AddOfCatalog(const CatalogEntry& entry, double start, ViewControl control) {
+  void AddOfCatalog(const calib::CatalogEntry& entry, double start, ViewControl control) {
     control.unit = entry.unit;
     control.lower = entry.lower;
     control.upper = entry.upper;
@@ -223,7 +223,7 @@ class Builder {
                         .zero = number.zero};
     const double start = StartOf(control.path).value_or(0.0);
     if (number.unit == nullptr) {
-      const CatalogEntry* entry = Find(number.model.value_or(kPaper), number.name);
+      const calib::CatalogEntry* entry = Find(number.model.value_or(kPaper), number.name);
       control.fitted = true;
       return AddOfCatalog(*entry, start, std::move(control));
     }
@@ -345,8 +345,8 @@ class Builder {
 
   const ViewControlInput& input_;
   Json start_;
-  std::vector<CatalogEntry> paper_;
-  std::vector<CatalogEntry> acoustic_;
+  std::vector<calib::CatalogEntry> paper_;
+  std::vector<calib::CatalogEntry> acoustic_;
   std::vector<ViewControl> controls_;
 };
 
@@ -380,4 +380,4 @@ Json ViewControlsJson(const std::vector<ViewControl>& controls) {
   return json;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -12,7 +12,7 @@
 #include "core/types/parameters.h"
 #include "core/types/sonar_model.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 struct ViewControl {
   std::string name = {};  // as in fit.json where it is there: "material.floor.gsab.A"
@@ -50,4 +50,4 @@ std::vector<ViewControl> ViewControls(const ViewControlInput& input);
 
 nlohmann::ordered_json ViewControlsJson(const std::vector<ViewControl>& controls);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

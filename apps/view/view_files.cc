@@ -6,29 +6,30 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/simulate_recording.h"
+#include "apps/cli/add_options.h"
+#include "apps/workflow/simulate.h"
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 std::string SonarText(const SonarModel& sonar, const Water& water) {
-  return JsonText({{"sonar", SonarJson(sonar)}, {"water", WaterJson(water)}});
+  return data_io::JsonText({{"sonar", data_io::SonarJson(sonar)}, {"water", data_io::WaterJson(water)}});
 }
 
-std::string PosesText(const std::vector<TimedPose>& poses) {
+std::string PosesText(const std::vector<data_io::TimedPose>& poses) {
   Json list = Json::array();
-  for (const TimedPose& pose : poses) {
+  for (const data_io::TimedPose& pose : poses) {
     Json item = Json::object();
     if (pose.time_s) item["time_s"] = *pose.time_s;
-    item["world_from_sonar"] = PoseJson(pose.world_from_sonar);
+    item["world_from_sonar"] = data_io::PoseJson(pose.world_from_sonar);
     list.push_back(std::move(item));
   }
-  return JsonText({{"format", "sonar-poses/1"}, {"poses", std::move(list)}});
+  return data_io::JsonText({{"format", "sonar-poses/1"}, {"poses", std::move(list)}});
 }
 
 // As a shell takes it for one word.
@@ -40,15 +41,9 @@ std::string Word(const std::string& text) {
   return quoted + "'";
 }
 
-std::string RayWords(const RayOptions& rays) {
-  const RayOptions plain;
+std::string RayWords(const workflow::RayOptions& rays) {
   std::string words;
-  if (rays.sampling) words += fmt::format(" --sampling {}", ToString(*rays.sampling));
-  if (!rays.rays.empty()) words += fmt::format(" --rays {}", rays.rays);
-  if (rays.weight != plain.weight) words += fmt::format(" --ray-weight {}", ToString(rays.weight));
-  if (rays.normals != plain.normals) words += fmt::format(" --normals {}", ToString(rays.normals));
-  if (rays.absorption != plain.absorption)
-    words += fmt::format(" --absorption {}", ToString(rays.absorption));
+  for (const std::string& word : cli::OptionWords(rays)) words += " " + word;
   return words;
 }
 
@@ -57,10 +52,10 @@ std::string RayWords(const RayOptions& rays) {
 ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std::string& folder) {
   const ViewSetup& setup = session.setup();
   ParameterSet parameters = state.parameters;
-  const Water water = ChooseWater(parameters, setup.water).water;
+  const Water water = workflow::ChooseWater(parameters, setup.water).water;
   parameters.water = water;  // a file that says which water it means
   ViewFiles files;
-  files.text["params.json"] = JsonText(ParametersJson(parameters));
+  files.text["params.json"] = data_io::JsonText(data_io::ParametersJson(parameters));
   files.text["poses.json"] = PosesText(session.Poses(state));
   const bool sonar_changed = state.sonar != SonarChanges();
   if (sonar_changed) files.text["sonar.json"] = SonarText(Changed(setup.sonar, state.sonar), water);
@@ -77,4 +72,4 @@ ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std:
   return files;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -6,7 +6,7 @@
 
 #include "apps/view/view_session.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 struct ViewFiles {
   std::map<std::string, std::string>
@@ -16,4 +16,4 @@ struct ViewFiles {
 
 ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std::string& folder);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

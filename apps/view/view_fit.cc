@@ -11,32 +11,32 @@
 #include "core/types/error.h"
 #include "data_io/parameters/parameters_io.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLinesKept = 40;
 
-Json FiguresJson(const MetricsReport& report) {
-  const auto value = [](const Statistic& statistic) {
+Json FiguresJson(const metrics::MetricsReport& report) {
+  const auto value = [](const metrics::Statistic& statistic) {
     return statistic.value ? Json(*statistic.value) : Json(nullptr);
   };
-  const Aggregate::Views& macro = report.aggregate.macro;
-  const IntensityDomain domain = report.options.intensity_domain;
+  const metrics::Aggregate::Views& macro = report.aggregate.macro;
+  const metrics::IntensityDomain domain = report.options.intensity_domain;
   return {{"intensity_error", value(macro.polar.Over(domain).mean_absolute)},
-          {"intensity_error_whole", value(macro.polar.Over(IntensityDomain::kWhole).mean_absolute)},
+          {"intensity_error_whole", value(macro.polar.Over(metrics::IntensityDomain::kWhole).mean_absolute)},
           {"iou", value(macro.polar.At("iou"))}};
 }
 
 // {"parameters": {params.json}, "fitted": [{"name", "initial", "value", "sigma", "unit", "status"}],
 //  "warnings": [...], "left_open": [...], "frames_used", "frames_held_out", "judged_on_held_out", "before":
 //  FIGURES, "after": FIGURES}
-Json ResultJson(const RecordingFit& fit) {
-  const FitReport& report = fit.fit.report;
+Json ResultJson(const workflow::RecordingFit& fit) {
+  const calib::FitReport& report = fit.fit.report;
   Json fitted = Json::array();
-  for (const FittedParameter& p : report.parameters) {
-    if (p.status == ParameterStatus::kFixed) continue;
+  for (const calib::FittedParameter& p : report.parameters) {
+    if (p.status == calib::ParameterStatus::kFixed) continue;
     fitted.push_back({{"name", p.name},
                       {"initial", p.initial},
                       {"value", p.value},
@@ -44,7 +44,7 @@ Json ResultJson(const RecordingFit& fit) {
                       {"unit", p.unit},
                       {"status", ToString(p.status)}});
   }
-  return {{"parameters", ParametersJson(fit.fit.parameters)},
+  return {{"parameters", data_io::ParametersJson(fit.fit.parameters)},
           {"fitted", std::move(fitted)},
           {"warnings", report.warnings},
           {"left_open", report.unidentifiable_directions},
@@ -78,7 +78,7 @@ void ViewFit::Start(ViewFitRequest request) {
 }
 
 void ViewFit::Say(const std::string& line) {
-  if (stop_) throw FitStopped();
+  if (stop_) throw calib::FitStopped();
   const std::scoped_lock lock(mutex_);
   lines_.push_back(line);
   if (lines_.size() > kLinesKept) lines_.pop_front();
@@ -92,18 +92,19 @@ void ViewFit::End(Phase phase, const std::string& error) {
 }
 
 void ViewFit::Run(ViewFitRequest request) {
-  FitRecordingOptions& options = request.options;
-  options.pictures = false;
+  workflow::FitRecordingOptions& options = request.options;
+  options.keep_images = false;
   options.fit.stop = [this] { return stop_.load(); };
   options.fit.progress = [this](const std::string& line) { Say(line); };
   options.on_note = [this](const std::string& sentence) { Say(sentence); };
   options.on_trace = [this](int frames_done, int) {
-    if (stop_) throw FitStopped();
+    if (stop_) throw calib::FitStopped();
     const std::scoped_lock lock(mutex_);
     traced_ = frames_done;
   };
   try {
-    const RecordingFit fit = FitRecording(*request.real, request.scene, request.initial, options);
+    const workflow::RecordingFit fit =
+        workflow::FitRecording(*request.real, request.scene, request.initial, options);
     if (!fit.fit.usable) {
       return End(Phase::kFailed,
                  fmt::format("the fit ended without a usable solution ({})",
@@ -115,7 +116,7 @@ void ViewFit::Run(ViewFitRequest request) {
       result_ = ResultJson(fit).dump();
     }
     End(Phase::kDone, {});
-  } catch (const FitStopped&) {
+  } catch (const calib::FitStopped&) {
     End(Phase::kStopped, {});
   } catch (const std::bad_alloc&) {
     End(Phase::kFailed, "not enough memory for this fit");
@@ -156,4 +157,4 @@ Json ViewFit::Status() const {
   return json;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

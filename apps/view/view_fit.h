@@ -1,4 +1,4 @@
-// A fit in the background of `sonarcal view`: as `sonarcal fit` makes it (apps/fit_recording.h), from where
+// A fit in the background of `sonarcal view`: as `sonarcal fit` makes it (apps/workflow/fit.h), from where
 // the page's controls stand, one at a time.
 #pragma once
 
@@ -13,15 +13,15 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "apps/fit_recording.h"
+#include "apps/workflow/fit.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 struct ViewFitRequest {
   std::shared_ptr<const RecordingSource> real;
   Scene scene;
   ParameterSet initial;
-  FitRecordingOptions options;
+  workflow::FitRecordingOptions options;
 };
 
 class ViewFit {
@@ -62,4 +62,4 @@ class ViewFit {
   std::string result_;  // JSON
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

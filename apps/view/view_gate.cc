@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 // In a time that does not tell how much of it was right.
@@ -46,4 +46,4 @@ std::string RandomToken() {
   return token;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 inline constexpr const char* kViewTokenHeader = "X-Sonarcal-Token";
 
@@ -38,4 +38,4 @@ std::optional<ViewRefusal> Refused(const ViewGate& gate, const ViewCaller& calle
 // 32 hexadecimal digits of the system's random numbers.
 std::string RandomToken();
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -59,4 +59,4 @@ std::string MeshFrame(const Scene& scene, std::size_t most) {
   return Framed(json.dump(-1, ' ', false, Json::error_handler_t::replace), data + triangles + materials);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -5,7 +5,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 // What a browser turns about smoothly; of larger meshes every second, third, ... triangle is shown, and that
 // is said.
@@ -18,4 +18,4 @@ std::string MeshFrame(const Scene& scene, std::size_t most = kMostTrianglesShown
 // JSON and the data it describes, as one answer. Data begin at a multiple of four bytes.
 std::string Framed(const std::string& json, const std::string& data);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 struct PageFile {
   std::string_view path;  // "/view.js"
@@ -17,4 +17,4 @@ std::span<const PageFile> PageFiles();
 // Null where there is none of this path; "/" is the page itself.
 const PageFile* FindPageFile(std::string_view path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -12,7 +12,7 @@
 #include "apps/view/view_page.h"
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 constexpr const char* kHost = "127.0.0.1";
@@ -168,4 +168,4 @@ std::string ViewServer::url() const {
   return fmt::format("http://{}:{}/#{}", kHost, http_->gate.port, http_->gate.token);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -7,7 +7,7 @@
 
 #include "apps/view/view_api.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 // Of a request's body; the largest the page sends is a set of parameters.
 inline constexpr std::size_t kMostViewRequestBytes = std::size_t{1} << 20;
@@ -31,4 +31,4 @@ class ViewServer {
   std::unique_ptr<Http> http_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -7,12 +7,12 @@
 #include <type_traits>
 #include <utility>
 
-#include "apps/simulate_recording.h"
-#include "apps/view/view_recording.h"
+#include "apps/workflow/simulate.h"
 #include "core/types/error.h"
+#include "data_io/recordings/view_recording.h"
 #include "sim/ghosts/ghost_trace.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
 constexpr std::size_t kMostClients = 64;
@@ -34,13 +34,13 @@ class Key {
   std::string text_;
 };
 
-void Add(const RayFanOptions& fan, Key& key) {
+void Add(const sim::RayFanOptions& fan, Key& key) {
   key << fan.sampling << fan.cols << fan.rows << fan.elevation_span_deg << fan.azimuth_margin_deg
       << fan.row_crowding << fan.weight << fan.stagger << fan.stagger_rows;
 }
 
 // Of everything that decides which echoes a pose gives.
-Key RaysKey(const SonarModel& sonar, const SimulationOptions& options) {
+Key RaysKey(const SonarModel& sonar, const sim::SimulationOptions& options) {
   Key key;
   key << sonar.axes.range_min_m << sonar.axes.range_max_m << sonar.axes.range_bins
       << sonar.elevation_beam_width_deg << options.trace.normals << options.trace.step;
@@ -49,7 +49,7 @@ Key RaysKey(const SonarModel& sonar, const SimulationOptions& options) {
   return key;
 }
 
-std::string SimulatorKey(const SonarModel& sonar, const SimulationOptions& options) {
+std::string SimulatorKey(const SonarModel& sonar, const sim::SimulationOptions& options) {
   Key key = RaysKey(sonar, options);
   const Water& water = options.water;
   key << sonar.frequency_hz << sonar.azimuth_beam_width_deg << water.temperature_c << water.salinity_ppt
@@ -65,9 +65,9 @@ std::string PoseKey(const Pose& pose) {
 }
 
 // Of what decides, besides, which ghosts it gives: the rays that look for them and what reflects.
-std::string MirrorKey(const Simulator& simulator, const ParameterSet& parameters) {
+std::string MirrorKey(const sim::Simulator& simulator, const ParameterSet& parameters) {
   Key key;
-  Add(GhostFanOptions(simulator.options().fan, simulator.sonar(), parameters.beam), key);
+  Add(sim::GhostFanOptions(simulator.options().fan, simulator.sonar(), parameters.beam), key);
   std::string text = key.text();
   for (const auto& [name, mirror] : parameters.mirrors) text += name + '\n';
   return text;
@@ -103,25 +103,25 @@ double Seconds(std::chrono::steady_clock::duration time) {
 // Echoes and ghosts of one pose by one fan of rays.
 struct ViewSession::Traced {
   std::string rays_and_pose;
-  EchoList echoes;
+  sim::EchoList echoes;
   std::optional<std::string> mirrors;  // that the ghosts are by; absent: none were traced
-  GhostList ghosts;
+  sim::GhostList ghosts;
 };
 
 ViewSession::ViewSession(ViewSetup setup) : setup_(std::move(setup)), bits_(BitsOf(setup_)) {
   SONARCAL_CHECK(!setup_.poses.empty(), "a view without poses");
-  if (setup_.compare.object) CheckObject(*setup_.compare.object, setup_.scene.material_names);
-  caster_ = std::make_shared<const RayCaster>(std::move(setup_.scene));
+  if (setup_.compare.object) workflow::CheckObject(*setup_.compare.object, setup_.scene.material_names);
+  caster_ = std::make_shared<const sim::RayCaster>(std::move(setup_.scene));
   if (setup_.compare.object) geometry_.emplace(*caster_, setup_.sonar);
 }
 
 ViewSession::~ViewSession() = default;
 
-std::shared_ptr<const Simulator> ViewSession::SimulatorFor(const ViewState& state) {
+std::shared_ptr<const sim::Simulator> ViewSession::SimulatorFor(const ViewState& state) {
   const SonarModel sonar = Changed(setup_.sonar, state.sonar);
-  CheckRayWeight(setup_.rays.weight, state.parameters.model);
-  SimulationOptions options =
-      setup_.rays.For(sonar, ChooseWater(state.parameters, setup_.water).water, state.parameters);
+  workflow::CheckRayWeight(setup_.rays.ray_weight, state.parameters.model);
+  sim::SimulationOptions options =
+      setup_.rays.For(sonar, workflow::ChooseWater(state.parameters, setup_.water).water, state.parameters);
   if (setup_.margin_deg) options.fan.azimuth_margin_deg = *setup_.margin_deg;
   options.bits = bits_;
   options.noise = state.noise;
@@ -129,13 +129,13 @@ std::shared_ptr<const Simulator> ViewSession::SimulatorFor(const ViewState& stat
   options.ghost_order = setup_.ghost_order;
   std::string key = SimulatorKey(sonar, options);
   if (!simulator_ || key != simulator_key_) {
-    simulator_ = std::make_shared<const Simulator>(caster_, sonar, options);
+    simulator_ = std::make_shared<const sim::Simulator>(caster_, sonar, options);
     simulator_key_ = std::move(key);
   }
   return simulator_;
 }
 
-const ViewSession::Traced& ViewSession::TraceFor(const Simulator& simulator, const ViewState& state,
+const ViewSession::Traced& ViewSession::TraceFor(const sim::Simulator& simulator, const ViewState& state,
                                                  const Pose& pose, ViewImage& image) {
   const auto start = std::chrono::steady_clock::now();
   std::string key = RaysKey(simulator.sonar(), simulator.options()).text() + PoseKey(pose);
@@ -161,21 +161,22 @@ ViewImage ViewSession::RenderNow(const ViewState& state) {
   if (state.parameters.model == EchoModel::kCoherent) {
     throw DataError("the model 'coherent' is too slow to follow a slider, expected 'paper' or 'acoustic'");
   }
-  const std::shared_ptr<const Simulator> simulator = SimulatorFor(state);
+  const std::shared_ptr<const sim::Simulator> simulator = SimulatorFor(state);
   const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
   ViewImage rendered;
   const auto start = std::chrono::steady_clock::now();
   if (state.noise && state.parameters.model == EchoModel::kPaper &&
-      setup_.rays.normals == NormalSource::kGeometric) {
+      setup_.rays.normals == sim::NormalSource::kGeometric) {
     rendered.image = simulator->Render(pose, state.parameters, state.frame);
     rendered.traced = true;
     rendered.trace_s = Seconds(std::chrono::steady_clock::now() - start);
   } else {
     const Traced& traced = TraceFor(*simulator, state, pose, rendered);
-    const GhostList& ghosts = state.parameters.model == EchoModel::kAcoustic ? traced.ghosts : GhostList{};
+    const sim::GhostList& ghosts =
+        state.parameters.model == EchoModel::kAcoustic ? traced.ghosts : sim::GhostList{};
     rendered.image = state.noise
                          ? simulator->RenderEchoes(traced.echoes, state.parameters, state.frame, ghosts)
-                         : ExpectedFrame(*simulator, traced.echoes, state.parameters, ghosts);
+                         : workflow::ExpectedFrame(*simulator, traced.echoes, state.parameters, ghosts);
     rendered.shade_s = Seconds(std::chrono::steady_clock::now() - start) - rendered.trace_s;
   }
   last_state_ = state;
@@ -213,7 +214,8 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
   {
     const std::scoped_lock lock(render_mutex_);
     simulated.image = RenderNow(state).image;
-    info = SimulatedRecordingInfo(*SimulatorFor(state), state.parameters, setup_.scene_path, !state.noise);
+    info = workflow::SimulatedRecordingInfo(*SimulatorFor(state), state.parameters, setup_.scene_path,
+                                            !state.noise);
   }
   Frame recorded = Recorded(state.frame);
   simulated.info = {.name = recorded.info.name, .time_s = recorded.info.time_s, .world_from_sonar = {}};
@@ -222,18 +224,19 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
   std::vector<Frame> of_simulation;
   of_simulation.push_back(std::move(simulated));
   ViewComparison comparison;
-  CompareRecordingsOptions options{.compare = setup_.compare, .as_displayed = true, .noise_floor = false};
+  workflow::CompareRecordingsOptions options{
+      .compare = setup_.compare, .as_displayed = true, .noise_floor = false};
   if (geometry_) {
     const Pose& pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
     options.boxes[0] = geometry_->ObjectBox(pose, *setup_.compare.object);
   }
-  MetricsReport report =
-      CompareRecordings(MemoryRecording(setup_.real->info(), std::move(of_real)),
-                        MemoryRecording(std::move(info), std::move(of_simulation)), options,
-                        [&](const PolarImage&, const PolarImage&, const FrameMetrics& metrics) {
-                          comparison.metrics.masks = metrics.masks;
-                        });
-  std::optional<FrameMasks> masks = std::move(comparison.metrics.masks);
+  metrics::MetricsReport report = workflow::CompareRecordings(
+      MemoryRecording(setup_.real->info(), std::move(of_real)),
+      MemoryRecording(std::move(info), std::move(of_simulation)), options,
+      [&](const PolarImage&, const PolarImage&, const metrics::FrameMetrics& metrics) {
+        comparison.metrics.masks = metrics.masks;
+      });
+  std::optional<metrics::FrameMasks> masks = std::move(comparison.metrics.masks);
   comparison.metrics = std::move(report.frames.at(0));
   comparison.metrics.masks = std::move(masks);
   comparison.metrics.index = state.frame;
@@ -241,8 +244,8 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
   return comparison;
 }
 
-std::vector<TimedPose> ViewSession::Poses(const ViewState& state) const {
-  std::vector<TimedPose> poses = setup_.poses;
+std::vector<data_io::TimedPose> ViewSession::Poses(const ViewState& state) const {
+  std::vector<data_io::TimedPose> poses = setup_.poses;
   for (const auto& [frame, pose] : state.poses)
     poses.at(static_cast<std::size_t>(frame)).world_from_sonar = pose;
   return poses;
@@ -255,7 +258,7 @@ std::shared_ptr<const RecordingSource> ViewSession::RecordingOf(const ViewState&
     poses[i] = setup_.poses[i].world_from_sonar;
   }
   for (const auto& [frame, pose] : state.poses) poses.at(static_cast<std::size_t>(frame)) = pose;
-  return std::make_shared<const ReposedRecording>(setup_.real, std::move(poses));
+  return std::make_shared<const data_io::ReposedRecording>(setup_.real, std::move(poses));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

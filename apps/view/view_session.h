@@ -20,15 +20,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/compare_recordings.h"
-#include "apps/ray_options.h"
-#include "apps/scene_geometry.h"
 #include "apps/view/view_state.h"
+#include "apps/workflow/compare.h"
+#include "apps/workflow/ray_options.h"
+#include "apps/workflow/scene_geometry.h"
 #include "core/types/recording.h"
 #include "data_io/pose_io.h"
 #include "sim/simulator.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 struct ViewSetup {
   Scene scene;
@@ -38,13 +38,13 @@ struct ViewSetup {
   SonarModel sonar;
   Water water;
   ParameterSet parameters;
-  std::vector<TimedPose> poses;  // one a frame
-  bool poses_given = true;       // false: one that the program chose
-  RayOptions rays;
+  std::vector<data_io::TimedPose> poses;  // one a frame
+  bool poses_given = true;                // false: one that the program chose
+  workflow::RayOptions rays;
   std::optional<double> margin_deg;
   int ghost_order = 1;
   std::shared_ptr<const RecordingSource> real;  // read by any thread; as many frames as poses; null for none
-  CompareOptions compare;
+  metrics::CompareOptions compare;
 };
 
 struct ViewImage {
@@ -55,7 +55,7 @@ struct ViewImage {
 };
 
 struct ViewComparison {
-  FrameMetrics metrics;  // with masks
+  metrics::FrameMetrics metrics;  // with masks
   std::vector<std::string> notes;
 };
 
@@ -82,7 +82,7 @@ class ViewSession {
   ViewComparison Compare(const ViewState& state);
 
   // Poses of all frames, some moved by the state.
-  std::vector<TimedPose> Poses(const ViewState& state) const;
+  std::vector<data_io::TimedPose> Poses(const ViewState& state) const;
 
   // The recording with these poses; a frame of which nobody said where it was taken has none. There must be a
   // recording.
@@ -90,26 +90,26 @@ class ViewSession {
 
  private:
   struct Traced;
-  std::shared_ptr<const Simulator> SimulatorFor(const ViewState& state);
-  const Traced& TraceFor(const Simulator& simulator, const ViewState& state, const Pose& pose,
+  std::shared_ptr<const sim::Simulator> SimulatorFor(const ViewState& state);
+  const Traced& TraceFor(const sim::Simulator& simulator, const ViewState& state, const Pose& pose,
                          ViewImage& image);
   bool IsOvertaken(const ViewState& state);
   ViewImage RenderNow(const ViewState& state);
 
   ViewSetup setup_;
   int bits_ = 8;
-  std::shared_ptr<const RayCaster> caster_;
-  std::optional<SceneGeometry> geometry_;  // with an object to search
+  std::shared_ptr<const sim::RayCaster> caster_;
+  std::optional<workflow::SceneGeometry> geometry_;  // with an object to search
 
   std::mutex newest_mutex_;
   std::map<std::string, std::int64_t> newest_;  // sequence, by client
 
   std::mutex render_mutex_;  // guards what follows
   std::string simulator_key_;
-  std::shared_ptr<const Simulator> simulator_;
+  std::shared_ptr<const sim::Simulator> simulator_;
   std::unique_ptr<Traced> traced_;
   std::optional<ViewState> last_state_;  // and its image, for the comparison that follows
   ViewImage last_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -14,22 +14,22 @@
 #include "data_io/json/json_reader.h"
 #include "data_io/parameters/parameters_io.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 namespace {
 
-const NumberRange kRangeM = NumberRange::Between(0.0, 1000.0);
-const NumberRange kWidthDeg = NumberRange::AboveUpTo(0.0, 170.0);
-const NumberRange kFrequencyHz = NumberRange::Between(1e3, 1e8);
-const NumberRange kPositionM = NumberRange::Between(-1e5, 1e5);
-const NumberRange kAngleDeg = NumberRange::Between(-360.0, 360.0);
+const data_io::NumberRange kRangeM = data_io::NumberRange::Between(0.0, 1000.0);
+const data_io::NumberRange kWidthDeg = data_io::NumberRange::AboveUpTo(0.0, 170.0);
+const data_io::NumberRange kFrequencyHz = data_io::NumberRange::Between(1e3, 1e8);
+const data_io::NumberRange kPositionM = data_io::NumberRange::Between(-1e5, 1e5);
+const data_io::NumberRange kAngleDeg = data_io::NumberRange::Between(-360.0, 360.0);
 
-std::optional<int> FindCount(const JsonReader& json, std::string_view key, int most) {
+std::optional<int> FindCount(const data_io::JsonReader& json, std::string_view key, int most) {
   const auto found = json.Find(key);
   if (!found) return std::nullopt;
   return static_cast<int>(found->Integer(2, most));
 }
 
-SonarChanges ReadSonarChanges(const JsonReader& json) {
+SonarChanges ReadSonarChanges(const data_io::JsonReader& json) {
   return {.frequency_hz = json.FindNumber("frequency_hz", kFrequencyHz),
           .range_min_m = json.FindNumber("range_min_m", kRangeM),
           .range_max_m = json.FindNumber("range_max_m", kRangeM),
@@ -40,8 +40,8 @@ SonarChanges ReadSonarChanges(const JsonReader& json) {
           .elevation_beam_width_deg = json.FindNumber("elevation_beam_width_deg", kWidthDeg)};
 }
 
-Pose ReadAnglePose(const JsonReader& json) {
-  const JsonReader position_json = json.At("position_m");
+Pose ReadAnglePose(const data_io::JsonReader& json) {
+  const data_io::JsonReader position_json = json.At("position_m");
   const std::vector<double> position_m = position_json.Numbers(kPositionM);
   if (position_m.size() != 3) {
     position_json.Fail(fmt::format("has {} numbers, expected 3", position_m.size()));
@@ -51,7 +51,7 @@ Pose ReadAnglePose(const JsonReader& json) {
           {position_m[0], position_m[1], position_m[2]}};
 }
 
-std::map<int, Pose> ReadPoses(const JsonReader& json, int frame_count) {
+std::map<int, Pose> ReadPoses(const data_io::JsonReader& json, int frame_count) {
   std::map<int, Pose> poses;
   for (const auto& [key, pose] : json.Members()) {
     int frame = -1;
@@ -109,14 +109,15 @@ SonarModel Changed(const SonarModel& sonar, const SonarChanges& changes) {
   }
   changed.axes.Validate("sonar");
   if (changes == SonarChanges()) return changed;
-  for (double& azimuth_rad : changed.axes.beam_azimuth_rad) azimuth_rad = AzimuthAsWrittenRad(azimuth_rad);
+  for (double& azimuth_rad : changed.axes.beam_azimuth_rad)
+    azimuth_rad = data_io::AzimuthAsWrittenRad(azimuth_rad);
   return changed;
 }
 
 ViewState ParseViewState(std::string_view text, int frame_count) {
-  const JsonReader json = JsonReader::FromText(text, "request");
+  const data_io::JsonReader json = data_io::JsonReader::FromText(text, "request");
   ViewState state;
-  const JsonReader parameters = json.At("parameters");
+  const data_io::JsonReader parameters = json.At("parameters");
   if (!parameters.is_object()) parameters.Fail("is no object, expected that of params.json");
   if (const auto sonar = json.Find("sonar")) state.sonar = ReadSonarChanges(*sonar);
   if (const auto frame = json.Find("frame"))
@@ -132,7 +133,7 @@ ViewState ParseViewState(std::string_view text, int frame_count) {
   }
   json.Finish();
   // What a file of parameters may hold, and how it is refused, is known in one place.
-  state.parameters = ParseParameters(nlohmann::json::parse(text)["parameters"].dump(), "parameters");
+  state.parameters = data_io::ParseParameters(nlohmann::json::parse(text)["parameters"].dump(), "parameters");
   return state;
 }
 
@@ -144,4 +145,4 @@ nlohmann::ordered_json AnglePoseJson(const Pose& pose) {
           {"roll_deg", DegFromRad(yaw_pitch_roll[2])}};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

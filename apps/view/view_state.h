@@ -24,7 +24,7 @@
 #include "core/types/pose.h"
 #include "core/types/sonar_model.h"
 
-namespace sonarcal {
+namespace sonarcal::view {
 
 // What was changed of a sonar.
 struct SonarChanges {
@@ -70,4 +70,4 @@ ViewState ParseViewState(std::string_view text, int frame_count);
 // {"position_m", "yaw_deg", "pitch_deg", "roll_deg"}, for the page's controls.
 nlohmann::ordered_json AnglePoseJson(const Pose& pose);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::view

@@ -16,7 +16,7 @@
 #include "calib/markers/flat_port.h"
 #include "core/types/camera.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 template <typename T>
 Eigen::Matrix<T, 2, 1> Distorted(const Camera& camera, const Eigen::Matrix<T, 2, 1>& xy) {
@@ -96,4 +96,4 @@ inline std::optional<Eigen::Vector2d> PixelFromStraight(const Camera& camera, co
   return pixel;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -21,7 +21,7 @@
 
 #include "core/types/camera.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // The terms of F(m) and its slope: one layer, of index n and depth h, contributes h m / sqrt(n^2 + (n^2-1)
 // q^2).
@@ -88,4 +88,4 @@ inline bool RayBehindPort(const FlatPort& port, const Eigen::Vector3d& in_air, E
   return true;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -12,7 +12,7 @@
 #include "core/types/error.h"
 #include "core/types/rotation.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using Block = std::array<double, 6>;
@@ -196,4 +196,4 @@ Adjustment Adjust(std::vector<AdjustedFrame> frames, const MarkerMap& map, const
   return Adjuster(std::move(frames), map, camera, port, refine_focal).Run(noise_factor2);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

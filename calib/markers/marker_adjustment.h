@@ -8,7 +8,7 @@
 #include "core/types/camera.h"
 #include "core/types/marker_map.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct AdjustedFrame {
   std::vector<MarkerObservation> seen;
@@ -31,4 +31,4 @@ struct Adjustment {
 Adjustment Adjust(std::vector<AdjustedFrame> frames, const MarkerMap& map, const Camera& camera,
                   const FlatPort* port, bool refine_focal, double noise_factor2);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

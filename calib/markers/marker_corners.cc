@@ -7,7 +7,7 @@
 
 #include "calib/markers/camera.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using Eigen::Vector2d;
@@ -308,4 +308,4 @@ std::optional<MarkerObservation> RefineMarkerCorners(const Grid<std::uint8_t>& g
   return MarkerObservation{quad.id, pixels, *covariance};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

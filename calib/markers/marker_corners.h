@@ -26,7 +26,7 @@
 #include "core/types/image.h"
 #include "core/types/marker_map.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
@@ -50,4 +50,4 @@ std::optional<MarkerObservation> RefineMarkerCorners(const Grid<std::uint8_t>& g
 // Roughly how far ahead of the camera a marker is, from its longest side.
 double MarkerDepthM(const MarkerQuad& quad, double size_m, const Camera& camera, const FlatPort* port);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -17,7 +17,7 @@
 #include "calib/markers/camera.h"
 #include "calib/markers/marker_corners.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Of a marker of the map in one image.
 struct MarkerCost {
@@ -74,4 +74,4 @@ inline Matrix8d WhiteningOf(const Matrix8d& covariance) {
 // Robust against a marker that is wrong as a whole: squared up to what one in 5000 right ones has.
 inline constexpr double kMarkerHuber = 5.5;
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -9,10 +9,10 @@
 #include "core/types/error.h"
 #include "data_io/parameters/marker_map_io.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 MarkerDetector::MarkerDetector(const std::string& dictionary) {
-  const MarkerDictionary* found = FindMarkerDictionary(dictionary);
+  const data_io::MarkerDictionary* found = data_io::FindMarkerDictionary(dictionary);
   SONARCAL_CHECK(found != nullptr, "dictionary {}", dictionary);
   opencv_code_ = found->opencv_code;
 }
@@ -44,4 +44,4 @@ MarkersSeen MarkerDetector::Detect(const Grid<std::uint8_t>& grey) const {
   return seen;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -9,7 +9,7 @@
 #include "core/types/image.h"
 #include "core/types/marker_map.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct MarkersSeen {
   std::vector<MarkerQuad> markers;  // by id, each once
@@ -28,4 +28,4 @@ class MarkerDetector {
   int opencv_code_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

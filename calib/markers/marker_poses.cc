@@ -12,7 +12,7 @@
 #include "calib/markers/marker_start.h"
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kMedianOfChi2With8 = 7.344;
@@ -196,4 +196,4 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
   return result;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

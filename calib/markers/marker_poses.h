@@ -29,7 +29,7 @@
 #include "core/types/marker_map.h"
 #include "core/types/pose.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -84,4 +84,4 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
 Matrix6d SonarCovariance(const Matrix6d& camera_covariance, const Pose& world_from_camera,
                          const CameraMount& mount);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

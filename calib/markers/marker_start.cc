@@ -14,7 +14,7 @@
 #include "core/types/rotation.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using CvPoints3 = std::vector<cv::Point3d>;
@@ -226,4 +226,4 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservatio
   return different;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -13,7 +13,7 @@
 #include "core/types/camera.h"
 #include "core/types/marker_map.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct PoseCandidate {
   Pose world_from_camera;
@@ -30,4 +30,4 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservatio
 std::vector<double> MarkerMisfits(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
                                   const Camera& camera, const FlatPort* port, const Pose& world_from_camera);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

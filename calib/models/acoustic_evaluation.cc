@@ -14,30 +14,30 @@
 #include "sim/physics/display.h"
 #include "sim/physics/gsab.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
 constexpr std::size_t kAtOnce = 64;  // pixels: their sums stay in the nearest cache
 constexpr double kMostGrowth = 3.0;  // of an echo, by a move that a slope can speak for; nepers of power
 
-GsabParameters<ceres::Jet<double, kCurveTerms - 1>> AsDuals(const GsabParameters<double>& g) {
-  using Dual = ceres::Jet<double, kCurveTerms - 1>;
+GsabParameters<ceres::Jet<double, sim::kCurveTerms - 1>> AsDuals(const GsabParameters<double>& g) {
+  using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
   return {Dual(g.a, 0), Dual(g.b_deg, 1), Dual(g.c, 2), Dual(g.d, 3), Dual(g.e, 4), Dual(g.f_deg, 5)};
 }
 
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
-  using Dual = ceres::Jet<double, kCurveTerms - 1>;
-  const std::vector<double>& nodes_deg = CoarseIncidenceDeg();
-  std::vector<double> table(names.size() * nodes_deg.size() * kCurveStride, 0.0);
+  using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
+  const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();
+  std::vector<double> table(names.size() * nodes_deg.size() * sim::kCurveStride, 0.0);
   double* at = table.data();
   for (const std::string& name : names) {
     const GsabParameters<Dual> gsab = AsDuals(parameters.materials.at(name).gsab);
     for (const double node_deg : nodes_deg) {
-      const Dual power = GsabPower(gsab, node_deg);
+      const Dual power = sim::GsabPower(gsab, node_deg);
       at[0] = power.a;
       std::copy(power.v.begin(), power.v.end(), at + 1);
-      at += kCurveStride;
+      at += sim::kCurveStride;
     }
   }
   return table;
@@ -46,20 +46,20 @@ std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::ve
 // The same of each material's two parts, one after the other (sim/gathered/ghost_echoes.h). The slow part's
 // node is the angle of a mean cosine.
 std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vector<std::string>& names) {
-  using Dual = ceres::Jet<double, kCurveTerms - 1>;
-  const std::vector<double>& nodes_deg = CoarseIncidenceDeg();
-  std::vector<double> table(names.size() * kCurveParts * nodes_deg.size() * kCurveStride, 0.0);
+  using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
+  const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();
+  std::vector<double> table(names.size() * sim::kCurveParts * nodes_deg.size() * sim::kCurveStride, 0.0);
   double* at = table.data();
   const auto put = [&](const Dual& power) {
     at[0] = power.a;
     std::copy(power.v.begin(), power.v.end(), at + 1);
-    at += kCurveStride;
+    at += sim::kCurveStride;
   };
   for (const std::string& name : names) {
     const GsabParameters<Dual> gsab = AsDuals(parameters.materials.at(name).gsab);
-    for (const double node_deg : nodes_deg) put(GsabPeaksPower(gsab, node_deg));
+    for (const double node_deg : nodes_deg) put(sim::GsabPeaksPower(gsab, node_deg));
     for (const double node_deg : nodes_deg) {
-      put(node_deg < 90.0 ? GsabSlowPower(gsab, std::cos(RadFromDeg(node_deg))) : Dual(0.0));
+      put(node_deg < 90.0 ? sim::GsabSlowPower(gsab, std::cos(RadFromDeg(node_deg))) : Dual(0.0));
     }
   }
   return table;
@@ -67,9 +67,9 @@ std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vec
 
 // What is left of the power of each way's echoes by its reflections.
 std::vector<double> PassedByWays(const ParameterSet& parameters, const std::vector<std::string>& names,
-                                 const std::vector<GhostWay>& ways) {
+                                 const std::vector<sim::GhostWay>& ways) {
   std::vector<double> passed;
-  for (const GhostWay& way : ways) {
+  for (const sim::GhostWay& way : ways) {
     double loss_db = 0.0;
     for (const std::uint16_t mirror : way) loss_db += parameters.mirrors.at(names[mirror]).loss_db;
     passed.push_back(PowerFromDb(-loss_db));
@@ -93,24 +93,24 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
       noise_(state.parameters.receiver, state.sonar.axes, state.absorption_db_per_m),
       looks_(state.parameters.receiver.looks),
       clips_(state.clips),
-      lowest_(PowerFromDisplay(state.parameters.display, 0.0)),
-      highest_(PowerFromDisplay(state.parameters.display, 1.0)) {
+      lowest_(sim::PowerFromDisplay(state.parameters.display, 0.0)),
+      highest_(sim::PowerFromDisplay(state.parameters.display, 1.0)) {
   if (!passed_.empty()) parts_ = TabulateParts(state.parameters, state.material_names);
   for (const int entry : active) {
     columns_.push_back(PlanColumn(state, entry));
     if (columns_.back().of != Of::kCurve) continue;
     const CatalogEntry& of = state.catalog[entry];
     curve_columns_.push_back(
-        {columns_.size() - 1, static_cast<std::size_t>(of.material * kCurveStride + 1 + of.index)});
+        {columns_.size() - 1, static_cast<std::size_t>(of.material * sim::kCurveStride + 1 + of.index)});
   }
   for (const EchoSlope& slope : echoes.slopes)
     moved_.push_back(state.values[slope.entry] - state.point[slope.entry]);
   const ReceiverParameters& receiver = state.parameters.receiver;
   for (int bin = 0; bin < bins_; ++bin) {
     range_m_.push_back(state.sonar.axes.range_centre_m(bin));
-    gain_.push_back(
-        PowerFromDb(state.parameters.source_level_db + receiver.gain_db +
-                    TimeVariedGainDb(receiver.time_varied_gain, range_m_.back(), state.absorption_db_per_m)));
+    gain_.push_back(PowerFromDb(
+        state.parameters.source_level_db + receiver.gain_db +
+        sim::TimeVariedGainDb(receiver.time_varied_gain, range_m_.back(), state.absorption_db_per_m)));
   }
 }
 
@@ -130,7 +130,7 @@ AcousticEvaluation::Column AcousticEvaluation::PlanColumn(const AcousticState& s
 }
 
 bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& sums) const {
-  const std::size_t stride = materials_ * kCurveStride;
+  const std::size_t stride = materials_ * sim::kCurveStride;
   sums.curves.resize(pixels.size() * stride);
   sums.slopes.resize(pixels.size() * moved_.size());
   sums.power.resize(pixels.size());
@@ -170,7 +170,7 @@ bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& 
 // Adds to a pixel's sums what beam, pulse and pose have moved, and leaves what more of it would add.
 void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratch& scratch,
                                       Sums& sums) const {
-  const std::size_t stride = materials_ * kCurveStride;
+  const std::size_t stride = materials_ * sim::kCurveStride;
   const std::span<double> curves(&sums.curves[i * stride], stride);
   const std::span<double> ghosts(sums.ghosts.data() + i * passed_.size(), passed_.size());
   const std::span<double> slopes(&sums.slopes[i * moved_.size()], moved_.size());
@@ -184,7 +184,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
     }
     scratch.curves.assign(stride, 0.0);
     scratch.ghosts.assign(passed_.size(), 0.0);
-    if (!slope.echoes.start.empty()) AddCurves(slope.echoes, pixel, curves_, scratch.curves);
+    if (!slope.echoes.start.empty()) sim::AddCurves(slope.echoes, pixel, curves_, scratch.curves);
     if (!slope.ghosts.start.empty()) {
       pixel_math::AddGhosts(slope.ghosts, {&pixel, 1}, parts_, passed_, scratch.curves.data(),
                             scratch.ghosts.data());
@@ -211,7 +211,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
 void AcousticEvaluation::FillJacobian(std::span<const std::uint32_t> pixels, const Sums& sums,
                                       std::size_t first_pixel, double* jacobian) const {
   const std::size_t columns = columns_.size();
-  const std::size_t stride = materials_ * kCurveStride;
+  const std::size_t stride = materials_ * sim::kCurveStride;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     double* __restrict row = jacobian + (pixels[i] - first_pixel) * columns;
     const double* __restrict curves = &sums.curves[i * stride];
@@ -231,7 +231,7 @@ void AcousticEvaluation::FillJacobian(std::span<const std::uint32_t> pixels, con
         break;
       case Of::kMirror: {
         std::vector<double> times;  // that each way is reflected by it
-        for (const GhostWay& way : echoes_.ghosts.ways)
+        for (const sim::GhostWay& way : echoes_.ghosts.ways)
           times.push_back(static_cast<double>(std::count(way.begin(), way.end(), columns_[k].mirror)));
         fill([&](std::size_t i) {
           const double* of_way = sums.ghosts.data() + i * times.size();
@@ -328,4 +328,4 @@ std::vector<double> AcousticEvaluation::Means() const {
   return std::move(sums.mean);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -18,7 +18,7 @@
 #include "sim/gathered/pixel_echoes.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // What was recorded in a frame.
 struct RecordedFrame {
@@ -33,14 +33,14 @@ struct RecordedFrame {
 // moves grows by its own parts and never falls below nothing.
 struct EchoSlope {
   int entry = 0;  // of the catalog
-  PixelEchoes echoes = {};
-  PixelEchoes ghosts = {};            // laid out as GhostEchoes::pixels of the frame; empty: none
+  sim::PixelEchoes echoes = {};
+  sim::PixelEchoes ghosts = {};       // laid out as GhostEchoes::pixels of the frame; empty: none
   std::vector<float> logarithm = {};  // d ln(power) by pixel; empty: by echoes
 };
 
 struct FrameEchoes {
-  PixelEchoes at_point;
-  GhostEchoes ghosts = {};
+  sim::PixelEchoes at_point;
+  sim::GhostEchoes ghosts = {};
   std::vector<EchoSlope> slopes = {};
 };
 
@@ -110,7 +110,7 @@ class AcousticEvaluation final : public FrameEvaluation {
   double AllMaterials(const double* curves) const {
     double power = 0.0;
     for (std::size_t material = 0; material < materials_; ++material)
-      power += curves[material * kCurveStride];
+      power += curves[material * sim::kCurveStride];
     return power;
   }
 
@@ -128,11 +128,11 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::vector<double> moved_;    // of each geometric parameter, from the point
   std::vector<double> gain_;     // by bin
   std::vector<double> range_m_;  // by bin
-  ReceiverNoise noise_;
+  sim::ReceiverNoise noise_;
   double looks_;
   bool clips_;
   double lowest_;  // power at the bottom of the display, and at its top
   double highest_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -17,7 +17,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Half the distance over which echoes are differenced.
@@ -37,7 +37,7 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
     throw DataError("fit: the recorded image holds {}, expected grey levels", ToString(image.scale.quantity));
   }
   const double full_scale = image.scale.full_scale;
-  const auto power_of = [&](double grey) { return PowerFromDisplay(display, grey / full_scale); };
+  const auto power_of = [&](double grey) { return sim::PowerFromDisplay(display, grey / full_scale); };
   std::vector<RecordedPower> recorded;
   recorded.reserve(image.value.size());
   for (const float value : image.value.values()) {
@@ -57,18 +57,18 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
   return recorded;
 }
 
-AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                                       const ParameterSet& initial)
+AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
+                                       const std::vector<AcousticFrame>& frames, const ParameterSet& initial)
     : simulator_(simulator),
       frames_(frames),
       material_names_(simulator.caster().material_names()),
-      initial_(WithResponse(simulator.sonar(), initial)),
+      initial_(sim::WithResponse(simulator.sonar(), initial)),
       weights_(frames.size()),
       repeat_shares_(frames.size()),
       shown_(material_names_.size(), false),
       reflected_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
-  CheckTapers(initial_.receiver, beams());
+  sim::CheckTapers(initial_.receiver, beams());
   for (const std::string& name : material_names_) initial_.materials[name] = initial.Material(name);
   std::vector<int> indices;
   for (const AcousticFrame& frame : frames) {
@@ -79,7 +79,7 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
     }
   }
   catalog_ = BuildAcousticCatalog(material_names_, simulator.sonar(), indices,
-                                  ReflectingMaterials(material_names_, initial_));
+                                  sim::ReflectingMaterials(material_names_, initial_));
   for (const CatalogEntry& entry : catalog_) {
     if (entry.group != ParameterGroup::kPose) {
       initial_values_.push_back(AcousticSlot(initial_, material_names_, entry));
@@ -91,11 +91,12 @@ AcousticFrameModel::AcousticFrameModel(const Simulator& simulator, const std::ve
   }
   Linearise(initial_values_, {});
   for (const FrameEchoes& of : echoes_) {
-    for (const PixelEchoes::Entry& entry : of.at_point.entries)
-      shown_[entry.node / CoarseIncidenceDeg().size()] = true;
-    for (const PixelEchoes::Entry& entry : of.ghosts.pixels.entries)
-      shown_[entry.node / CoarseIncidenceDeg().size() / kCurveParts % material_names_.size()] = true;
-    for (const GhostWay& way : of.ghosts.ways) {
+    for (const sim::PixelEchoes::Entry& entry : of.at_point.entries)
+      shown_[entry.node / sim::CoarseIncidenceDeg().size()] = true;
+    for (const sim::PixelEchoes::Entry& entry : of.ghosts.pixels.entries)
+      shown_[entry.node / sim::CoarseIncidenceDeg().size() / sim::kCurveParts % material_names_.size()] =
+          true;
+    for (const sim::GhostWay& way : of.ghosts.ways) {
       for (const std::uint16_t mirror : way) reflected_[mirror] = true;
     }
   }
@@ -138,25 +139,25 @@ Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) c
 }
 
 Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                               const RayFan& fan) const {
-  ScatterMap scatter = ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry(), parameters,
-                                   simulator_.options().trace);
+                                               const sim::RayFan& fan) const {
+  sim::ScatterMap scatter = sim::ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry(),
+                                             parameters, simulator_.options().trace);
   const int thin =
       std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
-  const GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);
-  AddGhosts(ghosts, geometry(), parameters, scatter);
-  return EchoPowerImage(scatter, geometry(), parameters);
+  const sim::GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);
+  sim::AddGhosts(ghosts, geometry(), parameters, scatter);
+  return sim::EchoPowerImage(scatter, geometry(), parameters);
 }
 
 PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                                 const RayFan& fan) const {
+                                                 const sim::RayFan& fan) const {
   Grid<double> power = EchoPowerFrom(world_from_sonar, parameters, fan);
-  AddNoiseFloor(geometry(), parameters, power);
-  return PowerImage(sonar().axes, power);
+  sim::AddNoiseFloor(geometry(), parameters, power);
+  return sim::PowerImage(sonar().axes, power);
 }
 
-GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
-                                       const std::vector<int>& geometric) const {
+sim::GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
+                                            const std::vector<int>& geometric) const {
   ParameterSet parameters = Parameters(values);
   const bool transmit_moves = std::any_of(geometric.begin(), geometric.end(), [&](int entry) {
     return catalog_[entry].group == ParameterGroup::kTransmit;
@@ -166,8 +167,8 @@ GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
   return simulator_.TraceGhosts(PoseOf(frame, values), parameters);
 }
 
-RayFan AcousticFrameModel::ThinnedFan(int factor) const {
-  RayFanOptions options = simulator_.options().fan;
+sim::RayFan AcousticFrameModel::ThinnedFan(int factor) const {
+  sim::RayFanOptions options = simulator_.options().fan;
   options.cols = std::max(1, options.cols / factor);
   options.rows = std::max(1, options.rows / factor);
   return {sonar(), options};
@@ -175,10 +176,10 @@ RayFan AcousticFrameModel::ThinnedFan(int factor) const {
 
 FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
-  const EchoPower at_pose = EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
-  FrameEchoes echoes{.at_point = ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
-  const GhostList ghosts = GhostsOf(frame, values, geometric);
-  if (!ghosts.echoes.empty()) echoes.ghosts = GatherGhostEchoes(simulator_, ghosts, Parameters(values));
+  const sim::EchoPower at_pose = sim::EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
+  FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
+  const sim::GhostList ghosts = GhostsOf(frame, values, geometric);
+  if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator_, ghosts, Parameters(values));
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
     const double step = DifferenceStep(entry, values[index], sonar().axes);
@@ -194,18 +195,18 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
     echoes.slopes.push_back({.entry = index});
     if (!ghosts.echoes.empty()) {
       const auto gather = [&](const ParameterValues& at) {
-        return GatherGhostEchoes(simulator_, ghosts, Parameters(at)).pixels;
+        return sim::GatherGhostEchoes(simulator_, ghosts, Parameters(at)).pixels;
       };
-      echoes.slopes.back().ghosts = Difference(gather(above), gather(below), 1.0 / (2.0 * step));
+      echoes.slopes.back().ghosts = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
     }
     if (entry.group == ParameterGroup::kTransmit) continue;
     // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
     const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
     const auto gather = [&](const ParameterValues& at) {
-      return arrives_alike ? ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
-                           : GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
+      return arrives_alike ? sim::ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
+                           : sim::GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
     };
-    echoes.slopes.back().echoes = Difference(gather(above), gather(below), 1.0 / (2.0 * step));
+    echoes.slopes.back().echoes = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
   }
   return echoes;
 }
@@ -217,7 +218,7 @@ std::vector<float> AcousticFrameModel::LogarithmSlope(int frame, const Parameter
   const ParameterSet parameters = Parameters(above);
   const Grid<double> high = EchoPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
   const Grid<double> low = EchoPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
-  const Grid<double> noise = NoiseFloorPower(geometry(), parameters);
+  const Grid<double> noise = sim::NoiseFloorPower(geometry(), parameters);
   std::vector<float> slope;
   slope.reserve(pixel_count());
   for (std::size_t i = 0; i < pixel_count(); ++i) {
@@ -255,8 +256,8 @@ bool AcousticFrameModel::has_repeats() const {
 void AcousticFrameModel::ShareRepeats(const ParameterValues& values) {
   std::vector<int> count(frames_.size(), 0);
   for (int frame = 0; frame < frame_count(); ++frame) ++count[first_of_pose(frame)];
-  const ReceiverNoise noise(Parameters(values).receiver, simulator_.sonar().axes,
-                            simulator_.absorption_db_per_m());
+  const sim::ReceiverNoise noise(Parameters(values).receiver, simulator_.sonar().axes,
+                                 simulator_.absorption_db_per_m());
   for (int frame = 0; frame < frame_count(); ++frame) {
     const int others = count[first_of_pose(frame)] - 1;
     if (others == 0) continue;
@@ -315,4 +316,4 @@ std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels
   return std::make_unique<CoarseFrameModel>(*this, block);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -25,7 +25,7 @@
 #include "sim/gathered/pixel_echoes.h"
 #include "sim/simulator.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct AcousticFrame {
   int index = 0;  // in the recording
@@ -41,7 +41,7 @@ class AcousticFrameModel final : public FrameModel {
  public:
   // Simulator and frames must outlive the model. Traces every frame. Throws DataError where a frame does not
   // fit the sonar, a material of the scene has no parameters, or there is no noise level.
-  AcousticFrameModel(const Simulator& simulator, const std::vector<AcousticFrame>& frames,
+  AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                      const ParameterSet& initial);
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
@@ -61,18 +61,18 @@ class AcousticFrameModel final : public FrameModel {
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
-  const Simulator& simulator() const { return simulator_; }
+  const sim::Simulator& simulator() const { return simulator_; }
   const SonarModel& sonar() const { return simulator_.sonar(); }
   const AcousticFrame& frame(int frame) const { return frames_[frame]; }
   // Mean power of the echoes from a pose, without noise: traces a fan of rays, and ghosts by one thinned as
   // much, and is linear in nothing.
   Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                             const RayFan& fan) const;
+                             const sim::RayFan& fan) const;
   // Mean power including the noise floor.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                               const RayFan& fan) const;
+                               const sim::RayFan& fan) const;
   // The simulator's fan with fewer rows and columns by this factor.
-  RayFan ThinnedFan(int factor) const;
+  sim::RayFan ThinnedFan(int factor) const;
 
   const ParameterValues& initial_values() const { return initial_values_; }
   // The parameters with these values, and what no catalog entry names as given at first.
@@ -113,16 +113,16 @@ class AcousticFrameModel final : public FrameModel {
 
  private:
   Pose PoseEntries(int frame, const ParameterValues& values) const;
-  AcousticGeometry geometry() const { return {simulator_.sonar(), simulator_.absorption_db_per_m()}; }
+  sim::AcousticGeometry geometry() const { return {simulator_.sonar(), simulator_.absorption_db_per_m()}; }
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
   // Difference of the logarithms of the echoes of a frame's two poses, over `difference`.
   std::vector<float> LogarithmSlope(int frame, const ParameterValues& above, const ParameterValues& below,
                                     double difference) const;
   // What a frame's mirrors show of the scene, as far aside as a transmitter that moves may come to send.
-  GhostList GhostsOf(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
+  sim::GhostList GhostsOf(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
   FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
 
-  const Simulator& simulator_;
+  const sim::Simulator& simulator_;
   const std::vector<AcousticFrame>& frames_;
   std::vector<std::string> material_names_;
   ParameterSet initial_;
@@ -136,4 +136,4 @@ class AcousticFrameModel final : public FrameModel {
   std::vector<bool> reflected_;  // or a ghost by way of it
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -7,7 +7,7 @@
 #include "core/types/units.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 int Blocks(int count, int of) {
@@ -47,16 +47,17 @@ CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const PixelBl
   const double absorption_db_per_m = fine.simulator().absorption_db_per_m();
   for (int bin = 0; bin < fine.range_bins(); ++bin) {
     gain_of_centre_.push_back(PowerFromDb(
-        TimeVariedGainDb(law, fine.sonar().axes.range_centre_m(bin), absorption_db_per_m) -
-        TimeVariedGainDb(law, sonar_.axes.range_centre_m(bin / block.bins), absorption_db_per_m)));
+        sim::TimeVariedGainDb(law, fine.sonar().axes.range_centre_m(bin), absorption_db_per_m) -
+        sim::TimeVariedGainDb(law, sonar_.axes.range_centre_m(bin / block.bins), absorption_db_per_m)));
   }
   frames_.resize(fine.frame_count());
   tbb::parallel_for(0, fine.frame_count(), [&](int frame) { frames_[frame] = Gather(frame); });
 }
 
-PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const PixelEchoes& fine) const {
-  PixelEchoes echoes{.materials = fine.materials, .start = {0}, .entries = {}};
-  std::vector<double> by_node(static_cast<std::size_t>(fine.materials) * CoarseIncidenceDeg().size(), 0.0);
+sim::PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const sim::PixelEchoes& fine) const {
+  sim::PixelEchoes echoes{.materials = fine.materials, .start = {0}, .entries = {}};
+  std::vector<double> by_node(static_cast<std::size_t>(fine.materials) * sim::CoarseIncidenceDeg().size(),
+                              0.0);
   std::vector<std::uint32_t> nodes;
   ForBlocks([&](const auto& for_pixels) {
     nodes.clear();
@@ -65,7 +66,7 @@ PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const PixelEchoes& fine) co
       if (!fine_.Counts(frame, pixel)) return;
       ++counted;
       for (std::uint32_t e = fine.start[pixel]; e < fine.start[pixel + 1]; ++e) {
-        const PixelEchoes::Entry& entry = fine.entries[e];
+        const sim::PixelEchoes::Entry& entry = fine.entries[e];
         if (by_node[entry.node] == 0.0) nodes.push_back(entry.node);
         by_node[entry.node] += gain_of_centre_[bin] * entry.weight;
       }
@@ -129,4 +130,4 @@ std::unique_ptr<FrameEvaluation> CoarseFrameModel::At(int frame, const Parameter
       differentiated, wanted);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -17,7 +17,7 @@
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/models/frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Pixels that are taken together.
 struct PixelBlock {
@@ -53,7 +53,7 @@ class CoarseFrameModel final : public FrameModel {
   };
   CoarseFrame Gather(int frame) const;
   // Entries of a block's pixels that count, node by node, as a mean over those pixels.
-  PixelEchoes BlockEchoes(int frame, const PixelEchoes& fine) const;
+  sim::PixelEchoes BlockEchoes(int frame, const sim::PixelEchoes& fine) const;
 
   // Calls act(for_pixels) for each block in its order; for_pixels(visit) calls visit(bin, pixel) for each of
   // the block's fine pixels.
@@ -78,4 +78,4 @@ class CoarseFrameModel final : public FrameModel {
   std::vector<CoarseFrame> frames_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <map>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 struct Block {
@@ -22,7 +22,7 @@ int LargestDivisor(int number, int most) {
 // the mean over its block, so each weight counts for one pixel of it.
 class CellSum {
  public:
-  void Add(const EchoHistogram& fine, const EchoHistogram::Cell& cell, double weight_factor,
+  void Add(const sim::EchoHistogram& fine, const sim::EchoHistogram::Cell& cell, double weight_factor,
            double range_position, double azimuth_position) {
     const double weight = weight_factor * cell.weight;
     weight_ += weight;
@@ -34,15 +34,15 @@ class CellSum {
       nodes_[fine.entries[entry].node] += weight_factor * fine.entries[entry].weight;
   }
 
-  void Store(int row, int col, EchoHistogram& coarse) const {
-    EchoHistogram::Cell cell{.row = row,
-                             .col = col,
-                             .weight = weight_,
-                             .log_range = log_range_,
-                             .two_way_range_m = two_way_range_m_,
-                             .range_offset = Offset(range_ / weight_ - row),
-                             .azimuth_offset = Offset(azimuth_ / weight_ - col),
-                             .first_entry = static_cast<std::uint32_t>(coarse.entries.size())};
+  void Store(int row, int col, sim::EchoHistogram& coarse) const {
+    sim::EchoHistogram::Cell cell{.row = row,
+                                  .col = col,
+                                  .weight = weight_,
+                                  .log_range = log_range_,
+                                  .two_way_range_m = two_way_range_m_,
+                                  .range_offset = Offset(range_ / weight_ - row),
+                                  .azimuth_offset = Offset(azimuth_ / weight_ - col),
+                                  .first_entry = static_cast<std::uint32_t>(coarse.entries.size())};
     for (const auto& [node, weight] : nodes_) coarse.entries.push_back({node, static_cast<float>(weight)});
     cell.last_entry = static_cast<std::uint32_t>(coarse.entries.size());
     coarse.cells.push_back(cell);
@@ -59,8 +59,8 @@ class CellSum {
   std::map<std::uint32_t, double> nodes_;
 };
 
-EchoHistogram MakeCoarse(const EchoHistogram& fine, Block block) {
-  EchoHistogram coarse;
+sim::EchoHistogram MakeCoarse(const sim::EchoHistogram& fine, Block block) {
+  sim::EchoHistogram coarse;
   coarse.rows = fine.rows / block.bins;
   coarse.beams = fine.beams / block.beams;
   coarse.materials = fine.materials;
@@ -70,7 +70,7 @@ EchoHistogram MakeCoarse(const EchoHistogram& fine, Block block) {
     std::map<int, CellSum> sums;
     for (std::uint32_t i = fine.row_start[row * block.bins]; i < fine.row_start[(row + 1) * block.bins];
          ++i) {
-      const EchoHistogram::Cell& cell = fine.cells[i];
+      const sim::EchoHistogram::Cell& cell = fine.cells[i];
       sums[cell.col / block.beams].Add(fine, cell, weight_factor,
                                        (cell.row + 0.5 + cell.range_offset) / block.bins,
                                        (cell.col + 0.5 + cell.azimuth_offset) / block.beams);
@@ -97,7 +97,8 @@ FitFrame MakeCoarse(const FitFrame& fine, int fine_beams, Block block) {
 
 }  // namespace
 
-CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const ImageGeometry& geometry, int most) {
+CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
+                             int most) {
   const int fine_beams = geometry.axes.beam_count();
   const Block block{.bins = LargestDivisor(geometry.axes.range_bins, most),
                     .beams = LargestDivisor(fine_beams, most)};
@@ -116,4 +117,4 @@ CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const ImageGeo
   return coarse;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -6,15 +6,15 @@
 
 #include "calib/models/paper_frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct CoarsePaperFrames {
-  ImageGeometry geometry;
+  sim::ImageGeometry geometry;
   std::vector<FitFrame> frames;  // recorded values are means over blocks, not rounded
 };
 
 // Blocks of at most `most` bins x `most` beams that divide the image evenly.
-CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                              int most = 4);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Sums over rectangles of a grid of bins x beams, each in constant time.
@@ -88,4 +88,4 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
   return weights;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -17,7 +17,7 @@
 
 #include "calib/models/power_likelihood.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct DownWeightOptions {
   double tolerance_db = 3.0;
@@ -36,4 +36,4 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
                                std::span<const std::uint8_t> use, int bins, int beams, double looks,
                                const DownWeightOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -19,7 +19,7 @@
 
 #include "calib/parameters/parameter_catalog.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Pixels of a run of range bins, bin by bin. A pixel that does not count has zeros everywhere.
 struct PixelTerms {
@@ -94,4 +94,4 @@ class FrameModel {
   std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

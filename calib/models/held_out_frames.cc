@@ -8,14 +8,14 @@
 #include "core/types/error.h"
 #include "data_io/files/hash.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Empty for a frame of one grey level.
 std::string DigestOfPixels(const Grid<float>& image) {
   const auto values = image.values();
   if (std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end()) return {};
-  return Sha256({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+  return data_io::Sha256({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
 
 }  // namespace
@@ -37,4 +37,4 @@ void CheckHeldOut(const RecordingSource& recording, const FrameSplit& split) {
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

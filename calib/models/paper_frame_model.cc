@@ -12,7 +12,7 @@
 #include "core/types/units.h"
 #include "sim/paper/paper_values.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Derivatives carried at once through the shading of cells.
@@ -51,13 +51,13 @@ constexpr double kMaxErrorBeams = 6.0;
 
 }  // namespace
 
-PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                                  const std::vector<std::string>& material_names, const ParameterSet& initial)
     : frames_(frames),
       geometry_(geometry),
       material_names_(material_names),
       given_(initial),
-      initial_(PaperParametersFor(initial, material_names)),
+      initial_(sim::PaperParametersFor(initial, material_names)),
       catalog_(BuildCatalog(material_names)),
       shown_(material_names.size(), false) {
   for (const FitFrame& frame : frames) {
@@ -66,8 +66,8 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const Imag
       throw DataError("fit: frame {} has {} pixels and {} materials, expected {} and {}", frame.index,
                       frame.measured.size(), frame.echoes.materials, pixel_count(), material_names.size());
     }
-    for (const EchoHistogram::Entry& entry : frame.echoes.entries) {
-      if (entry.weight > 0.0F) shown_[entry.node / kIncidenceNodes] = true;
+    for (const sim::EchoHistogram::Entry& entry : frame.echoes.entries) {
+      if (entry.weight > 0.0F) shown_[entry.node / sim::kIncidenceNodes] = true;
     }
   }
   const double beam_deg = DegFromRad((geometry.beam_edges_rad.back() - geometry.beam_edges_rad.front()) /
@@ -120,7 +120,7 @@ void PaperFrameModel::AddPriors() {
   constexpr double kStepsOfLevel = 2.0;  // 20 dB: the gauge is the user's
   const GsabParameters<double> paper;
   const std::array<double, 6> values = {paper.a, paper.b_deg, paper.c, paper.d, paper.e, paper.f_deg};
-  const double gauge = PowerFromDb(kPaperBlackBelowSourceDb - LevelOfOneDb());
+  const double gauge = PowerFromDb(sim::kPaperBlackBelowSourceDb - LevelOfOneDb());
   for (CatalogEntry& entry : catalog_) {
     if (entry.group != ParameterGroup::kGsab) continue;
     const bool amplitude = IsAmplitude(entry);
@@ -163,10 +163,11 @@ std::unique_ptr<FrameModel> PaperFrameModel::Coarse(std::size_t /*wanted_pixels*
 
 template <typename Body>
 void PaperFrameModel::ForPixels(const ParameterValues& values, const Body& body) const {
-  const PaperParameters<double> parameters = ParametersAt<double>([&](int entry) { return values[entry]; });
+  const sim::PaperParameters<double> parameters =
+      ParametersAt<double>([&](int entry) { return values[entry]; });
   for (int frame = 0; frame < frame_count(); ++frame) {
     const FitFrame& of = frames_[frame];
-    const PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
+    const sim::PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
     for (std::size_t i = 0; i < of.measured.size(); ++i) {
       if (Counts(frame, i)) body(of, evaluation.sums()[i], of.measured[i]);
     }
@@ -245,7 +246,7 @@ PaperClipping PaperFrameModel::ClippingAt(const ParameterValues& values) const {
 }
 
 ParameterValues PaperFrameModel::Values(const ParameterSet& parameters) const {
-  PaperParameters<double> paper = PaperParametersFor(parameters, material_names_);
+  sim::PaperParameters<double> paper = sim::PaperParametersFor(parameters, material_names_);
   ParameterValues values;
   for (const CatalogEntry& entry : catalog_) values.push_back(PaperSlot(paper, entry));
   return values;
@@ -257,8 +258,8 @@ void PaperFrameModel::Store(const ParameterValues& values, ParameterSet& paramet
 }
 
 template <typename T, typename ValueAt>
-PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) const {
-  PaperParameters<T> parameters = CastPaperParameters<T>(initial_);
+sim::PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) const {
+  sim::PaperParameters<T> parameters = CastPaperParameters<T>(initial_);
   for (std::size_t entry = 0; entry < catalog_.size(); ++entry) {
     PaperSlot(parameters, catalog_[entry]) = value_at(static_cast<int>(entry));
   }
@@ -276,9 +277,10 @@ PaperResidual PaperFrameModel::ResidualOf(double sum, double recorded, double le
 std::unique_ptr<FrameEvaluation> PaperFrameModel::At(int frame, const ParameterValues& values,
                                                      std::span<const int> active, Terms wanted) const {
   const FitFrame& of = frames_[frame];
-  const PaperParameters<double> parameters = ParametersAt<double>([&](int entry) { return values[entry]; });
+  const sim::PaperParameters<double> parameters =
+      ParametersAt<double>([&](int entry) { return values[entry]; });
   if (!(parameters.display.db_max > parameters.display.db_min)) return nullptr;
-  const PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
+  const sim::PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
   const std::vector<double>& sums = evaluation.sums();
   const auto finish = [&](PixelTerms terms) {
     return std::make_unique<WholeFrame>(std::move(terms), beams(), active.size());
@@ -312,4 +314,4 @@ std::unique_ptr<FrameEvaluation> PaperFrameModel::At(int frame, const ParameterV
   return finish(std::move(terms));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -19,11 +19,11 @@
 #include "calib/models/paper_likelihood.h"
 #include "sim/paper/expected_paper_image.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct FitFrame {
   int index = 0;  // in the recording
-  EchoHistogram echoes;
+  sim::EchoHistogram echoes;
   std::vector<double> measured;  // range_bins x beams, 0..1 of full scale
   // 1 for the pixels that count; empty: all. For what the scene does not contain.
   std::vector<std::uint8_t> use = {};
@@ -40,7 +40,7 @@ class PaperFrameModel : public FrameModel {
  public:
   // Frames, geometry and names must outlive the model. Throws DataError where a frame does not fit the
   // geometry, or a material of the scene has no parameters.
-  PaperFrameModel(const std::vector<FitFrame>& frames, const ImageGeometry& geometry,
+  PaperFrameModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                   const std::vector<std::string>& material_names, const ParameterSet& initial);
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
@@ -88,16 +88,16 @@ class PaperFrameModel : public FrameModel {
   template <typename Body>
   void ForPixels(const ParameterValues& values, const Body& body) const;
   template <typename T, typename ValueAt>
-  PaperParameters<T> ParametersAt(const ValueAt& value_at) const;
+  sim::PaperParameters<T> ParametersAt(const ValueAt& value_at) const;
 
   const std::vector<FitFrame>& frames_;
-  const ImageGeometry& geometry_;
+  const sim::ImageGeometry& geometry_;
   const std::vector<std::string>& material_names_;
   ParameterSet given_;
-  PaperParameters<double> initial_;  // and what no catalog entry names
+  sim::PaperParameters<double> initial_;  // and what no catalog entry names
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> shown_;
   std::optional<PaperNoise> noise_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -17,7 +17,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct PaperNoise {
   double sigma = 0.1;            // deviation of a recorded pixel from the model, of full scale
@@ -98,4 +98,4 @@ inline PaperResidual PaperPixelResidual(double mean, double recorded, double lev
   return {(expected.value - recorded) / noise.sigma, expected.slope / noise.sigma};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -8,7 +8,7 @@
 #include "calib/models/power_likelihood.h"
 #include "sim/rays/vector_versions.h"
 
-namespace sonarcal::pixel_math {
+namespace sonarcal::calib::pixel_math {
 namespace {
 
 constexpr int kLanes = 4;
@@ -26,15 +26,15 @@ __attribute__((always_inline)) inline void Store(const Lanes& lanes, double* to)
 
 // One pixel's entries of one material, from `e` on, by curves whose first node is `first_node`; returns where
 // the next material begins.
-__attribute__((always_inline)) inline const PixelEchoes::Entry* AddMaterial(
-    const PixelEchoes::Entry* e, const PixelEchoes::Entry* last, std::uint32_t next_material,
+__attribute__((always_inline)) inline const sim::PixelEchoes::Entry* AddMaterial(
+    const sim::PixelEchoes::Entry* e, const sim::PixelEchoes::Entry* last, std::uint32_t next_material,
     std::uint32_t first_node, const double* curves, double* sums) {
-  static_assert(kCurveStride == 2 * kLanes);
+  static_assert(sim::kCurveStride == 2 * kLanes);
   Lanes first = {};
   Lanes second = {};
   for (; e < last && e->node < next_material; ++e) {
     const double weight = e->weight;
-    const double* at = curves + std::size_t{kCurveStride} * (e->node - first_node);
+    const double* at = curves + std::size_t{sim::kCurveStride} * (e->node - first_node);
     first += weight * Load(at);
     second += weight * Load(at + kLanes);
   }
@@ -46,42 +46,42 @@ __attribute__((always_inline)) inline const PixelEchoes::Entry* AddMaterial(
 }  // namespace
 
 SONARCAL_VECTOR_VERSIONS
-void SumCurves(const PixelEchoes& echoes, std::span<const std::uint32_t> pixels,
+void SumCurves(const sim::PixelEchoes& echoes, std::span<const std::uint32_t> pixels,
                std::span<const double> curves, double* sums) {
-  const auto nodes = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
-  const std::size_t stride = static_cast<std::size_t>(echoes.materials) * kCurveStride;
+  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
+  const std::size_t stride = static_cast<std::size_t>(echoes.materials) * sim::kCurveStride;
   std::fill(sums, sums + stride * pixels.size(), 0.0);
-  const PixelEchoes::Entry* entries = echoes.entries.data();
+  const sim::PixelEchoes::Entry* entries = echoes.entries.data();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const PixelEchoes::Entry* e = entries + echoes.start[pixels[i]];
-    const PixelEchoes::Entry* last = entries + echoes.start[pixels[i] + 1];
+    const sim::PixelEchoes::Entry* e = entries + echoes.start[pixels[i]];
+    const sim::PixelEchoes::Entry* last = entries + echoes.start[pixels[i] + 1];
     for (std::uint32_t material = 0; e < last; ++material) {
       e = AddMaterial(e, last, (material + 1) * nodes, 0, curves.data(),
-                      sums + i * stride + std::size_t{kCurveStride} * material);
+                      sums + i * stride + std::size_t{sim::kCurveStride} * material);
     }
   }
 }
 
 SONARCAL_VECTOR_VERSIONS
-void AddGhosts(const PixelEchoes& ghosts, std::span<const std::uint32_t> pixels,
+void AddGhosts(const sim::PixelEchoes& ghosts, std::span<const std::uint32_t> pixels,
                std::span<const double> parts, std::span<const double> passed, double* sums, double* by_way) {
-  const auto nodes = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
+  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
   const auto ways = static_cast<std::uint32_t>(passed.size());
   const std::uint32_t of_a_way = static_cast<std::uint32_t>(ghosts.materials) / ways;  // parts
-  const std::uint32_t materials = of_a_way / kCurveParts;
-  const std::size_t stride = std::size_t{materials} * kCurveStride;
-  const PixelEchoes::Entry* entries = ghosts.entries.data();
+  const std::uint32_t materials = of_a_way / sim::kCurveParts;
+  const std::size_t stride = std::size_t{materials} * sim::kCurveStride;
+  const sim::PixelEchoes::Entry* entries = ghosts.entries.data();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const PixelEchoes::Entry* e = entries + ghosts.start[pixels[i]];
-    const PixelEchoes::Entry* last = entries + ghosts.start[pixels[i] + 1];
+    const sim::PixelEchoes::Entry* e = entries + ghosts.start[pixels[i]];
+    const sim::PixelEchoes::Entry* last = entries + ghosts.start[pixels[i] + 1];
     while (e < last) {
       const std::uint32_t run = e->node / nodes;
       const std::uint32_t way = run / of_a_way;
       const std::uint32_t part = run % of_a_way;
-      double of[kCurveStride];
+      double of[sim::kCurveStride];
       e = AddMaterial(e, last, (run + 1) * nodes, way * of_a_way * nodes, parts.data(), of);
-      double* to = sums + i * stride + std::size_t{kCurveStride} * (part / kCurveParts);
-      for (int k = 0; k < kCurveStride; ++k) to[k] += passed[way] * of[k];
+      double* to = sums + i * stride + std::size_t{sim::kCurveStride} * (part / sim::kCurveParts);
+      for (int k = 0; k < sim::kCurveStride; ++k) to[k] += passed[way] * of[k];
       by_way[i * ways + way] += passed[way] * of[0];
     }
   }
@@ -169,4 +169,4 @@ void AddOuterProducts(const double* __restrict rows, const double* __restrict we
   }
 }
 
-}  // namespace sonarcal::pixel_math
+}  // namespace sonarcal::calib::pixel_math

@@ -13,16 +13,16 @@
 #include "sim/gathered/ghost_echoes.h"
 #include "sim/gathered/pixel_echoes.h"
 
-namespace sonarcal::pixel_math {
+namespace sonarcal::calib::pixel_math {
 
 // For each of `pixels`, its echoes' sums: kCurveStride values for each material, of `curves` as in AddCurves.
 // sums: pixels x materials x kCurveStride, set whole.
-void SumCurves(const PixelEchoes& echoes, std::span<const std::uint32_t> pixels,
+void SumCurves(const sim::PixelEchoes& echoes, std::span<const std::uint32_t> pixels,
                std::span<const double> curves, double* sums);
 
 // Adds to `sums` what ghosts bring, and to `by_way` (pixels x ways) the power of each way: `parts` holds
 // kCurveStride values for each node of each part of each material, `passed` a factor for each way.
-void AddGhosts(const PixelEchoes& ghosts, std::span<const std::uint32_t> pixels,
+void AddGhosts(const sim::PixelEchoes& ghosts, std::span<const std::uint32_t> pixels,
                std::span<const double> parts, std::span<const double> passed, double* sums, double* by_way);
 
 // PowerLikelihood of pixels that are not clipped. power >= 0, mean > 0.
@@ -38,4 +38,4 @@ inline constexpr int kRowPadding = 4;
 void AddOuterProducts(const double* rows, const double* weight, const double* along, int count, int n,
                       double* sum, double* projection);
 
-}  // namespace sonarcal::pixel_math
+}  // namespace sonarcal::calib::pixel_math

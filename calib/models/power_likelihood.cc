@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unsupported/Eigen/SpecialFunctions>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using Eigen::numext::igamma;
@@ -96,4 +96,4 @@ double ExpectedInformation(double lowest, double highest, double mean, double lo
   return std::max(information, 0.0);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

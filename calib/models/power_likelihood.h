@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 enum class Censoring { kNone, kAtMost, kAtLeast };
 
@@ -38,4 +38,4 @@ LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, doubl
 // may be infinite; mean > 0, looks > 0.
 double ExpectedInformation(double lowest, double highest, double mean, double looks);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

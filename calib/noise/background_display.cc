@@ -12,7 +12,7 @@
 #include "core/types/error.h"
 #include "sim/physics/speckle.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Searched about the noise level, dB.
@@ -49,7 +49,7 @@ double NatsPerPixel(const std::vector<GreyCell>& cells, const BackgroundDisplay&
   double below = 0.0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const bool last = i + 1 == cells.size();
-    const double up_to = last ? 1.0 : DisplayedCdf(law.display, law.looks, 1.0, cells[i].upper);
+    const double up_to = last ? 1.0 : sim::DisplayedCdf(law.display, law.looks, 1.0, cells[i].upper);
     nats -= cells[i].share * std::log(std::max(up_to - below, kLeast));
     below = up_to;
   }
@@ -61,8 +61,8 @@ double KolmogorovSmirnov(const std::vector<GreyCell>& cells, const BackgroundDis
   double largest = 0.0;
   for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
     recorded += cells[i].share;
-    largest =
-        std::max(largest, std::abs(recorded - DisplayedCdf(law.display, law.looks, 1.0, cells[i].upper)));
+    largest = std::max(largest,
+                       std::abs(recorded - sim::DisplayedCdf(law.display, law.looks, 1.0, cells[i].upper)));
   }
   return largest;
 }
@@ -122,4 +122,4 @@ BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& back
   return fitted;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

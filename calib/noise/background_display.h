@@ -11,7 +11,7 @@
 #include "core/types/mask.h"
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct BackgroundDisplay {
   DisplayParameters<double> display;
@@ -25,4 +25,4 @@ struct BackgroundDisplay {
 BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& background, DisplayLaw law,
                                        double looks = 1.0);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

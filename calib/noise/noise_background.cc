@@ -5,7 +5,7 @@
 
 #include "calib/noise/noise_solver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr int kRejections = 6;
@@ -29,7 +29,7 @@ std::vector<double> Measure(const NoiseForm& form, const NoiseCounts& counts, co
   NoiseForm plain = form;
   plain.floor_after_gain = false;
   plain.time_varied_gain = TimeVariedGain::kNone;
-  plain.speckle = SpeckleLaw::kWeighted;  // quicker by far, and near enough
+  plain.speckle = sim::SpeckleLaw::kWeighted;  // quicker by far, and near enough
   NoiseFitOptions quick = options;
   quick.max_iterations = kMeasureIterations;
   const NoiseLaw start = StartOf(plain, counts, cells, 0.0, options.absorption_db_per_m);
@@ -155,4 +155,4 @@ BackgroundWindow FindBackground(const NoiseForm& form, const NoiseCounts& counts
                            });
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

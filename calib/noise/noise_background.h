@@ -10,7 +10,7 @@
 
 #include "calib/noise/noise_form.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Weights by cell, 0 or 1: cells whose measure lies further than `reject_beyond` robust standard deviations
 // from the median of all are left out, and the law fitted again, until the same cells stay or for six rounds.
@@ -39,4 +39,4 @@ std::vector<BackgroundWindow> BackgroundWindows(const NoiseForm& form, const Noi
 BackgroundWindow FindBackground(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
                                 const NoiseFitOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

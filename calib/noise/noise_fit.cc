@@ -16,7 +16,7 @@
 #include "calib/noise/noise_solver.h"
 #include "data_io/parameters/parameters_io.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr int kFewestBandsToSplit = 4;
@@ -276,8 +276,4 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   return fit;
 }
 
-std::string_view ToString(SpeckleLaw law) {
-  return law == SpeckleLaw::kGamma ? "gamma" : "weighted";
-}
-
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -29,7 +29,7 @@
 #include "calib/noise/noise_likelihood.h"
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct NoiseFitOptions {
   std::vector<int> held_out;          // frames, counted from 0; empty: the last third, none of a single frame
@@ -62,7 +62,7 @@ inline constexpr double kRelevantNats = 2e-5;  // a pixel
 
 struct NoiseModelChoice {
   DisplayLaw display = DisplayLaw::kLog;
-  SpeckleLaw speckle = SpeckleLaw::kGamma;
+  sim::SpeckleLaw speckle = sim::SpeckleLaw::kGamma;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
   bool floor_after_gain = false;
   double nats_per_pixel = 0.0;  // -log likelihood of the pings of frames_chosen_on
@@ -92,7 +92,4 @@ struct NoiseFit {
 // Throws DataError where the frames can't be used together; an end without a usable law is `usable` = false.
 NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& options);
 
-// "gamma" and "weighted".
-std::string_view ToString(SpeckleLaw law);
-
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

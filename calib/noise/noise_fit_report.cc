@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // A parameter is called unidentifiable where its variance exceeds this share of what was assumed beforehand
@@ -248,4 +248,4 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   return report;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -5,7 +5,7 @@
 
 #include "calib/noise/noise_solver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // `covariance` of solution.value, in the order of its layout. A parameter that the pings leave open (sigma of
 // more than half the spread assumed beforehand, or of more than 20 dB of a level) is unidentifiable: it keeps
@@ -13,4 +13,4 @@ namespace sonarcal {
 FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, const Eigen::MatrixXd& covariance,
                       bool fit_span, int frames_used, const NoiseCells& cells);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -7,7 +7,7 @@
 #include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kUnknownSpanDb = 60.0;
@@ -42,24 +42,24 @@ double RoughNoisePower(const NoiseCounts& counts, const NoiseCells& cells,
   for (int level = 0; level < cells.full_scale; ++level) {
     below += histogram[level];
     if (below >= 0.8 * all && below < all) {
-      const double power = PowerFromDisplay(display, (level + 0.5) / cells.full_scale);
+      const double power = sim::PowerFromDisplay(display, (level + 0.5) / cells.full_scale);
       return std::max(power, 1e-12) / -std::log1p(-below / all);
     }
   }
-  return PowerFromDisplay(display, 0.5);
+  return sim::PowerFromDisplay(display, 0.5);
 }
 
 }  // namespace
 
 int Richness(const NoiseForm& form) {
-  return (form.display.law == DisplayLaw::kSoftLog) + (form.speckle != SpeckleLaw::kGamma) +
+  return (form.display.law == DisplayLaw::kSoftLog) + (form.speckle != sim::SpeckleLaw::kGamma) +
          (form.time_varied_gain != TimeVariedGain::kNone) + form.floor_after_gain;
 }
 
 NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
                  double absorption_db_per_m) {
   NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
-  const double level_db = LevelOfPower(RoughNoisePower(counts, cells, form.display));
+  const double level_db = sim::LevelOfPower(RoughNoisePower(counts, cells, form.display));
   if (form.display.law == DisplayLaw::kSoftLog && form.display.soft_db == 0.0) {
     // Nothing below the soft floor is ever shown: it starts below all that was.
     const double span_db = form.display.db_max - form.display.db_min;
@@ -73,7 +73,7 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
   const double near_m = cells.RangeM(0);
   const double far_m = cells.RangeM(cells.bands() - 1);
   const auto gain_db = [&](double range_m) {
-    return TimeVariedGainDb(form.time_varied_gain, range_m, absorption_db_per_m);
+    return sim::TimeVariedGainDb(form.time_varied_gain, range_m, absorption_db_per_m);
   };
   receiver.noise_slope_db_per_m =
       (net_db - (gain_db(far_m) - gain_db(near_m))) / std::max(1e-3, far_m - near_m);
@@ -87,13 +87,13 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
 std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOptions& options) {
   if (options.display) {
     std::vector<NoiseForm> forms = {{.display = *options.display}};
-    forms.push_back({.display = *options.display, .speckle = SpeckleLaw::kWeighted});
+    forms.push_back({.display = *options.display, .speckle = sim::SpeckleLaw::kWeighted});
     return forms;
   }
   if (info.display_gamma) {
     const DisplayParameters<double> power{
         .db_min = -100.0, .db_max = 0.0, .law = DisplayLaw::kPower, .exponent = *info.display_gamma};
-    return {{.display = power}, {.display = power, .speckle = SpeckleLaw::kWeighted}};
+    return {{.display = power}, {.display = power, .speckle = sim::SpeckleLaw::kWeighted}};
   }
   DisplayParameters<double> display{.db_min = 0.0, .db_max = kUnknownSpanDb};
   std::optional<double> span = info.scale.db_span;
@@ -106,9 +106,9 @@ std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOpt
   for (const DisplayLaw law : {DisplayLaw::kLog, DisplayLaw::kSoftLog}) {
     display.law = law;
     forms.push_back({.display = display, .fit_span = !span});
-    if (span) forms.push_back({.display = display, .speckle = SpeckleLaw::kWeighted});
+    if (span) forms.push_back({.display = display, .speckle = sim::SpeckleLaw::kWeighted});
   }
   return forms;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -5,12 +5,12 @@
 
 #include "calib/noise/noise_fit.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct NoiseForm {
   DisplayParameters<double> display;
   bool fit_span = false;  // else the looks
-  SpeckleLaw speckle = SpeckleLaw::kGamma;
+  sim::SpeckleLaw speckle = sim::SpeckleLaw::kGamma;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
   bool floor_after_gain = true;
 };
@@ -26,4 +26,4 @@ std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOpt
 NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
                  double absorption_db_per_m);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

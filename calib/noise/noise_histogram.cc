@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Cells of a dense count, without the levels that do not occur.
@@ -65,4 +65,4 @@ NoiseCounts AddCounts(std::span<const NoiseCounts> pings, const NoiseCells& cell
   return Sparse(dense, cells.count(), levels);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

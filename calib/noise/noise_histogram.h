@@ -11,7 +11,7 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct LevelCount {
   int level = 0;
@@ -42,4 +42,4 @@ NoiseCounts CountGrey(const PolarImage& image, const NoiseCells& cells);
 
 NoiseCounts AddCounts(std::span<const NoiseCounts> pings, const NoiseCells& cells);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kStep = 0.1;  // of ln N: 0.4 dB, a few grey levels at the most
@@ -43,4 +43,4 @@ PixelInformation InformationTable::operator()(double noise_power) const {
   return (1.0 - fraction) * entry_[i] + fraction * entry_[i + 1];
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

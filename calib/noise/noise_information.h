@@ -10,7 +10,7 @@
 
 #include "calib/noise/noise_likelihood.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 using PixelInformation = Eigen::Matrix<double, GreyLevels::kDerivatives, GreyLevels::kDerivatives>;
 
@@ -30,4 +30,4 @@ class InformationTable {
   std::vector<PixelInformation> entry_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

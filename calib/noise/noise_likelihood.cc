@@ -6,7 +6,7 @@
 
 #include "core/math/distribution.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kLooksStep = 1e-5;  // of ln looks, for a difference
@@ -69,9 +69,9 @@ GreyLevels::GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks) : law
   const auto power_at = [&](double value, double span_step, double soft_step) {
     DisplayParameters<double> display = law.display;
     display.soft_db += soft_step;
-    if (display.law == DisplayLaw::kPower) return PowerFromDisplay(display, value);
+    if (display.law == DisplayLaw::kPower) return sim::PowerFromDisplay(display, value);
     display.db_max += span_step;
-    return PowerFromDisplay(display, value);
+    return sim::PowerFromDisplay(display, value);
   };
   for (int level = 0; level < full_scale; ++level) {
     const double value = (level + 0.5) / full_scale;
@@ -86,7 +86,7 @@ GreyLevels::GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks) : law
 double GreyLevels::Cdf(int level, double noise_power) const {
   if (level < 0) return 0.0;
   if (level >= static_cast<int>(edge_power_.size())) return 1.0;
-  return SpeckleCdf(law_.receiver.looks, edge_power_[level] / noise_power, law_.speckle);
+  return sim::SpeckleCdf(law_.receiver.looks, edge_power_[level] / noise_power, law_.speckle);
 }
 
 QuantileBound GreyLevels::Bound(int level, double noise_power) const {
@@ -94,7 +94,7 @@ QuantileBound GreyLevels::Bound(int level, double noise_power) const {
   if (level >= static_cast<int>(edge_power_.size())) return {.below = 1.0, .beyond = 0.0};
   const double ratio = edge_power_[level] / noise_power;
   return {.below = Cdf(level, noise_power),
-          .beyond = SpeckleSurvival(law_.receiver.looks, ratio, law_.speckle)};
+          .beyond = sim::SpeckleSurvival(law_.receiver.looks, ratio, law_.speckle)};
 }
 
 GreyLevels::Chance GreyLevels::Below(int level, double noise_power) const {
@@ -103,14 +103,15 @@ GreyLevels::Chance GreyLevels::Below(int level, double noise_power) const {
   Chance below{.value = Cdf(level, noise_power)};
   const double ratio = edge_power_[level] / noise_power;
   const double looks = law_.receiver.looks;
-  below.beyond = SpeckleSurvival(looks, ratio, law_.speckle);
-  const double density = SpeckleDensity(looks, ratio, law_.speckle);
+  below.beyond = sim::SpeckleSurvival(looks, ratio, law_.speckle);
+  const double density = sim::SpeckleDensity(looks, ratio, law_.speckle);
   below.derivative[0] = -ratio * density;
   if (by_looks_) {
     const double more = std::exp(kLooksStep);
     below.derivative[1] =
-        below.value < 0.5 ? (SpeckleCdf(looks * more, ratio, law_.speckle) - below.value) / kLooksStep
-                          : (below.beyond - SpeckleSurvival(looks * more, ratio, law_.speckle)) / kLooksStep;
+        below.value < 0.5
+            ? (sim::SpeckleCdf(looks * more, ratio, law_.speckle) - below.value) / kLooksStep
+            : (below.beyond - sim::SpeckleSurvival(looks * more, ratio, law_.speckle)) / kLooksStep;
   }
   below.derivative[2] = density * edge_by_span_[level] / noise_power;
   below.derivative[3] = density * edge_by_soft_db_[level] / noise_power;
@@ -147,7 +148,7 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
     if (!weight.empty() && weight[cell] == 0.0) continue;
     const int band = cell / cells.beams();
     const int beam = cell % cells.beams();
-    const double power = NoisePower(law.receiver, cells.RangeM(band), beam, absorption_db_per_m);
+    const double power = sim::NoisePower(law.receiver, cells.RangeM(band), beam, absorption_db_per_m);
     double below = 0.0;
     double predicted_mean = 0.0;
     for (int level = 0; level < levels; ++level) {
@@ -201,4 +202,4 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
   return agreement;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

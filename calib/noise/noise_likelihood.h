@@ -12,13 +12,13 @@
 #include "core/types/parameters.h"
 #include "sim/physics/speckle.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // What a noise fit finds.
 struct NoiseLaw {
   DisplayParameters<double> display;
   ReceiverParameters receiver;
-  SpeckleLaw speckle = SpeckleLaw::kGamma;
+  sim::SpeckleLaw speckle = sim::SpeckleLaw::kGamma;
 };
 
 // Chances of the grey levels, and their derivatives with respect to the law.
@@ -77,4 +77,4 @@ inline constexpr int kJudgeBeams = 8;
 NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const NoiseCells& cells,
                          const std::vector<double>& weight, double absorption_db_per_m);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -11,7 +11,7 @@
 
 #include "calib/noise/noise_information.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kNatsPerDb = std::numbers::ln10 / 10.0;
@@ -141,12 +141,12 @@ struct CellParameters {
 CellParameters AtCell(const NoiseLaw& law, const NoiseLayout& layout, double range_m, int beam,
                       double absorption_db_per_m) {
   CellParameters cell;
-  cell.noise_power = NoisePower(law.receiver, range_m, beam, absorption_db_per_m);
+  cell.noise_power = sim::NoisePower(law.receiver, range_m, beam, absorption_db_per_m);
   double share = 1.0;
   if (law.receiver.noise_after_gain_db) {
     const double taper_db =
         law.receiver.noise_after_gain_taper_db.empty() ? 0.0 : law.receiver.noise_after_gain_taper_db[beam];
-    share = 1.0 - PowerOfLevel(*law.receiver.noise_after_gain_db + taper_db) / cell.noise_power;
+    share = 1.0 - sim::PowerOfLevel(*law.receiver.noise_after_gain_db + taper_db) / cell.noise_power;
   }
   // ln N is the logarithm of a sum of two powers: its curvature is share (1 - share) about their ratio.
   cell.bend = kNatsPerDb * kNatsPerDb * share * (1.0 - share);
@@ -383,4 +383,4 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
   return solution;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -8,7 +8,7 @@
 
 #include "calib/noise/noise_fit.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Where each parameter stands in the vector; -1: it has no place, as it is fixed or absent.
 struct NoiseLayout {
@@ -57,4 +57,4 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
 Eigen::VectorXd NoiseScore(const NoiseSolution& solution, const NoiseCounts& counts, const NoiseCells& cells,
                            const std::vector<double>& weight, double absorption_db_per_m);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <unsupported/Eigen/SpecialFunctions>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Of the residual over its interval.
 struct QuantileMoments {
@@ -41,4 +41,4 @@ inline QuantileMoments QuantileResidual(const QuantileBound& lower, const Quanti
           .square = 1.0 + (a * density(a) - b * density(b)) / chance};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -24,7 +24,7 @@
 #include "core/types/image.h"
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct StillOptions {
   DisplayParameters<double> display;
@@ -85,4 +85,4 @@ inline constexpr double kWellAboveNoiseDb = 10.0;
 SceneEchoes CompareSceneEchoes(const StillLevels& levels, const std::vector<double>& expected_power,
                                const StillOptions& options, double above_noise_db = kWellAboveNoiseDb);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -9,7 +9,7 @@
 #include "sim/physics/display.h"
 #include "sim/physics/frozen_speckle.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr int kMostClasses = 512;
@@ -32,20 +32,20 @@ double Spacing(double looks, int frames) {
 
 // Above what the brightest pixels may hold.
 double HighestNode(double brightest_db) {
-  return 1.1 * AmplitudeOfLevel(brightest_db) + 3.0;
+  return 1.1 * sim::AmplitudeOfLevel(brightest_db) + 3.0;
 }
 
 }  // namespace
 
 double BrightestTellingDb(double looks, int frames, double asked_db) {
   const double highest = (kMostNodes * Spacing(looks, frames) - 3.0) / 1.1;
-  return std::min(asked_db, 2.0 * LevelOfPower(highest));
+  return std::min(asked_db, 2.0 * sim::LevelOfPower(highest));
 }
 
 GreyClasses::GreyClasses(const DisplayParameters<double>& display, double full_scale) {
   const int levels = static_cast<int>(full_scale) + 1;
   levels_in_class_ = (levels + kMostClasses - 1) / kMostClasses;
-  const auto power_at = [&](double grey) { return PowerFromDisplay(display, grey / full_scale); };
+  const auto power_at = [&](double grey) { return sim::PowerFromDisplay(display, grey / full_scale); };
   const int classes = (levels + levels_in_class_ - 1) / levels_in_class_;
   for (int c = 1; c < classes; ++c) edges_.push_back(power_at(c * levels_in_class_ - 0.5));
   for (int c = 0; c < classes; ++c) {
@@ -83,11 +83,12 @@ std::vector<std::vector<float>> StillLikelihood::LogTables(double noise_db) cons
   tbb::parallel_for(std::size_t{0}, shapes_db_.size() * nodes, [&](std::size_t task) {
     const std::size_t shape = task / nodes;
     const std::size_t node = task % nodes;
-    const double noise = PowerOfLevel(noise_db + shapes_db_[shape]);
+    const double noise = sim::PowerOfLevel(noise_db + shapes_db_[shape]);
     const double echo = amplitude_[node] * amplitude_[node];
     double below = 0.0;
     for (int c = 0; c < classes_.count(); ++c) {
-      const double up_to = c + 1 < classes_.count() ? FrozenPowerCdf(looks_, echo, edges[c] / noise) : 1.0;
+      const double up_to =
+          c + 1 < classes_.count() ? sim::FrozenPowerCdf(looks_, echo, edges[c] / noise) : 1.0;
       tables[shape][c * nodes + node] = static_cast<float>(std::log(std::max(up_to - below, kLeastChance)));
       below = up_to;
     }
@@ -169,11 +170,11 @@ std::vector<double> StillLikelihood::EchoPower(double noise_db, const std::vecto
         sum += chance;
         mean += chance * amplitude_[node] * amplitude_[node];
       }
-      power[i] = mean / sum * PowerOfLevel(noise_db + shapes_db_[shape_index_[i]]);
+      power[i] = mean / sum * sim::PowerOfLevel(noise_db + shapes_db_[shape_index_[i]]);
       ++i;
     }
   });
   return power;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

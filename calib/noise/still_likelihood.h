@@ -9,7 +9,7 @@
 
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Grey levels in classes: level by level up to 512 of them, wider ones beyond.
 class GreyClasses {
@@ -73,4 +73,4 @@ class StillLikelihood {
   std::vector<double> amplitude_;  // of the nodes, in those of the noise
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

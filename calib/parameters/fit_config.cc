@@ -9,7 +9,7 @@
 #include "core/types/error.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 bool Matches(const std::string& pattern, const CatalogEntry& entry) {
@@ -47,7 +47,7 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
 }  // namespace
 
 FitConfig ReadFitConfig(const std::filesystem::path& path) {
-  const JsonReader root = JsonReader::FromFile(path);
+  const data_io::JsonReader root = data_io::JsonReader::FromFile(path);
   if (const auto format = root.At("format"); format.String() != "sonar-fit-config/1") {
     format.Fail(fmt::format("is '{}', expected 'sonar-fit-config/1'", format.String()));
   }
@@ -56,7 +56,7 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
     const auto list = root.Find(key);
     if (!list) return;
     names.clear();
-    for (const JsonReader& item : list->Items()) names.push_back(item.String());
+    for (const data_io::JsonReader& item : list->Items()) names.push_back(item.String());
   };
   std::vector<std::string> free;
   if (root.Find("free")) {
@@ -96,7 +96,7 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
   }
   if (const auto held_out = root.Find("held_out")) {
     config.held_out.emplace();
-    for (const JsonReader& item : held_out->Items()) {
+    for (const data_io::JsonReader& item : held_out->Items()) {
       config.held_out->push_back(static_cast<int>(item.Integer(0, std::numeric_limits<int>::max())));
     }
   }
@@ -193,4 +193,4 @@ FrameSplit SplitFrames(const FitConfig& config, int frame_count) {
   return split;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

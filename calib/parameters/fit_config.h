@@ -26,7 +26,7 @@
 
 #include "calib/parameters/parameter_catalog.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct PosePrior {
   double position_m = 0.1;
@@ -68,4 +68,4 @@ struct FrameSplit {
 // Throws DataError where a held-out frame does not exist or none is left to fit.
 FrameSplit SplitFrames(const FitConfig& config, int frame_count);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

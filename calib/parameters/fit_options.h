@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // A fit that was stopped by who asked for it. There is nothing to be had of it.
 class FitStopped : public std::runtime_error {
@@ -32,4 +32,4 @@ struct FitOptions {
   void Check() const;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

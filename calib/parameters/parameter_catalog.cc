@@ -11,7 +11,7 @@
 #include "core/types/units.h"
 #include "sim/physics/jitter.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Steps that would be a surprise: a factor of ten in power, a factor of e in a width, one in an exponent, 20
@@ -25,7 +25,7 @@ constexpr double kLossStepDb = 10.0;
 constexpr double kMostLossDb = 60.0;
 
 CatalogEntry GsabEntry(const std::string& material, int material_idx, int index) {
-  const ParameterTraits& traits = kGsabTraits[index];
+  const sim::ParameterTraits& traits = sim::kGsabTraits[index];
   const bool exponent = traits.name == "D";
   const bool width = traits.unit == "deg";
   return {.name = fmt::format("material.{}.gsab.{}", material, traits.name),
@@ -50,7 +50,7 @@ CatalogEntry SourceLevelEntry() {
 
 void AddMaterials(const std::vector<std::string>& material_names, std::vector<CatalogEntry>& catalog) {
   for (std::size_t material = 0; material < material_names.size(); ++material) {
-    for (int index = 0; index < static_cast<int>(kGsabTraits.size()); ++index) {
+    for (int index = 0; index < static_cast<int>(sim::kGsabTraits.size()); ++index) {
       catalog.push_back(GsabEntry(material_names[material], static_cast<int>(material), index));
     }
   }
@@ -142,8 +142,8 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
                        .typical_step = kLevelStepDb});
   }
   AddMaterials(material_names, catalog);
-  for (int index = 0; index < static_cast<int>(kJitterTraits.size()); ++index) {
-    const ParameterTraits& traits = kJitterTraits[index];
+  for (int index = 0; index < static_cast<int>(sim::kJitterTraits.size()); ++index) {
+    const sim::ParameterTraits& traits = sim::kJitterTraits[index];
     catalog.push_back({.name = fmt::format("jitter.{}", traits.name),
                        .unit = std::string(traits.unit),
                        .group = ParameterGroup::kJitter,
@@ -227,7 +227,7 @@ double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& m
   }
 }
 
-void StorePaperParameters(const PaperParameters<double>& fitted,
+void StorePaperParameters(const sim::PaperParameters<double>& fitted,
                           const std::vector<std::string>& material_names, ParameterSet& parameters) {
   parameters.source_level_db = fitted.source_level_db;
   parameters.display = fitted.display;
@@ -237,4 +237,4 @@ void StorePaperParameters(const PaperParameters<double>& fitted,
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -24,7 +24,7 @@
 
 #include "sim/physics/paper_echo.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 enum class ParameterGroup {
   kSourceLevel,
@@ -122,7 +122,7 @@ double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& m
 
 // The place of a parameter.
 template <typename T>
-T& PaperSlot(PaperParameters<T>& p, const CatalogEntry& entry) {
+T& PaperSlot(sim::PaperParameters<T>& p, const CatalogEntry& entry) {
   switch (entry.group) {
     case ParameterGroup::kSourceLevel:
       return p.source_level_db;
@@ -142,8 +142,8 @@ T& PaperSlot(PaperParameters<T>& p, const CatalogEntry& entry) {
 
 // The same parameters with another scalar.
 template <typename T>
-PaperParameters<T> CastPaperParameters(const PaperParameters<double>& p) {
-  PaperParameters<T> out;
+sim::PaperParameters<T> CastPaperParameters(const sim::PaperParameters<double>& p) {
+  sim::PaperParameters<T> out;
   out.source_level_db = T(p.source_level_db);
   out.display = {T(p.display.db_min), T(p.display.db_max)};
   for (const GsabParameters<double>& g : p.materials) {
@@ -157,7 +157,7 @@ PaperParameters<T> CastPaperParameters(const PaperParameters<double>& p) {
 }
 
 // Writes fitted values back under their names; a material that "default" served gets an entry of its own.
-void StorePaperParameters(const PaperParameters<double>& fitted,
+void StorePaperParameters(const sim::PaperParameters<double>& fitted,
                           const std::vector<std::string>& material_names, ParameterSet& parameters);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

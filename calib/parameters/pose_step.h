@@ -13,7 +13,7 @@
 #include "core/types/rotation.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 inline constexpr int kPoseSteps = 6;
 using PoseStep = Eigen::Matrix<double, kPoseSteps, 1>;  // m, m, m, deg, deg, deg
@@ -64,4 +64,4 @@ inline Pose PoseFromNamedValues(const PoseStep& values) {
           values.head<3>()};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -11,7 +11,7 @@
 
 #include "calib/poses/pose_problem.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kTold = 4.0;      // nats: odds of 55 to 1
@@ -61,9 +61,9 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
 // Lowest and highest of what a pose's rays meet, m; nothing where they meet nothing.
 std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model, const Pose& pose) {
   constexpr int kThin = 8;
-  const RayFan fan = model.ThinnedFan(kThin);
-  const EchoList echoes =
-      Trace(model.simulator().caster(), fan, pose, model.sonar().axes, model.simulator().options().trace);
+  const sim::RayFan fan = model.ThinnedFan(kThin);
+  const sim::EchoList echoes = sim::Trace(model.simulator().caster(), fan, pose, model.sonar().axes,
+                                          model.simulator().options().trace);
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
@@ -157,4 +157,4 @@ int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, Parame
   return static_cast<int>(best.size());
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

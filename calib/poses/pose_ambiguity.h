@@ -13,7 +13,7 @@
 
 #include "calib/models/acoustic_frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct OtherPose {
   int frame = 0;                                // place among the model's frames
@@ -34,4 +34,4 @@ int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, Parame
 // The reflected pose. `lowest_m` and `highest_m` bound the heights of what is seen.
 Pose ReflectedPose(const Pose& world_from_sonar, double lowest_m, double highest_m);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

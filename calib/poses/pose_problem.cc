@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 PoseProblem::PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                          const PoseSmoothing& smoothing, int thin, std::vector<int> frames,
@@ -138,4 +138,4 @@ void PoseProblem::Set(int entry, double value, ParameterValues& values) const {
   values[entry] = std::clamp(value, catalog_[entry].lower, catalog_[entry].upper);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -9,7 +9,7 @@
 #include "calib/parameters/pose_step.h"
 #include "calib/poses/pose_view.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 class PoseProblem {
  public:
@@ -64,8 +64,8 @@ class PoseProblem {
   const std::vector<CatalogEntry>& catalog_;
   std::vector<int> entries_;
   std::vector<int> frames_;
-  RayFan fan_;
+  sim::RayFan fan_;
   std::vector<PoseView> views_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -10,7 +10,7 @@
 #include "calib/poses/pose_problem.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr int kStepsOfSlopes = 3;
@@ -123,4 +123,4 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
   return falls;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

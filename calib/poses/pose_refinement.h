@@ -14,7 +14,7 @@
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/poses/pose_view.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct PoseStage {
   PoseSmoothing smoothing;
@@ -36,4 +36,4 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
                    const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
                    const std::function<void(const std::string&)>& progress = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

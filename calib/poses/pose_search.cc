@@ -15,7 +15,7 @@
 #include "core/math/smoothing.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Coordinates of the solver: range (m), azimuth, elevation, yaw, pitch (rad), gain (dB), each in units of a
@@ -73,14 +73,14 @@ class Matcher {
     const double bin_m = coarse.axes.range_bin_m();
     // The pulse is at least a bin long, whatever the bin.
     parameters_.pulse.length_m = std::max(parameters_.pulse.length_m, bin_m);
-    SimulationOptions simulation;
+    sim::SimulationOptions simulation;
     simulation.water = water;
     simulation.fan = {
-        .sampling = Sampling::kBeams,
+        .sampling = sim::Sampling::kBeams,
         .cols = coarse.axes.beam_count() * std::max(1, options.cols_per_beam / factor),
         .rows = static_cast<int>(std::ceil(options.elevation_span_deg / options.ray_height_deg / factor)),
         .elevation_span_deg = options.elevation_span_deg};
-    simulator_ = std::make_unique<Simulator>(target, coarse, simulation);
+    simulator_ = std::make_unique<sim::Simulator>(target, coarse, simulation);
     measured_ = FewerBins(measured, factor, coarse.axes.range_bins);
     Smooth(measured_, options.smooth_bins / factor, options.smooth_beams);
   }
@@ -91,9 +91,9 @@ class Matcher {
 
   // Mean echo power of the target, without the candidate's gain.
   Grid<double> EchoPower(const TargetPose& pose) const {
-    const EchoList echoes = simulator_->TraceEchoes(pose.WorldFromSonar());
-    const ScatterMap scatter = MakeScatterMap(echoes, simulator_->fan(), geometry(), parameters_);
-    return EchoPowerImage(scatter, geometry(), parameters_);
+    const sim::EchoList echoes = simulator_->TraceEchoes(pose.WorldFromSonar());
+    const sim::ScatterMap scatter = sim::MakeScatterMap(echoes, simulator_->fan(), geometry(), parameters_);
+    return sim::EchoPowerImage(scatter, geometry(), parameters_);
   }
 
   // Expected display of echoes of that power and of the noise floor, smoothed, full scale 1. The gain is the
@@ -101,8 +101,8 @@ class Matcher {
   Grid<float> Displayed(Grid<double> power, double gain_db) const {
     const double gain = PowerFromDb(gain_db);
     for (double& value : power.values()) value *= gain;
-    AddNoiseFloor(geometry(), parameters_, power);
-    PolarImage shown = ExpectedDisplay(PowerImage(axes(), power), parameters_, 1.0);
+    sim::AddNoiseFloor(geometry(), parameters_, power);
+    PolarImage shown = sim::ExpectedDisplay(sim::PowerImage(axes(), power), parameters_, 1.0);
     Smooth(shown.value, options_.smooth_bins / factor_, options_.smooth_beams);
     return shown.value;
   }
@@ -177,12 +177,12 @@ class Matcher {
   }
 
  private:
-  AcousticGeometry geometry() const { return {simulator_->sonar(), simulator_->absorption_db_per_m()}; }
+  sim::AcousticGeometry geometry() const { return {simulator_->sonar(), simulator_->absorption_db_per_m()}; }
 
   const PoseSearchOptions& options_;
   int factor_;
   ParameterSet parameters_;
-  std::unique_ptr<Simulator> simulator_;
+  std::unique_ptr<sim::Simulator> simulator_;
   Grid<float> measured_;
 };
 
@@ -328,4 +328,4 @@ PoseSearchResult SearchPose(const Scene& target, const SonarModel& sonar, const 
   return result;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

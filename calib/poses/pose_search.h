@@ -18,7 +18,7 @@
 #include "calib/poses/target_pose.h"
 #include "sim/simulator.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 struct PoseSearchOptions {
   double smooth_bins = 2.0;  // standard deviation of the smoothing of both images
@@ -61,4 +61,4 @@ PoseSearchResult SearchPose(const Scene& target, const SonarModel& sonar, const 
                             const PolarImage& measured, const ParameterSet& parameters,
                             const PoseSearchOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -8,24 +8,24 @@
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/physics/display.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
-                   const PoseSmoothing& smoothing, const RayFan& fan, const Pose& about)
+                   const PoseSmoothing& smoothing, const sim::RayFan& fan, const Pose& about)
     : model_(model),
       frame_(frame),
       parameters_(parameters),
       smoothing_(smoothing),
       fan_(fan),
       pixels_a_grain_(model.grain().bins * model.grain().beams),
-      lowest_(PowerFromDisplay(parameters.display, 0.0)),
-      highest_(PowerFromDisplay(parameters.display, 1.0)) {
+      lowest_(sim::PowerFromDisplay(parameters.display, 0.0)),
+      highest_(sim::PowerFromDisplay(parameters.display, 1.0)) {
   if (smoothing.none()) return;
   shown_ = Grid<float>(model.range_bins(), model.beams());
   const std::vector<RecordedPower>& recorded = model.frame(frame).recorded;
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     shown_.values()[i] =
-        static_cast<float>(std::clamp(DisplayValue(parameters.display, recorded[i].power), 0.0, 1.0));
+        static_cast<float>(std::clamp(sim::DisplayValue(parameters.display, recorded[i].power), 0.0, 1.0));
   }
   const Grid<float> expected = ExpectedShown(model.ExpectedPowerFrom(about, parameters, fan));
   double squares = 0.0;
@@ -39,7 +39,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
 }
 
 Grid<float> PoseView::ExpectedShown(const PolarImage& power) const {
-  return ExpectedDisplay(power, parameters_, 1.0).value;
+  return sim::ExpectedDisplay(power, parameters_, 1.0).value;
 }
 
 Eigen::VectorXf PoseView::Expected(const Pose& world_from_sonar) const {
@@ -83,4 +83,4 @@ PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
   return judged;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -12,7 +12,7 @@
 
 #include "calib/models/acoustic_frame_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // Standard deviations of the smoothing in range bins and beams; both 0: by likelihood.
 struct PoseSmoothing {
@@ -27,7 +27,7 @@ class PoseView {
   // Model and fan must outlive the view. The speckle of a smoothed view is sized by what the frame shows
   // beside what is expected at `about`.
   PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
-           const PoseSmoothing& smoothing, const RayFan& fan, const Pose& about);
+           const PoseSmoothing& smoothing, const sim::RayFan& fan, const Pose& about);
 
   // What each pixel should show from a pose. Traces.
   Eigen::VectorXf Expected(const Pose& world_from_sonar) const;
@@ -47,7 +47,7 @@ class PoseView {
   int frame_;
   ParameterSet parameters_;
   PoseSmoothing smoothing_;
-  const RayFan& fan_;
+  const sim::RayFan& fan_;
   double pixels_a_grain_;
   double lowest_;  // power at the bottom of the display, and at its top
   double highest_;
@@ -55,4 +55,4 @@ class PoseView {
   double weight_ = 0.0;  // smoothed views: of a squared difference
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -7,7 +7,7 @@
 
 #include "core/types/pose.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // The target's frame is that of its scene; its +x axis is its length.
 //   direction of +x in the sonar frame = (cos pitch cos yaw, cos pitch sin yaw, sin pitch):
@@ -40,4 +40,4 @@ struct TargetPose {
   }
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

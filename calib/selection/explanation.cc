@@ -16,7 +16,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/display.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // Area under the autocorrelation of speckle's power, in half-power widths of a Gaussian response:
@@ -33,7 +33,7 @@ Scene OfOneMaterial(Scene scene) {
 }
 
 // Rays within the half-power elevation beam alone.
-SimulationOptions WithinElevationBeam(SimulationOptions options, double width_deg) {
+sim::SimulationOptions WithinElevationBeam(sim::SimulationOptions options, double width_deg) {
   if (!(width_deg > 0.0)) return options;
   const double share = std::min(1.0, width_deg / options.fan.elevation_span_deg);
   options.fan.elevation_span_deg *= share;
@@ -52,8 +52,8 @@ PolarImage Shown(const std::vector<double>& mean_power, const PolarAxes& axes, c
       Grid<float>(axes.range_bins, axes.beam_count())};
   std::transform(mean_power.begin(), mean_power.end(), power.value.values().begin(),
                  [](double value) { return static_cast<float>(value); });
-  return knows_speckle ? ExpectedDisplay(power, parameters, full_scale)
-                       : DisplayPower(power, parameters, full_scale);
+  return knows_speckle ? sim::ExpectedDisplay(power, parameters, full_scale)
+                       : sim::DisplayPower(power, parameters, full_scale);
 }
 
 std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& mean_power,
@@ -102,7 +102,7 @@ class Explainer {
   Explainer(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
             const std::vector<GreyFrame>& held_out, const ParameterSet& given, const ExplainOptions& options)
       : sonar_(sonar), used_(used), held_out_(held_out), given_(given), options_(options) {
-    complete_ = WithResponse(sonar, given);
+    complete_ = sim::WithResponse(sonar, given);
     narrow_.emplace(OfOneMaterial(scene), sonar,
                     WithinElevationBeam(options.simulation, complete_.beam.elevation_width_deg));
     one_.emplace(OfOneMaterial(scene), sonar, options.simulation);
@@ -163,7 +163,7 @@ class Explainer {
     black.gain_db = given_.receiver.gain_db;
     black.looks = given_.receiver.looks;
     black.time_varied_gain = given_.receiver.time_varied_gain;
-    black.noise_after_gain_db = DbFromPower(PowerFromDisplay(given_.display, 0.5 / full_scale));
+    black.noise_after_gain_db = DbFromPower(sim::PowerFromDisplay(given_.display, 0.5 / full_scale));
     black.noise_db = *black.noise_after_gain_db - 100.0;
     p.receiver = black;
     return p;
@@ -224,7 +224,7 @@ class Explainer {
     Step(ExplainedPart::kPoses, *all_, Last(), free);
   }
 
-  void Step(ExplainedPart part, const Simulator& simulator, const ParameterSet& start,
+  void Step(ExplainedPart part, const sim::Simulator& simulator, const ParameterSet& start,
             const std::vector<std::string>& free) {
     if (options_.on_step) options_.on_step(part);
     const bool moves = part == ExplainedPart::kPoses;
@@ -379,53 +379,15 @@ class Explainer {
   const ExplainOptions& options_;
   FitOptions fit_options_;
   std::optional<double> hidden_noise_db_;  // of the floor that fits before `noise` have and images lack
-  std::optional<Simulator> narrow_;        // of one material, within the elevation beam
-  std::optional<Simulator> one_;           // of one material
-  std::optional<Simulator> all_;
+  std::optional<sim::Simulator> narrow_;   // of one material, within the elevation beam
+  std::optional<sim::Simulator> one_;      // of one material
+  std::optional<sim::Simulator> all_;
   std::vector<std::vector<double>> mean_used_;  // of the last step
   FrameModel::Grain grain_;
   Explanation result_;
 };
 
 }  // namespace
-
-std::string_view ToString(ExplainedPart part) {
-  switch (part) {
-    case ExplainedPart::kStart:
-      return "start";
-    case ExplainedPart::kResponse:
-      return "response";
-    case ExplainedPart::kElevation:
-      return "elevation";
-    case ExplainedPart::kNoise:
-      return "noise";
-    case ExplainedPart::kMaterials:
-      return "materials";
-    case ExplainedPart::kGhosts:
-      return "ghosts";
-    case ExplainedPart::kSpeckle:
-      return "speckle";
-    case ExplainedPart::kPoses:
-      return "poses";
-  }
-  return "";
-}
-
-std::string_view ToString(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kStart:
-      return "start";
-    case Verdict::kWorthIt:
-      return "worth it";
-    case Verdict::kNoMore:
-      return "no more than noise";
-    case Verdict::kWorse:
-      return "worse";
-    case Verdict::kContradicted:
-      return "contradicted by the error";
-  }
-  return "";
-}
 
 Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change,
                   const LikelihoodDifference& error_change, double tie_sigmas) {
@@ -463,4 +425,4 @@ std::vector<PolarImage> ExpectedGrey(const ExplainedStep& step, const std::vecto
   return images;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -33,18 +33,27 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "calib/acoustic_fit.h"
 #include "calib/selection/held_out_likelihood.h"
 #include "core/types/scene.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 enum class ExplainedPart { kStart, kResponse, kElevation, kNoise, kMaterials, kGhosts, kSpeckle, kPoses };
-
-// "start", "response", ...
-std::string_view ToString(ExplainedPart part);
+constexpr auto WordsOf(std::type_identity<ExplainedPart>) {
+  return Words<ExplainedPart, 8>{{{"start", ExplainedPart::kStart},
+                                  {"response", ExplainedPart::kResponse},
+                                  {"elevation", ExplainedPart::kElevation},
+                                  {"noise", ExplainedPart::kNoise},
+                                  {"materials", ExplainedPart::kMaterials},
+                                  {"ghosts", ExplainedPart::kGhosts},
+                                  {"speckle", ExplainedPart::kSpeckle},
+                                  {"poses", ExplainedPart::kPoses}}};
+}
 
 enum class Verdict {
   kStart,         // the first step has nothing to be compared with
@@ -53,9 +62,13 @@ enum class Verdict {
   kWorse,         // the frames held out are the less likely
   kContradicted,  // likelier, but the error rises; or less likely, but it falls
 };
-
-// "start", "worth it", "no more than noise", "worse", "contradicted by the error"
-std::string_view ToString(Verdict verdict);
+constexpr auto WordsOf(std::type_identity<Verdict>) {
+  return Words<Verdict, 5>{{{"start", Verdict::kStart},
+                            {"worth it", Verdict::kWorthIt},
+                            {"no more than noise", Verdict::kNoMore},
+                            {"worse", Verdict::kWorse},
+                            {"contradicted by the error", Verdict::kContradicted}}};
+}
 
 // `gain` of likelihood and `error_change` are those of the frames held out, over the step before.
 Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change,
@@ -101,7 +114,7 @@ struct Explanation {
 };
 
 struct ExplainOptions {
-  SimulationOptions simulation;  // its fan that of the whole elevation pattern
+  sim::SimulationOptions simulation;  // its fan that of the whole elevation pattern
   FitOptions fit = {};
   bool hold_noise = false;  // the floor as given, not fitted: where target-free pings have told it
   bool poses = false;
@@ -120,4 +133,4 @@ Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vect
 // Grey values that a step expects in the frames held out, by frame.
 std::vector<PolarImage> ExpectedGrey(const ExplainedStep& step, const std::vector<GreyFrame>& held_out);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -9,7 +9,7 @@
 #include "calib/noise/noise_likelihood.h"
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 int FullScale(const PolarImage& image) {
@@ -242,4 +242,4 @@ double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::ve
   return std::exp(0.5 * (a + b));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -18,7 +18,7 @@
 #include "core/types/parameters.h"
 #include "core/types/pose.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 inline constexpr double kAnything = 0.01;
 
@@ -88,4 +88,4 @@ inline constexpr double kMostLooks = 40.0;
 double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::vector<double>>& mean_power,
                  const ParameterSet& parameters);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -18,7 +18,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr const char* kTrendName = "receiver.noise_slope_db_per_m";
@@ -34,12 +34,12 @@ struct Candidate {
 
 class Chooser {
  public:
-  Chooser(const Simulator& simulator, const std::vector<GreyFrame>& used,
+  Chooser(const sim::Simulator& simulator, const std::vector<GreyFrame>& used,
           const std::vector<GreyFrame>& held_out, const ModelChoiceOptions& options)
       : simulator_(simulator), used_(used), held_out_(held_out), options_(options) {}
 
   ModelChoice Run(const ParameterSet& initial, const FitConfig& config) {
-    mirrors_ = ReflectingMaterials(simulator_.caster().material_names(), initial);
+    mirrors_ = sim::ReflectingMaterials(simulator_.caster().material_names(), initial);
     const FitOptions few = Few(options_.first_iterations, options_.fit.starts, true);
     Say("choice of a model: fitting the one given");
     std::optional<Candidate> first = FitAndJudge(initial, initial, config, few);
@@ -88,7 +88,7 @@ class Chooser {
   // What is known beforehand, wherever a fit starts. Poses are held to nothing but where they are.
   FitConfig WithPriorsAbout(const ParameterSet& initial, const FitConfig& config) const {
     const std::vector<std::string>& materials = simulator_.caster().material_names();
-    ParameterSet complete = WithResponse(simulator_.sonar(), initial);
+    ParameterSet complete = sim::WithResponse(simulator_.sonar(), initial);
     for (const std::string& name : materials) complete.materials[name] = initial.Material(name);
     std::vector<CatalogEntry> catalog = Catalog();
     std::vector<bool> free = ApplyFitConfig(config, catalog);
@@ -169,7 +169,7 @@ class Chooser {
     constexpr double kEchoOverNoise = 0.05;
     const GreyFrame& frame = used_.front();
     const PolarAxes& axes = frame.image.axes;
-    const ReceiverNoise noise(best_.fitted.receiver, axes, simulator_.absorption_db_per_m());
+    const sim::ReceiverNoise noise(best_.fitted.receiver, axes, simulator_.absorption_db_per_m());
     Mask background(axes.range_bins, axes.beam_count());
     for (int bin = 0; bin < axes.range_bins; ++bin) {
       for (int beam = 0; beam < axes.beam_count(); ++beam) {
@@ -298,7 +298,7 @@ class Chooser {
     return chosen;
   }
 
-  const Simulator& simulator_;
+  const sim::Simulator& simulator_;
   const std::vector<GreyFrame>& used_;
   const std::vector<GreyFrame>& held_out_;
   const ModelChoiceOptions& options_;
@@ -309,26 +309,7 @@ class Chooser {
 
 }  // namespace
 
-std::string_view ToString(ChoiceAxis axis) {
-  switch (axis) {
-    case ChoiceAxis::kPattern:
-      return "pattern";
-    case ChoiceAxis::kElevation:
-      return "elevation";
-    case ChoiceAxis::kMirrors:
-      return "mirrors";
-    case ChoiceAxis::kLooks:
-      return "looks";
-    case ChoiceAxis::kTrend:
-      return "trend";
-    case ChoiceAxis::kDisplay:
-      return "display";
-  }
-  SONARCAL_CHECK(false, "axis {}", static_cast<int>(axis));
-  return "";
-}
-
-ModelChoice ChooseModel(const Simulator& simulator, const std::vector<GreyFrame>& used,
+ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyFrame>& used,
                         const std::vector<GreyFrame>& held_out, const ParameterSet& initial,
                         const FitConfig& config, const ModelChoiceOptions& options) {
   if (used.empty()) throw DataError("fit: no frames");
@@ -346,4 +327,4 @@ ModelChoice ChooseModel(const Simulator& simulator, const std::vector<GreyFrame>
   return Chooser(simulator, used, held_out, options).Run(complete, of);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -19,17 +19,24 @@
 
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "calib/acoustic_fit.h"
 #include "calib/selection/held_out_likelihood.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 enum class ChoiceAxis { kPattern, kElevation, kMirrors, kLooks, kTrend, kDisplay };
-
-// "pattern", "elevation", "mirrors", "looks", "trend", "display".
-std::string_view ToString(ChoiceAxis axis);
+constexpr auto WordsOf(std::type_identity<ChoiceAxis>) {
+  return Words<ChoiceAxis, 6>{{{"pattern", ChoiceAxis::kPattern},
+                               {"elevation", ChoiceAxis::kElevation},
+                               {"mirrors", ChoiceAxis::kMirrors},
+                               {"looks", ChoiceAxis::kLooks},
+                               {"trend", ChoiceAxis::kTrend},
+                               {"display", ChoiceAxis::kDisplay}}};
+}
 
 struct ModelChoiceOptions {
   std::vector<ChoiceAxis> axes;  // in this order
@@ -70,8 +77,8 @@ struct ModelChoice {
 // lobes. `initial` may lack a noise level, which is then looked for. Throws DataError where no frame is held
 // out, an axis has nothing to choose, and as FitAcousticModel does; where the first fit ends without a usable
 // solution too.
-ModelChoice ChooseModel(const Simulator& simulator, const std::vector<GreyFrame>& used,
+ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyFrame>& used,
                         const std::vector<GreyFrame>& held_out, const ParameterSet& initial,
                         const FitConfig& config, const ModelChoiceOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

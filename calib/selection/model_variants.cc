@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 std::string AzimuthName(const BeamParameters& beam) {
@@ -88,4 +88,4 @@ std::vector<ModelVariant> MirrorLobeVariants(const BeamParameters& given) {
       [](const BeamParameters& from, BeamParameters& to) { to.mirror_lobes = from.mirror_lobes; });
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

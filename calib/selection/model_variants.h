@@ -8,7 +8,7 @@
 #include "calib/parameters/fit_config.h"
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 
 // A change to a model. `apply` is asked for what the model starts from and for where the fit of it starts.
 struct ModelVariant {
@@ -29,4 +29,4 @@ std::vector<ModelVariant> MirrorLobeVariants(const BeamParameters& given);
 // For people.
 const char* DisplayName(DisplayLaw law);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

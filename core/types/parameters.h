@@ -5,9 +5,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/sonar_model.h"
+#include "core/types/words.h"
 
 namespace sonarcal {
 
@@ -39,6 +41,12 @@ enum class DisplayLaw {
   kSoftAmplitude,  // v = (20 log10(sqrt(P) + 10^(soft_db / 20)) - db_min) / (db_max - db_min)
   kPower,          // v = (P / 10^(db_max / 10))^(exponent / 2)
 };
+constexpr auto WordsOf(std::type_identity<DisplayLaw>) {
+  return Words<DisplayLaw, 4>{{{"log", DisplayLaw::kLog},
+                               {"soft_log", DisplayLaw::kSoftLog},
+                               {"soft_amplitude", DisplayLaw::kSoftAmplitude},
+                               {"power", DisplayLaw::kPower}}};
+}
 
 // Levels shown as 0 and as full scale, and the law between them.
 template <typename T>
@@ -57,6 +65,9 @@ enum class JitterGrowth {
   kRoot,    // sigma0 sqrt(1 + R^2/R0^2)
   kLinear,  // sigma0 (1 + R^2/R0^2)
 };
+constexpr auto WordsOf(std::type_identity<JitterGrowth>) {
+  return Words<JitterGrowth, 2>{{{"root", JitterGrowth::kRoot}, {"linear", JitterGrowth::kLinear}}};
+}
 
 // Range and azimuth errors of a ray, Park 2024 Section 3.4; evaluated by sim/physics/jitter.h.
 template <typename T>
@@ -77,6 +88,12 @@ enum class TimeVariedGain {
   k40LogR,               // 40 log10 r
   k40LogRAndAbsorption,  // 40 log10 r + 2 alpha r
 };
+constexpr auto WordsOf(std::type_identity<TimeVariedGain>) {
+  return Words<TimeVariedGain, 4>{{{"none", TimeVariedGain::kNone},
+                                   {"20logR", TimeVariedGain::k20LogR},
+                                   {"40logR", TimeVariedGain::k40LogR},
+                                   {"40logR+alpha", TimeVariedGain::k40LogRAndAbsorption}}};
+}
 
 // Receiver of the acoustic model: gain, a noise floor added in power, and speckle; evaluated by
 // sim/physics/receiver.h. The floor of pixel (r, b), a power, is the sum of two:
@@ -106,6 +123,11 @@ enum class AzimuthPattern {
   kAperture,  // a line array shaded by (1 - taper) + taper cos^2: main lobe and side lobes
   kTable,     // the recording's own response, by offset in beams
 };
+constexpr auto WordsOf(std::type_identity<AzimuthPattern>) {
+  return Words<AzimuthPattern, 3>{{{"gaussian", AzimuthPattern::kGaussian},
+                                   {"aperture", AzimuthPattern::kAperture},
+                                   {"table", AzimuthPattern::kTable}}};
+}
 
 // Shape of a beam in elevation; evaluated by sim/physics/beam_pattern.h.
 enum class ElevationPattern {
@@ -113,10 +135,18 @@ enum class ElevationPattern {
   kAperture,  // a line aperture shaded by (1 - taper) + taper cos^2, the same on transmit and on receive
   kCosine,    // the same shaded by a cosine
 };
+constexpr auto WordsOf(std::type_identity<ElevationPattern>) {
+  return Words<ElevationPattern, 3>{{{"gaussian", ElevationPattern::kGaussian},
+                                     {"aperture", ElevationPattern::kAperture},
+                                     {"cosine", ElevationPattern::kCosine}}};
+}
 
 // Lobes of the elevation pattern through which mirrors are seen. Those of direct echoes, physically; some
 // simulations end their mirror legs where the main lobe does (docs/studies/ghosts.md).
 enum class MirrorLobes { kAll, kMain };
+constexpr auto WordsOf(std::type_identity<MirrorLobes>) {
+  return Words<MirrorLobes, 2>{{{"all", MirrorLobes::kAll}, {"main", MirrorLobes::kMain}}};
+}
 
 // Half-power widths of the beam, two-way; 0 = take the sonar's own. Where nobody says otherwise a beam has
 // side lobes: without them, what lies right below a sonar is not there at all.
@@ -161,6 +191,10 @@ enum class EchoModel {
   kAcoustic,  // power summed over patches, expected or with speckle
   kCoherent,  // fields of point scatterers: the slow reference
 };
+constexpr auto WordsOf(std::type_identity<EchoModel>) {
+  return Words<EchoModel, 3>{
+      {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
+}
 
 struct ParameterSet {
   EchoModel model = EchoModel::kPaper;

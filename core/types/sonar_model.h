@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 
 #include "core/types/image.h"
+#include "core/types/words.h"
 
 namespace sonarcal {
 
@@ -13,6 +15,9 @@ enum class BeamForming {
   kArray,    // sums over the elements of an array: the noise of one element enters many beams
   kLens,     // an acoustic lens, one element per beam: each beam has noise of its own
 };
+constexpr auto WordsOf(std::type_identity<BeamForming>) {
+  return Words<BeamForming, 2>{{{"array", BeamForming::kArray}, {"lens", BeamForming::kLens}}};
+}
 
 struct SonarModel {
   std::string name;

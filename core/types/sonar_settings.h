@@ -4,6 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <type_traits>
+
+#include "core/types/words.h"
 
 namespace sonarcal {
 
@@ -12,6 +15,9 @@ enum class Compression {
   kLogarithm,  // grey steps are decibels, softened at the lower end or not
   kPower,      // grey ~ amplitude^gamma; RecordingInfo::display_gamma, where known
 };
+constexpr auto WordsOf(std::type_identity<Compression>) {
+  return Words<Compression, 2>{{{"logarithm", Compression::kLogarithm}, {"power", Compression::kPower}}};
+}
 
 struct SonarSettings {
   std::optional<double> gain_db;  // of the receiver

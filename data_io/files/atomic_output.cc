@@ -15,7 +15,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ void OutputDirectory::RemoveStale(const std::vector<fs::path>& stale) const {
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Replaces `file` by `bytes`. On failure throws DataError and leaves what was there. The directory must
 // exist; `file` may not be a directory or device.
@@ -72,4 +72,4 @@ class OutputDirectory {
   bool kept_ = false;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 template <typename T>
 T ByteReader::Integer(std::uint64_t offset, std::string_view field) const {
@@ -114,4 +114,4 @@ std::vector<std::byte> ReadFileRange(const std::filesystem::path& file, std::uin
   return bytes;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

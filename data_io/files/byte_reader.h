@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 class ByteReader {
  public:
@@ -74,4 +74,4 @@ std::uint64_t RegularFileSize(const std::filesystem::path& file);
 std::vector<std::byte> ReadFileRange(const std::filesystem::path& file, std::uint64_t offset,
                                      std::size_t count, std::string_view what);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

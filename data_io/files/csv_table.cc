@@ -7,7 +7,7 @@
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::size_t kMostBytes = 256 << 20;
@@ -71,4 +71,4 @@ std::int64_t CsvTable::Integer(int row, const std::string& column, std::int64_t 
   return static_cast<std::int64_t>(value);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

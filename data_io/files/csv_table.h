@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 class CsvTable {
  public:
@@ -35,4 +35,4 @@ class CsvTable {
   std::vector<std::vector<std::string_view>> cells_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

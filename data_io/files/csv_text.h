@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Quoted where it has to be.
 inline std::string CsvText(const std::string& text) {
@@ -16,4 +16,4 @@ inline std::string CsvText(const std::string& text) {
   return quoted + '"';
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_bytes) {
   std::error_code error;
@@ -29,4 +29,4 @@ std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_byt
   return bytes;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Throws DataError where the file is absent, unreadable, not a regular file, or longer than `max_bytes`
 // (which is checked before anything is allocated).
 std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_bytes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -10,7 +10,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 class Hasher {
@@ -58,4 +58,4 @@ std::string Sha256OfFile(const std::filesystem::path& file) {
   return hasher.Digits();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

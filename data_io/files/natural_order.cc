@@ -1,6 +1,6 @@
 #include "data_io/files/natural_order.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 bool IsDigit(char c) {
@@ -34,4 +34,4 @@ bool NaturalLess(const std::string& a, const std::string& b) {
   return a < b;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

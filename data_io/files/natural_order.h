@@ -3,8 +3,8 @@
 
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 bool NaturalLess(const std::string& a, const std::string& b);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -12,7 +12,7 @@
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct YamlReader::Node {
   YAML::Node yaml;
@@ -154,4 +154,4 @@ std::vector<double> YamlReader::Numbers() const {
   return numbers;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 class YamlReader {
  public:
@@ -52,4 +52,4 @@ class YamlReader {
 
 inline constexpr std::size_t kMostYamlBytes = std::size_t{1} << 20;
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

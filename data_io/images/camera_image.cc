@@ -13,7 +13,7 @@
 #include "data_io/images/image_io.h"
 #include "data_io/images/jpeg_codec.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,20 +110,4 @@ CameraImageFolder ListCameraImages(const fs::path& folder, std::optional<NameTim
   return found;
 }
 
-std::string_view ToString(NameTimes times) {
-  switch (times) {
-    case NameTimes::kSeconds:
-      return "seconds";
-    case NameTimes::kMilliseconds:
-      return "milliseconds";
-    case NameTimes::kMicroseconds:
-      return "microseconds";
-    case NameTimes::kNanoseconds:
-      return "nanoseconds";
-    case NameTimes::kNone:
-      break;
-  }
-  return "none";
-}
-
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

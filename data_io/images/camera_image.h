@@ -11,17 +11,26 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/image.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Throws DataError naming the file where it is absent, damaged, cut short or of another kind.
 Grid<std::uint8_t> ReadCameraImage(const std::filesystem::path& file);
 
 // How times are told by file names.
 enum class NameTimes { kNone, kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
+constexpr auto WordsOf(std::type_identity<NameTimes>) {
+  return Words<NameTimes, 5>{{{"none", NameTimes::kNone},
+                              {"seconds", NameTimes::kSeconds},
+                              {"milliseconds", NameTimes::kMilliseconds},
+                              {"microseconds", NameTimes::kMicroseconds},
+                              {"nanoseconds", NameTimes::kNanoseconds}}};
+}
 
 struct CameraImageFile {
   std::filesystem::path file;
@@ -40,6 +49,4 @@ struct CameraImageFolder {
 // none, names are not what `unit` asks for, or two have one time.
 CameraImageFolder ListCameraImages(const std::filesystem::path& folder, std::optional<NameTimes> unit = {});
 
-std::string_view ToString(NameTimes times);
-
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -7,7 +7,7 @@
 #include "data_io/images/image_io.h"
 #include "data_io/images/png_codec.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 std::optional<ImageHeader> SniffPng(const std::filesystem::path& file) {
   std::error_code error;
@@ -32,4 +32,4 @@ Grid<float> ReadGreyFrame(const std::filesystem::path& file, int rows, int cols)
   return image.DecodeGrey();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -7,7 +7,7 @@
 #include "core/types/image.h"
 #include "data_io/images/image_header.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // What a PNG's header announces; nothing where the file is no PNG, or a damaged one.
 std::optional<ImageHeader> SniffPng(const std::filesystem::path& file);
@@ -16,4 +16,4 @@ std::optional<ImageHeader> SniffPng(const std::filesystem::path& file);
 // rows and `cols` columns; size and kind are checked before anything is decoded.
 Grid<float> ReadGreyFrame(const std::filesystem::path& file, int rows, int cols);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

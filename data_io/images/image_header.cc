@@ -4,7 +4,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 std::string ImageHeader::Describe() const {
   static constexpr const char* kChannels[] = {"", "grey", "grey with alpha", "colour", "colour with alpha"};
@@ -30,4 +30,4 @@ void CheckImageHeader(const ImageHeader& header, std::size_t file_bytes, const s
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Largest image read; more would only ever be a damaged or hostile header.
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{64} << 20;
@@ -28,4 +28,4 @@ struct ImageHeader {
 // than `file_bytes` compressed bytes can hold: a decoder must not allocate for a claim that cannot be true.
 void CheckImageHeader(const ImageHeader& header, std::size_t file_bytes, const std::string& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

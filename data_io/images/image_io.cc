@@ -10,7 +10,7 @@
 #include "data_io/images/png_codec.h"
 #include "data_io/images/tiff_codec.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{512} << 20;
@@ -109,4 +109,4 @@ void WriteTiff(const std::filesystem::path& file, const Grid<float>& value) {
   WriteEncoded(file, EncodeFloatTiff(value.rows(), value.cols(), value.values()));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -20,7 +20,7 @@
 #include "core/types/rgb_image.h"
 #include "data_io/images/image_header.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // An encoded image in memory whose header was read.
 class ImageFile {
@@ -55,4 +55,4 @@ void WritePng(const std::filesystem::path& file, const Grid<std::uint16_t>& grey
 void WritePng(const std::filesystem::path& file, const RgbImage& image);
 void WriteTiff(const std::filesystem::path& file, const Grid<float>& value);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

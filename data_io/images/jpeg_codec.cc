@@ -9,7 +9,7 @@
 #include "core/types/error.h"
 #include "data_io/files/byte_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 bool IsJpeg(std::string_view bytes) {
   return bytes.starts_with("\xff\xd8\xff");
@@ -67,4 +67,4 @@ Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& nam
   return grey;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

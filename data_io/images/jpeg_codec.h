@@ -8,7 +8,7 @@
 #include "core/types/image.h"
 #include "data_io/images/image_header.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 bool IsJpeg(std::string_view bytes);
 
@@ -20,4 +20,4 @@ ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name);
 // where the picture is damaged or cut short; what is wrong within is taken as the decoder fills it up.
 Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& name);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

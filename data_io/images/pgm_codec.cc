@@ -6,7 +6,7 @@
 #include "core/types/error.h"
 #include "data_io/files/file_bytes.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 bool IsBlank(char c) {
@@ -51,4 +51,4 @@ Grid<float> ReadPgm(const std::filesystem::path& file, int rows, int cols) {
   return grey;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,10 +6,10 @@
 
 #include "core/types/image.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // The stored numbers. Throws DataError naming the file where it is no PGM of `rows` x `cols` and up to 255,
 // or its pixels are not all there.
 Grid<float> ReadPgm(const std::filesystem::path& file, int rows, int cols);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

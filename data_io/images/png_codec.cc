@@ -10,7 +10,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr int kBytesOfSignature = 8;
@@ -178,4 +178,4 @@ std::vector<std::uint8_t> EncodePngSamples(const ImageHeader& header, std::span<
   return PngWriter().Encode(header, samples);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

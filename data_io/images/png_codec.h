@@ -10,7 +10,7 @@
 
 #include "data_io/images/image_header.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 bool IsPng(std::string_view bytes);
 
@@ -30,4 +30,4 @@ std::vector<std::byte> DecodePng(std::string_view bytes, PngSamples samples, con
 // The file for `samples`, laid out as DecodePng gives them; grey or colour of 8 or 16 bits.
 std::vector<std::uint8_t> EncodePngSamples(const ImageHeader& header, std::span<const std::byte> samples);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -11,7 +11,7 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 struct CloseTiff {
@@ -196,4 +196,4 @@ std::vector<std::uint8_t> EncodeFloatTiff(int rows, int cols, std::span<const fl
   return std::move(file.written);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -10,7 +10,7 @@
 
 #include "data_io/images/image_header.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 bool IsTiff(std::string_view bytes);
 
@@ -25,4 +25,4 @@ std::vector<std::byte> DecodeTiff(std::string_view bytes, const std::string& fil
 // An uncompressed file, which every program reads. `samples`: rows x cols.
 std::vector<std::uint8_t> EncodeFloatTiff(int rows, int cols, std::span<const float> samples);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

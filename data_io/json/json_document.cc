@@ -11,7 +11,7 @@
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 // Walks the text and publishes the address of the character read last. The parser reads a number up to the
@@ -171,4 +171,4 @@ JsonNode LoadJson(const std::filesystem::path& file) {
   return ParseJson(ReadFileBytes(file, kMaxJsonBytes), file.string());
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

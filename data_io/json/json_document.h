@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxJsonDepth = 64;
@@ -43,4 +43,4 @@ JsonNode ParseJson(std::string_view text, const std::string& file);
 // Also throws DataError where the file cannot be read.
 JsonNode LoadJson(const std::filesystem::path& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -9,7 +9,7 @@
 #include "core/types/rotation.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 std::vector<double> ReadVector(const JsonReader& json, std::size_t size) {
@@ -72,8 +72,7 @@ nlohmann::ordered_json SonarJson(const SonarModel& sonar) {
   json["range_max_m"] = sonar.axes.range_max_m;
   json["range_bins"] = sonar.axes.range_bins;
   write_known("sound_speed_m_per_s", sonar.sound_speed_m_per_s);
-  if (sonar.beam_forming != BeamForming::kUnknown)
-    json["beam_forming"] = JsonWord(kBeamFormings, sonar.beam_forming);
+  if (sonar.beam_forming != BeamForming::kUnknown) json["beam_forming"] = ToString(sonar.beam_forming);
   return json;
 }
 
@@ -81,4 +80,4 @@ double AzimuthAsWrittenRad(double azimuth_rad) {
   return RadFromDeg(RoundedDegrees(azimuth_rad));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -13,7 +13,7 @@
 #include "core/types/sonar_model.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // A quaternion within 1e-3 of unit length is normalised; any other is refused.
 Pose ReadPose(const JsonReader& json);
@@ -25,8 +25,6 @@ Water ReadWater(const JsonReader& json);
 nlohmann::ordered_json WaterJson(const Water& water);
 
 // "array" and "lens": the words of the file.
-inline constexpr JsonWords<BeamForming, 2> kBeamFormings = {
-    {{"array", BeamForming::kArray}, {"lens", BeamForming::kLens}}};
 
 // What is unknown (0) is left out, as readers want it (data_io/recordings/recording_io.h).
 nlohmann::ordered_json SonarJson(const SonarModel& sonar);
@@ -34,4 +32,4 @@ nlohmann::ordered_json SonarJson(const SonarModel& sonar);
 // The azimuth that SonarJson writes, as it is read again.
 double AzimuthAsWrittenRad(double azimuth_rad);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -9,7 +9,7 @@
 #include "core/types/printable.h"
 #include "data_io/json/json_document.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // What was asked of one object.
 struct JsonReader::Lookups {
@@ -225,4 +225,4 @@ void JsonReader::FailWord(const std::vector<std::string_view>& expected) const {
   Fail(fmt::format("is {}, expected one of {}", Found(), fmt::join(expected, ", ")));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -24,7 +24,9 @@
 #include <utility>
 #include <vector>
 
-namespace sonarcal {
+#include "core/types/words.h"
+
+namespace sonarcal::data_io {
 
 struct JsonNode;
 
@@ -44,18 +46,6 @@ struct NumberRange {
   }
   std::string Describe() const;  // "a number > 0 and <= 360"
 };
-
-// The words by which a file names the values of an enumeration.
-template <typename E, std::size_t N>
-using JsonWords = std::array<std::pair<std::string_view, E>, N>;
-
-template <typename E, std::size_t N>
-std::string_view JsonWord(const JsonWords<E, N>& words, E value) {
-  for (const auto& [word, meaning] : words) {
-    if (meaning == value) return word;
-  }
-  return {};
-}
 
 class JsonReader {
  public:
@@ -82,8 +72,13 @@ class JsonReader {
   bool Bool() const;
   const std::string& String() const;
 
+  // The value that the string names.
+  template <HasWords E>
+  E Word() const {
+    return Word(WordsOf(std::type_identity<E>{}));
+  }
   template <typename E, std::size_t N>
-  E Word(const JsonWords<E, N>& words) const {
+  E Word(const Words<E, N>& words) const {
     std::vector<std::string_view> expected;
     for (const auto& [word, meaning] : words) {
       if (String() == word) return meaning;
@@ -91,6 +86,9 @@ class JsonReader {
     }
     FailWord(expected);
   }
+
+  // Throws unless the member "format" is this word.
+  void CheckFormat(std::string_view format) const { At("format").Word(Words<bool, 1>{{{format, true}}}); }
 
   // The number of an optional key: nothing, or `value` left as it is, where the key is absent.
   std::optional<double> FindNumber(std::string_view key, const NumberRange& range = {}) const;
@@ -129,4 +127,4 @@ class JsonReader {
   std::string path_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

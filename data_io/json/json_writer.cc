@@ -6,7 +6,7 @@
 
 #include "data_io/files/atomic_output.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -80,4 +80,4 @@ void WriteJson(const std::filesystem::path& file, const Json& json) {
   WriteFileWhole(file, JsonText(json));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Numbers are written with the fewest digits that read back as the same double; numbers that are not finite
 // become null; bytes that are not UTF-8 become U+FFFD. Ends with a newline.
@@ -15,4 +15,4 @@ std::string JsonText(const nlohmann::ordered_json& json);
 // Writes JsonText whole or not at all (data_io/files/atomic_output.h). Throws DataError where it cannot.
 void WriteJson(const std::filesystem::path& file, const nlohmann::ordered_json& json);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -11,7 +11,7 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 int Size(const YamlReader& yaml) {
@@ -92,7 +92,7 @@ Camera ReadCamera(const std::filesystem::path& file) {
 
 FlatPort ReadFlatPort(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
-  json.At("format").Word(JsonWords<bool, 1>{{{"sonar-port/1", true}}});
+  json.CheckFormat("sonar-port/1");
   const NumberRange length = NumberRange::Between(0.0, 10.0);
   const NumberRange index = NumberRange::Between(1.0, 3.0);
   FlatPort port{.distance_m = json.At("distance_m").Number(length),
@@ -114,7 +114,7 @@ FlatPort ReadFlatPort(const std::filesystem::path& file) {
 
 CameraMount ReadCameraMount(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
-  json.At("format").Word(JsonWords<bool, 1>{{{"sonar-mount/1", true}}});
+  json.CheckFormat("sonar-mount/1");
   CameraMount mount{.camera_from_sonar = ReadPose(json.At("camera_from_sonar"))};
   if (const auto sigma = json.Find("sigma")) {
     mount.sigma_position_m = sigma->At("position_m").Number(NumberRange::Between(0.0, 10.0));
@@ -124,4 +124,4 @@ CameraMount ReadCameraMount(const std::filesystem::path& file) {
   return mount;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

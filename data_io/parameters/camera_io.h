@@ -35,7 +35,7 @@
 
 #include "core/types/camera.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 Camera ReadCamera(const std::filesystem::path& file);
 Camera CameraFromText(std::string_view text, const std::string& file);
@@ -44,4 +44,4 @@ FlatPort ReadFlatPort(const std::filesystem::path& file);
 
 CameraMount ReadCameraMount(const std::filesystem::path& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -12,7 +12,7 @@
 #include "data_io/json/json_reader.h"
 #include "data_io/json/json_writer.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::string_view kFormat = "sonar-markers/1";
@@ -67,7 +67,7 @@ const MarkerDictionary* FindMarkerDictionary(std::string_view name) {
 
 MarkerMap ReadMarkerMap(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
-  json.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
+  json.CheckFormat(kFormat);
   MarkerMap map;
   const JsonReader name = json.At("dictionary");
   map.dictionary = name.String();
@@ -112,4 +112,4 @@ void WriteMarkerMap(const std::filesystem::path& file, const MarkerMap& map) {
   WriteJson(file, json);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -16,7 +16,7 @@
 
 #include "core/types/marker_map.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct MarkerDictionary {
   std::string_view name;
@@ -31,4 +31,4 @@ const MarkerDictionary* FindMarkerDictionary(std::string_view name);  // null fo
 MarkerMap ReadMarkerMap(const std::filesystem::path& file);
 void WriteMarkerMap(const std::filesystem::path& file, const MarkerMap& map);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

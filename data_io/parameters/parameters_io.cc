@@ -9,34 +9,12 @@
 #include "data_io/json/json_reader.h"
 #include "data_io/json/json_writer.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "sonar-parameters/1";
-constexpr JsonWords<EchoModel, 3> kModels = {
-    {{"paper", EchoModel::kPaper}, {"acoustic", EchoModel::kAcoustic}, {"coherent", EchoModel::kCoherent}}};
-constexpr JsonWords<ElevationPattern, 3> kElevationPatterns = {{{"gaussian", ElevationPattern::kGaussian},
-                                                                {"aperture", ElevationPattern::kAperture},
-                                                                {"cosine", ElevationPattern::kCosine}}};
-constexpr JsonWords<MirrorLobes, 2> kMirrorLobes = {
-    {{"all", MirrorLobes::kAll}, {"main", MirrorLobes::kMain}}};
-constexpr JsonWords<AzimuthPattern, 3> kAzimuthPatterns = {{{"gaussian", AzimuthPattern::kGaussian},
-                                                            {"aperture", AzimuthPattern::kAperture},
-                                                            {"table", AzimuthPattern::kTable}}};
-constexpr JsonWords<JitterGrowth, 2> kGrowths = {
-    {{"root", JitterGrowth::kRoot}, {"linear", JitterGrowth::kLinear}}};
-
-constexpr JsonWords<DisplayLaw, 4> kDisplayLaws = {{{"log", DisplayLaw::kLog},
-                                                    {"soft_log", DisplayLaw::kSoftLog},
-                                                    {"soft_amplitude", DisplayLaw::kSoftAmplitude},
-                                                    {"power", DisplayLaw::kPower}}};
-constexpr JsonWords<TimeVariedGain, 4> kTimeVariedGains = {
-    {{"none", TimeVariedGain::kNone},
-     {"20logR", TimeVariedGain::k20LogR},
-     {"40logR", TimeVariedGain::k40LogR},
-     {"40logR+alpha", TimeVariedGain::k40LogRAndAbsorption}}};
 
 // Levels and power ratios that are not absurd: a misplaced decimal point shows, and no formula overflows.
 const NumberRange kLevelDb = NumberRange::Between(-500.0, 500.0);
@@ -59,7 +37,7 @@ DisplayParameters<double> ReadDisplay(const JsonReader& json) {
   if (!(display.db_max > display.db_min)) {
     db_max_json.Fail(fmt::format("is {}, expected more than db_min, {}", display.db_max, display.db_min));
   }
-  if (const auto law = json.Find("law")) display.law = law->Word(kDisplayLaws);
+  if (const auto law = json.Find("law")) display.law = law->Word<DisplayLaw>();
   json.Update("soft_db", display.soft_db, kLevelDb);
   json.Update("exponent", display.exponent, kDisplayExponent);
   return display;
@@ -81,14 +59,14 @@ JitterParameters<double> ReadJitter(const JsonReader& json) {
   json.Update("sigma_azimuth_deg", jitter.sigma_azimuth_deg, kSpreadDeg);
   json.Update("reference_range_m", jitter.reference_range_m, kPositive);
   json.Update("reference_frequency_hz", jitter.reference_frequency_hz, kPositive);
-  if (const auto growth = json.Find("growth")) jitter.growth = growth->Word(kGrowths);
+  if (const auto growth = json.Find("growth")) jitter.growth = growth->Word<JitterGrowth>();
   return jitter;
 }
 
 ReceiverParameters ReadReceiver(const JsonReader& json) {
   ReceiverParameters receiver;
   json.Update("gain_db", receiver.gain_db, kLevelDb);
-  if (const auto law = json.Find("time_varied_gain")) receiver.time_varied_gain = law->Word(kTimeVariedGains);
+  if (const auto law = json.Find("time_varied_gain")) receiver.time_varied_gain = law->Word<TimeVariedGain>();
   receiver.noise_db = json.FindNumber("noise_db", kLevelDb);
   json.Update("noise_slope_db_per_m", receiver.noise_slope_db_per_m, kSlopeDbPerM);
   if (const auto taper = json.Find("noise_taper_db")) receiver.noise_taper_db = taper->Numbers(kLevelDb);
@@ -104,12 +82,12 @@ BeamParameters ReadBeam(const JsonReader& json) {
   json.Update("azimuth_width_deg", beam.azimuth_width_deg, kSpreadDeg);
   json.Update("elevation_width_deg", beam.elevation_width_deg, kSpreadDeg);
   if (const auto pattern = json.Find("azimuth_pattern")) {
-    beam.azimuth_pattern = pattern->Word(kAzimuthPatterns);
+    beam.azimuth_pattern = pattern->Word<AzimuthPattern>();
   }
   if (const auto pattern = json.Find("elevation_pattern")) {
-    beam.elevation_pattern = pattern->Word(kElevationPatterns);
+    beam.elevation_pattern = pattern->Word<ElevationPattern>();
   }
-  if (const auto lobes = json.Find("mirror_lobes")) beam.mirror_lobes = lobes->Word(kMirrorLobes);
+  if (const auto lobes = json.Find("mirror_lobes")) beam.mirror_lobes = lobes->Word<MirrorLobes>();
   json.Update("elevation_taper", beam.elevation_taper, NumberRange::Between(0.0, 1.0));
   json.Update("azimuth_taper", beam.azimuth_taper, NumberRange::Between(0.0, 1.0));
   if (const auto table = json.Find("azimuth_table_db")) {
@@ -141,9 +119,9 @@ PulseParameters ReadPulse(const JsonReader& json) {
 }
 
 ParameterSet Read(const JsonReader& json) {
-  json.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
+  json.CheckFormat(kFormat);
   ParameterSet parameters;
-  parameters.model = json.At("model").Word(kModels);
+  parameters.model = json.At("model").Word<EchoModel>();
   json.Update("source_level_db", parameters.source_level_db, kLevelDb);
   json.Update("noise_level_db", parameters.noise_level_db, kLevelDb);
   json.Update("array_gain_db", parameters.array_gain_db, kLevelDb);
@@ -181,7 +159,7 @@ Json MaterialJson(const MaterialParameters& material) {
 Json DisplayJson(const DisplayParameters<double>& display) {
   return {{"db_min", display.db_min},
           {"db_max", display.db_max},
-          {"law", JsonWord(kDisplayLaws, display.law)},
+          {"law", ToString(display.law)},
           {"soft_db", display.soft_db},
           {"exponent", display.exponent}};
 }
@@ -191,12 +169,11 @@ Json JitterJson(const JitterParameters<double>& jitter) {
           {"sigma_azimuth_deg", jitter.sigma_azimuth_deg},
           {"reference_range_m", jitter.reference_range_m},
           {"reference_frequency_hz", jitter.reference_frequency_hz},
-          {"growth", JsonWord(kGrowths, jitter.growth)}};
+          {"growth", ToString(jitter.growth)}};
 }
 
 Json ReceiverJson(const ReceiverParameters& receiver) {
-  Json json = {{"gain_db", receiver.gain_db},
-               {"time_varied_gain", JsonWord(kTimeVariedGains, receiver.time_varied_gain)}};
+  Json json = {{"gain_db", receiver.gain_db}, {"time_varied_gain", ToString(receiver.time_varied_gain)}};
   if (receiver.noise_db) json["noise_db"] = *receiver.noise_db;
   json["noise_slope_db_per_m"] = receiver.noise_slope_db_per_m;
   json["noise_taper_db"] = receiver.noise_taper_db;
@@ -209,13 +186,13 @@ Json ReceiverJson(const ReceiverParameters& receiver) {
 Json BeamJson(const BeamParameters& beam) {
   Json json = {{"azimuth_width_deg", beam.azimuth_width_deg},
                {"elevation_width_deg", beam.elevation_width_deg},
-               {"azimuth_pattern", JsonWord(kAzimuthPatterns, beam.azimuth_pattern)},
+               {"azimuth_pattern", ToString(beam.azimuth_pattern)},
                {"azimuth_taper", beam.azimuth_taper},
-               {"elevation_pattern", JsonWord(kElevationPatterns, beam.elevation_pattern)},
+               {"elevation_pattern", ToString(beam.elevation_pattern)},
                {"elevation_taper", beam.elevation_taper},
                {"transmit_even_deg", beam.transmit_even_deg},
                {"transmit_end_deg", beam.transmit_end_deg},
-               {"mirror_lobes", JsonWord(kMirrorLobes, beam.mirror_lobes)},
+               {"mirror_lobes", ToString(beam.mirror_lobes)},
                {"sensitivity_db", beam.sensitivity_db}};
   if (!beam.azimuth_table_db.empty()) json["azimuth_table_db"] = beam.azimuth_table_db;
   return json;
@@ -256,16 +233,4 @@ void WriteParameters(const std::filesystem::path& file, const ParameterSet& para
   WriteFileWhole(file, text);
 }
 
-std::string_view ToString(EchoModel model) {
-  return JsonWord(kModels, model);
-}
-
-std::string_view ToString(DisplayLaw law) {
-  return JsonWord(kDisplayLaws, law);
-}
-
-std::string_view ToString(TimeVariedGain law) {
-  return JsonWord(kTimeVariedGains, law);
-}
-
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

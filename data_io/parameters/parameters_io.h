@@ -34,7 +34,7 @@
 
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 ParameterSet ReadParameters(const std::filesystem::path& file);
 
@@ -48,11 +48,4 @@ nlohmann::ordered_json ParametersJson(const ParameterSet& parameters);
 // Whole or not at all. Throws DataError where the file cannot be written, or the set could not be read back.
 void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters);
 
-// "paper", "acoustic" and "coherent".
-std::string_view ToString(EchoModel model);
-
-// "soft_log", "40logR+alpha": the words of the file.
-std::string_view ToString(DisplayLaw law);
-std::string_view ToString(TimeVariedGain law);
-
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Point = Eigen::Vector2d;  // x to the right, y down
@@ -297,4 +297,4 @@ bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {
          LitShareOfFarArc(lit, *own) >= kMinLitShare;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -12,7 +12,7 @@
 
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct FanGeometry {
   double apex_x_px = 0.0;  // centre of the arcs; most often below the picture
@@ -41,4 +41,4 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit);
 // of `fan`. Dark places within `fan` do not count as another fan.
 bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

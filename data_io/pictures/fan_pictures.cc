@@ -16,7 +16,7 @@
 #include "data_io/images/image_io.h"
 #include "data_io/json/json_writer.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 int Even(int extent) {
@@ -125,4 +125,4 @@ double RecordedFramesPerS(const RecordingSource& recording) {
   return *middle > 0.0 ? 1.0 / *middle : 0.0;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -9,7 +9,7 @@
 #include "core/imaging/fan_image.h"
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Draws frames that all have the recording's axes and scale. Full scale is 255; what is no grey value has no
 // brightness, and is refused by DataError. Pictures have an even number of rows and columns, as videos need,
@@ -48,4 +48,4 @@ void WriteFanVideo(const RecordingSource& recording, const FanPainter& painter, 
 // times do not rise.
 double RecordedFramesPerS(const RecordingSource& recording);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Palette = std::array<Rgb, 256>;
@@ -167,4 +167,4 @@ RgbImage Shrink(const RgbImage& picture, int max_width_px) {
   return shrunk;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

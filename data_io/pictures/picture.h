@@ -16,7 +16,7 @@
 #include "core/types/mask.h"
 #include "core/types/rgb_image.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
@@ -63,4 +63,4 @@ RgbImage StretchPolar(const RgbImage& picture, int min_height_px = 480);
 // The picture no wider than `max_width_px`, by the mean over areas; one that is narrower stays as it is.
 RgbImage Shrink(const RgbImage& picture, int max_width_px);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -18,7 +18,7 @@
 #include "data_io/images/image_io.h"
 #include "data_io/images/jpeg_codec.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -168,4 +168,4 @@ std::unique_ptr<PictureFrames> OpenPictures(const fs::path& path) {
   return std::make_unique<PictureFiles>(std::move(files));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

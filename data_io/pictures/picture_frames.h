@@ -9,7 +9,7 @@
 
 #include "core/types/image.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Whether a file's first bytes are those of a JPEG or of a video's container, or of a PNG.
 bool IsPicture(const std::filesystem::path& file);
@@ -38,4 +38,4 @@ std::unique_ptr<PictureFrames> OpenPictures(const std::filesystem::path& path);
 // Pictures directly in `folder`, by name, numbers in it as numbers; none where it is no folder.
 std::vector<std::filesystem::path> PicturesOf(const std::filesystem::path& folder);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -7,7 +7,7 @@
 #include "core/types/units.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr int kMostBins = 1 << 14;
@@ -19,7 +19,7 @@ PictureGeometry::Polar ReadPolar(const JsonReader& json) {
   const PictureGeometry::Polar polar{
       .azimuth_first_rad = angle_rad("azimuth_first_deg"),
       .azimuth_last_rad = angle_rad("azimuth_last_deg"),
-      .nearest_on_top = json.At("nearest_row").Word(JsonWords<bool, 2>{{{"top", true}, {"bottom", false}}})};
+      .nearest_on_top = json.At("nearest_row").Word(Words<bool, 2>{{{"top", true}, {"bottom", false}}})};
   if (polar.azimuth_first_rad == polar.azimuth_last_rad)
     json.At("azimuth_last_deg").Fail("is azimuth_first_deg, expected another angle");
   return polar;
@@ -57,7 +57,7 @@ void ReadFan(const JsonReader& json, PictureGeometry& geometry) {
 PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
   constexpr double kMostRangeM = 10'000.0;
   const JsonReader json = JsonReader::FromFile(file);
-  json.At("format").Word(JsonWords<bool, 1>{{{"sonar-picture-geometry/1", true}}});
+  json.CheckFormat("sonar-picture-geometry/1");
   PictureGeometry geometry;
   const JsonReader range_m = json.At("range_m");
   const std::vector<double> range = range_m.Numbers(NumberRange::Between(0.0, kMostRangeM));
@@ -187,4 +187,4 @@ Grid<float> PictureSampler::Apply(const Grid<float>& picture) const {
   return polar;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -31,7 +31,7 @@
 #include "core/types/recording.h"
 #include "data_io/pictures/fan_geometry.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct PictureGeometry {
   double range_min_m = 0.0;
@@ -105,4 +105,4 @@ class PictureSampler {
   std::vector<Sample> samples_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

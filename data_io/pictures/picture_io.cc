@@ -11,7 +11,7 @@
 #include "data_io/pictures/picture_frames.h"
 #include "data_io/pictures/picture_geometry.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -187,4 +187,4 @@ std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path, cons
   return std::make_unique<PictureRecording>(path, OpenPictures(path), geometry);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

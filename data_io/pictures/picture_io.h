@@ -14,7 +14,7 @@
 #include "core/types/recording.h"
 #include "data_io/pictures/picture_geometry.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // A picture, a folder of pictures or a video. Reads first bytes only.
 bool IsPictures(const std::filesystem::path& path);
@@ -30,4 +30,4 @@ std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::pat
 std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::path& path,
                                                       const PictureGeometry& geometry);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -18,7 +18,7 @@
 #include "core/types/units.h"
 #include "data_io/recordings/recording_json.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
@@ -193,4 +193,4 @@ void WriteNpz(const RecordingSource& recording, const std::filesystem::path& fil
   zip.Close();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

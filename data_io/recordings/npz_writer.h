@@ -15,11 +15,11 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Writes `file` frame by frame, so that a recording of any length passes in constant memory. Throws DataError
 // where frames differ in their axes, or the file cannot be written.
 void WriteNpz(const RecordingSource& recording, const std::filesystem::path& file,
               const std::function<void(int frames_done)>& progress = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

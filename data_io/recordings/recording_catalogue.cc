@@ -4,7 +4,7 @@
 
 #include "data_io/files/hash.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 namespace fs = std::filesystem;
 
@@ -88,4 +88,4 @@ fs::path DefaultRecordingsFolder() {
   return folder != nullptr && *folder != '\0' ? fs::path(folder) : fs::path("recordings");
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct PublicRecording {
   std::string name;  // of its folder among the recordings
@@ -42,4 +42,4 @@ RecordingPresence PresenceOf(const PublicRecording& recording, const std::filesy
 // Where recordings are looked for: $SONARCAL_RECORDINGS, or recordings/ of the working directory.
 std::filesystem::path DefaultRecordingsFolder();
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

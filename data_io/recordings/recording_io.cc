@@ -9,7 +9,7 @@
 #include "data_io/json/json_writer.h"
 #include "data_io/recordings/recording_json.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -186,4 +186,4 @@ int WriteRecording(const RecordingSource& recording, const OutputDirectory& outp
   return frames_done;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -36,7 +36,7 @@
 #include "core/types/recording.h"
 #include "data_io/files/atomic_output.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Whether `path` is a folder with a recording.json, or such a file itself.
 bool IsRecordingFolder(const std::filesystem::path& path);
@@ -75,4 +75,4 @@ void WriteRecording(const RecordingSource& recording, const std::filesystem::pat
 int WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
                    const WriteRecordingOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -15,7 +15,7 @@
 #include "data_io/json/json_reader.h"
 #include "data_io/recordings/recording_io.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,13 +23,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "sonar-recording/1";
 constexpr const char* kTruthFile = "truth.json";
-constexpr JsonWords<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
-                                                 {"decibel", Quantity::kDecibel},
-                                                 {"power", Quantity::kPower},
-                                                 {"depth", Quantity::kDepth}}};
-
-constexpr JsonWords<Compression, 2> kCompressions = {
-    {{"logarithm", Compression::kLogarithm}, {"power", Compression::kPower}}};
+// Words of the file. Messages use ToString, which says "grey level".
+constexpr Words<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
+                                             {"decibel", Quantity::kDecibel},
+                                             {"power", Quantity::kPower},
+                                             {"depth", Quantity::kDepth}}};
 
 const NumberRange kLevelDb = NumberRange::Between(-1000.0, 1000.0);
 const NumberRange kRangeM = NumberRange::Between(0.0, 1e5);
@@ -97,7 +95,7 @@ void ReadSonar(const JsonReader& json, RecordingInfo& info) {
       NumberOrUnknown(json, "sound_speed_m_per_s", NumberRange::Between(1000.0, 2000.0), info);
   sonar.azimuth_beam_width_deg = NumberOrUnknown(json, "azimuth_beam_width_deg", kBeamWidthDeg, info);
   sonar.elevation_beam_width_deg = NumberOrUnknown(json, "elevation_beam_width_deg", kBeamWidthDeg, info);
-  if (const auto word = json.Find("beam_forming")) sonar.beam_forming = word->Word(kBeamFormings);
+  if (const auto word = json.Find("beam_forming")) sonar.beam_forming = word->Word<BeamForming>();
   sonar.axes = ReadAxes(json);
   if (const auto psf = json.Find("azimuth_psf")) info.azimuth_psf = psf->Numbers();
   info.beam_taper = FindPerBeam(json, "beam_taper", sonar.axes.beam_count());
@@ -109,7 +107,7 @@ SonarSettings ReadSettings(const JsonReader& json) {
   settings.pulse_length_us = json.FindNumber("pulse_length_us", NumberRange::AboveUpTo(0.0, 1e6));
   if (const auto applied = json.Find("time_varied_gain")) settings.time_varied_gain = applied->Bool();
   if (const auto compression = json.Find("compression"))
-    settings.compression = compression->Word(kCompressions);
+    settings.compression = compression->Word<Compression>();
   return settings;
 }
 
@@ -118,7 +116,7 @@ Json SettingsJson(const SonarSettings& settings) {
   if (settings.gain_db) json["gain_db"] = *settings.gain_db;
   if (settings.pulse_length_us) json["pulse_length_us"] = *settings.pulse_length_us;
   if (settings.time_varied_gain) json["time_varied_gain"] = *settings.time_varied_gain;
-  if (settings.compression) json["compression"] = JsonWord(kCompressions, *settings.compression);
+  if (settings.compression) json["compression"] = ToString(*settings.compression);
   return json;
 }
 
@@ -141,7 +139,7 @@ void ReadImage(const JsonReader& json, RecordingHeader& header) {
   if (layout.String() == "fan") {
     layout.Fail(R"(is "fan", which cannot be read; expected "polar": convert the images to range by beam)");
   }
-  layout.Word(JsonWords<bool, 1>{{{"polar", true}}});
+  layout.Word(Words<bool, 1>{{{"polar", true}}});
 
   const JsonReader bits = json.At("bits");
   header.bits = static_cast<int>(bits.Integer(1, 64));
@@ -252,7 +250,7 @@ Json ImageJson(const RecordingHeader& header) {
   const ImageScale& scale = header.info.scale;
   Json json = {{"layout", "polar"},
                {"bits", header.bits},
-               {"quantity", JsonWord(kQuantities, scale.quantity)},
+               {"quantity", WordIn(kQuantities, scale.quantity)},
                {"full_scale", scale.full_scale}};
   if (scale.db_min) json["db_min"] = *scale.db_min;
   if (scale.db_max) json["db_max"] = *scale.db_max;
@@ -275,7 +273,7 @@ Json FrameJson(const FrameInfo& frame, const SonarSettings& of_recording) {
 
 RecordingHeader ReadRecordingHeader(const fs::path& folder) {
   const JsonReader json = JsonReader::FromFile(folder / kRecordingFile);
-  json.At("format").Word(JsonWords<bool, 1>{{{kFormat, true}}});
+  json.CheckFormat(kFormat);
 
   RecordingHeader header;
   RecordingInfo& info = header.info;
@@ -327,4 +325,4 @@ Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {
   return json;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

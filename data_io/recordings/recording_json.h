@@ -9,7 +9,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr const char* kRecordingFile = "recording.json";
 
@@ -26,4 +26,4 @@ RecordingHeader ReadRecordingHeader(const std::filesystem::path& folder);
 // `folder` is where the file will lie, absolute; the scene's path is made relative to it.
 nlohmann::ordered_json RecordingJson(const RecordingHeader& header, const std::filesystem::path& folder);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

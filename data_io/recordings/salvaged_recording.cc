@@ -4,7 +4,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 SalvagedRecording::SalvagedRecording(std::unique_ptr<RecordingSource> recording,
                                      const std::function<void(int frames_done)>& on_frame)
@@ -29,4 +29,4 @@ SalvagedRecording::SalvagedRecording(std::unique_ptr<RecordingSource> recording,
         fmt::format("{} of {} frames could not be read and were left out.", lost_count(), count));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

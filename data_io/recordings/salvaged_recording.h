@@ -7,7 +7,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 class SalvagedRecording final : public RecordingSource {
  public:
@@ -30,4 +30,4 @@ class SalvagedRecording final : public RecordingSource {
   std::vector<int> readable_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -5,7 +5,7 @@
 #include "data_io/ros/ros1_bag.h"
 #include "data_io/ros/ros2_bag.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 std::unique_ptr<Bag> Bag::Open(const std::filesystem::path& path) {
   if (IsRos1Bag(path)) return OpenRos1Bag(path);
@@ -43,4 +43,4 @@ std::string Ros1TypeName(const std::string& type) {
   return at == std::string::npos ? type : type.substr(0, at) + "/" + type.substr(at + kMiddle.size());
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -15,7 +15,7 @@
 
 #include "data_io/ros/message_stream.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // No message, and no chunk of a ROS 1 bag once inflated, is read that is larger.
 inline constexpr std::uint64_t kMostBagMessageBytes = 256 << 20;
@@ -72,4 +72,4 @@ std::string DescribeTopics(const std::vector<BagTopic>& topics);
 // "sensor_msgs/Image" of "sensor_msgs/msg/Image".
 std::string Ros1TypeName(const std::string& type);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

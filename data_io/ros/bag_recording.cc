@@ -8,7 +8,7 @@
 #include "core/types/printable.h"
 #include "data_io/ros/ros_messages.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -135,4 +135,4 @@ std::unique_ptr<RecordingSource> OpenBag(const fs::path& path) {
   return OpenBagRecording(path, {});
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

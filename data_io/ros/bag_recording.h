@@ -13,7 +13,7 @@
 #include "data_io/ros/bag.h"
 #include "data_io/ros/sonar_message.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct BagOptions {
   std::string topic = {};  // of the sonar; empty where the bag has only one
@@ -30,4 +30,4 @@ std::unique_ptr<RecordingSource> OpenBagRecording(const std::filesystem::path& p
 // The same for a bag of one sonar.
 std::unique_ptr<RecordingSource> OpenBag(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -5,7 +5,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::uint64_t kEncapsulationBytes = 4;
@@ -111,4 +111,4 @@ void MessageStream::Finish() const {
                   reader_.Where(at_, "end of the message"), left);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

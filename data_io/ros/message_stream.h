@@ -18,7 +18,7 @@
 
 #include "data_io/files/byte_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 enum class MessageEncoding { kRos1, kCdr };
 
@@ -64,4 +64,4 @@ class MessageStream {
   std::uint64_t at_ = 0;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -9,7 +9,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 struct SampleType {
@@ -242,4 +242,4 @@ void Describe(const ProjectedSonarImage& message, const std::string& where,
   if (options.mirrored) info.notes.emplace_back("Left and right are exchanged, as asked for.");
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

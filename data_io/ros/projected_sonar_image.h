@@ -7,7 +7,7 @@
 #include "data_io/ros/ros_messages.h"
 #include "data_io/ros/sonar_message.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 PolarImage ImageOf(const ProjectedSonarImage& message, const std::string& where,
                    const SonarMessageOptions& options);
@@ -15,4 +15,4 @@ PolarImage ImageOf(const ProjectedSonarImage& message, const std::string& where,
 void Describe(const ProjectedSonarImage& message, const std::string& where,
               const SonarMessageOptions& options, RecordingInfo& info);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -14,7 +14,7 @@
 #include "data_io/ros/ros1_record.h"
 #include "data_io/ros/ros_messages.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -367,4 +367,4 @@ std::unique_ptr<Bag> OpenRos1Bag(const fs::path& file) {
   return std::make_unique<Ros1Bag>(file);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

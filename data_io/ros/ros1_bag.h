@@ -21,11 +21,11 @@
 
 #include "data_io/ros/bag.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True where the file begins with "#ROSBAG V".
 bool IsRos1Bag(const std::filesystem::path& path);
 
 std::unique_ptr<Bag> OpenRos1Bag(const std::filesystem::path& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

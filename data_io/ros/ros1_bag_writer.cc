@@ -18,7 +18,7 @@
 #include "data_io/ros/ros1_message_text.h"
 #include "data_io/ros/ros_messages.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // A message as it stands in a bag, for librosbag, which asks for its parts by traits.
 struct Ros1Message {
@@ -28,22 +28,22 @@ struct Ros1Message {
   std::string bytes;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io
 
 namespace ros {
 namespace message_traits {
 
 template <>
-struct MD5Sum<sonarcal::Ros1Message> {
-  static const char* value(const sonarcal::Ros1Message& message) { return message.md5; }
+struct MD5Sum<sonarcal::data_io::Ros1Message> {
+  static const char* value(const sonarcal::data_io::Ros1Message& message) { return message.md5; }
 };
 template <>
-struct DataType<sonarcal::Ros1Message> {
-  static const char* value(const sonarcal::Ros1Message& message) { return message.type; }
+struct DataType<sonarcal::data_io::Ros1Message> {
+  static const char* value(const sonarcal::data_io::Ros1Message& message) { return message.type; }
 };
 template <>
-struct Definition<sonarcal::Ros1Message> {
-  static const char* value(const sonarcal::Ros1Message& message) { return message.definition; }
+struct Definition<sonarcal::data_io::Ros1Message> {
+  static const char* value(const sonarcal::data_io::Ros1Message& message) { return message.definition; }
 };
 
 }  // namespace message_traits
@@ -51,13 +51,13 @@ struct Definition<sonarcal::Ros1Message> {
 namespace serialization {
 
 template <>
-struct Serializer<sonarcal::Ros1Message> {
+struct Serializer<sonarcal::data_io::Ros1Message> {
   template <typename Stream>
-  static void write(Stream& stream, const sonarcal::Ros1Message& message) {
+  static void write(Stream& stream, const sonarcal::data_io::Ros1Message& message) {
     std::memcpy(stream.advance(static_cast<std::uint32_t>(message.bytes.size())), message.bytes.data(),
                 message.bytes.size());
   }
-  static std::uint32_t serializedLength(const sonarcal::Ros1Message& message) {
+  static std::uint32_t serializedLength(const sonarcal::data_io::Ros1Message& message) {
     return static_cast<std::uint32_t>(message.bytes.size());
   }
 };
@@ -65,7 +65,7 @@ struct Serializer<sonarcal::Ros1Message> {
 }  // namespace serialization
 }  // namespace ros
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr const char* kImageTopic = "/sonar/image";
@@ -249,4 +249,4 @@ void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path&
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

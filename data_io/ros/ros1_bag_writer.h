@@ -16,7 +16,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Writes `file`, which must not be there, frame by frame. Frames without a time have a stamp of 0 and are
 // logged a second after the frame before. Time 0, which means "no time" in ROS, becomes 1 ns. Throws
@@ -25,4 +25,4 @@ namespace sonarcal {
 void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path& file,
                   const std::function<void(int frames_done)>& progress = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

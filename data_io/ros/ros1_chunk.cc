@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 std::vector<std::byte> InflateRos1Chunk(std::span<const std::byte> packed, Ros1Compression compression,
                                         std::uint32_t bytes, const std::string& where) {
@@ -26,4 +26,4 @@ std::vector<std::byte> InflateRos1Chunk(std::span<const std::byte> packed, Ros1C
   return inflated;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

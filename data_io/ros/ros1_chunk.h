@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 enum class Ros1Compression { kNone, kBz2, kLz4 };
 
@@ -16,4 +16,4 @@ enum class Ros1Compression { kNone, kBz2, kLz4 };
 std::vector<std::byte> InflateRos1Chunk(std::span<const std::byte> packed, Ros1Compression compression,
                                         std::uint32_t bytes, const std::string& where);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

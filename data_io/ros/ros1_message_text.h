@@ -4,7 +4,7 @@
 // marine_acoustic_msgs: github.com/apl-ocean-engineering/marine_msgs 88e39b6 (BSD-3-Clause), version 2.
 #pragma once
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr const char* kProjectedSonarImageType = "marine_acoustic_msgs/ProjectedSonarImage";
 inline constexpr const char* kProjectedSonarImageMd5 = "c72fc8e29ab227a547720a36666022fd";
@@ -73,4 +73,4 @@ float64 z
 float64 w
 )";
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

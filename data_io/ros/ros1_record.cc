@@ -6,7 +6,7 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 Ros1Fields::Ros1Fields(std::span<const std::byte> bytes, std::string file, std::uint64_t file_offset)
     : file_(std::move(file)), file_offset_(file_offset) {
@@ -50,4 +50,4 @@ std::string Ros1Fields::Text(std::string_view name) const {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -11,7 +11,7 @@
 
 #include "data_io/files/byte_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // Fields "name=value", each behind its u32 length.
 class Ros1Fields {
@@ -45,4 +45,4 @@ enum class Ros1Op : std::uint8_t {
   kConnection = 7,
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -13,7 +13,7 @@
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -262,4 +262,4 @@ std::unique_ptr<Bag> OpenRos2Bag(const fs::path& path) {
   return std::make_unique<Ros2Bag>(files);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -18,7 +18,7 @@
 
 #include "data_io/ros/bag.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True for an SQLite file, the only ones read, for a file of mcap, which is refused when opened, and for a
 // folder that holds either.
@@ -26,4 +26,4 @@ bool IsRos2Bag(const std::filesystem::path& path);
 
 std::unique_ptr<Bag> OpenRos2Bag(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

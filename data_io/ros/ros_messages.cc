@@ -3,7 +3,7 @@
 #include "core/types/error.h"
 #include "core/types/rotation.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 RosHeader ReadHeader(MessageStream& stream) {
@@ -209,4 +209,4 @@ std::vector<RosPose> ReadTransforms(MessageStream& stream) {
   return transforms;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -17,7 +17,7 @@
 #include "core/types/pose.h"
 #include "data_io/ros/message_stream.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct RosHeader {
   std::int64_t stamp_ns = 0;  // since 1970; 0 where the writer left it out
@@ -116,4 +116,4 @@ RosPose ReadOdometry(MessageStream& stream);                 // nav_msgs/Odometr
 RosPose ReadPoseStamped(MessageStream& stream);              // geometry_msgs/PoseStamped
 std::vector<RosPose> ReadTransforms(MessageStream& stream);  // tf2_msgs/TFMessage, tf/tfMessage
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

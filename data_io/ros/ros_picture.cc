@@ -8,7 +8,7 @@
 #include "data_io/images/image_io.h"
 #include "data_io/images/jpeg_codec.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 std::uint64_t SampleBytes(const std::string& encoding, const std::string& where) {
@@ -69,4 +69,4 @@ RosPicture PictureOf(const RosCompressedImage& image, const std::string& where) 
   return {file.DecodeGrey(), file.header().bits == 8 ? 255.0 : 65535.0};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

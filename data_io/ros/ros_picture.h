@@ -6,7 +6,7 @@
 #include "core/types/image.h"
 #include "data_io/ros/ros_messages.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct RosPicture {
   Grid<float> value;          // row 0 is the picture's top row
@@ -21,4 +21,4 @@ RosPicture PictureOf(const RosImage& image, const std::string& where);
 // anything is decoded.
 RosPicture PictureOf(const RosCompressedImage& image, const std::string& where);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

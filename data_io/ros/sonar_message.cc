@@ -10,7 +10,7 @@
 #include "data_io/ros/ros_picture.h"
 #include "data_io/sonars/oculus_model.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr const char* kPictureType = "sensor_msgs/Image";
@@ -192,4 +192,4 @@ void DescribeSonarMessage(const std::string& type, std::span<const std::byte> by
   Describe(PingOf(message, where), message, options, info);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -26,14 +26,19 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "core/types/recording.h"
+#include "core/types/words.h"
 #include "data_io/pictures/picture_geometry.h"
 #include "data_io/ros/message_stream.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 enum class SampleOrder { kByBeam, kByRange };
+constexpr auto WordsOf(std::type_identity<SampleOrder>) {
+  return Words<SampleOrder, 2>{{{"beam", SampleOrder::kByBeam}, {"range", SampleOrder::kByRange}}};
+}
 
 struct SonarMessageOptions {
   SampleOrder sample_order = SampleOrder::kByBeam;  // of ProjectedSonarImage
@@ -59,4 +64,4 @@ PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte
 void DescribeSonarMessage(const std::string& type, std::span<const std::byte> bytes, MessageEncoding encoding,
                           const std::string& where, const SonarMessageOptions& options, RecordingInfo& info);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -25,7 +25,7 @@
 #include "data_io/scenes/scene_io.h"
 #include "data_io/scenes/stl_document.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
@@ -177,4 +177,4 @@ Scene ParseStl(std::string bytes, const std::string& file, const SceneConvention
   return Assemble(*importer->GetScene(), world_from_file, {}, document.triangles, file);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

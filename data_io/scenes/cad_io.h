@@ -19,12 +19,17 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "core/types/scene.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 enum class UpAxis { kY, kZ };
+constexpr auto WordsOf(std::type_identity<UpAxis>) {
+  return Words<UpAxis, 2>{{{"y", UpAxis::kY}, {"z", UpAxis::kZ}}};
+}
 
 // What a file of a format without conventions is taken for.
 struct SceneConventions {
@@ -47,4 +52,4 @@ Scene ReadScene(const std::filesystem::path& file, const SceneConventions& conve
 Scene ParseObj(std::string bytes, const std::string& file, const SceneConventions& conventions = {});
 Scene ParseStl(std::string bytes, const std::string& file, const SceneConventions& conventions = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

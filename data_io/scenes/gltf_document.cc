@@ -15,7 +15,7 @@
 #include "data_io/files/byte_reader.h"
 #include "data_io/files/file_bytes.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Json = nlohmann::json;
@@ -334,4 +334,4 @@ std::string ReadGltfBuffer(const std::filesystem::path& directory, const std::st
   return ReadFileBytes(directory / relative, kMaxGltfBytes);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxGltfBytes = std::size_t{1} << 30;  // of a file; of all buffers together
 inline constexpr int kMaxGltfJsonDepth = 32;
@@ -34,4 +34,4 @@ GltfDocument ReduceGltf(std::string_view bytes, const std::string& file);
 // read.
 std::string ReadGltfBuffer(const std::filesystem::path& directory, const std::string& uri);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

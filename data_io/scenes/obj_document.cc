@@ -15,7 +15,7 @@
 #include "core/types/printable.h"
 #include "data_io/scenes/polygon.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 // What says nothing of a mesh's shape.
@@ -217,4 +217,4 @@ ObjDocument ReduceObj(std::string_view bytes, const std::string& file) {
   return ObjReducer(file).Reduce(bytes);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxObjTriangles = 5'000'000;  // larger meshes: glTF
 inline constexpr std::size_t kMaxObjVertices = 10'000'000;
@@ -30,4 +30,4 @@ struct ObjDocument {
 // geometry, statements that OBJ does not have, and sizes beyond the limits above.
 ObjDocument ReduceObj(std::string_view bytes, const std::string& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using Eigen::Vector2d;
@@ -111,4 +111,4 @@ std::optional<std::vector<std::array<int, 3>>> DividePolygon(std::span<const Vec
   return EarClipper(std::move(points), size_m).Divide();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // The corners.size() - 2 triangles of a polygon, by the places of its corners, each turning the way the
 // polygon does: by ear clipping on the plane of the mean (Newell) normal. The polygon may be hollow, have
@@ -16,4 +16,4 @@ namespace sonarcal {
 // cube. Three corners at least: a programmer's mistake otherwise.
 std::optional<std::vector<std::array<int, 3>>> DividePolygon(std::span<const Eigen::Vector3d> corners);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

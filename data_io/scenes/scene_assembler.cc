@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 // Corners of triangle i of a sequence.
@@ -87,4 +87,4 @@ Scene SceneAssembler::Finish(const std::vector<std::string>& names) {
   return std::move(scene_);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -12,7 +12,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxSceneVertices = 30'000'000;
 inline constexpr std::size_t kMaxSceneTriangles = 20'000'000;
@@ -54,4 +54,4 @@ class SceneAssembler {
   std::vector<int> material_of_triangle_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

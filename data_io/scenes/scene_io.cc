@@ -22,7 +22,7 @@
 #include "data_io/scenes/gltf_document.h"
 #include "data_io/scenes/scene_assembler.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little-endian");
@@ -395,4 +395,4 @@ void WriteGltf(const Scene& scene, const std::filesystem::path& file) {
   WriteFileWhole(file, stream.str());
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

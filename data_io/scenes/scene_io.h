@@ -20,7 +20,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr int kMaxSceneNodeDepth = 64;
 
@@ -39,4 +39,4 @@ Scene ParseGltf(std::string_view bytes, const std::filesystem::path& file);
 // be written.
 void WriteGltf(const Scene& scene, const std::filesystem::path& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -13,7 +13,7 @@
 #include "core/types/printable.h"
 #include "data_io/scenes/scene_assembler.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 80;
@@ -121,4 +121,4 @@ StlDocument CheckStl(std::string bytes, const std::string& file) {
   return {std::move(bytes), triangles};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <string>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxStlSolids = 4096;
 
@@ -22,4 +22,4 @@ struct StlDocument {
 // says, for text that is not made as above (with the line), and for more triangles than a scene may have.
 StlDocument CheckStl(std::string bytes, const std::string& file);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

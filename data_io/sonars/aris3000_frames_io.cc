@@ -16,7 +16,7 @@
 #include "data_io/pictures/picture_geometry.h"
 #include "data_io/sonars/aris_beam_tables.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -263,4 +263,4 @@ std::unique_ptr<RecordingSource> OpenAris3000FanPicture(const fs::path& picture,
   return std::make_unique<FanPicture>(picture, fan);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

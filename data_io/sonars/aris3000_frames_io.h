@@ -24,7 +24,7 @@
 #include "core/types/recording.h"
 #include "data_io/pictures/fan_geometry.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True where `path` is such a folder. Reads no pixel.
 bool IsAris3000Frames(const std::filesystem::path& path);
@@ -37,4 +37,4 @@ std::unique_ptr<RecordingSource> OpenAris3000Frames(const std::filesystem::path&
 std::unique_ptr<RecordingSource> OpenAris3000FanPicture(const std::filesystem::path& picture,
                                                         const FanGeometry& fan);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

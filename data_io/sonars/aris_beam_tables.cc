@@ -4,7 +4,7 @@
 
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 // BeamWidths_ARIS1800_1200_48.h
@@ -106,4 +106,4 @@ std::vector<double> ArisAzimuthsRad(std::span<const double> centres_deg) {
   return azimuth_rad;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

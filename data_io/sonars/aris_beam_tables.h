@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // The value of the header field TheSystemType.
 enum class ArisSystem { kAris1800 = 0, kAris3000 = 1, kAris1200 = 2 };
@@ -29,4 +29,4 @@ std::span<const double> ArisBeamCentresDeg(ArisSystem system, int beam_count, Ar
 // The same directions as azimuths of a polar image's columns, left to right: negated and in reverse order.
 std::vector<double> ArisAzimuthsRad(std::span<const double> centres_deg);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 #include "data_io/sonars/aris_model.h"
 #include "data_io/sonars/frames_by_size.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ std::unique_ptr<RecordingSource> OpenAris(const fs::path& path) {
   return std::make_unique<ArisRecording>(path);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -26,7 +26,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True where the file begins with the magic number.
 bool IsAris(const std::filesystem::path& path);
@@ -35,4 +35,4 @@ bool IsAris(const std::filesystem::path& path);
 // field where the header is not one, a field lies outside its domain, or not one whole frame is there.
 std::unique_ptr<RecordingSource> OpenAris(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -4,7 +4,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr double kDbSpan = 80.0;
@@ -97,4 +97,4 @@ void NoteArisWindow(const ArisHeader& header, RecordingInfo& info) {
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

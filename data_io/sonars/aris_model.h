@@ -7,7 +7,7 @@
 #include "core/types/recording.h"
 #include "data_io/sonars/aris_beam_tables.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::uint32_t kMostArisSamplesPerBeam = 1 << 16;
 
@@ -53,4 +53,4 @@ SonarSettings ArisSettings(const ArisHeader& header);
 // Adds a note where the window of the header is another than that of the sample timing.
 void NoteArisWindow(const ArisHeader& header, RecordingInfo& info);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

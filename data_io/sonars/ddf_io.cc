@@ -10,7 +10,7 @@
 #include "data_io/sonars/didson_io.h"
 #include "data_io/sonars/frames_by_size.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,4 +247,4 @@ std::unique_ptr<RecordingSource> OpenDdf(const fs::path& path) {
   return std::make_unique<DdfRecording>(path);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

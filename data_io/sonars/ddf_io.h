@@ -29,7 +29,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True where the file begins with "DDF" and version 3 or 4.
 bool IsDdf(const std::filesystem::path& path);
@@ -38,4 +38,4 @@ bool IsDdf(const std::filesystem::path& path);
 // field where a field lies outside its domain, or not one whole frame is there.
 std::unique_ptr<RecordingSource> OpenDdf(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

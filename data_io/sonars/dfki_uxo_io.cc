@@ -13,7 +13,7 @@
 #include "data_io/sonars/aris_model.h"
 #include "data_io/sonars/frame_tree.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -225,4 +225,4 @@ std::unique_ptr<RecordingSource> OpenDfkiUxo(const fs::path& path) {
   return std::make_unique<DfkiUxoRecording>(path.has_filename() ? path : path.parent_path());
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -23,7 +23,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True for a folder with aris_frame_meta.csv and aris_raw.
 bool IsDfkiUxo(const std::filesystem::path& path);
@@ -32,4 +32,4 @@ bool IsDfkiUxo(const std::filesystem::path& path);
 // damaged, or no frame of it has a picture.
 std::unique_ptr<RecordingSource> OpenDfkiUxo(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -11,7 +11,7 @@
 #include "data_io/images/grey_frame.h"
 #include "data_io/json/json_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -177,4 +177,4 @@ std::vector<double> DidsonAzimuthsRad() {
   return azimuth_rad;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -24,7 +24,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True for a folder with such a pair of files, and for either file of a pair. Reads no content.
 bool IsDidson(const std::filesystem::path& path);
@@ -36,4 +36,4 @@ std::unique_ptr<RecordingSource> OpenDidson(const std::filesystem::path& path);
 // Azimuths of the centres of the 96 beams, radians, strictly increasing: the inverse of the polynomial.
 std::vector<double> DidsonAzimuthsRad();
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 #include "core/types/rotation.h"
 #include "data_io/files/yaml_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 Pose PoseOf(const YamlReader& frame) {
@@ -46,4 +46,4 @@ std::optional<Pose> FrameTree::Find(const std::string& ancestor, const std::stri
   return ancestor_from_frame;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -16,7 +16,7 @@
 
 #include "core/types/pose.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 class FrameTree {
  public:
@@ -35,4 +35,4 @@ class FrameTree {
   std::map<std::string, Frame> frames_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

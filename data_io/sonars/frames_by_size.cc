@@ -4,7 +4,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 FramesBySize CountFramesBySize(const std::string& file, std::uint64_t file_bytes, std::uint64_t header_bytes,
                                std::uint64_t frame_bytes) {
@@ -26,4 +26,4 @@ void NoteFrameCount(const FramesBySize& frames, std::int64_t header_says, std::v
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 struct FramesBySize {
   int count = 0;                 // whole frames
@@ -21,4 +21,4 @@ FramesBySize CountFramesBySize(const std::string& file, std::uint64_t file_bytes
 // Adds a note where the header's count is another, and one where a last frame was cut short.
 void NoteFrameCount(const FramesBySize& frames, std::int64_t header_says, std::vector<std::string>& notes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -9,7 +9,7 @@
 #include "data_io/sonars/oculus_model.h"
 #include "data_io/sonars/oculus_ping.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ std::unique_ptr<RecordingSource> OpenOculus(const fs::path& path) {
   return std::make_unique<OculusRecording>(path);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

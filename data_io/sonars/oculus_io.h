@@ -28,7 +28,7 @@
 
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // True where the file begins with the head of an Oculus message, or of a log of them.
 bool IsOculus(const std::filesystem::path& path);
@@ -37,4 +37,4 @@ bool IsOculus(const std::filesystem::path& path);
 // field where a ping's fields contradict each other or its size, or the file holds no whole ping.
 std::unique_ptr<RecordingSource> OpenOculus(const std::filesystem::path& path);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 #include "core/types/error.h"
 #include "data_io/files/byte_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ std::vector<std::byte> ReadOculusLogItem(const fs::path& file, const OculusLogIt
   return Inflate(std::move(payload), item, wanted_bytes, where);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // No message is inflated beyond this; the largest image of an Oculus has a few megabytes.
 inline constexpr std::uint64_t kMostOculusMessageBytes = 64 << 20;
@@ -49,4 +49,4 @@ OculusLogItem ReadOculusLogItemHead(const std::filesystem::path& file, std::uint
 std::vector<std::byte> ReadOculusLogItem(const std::filesystem::path& file, const OculusLogItem& item,
                                          std::uint64_t wanted_bytes = kMostOculusMessageBytes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 // A model's nominal figures in one of its modes (Blueprint Subsea, data sheets of the Oculus series).
@@ -126,4 +126,4 @@ void DescribeOculus(const OculusPing& ping, RecordingInfo& info) {
   NoteEnvironment(ping, info);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -6,7 +6,7 @@
 #include "core/types/recording.h"
 #include "data_io/sonars/oculus_ping.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 // The ping has bearings.
 bool BearingsRunRightToLeft(const OculusPing& ping);
@@ -20,4 +20,4 @@ ImageScale OculusScale(const OculusPing& ping);
 // garbage. info.source is set already.
 void DescribeOculus(const OculusPing& ping, RecordingInfo& info);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -5,7 +5,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 constexpr std::uint8_t kFlagRangeInMetres = 1 << 0;
@@ -132,4 +132,4 @@ OculusPing ParseOculusPing(const ByteReader& reader, const OculusHead& head) {
   return ping;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -7,7 +7,7 @@
 
 #include "data_io/files/byte_reader.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 
 inline constexpr std::uint16_t kOculusId = 0x4f53;
 inline constexpr std::uint16_t kOculusSimplePingResult = 0x23;
@@ -62,4 +62,4 @@ OculusPing ParseOculusPing(const ByteReader& reader, const OculusHead& head);
 
 inline constexpr std::uint64_t kMostOculusPingHeaderBytes = 202 + 2 * 0xffff;
 
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -10,7 +10,7 @@
 #include "metrics/figures.h"
 #include "metrics/json/metrics_json.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using Json = nlohmann::json;
@@ -166,20 +166,6 @@ std::vector<std::string> Notes(const MetricsReport& now, const Json& now_json, c
 
 }  // namespace
 
-std::string_view ToString(ChangeVerdict verdict) {
-  switch (verdict) {
-    case ChangeVerdict::kBetter:
-      return "better";
-    case ChangeVerdict::kWorse:
-      return "worse";
-    case ChangeVerdict::kSame:
-      return "same";
-    case ChangeVerdict::kNotTold:
-      return "not_told";
-  }
-  return "unknown verdict";
-}
-
 int Against::Count(ChangeVerdict verdict, bool headline_only) const {
   return static_cast<int>(std::count_if(figures.begin(), figures.end(), [&](const FigureChange& change) {
     return change.verdict == verdict && (change.headline || !headline_only);
@@ -243,4 +229,4 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
   return against;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

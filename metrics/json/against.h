@@ -15,18 +15,23 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
+#include "core/types/words.h"
 #include "metrics/bootstrap.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct MetricsReport;  // metrics/json/metrics_json.h
 
 enum class ChangeVerdict { kBetter, kWorse, kSame, kNotTold };
-
-// "better", "worse", "same" (but for rounding), "not_told" (the change is within the noise).
-std::string_view ToString(ChangeVerdict verdict);
+constexpr auto WordsOf(std::type_identity<ChangeVerdict>) {
+  return Words<ChangeVerdict, 4>{{{"better", ChangeVerdict::kBetter},
+                                  {"worse", ChangeVerdict::kWorse},
+                                  {"same", ChangeVerdict::kSame},
+                                  {"not_told", ChangeVerdict::kNotTold}}};
+}
 
 // Means over frames of one figure, then and now.
 struct FigureChange {
@@ -60,4 +65,4 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
 // The share of what a simulator could gain that was gained; none where there was nothing to gain.
 std::optional<double> ExplainedFraction(double badness_before, double badness_after, double badness_floor);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

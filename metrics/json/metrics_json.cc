@@ -15,7 +15,7 @@
 #include "metrics/json/segmentation_json.h"
 #include "metrics/json/sweep_json.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -274,7 +274,7 @@ std::string Indented(std::string_view text, std::string_view margin) {
 }  // namespace
 
 std::string MetricsSummaryJson(const MetricsReport& report) {
-  return JsonText(SummaryJson(report));
+  return data_io::JsonText(SummaryJson(report));
 }
 
 std::string FrameMetricsJson(const FrameMetrics& frame, IntensityDomain domain) {
@@ -288,7 +288,7 @@ std::string MetricsJson(const MetricsReport& report) {
   const std::string margin(4, ' ');
   bool first = true;
   for (const FrameMetrics& frame : report.frames) {
-    std::string text = JsonText(FrameJson(frame, report.options.intensity_domain));
+    std::string text = data_io::JsonText(FrameJson(frame, report.options.intensity_domain));
     text.pop_back();  // the newline
     frames += (first ? "\n" : ",\n") + margin + Indented(text, margin);
     first = false;
@@ -331,7 +331,7 @@ std::string PerFrameCsv(const std::vector<FrameMetrics>& frames, IntensityDomain
     }
   };
   for (const FrameMetrics& frame : frames) {
-    csv += fmt::format("{},{}", frame.index, CsvText(frame.name));
+    csv += fmt::format("{},{}", frame.index, data_io::CsvText(frame.name));
     for (const bool fan : {false, true}) {
       const ViewMetrics& view = fan ? frame.fan : frame.polar;
       csv += fmt::format(",{},{},{}", view.occupancy.ns, view.occupancy.nr, view.occupancy.na);
@@ -346,4 +346,4 @@ std::string PerFrameCsv(const std::vector<FrameMetrics>& frames, IntensityDomain
   return csv;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -50,7 +50,7 @@
 #include "metrics/noise_floor.h"
 #include "metrics/threshold_sweep.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct MetricsReport {
   std::string real;       // what was compared, for people: a path, "synthetic" where it is
@@ -80,4 +80,4 @@ std::string MetricsSummaryJson(const MetricsReport& report);
 // figure stands under its path with "_" for ".", those of the fan after "fan_".
 std::string PerFrameCsv(const std::vector<FrameMetrics>& frames, IntensityDomain domain);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

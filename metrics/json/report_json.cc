@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -123,4 +123,4 @@ Json AgainstJson(const Against& against) {
   return json;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -6,7 +6,7 @@
 #include "metrics/json/against.h"
 #include "metrics/measures/residuals.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 nlohmann::ordered_json AgainstJson(const Against& against);
 
@@ -14,4 +14,4 @@ nlohmann::ordered_json AgainstJson(const Against& against);
 nlohmann::ordered_json ResidualsJson(const ResidualCollector& residuals,
                                      const std::vector<ResidualTable>& by_scene);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -89,4 +89,4 @@ Json SegmentationJson(const SegmentationOptions& options) {
   return json;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

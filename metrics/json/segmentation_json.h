@@ -5,8 +5,8 @@
 
 #include "metrics/segmentation/segmentation_options.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 nlohmann::ordered_json SegmentationJson(const SegmentationOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -4,7 +4,7 @@
 
 #include "metrics/segmentation/scored_image.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -38,4 +38,4 @@ Json SweepJson(const ThresholdSweep& sweep, SegmentationMethod method) {
   return json;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -11,8 +11,8 @@
 
 #include "metrics/threshold_sweep.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 nlohmann::ordered_json SweepJson(const ThresholdSweep& sweep, SegmentationMethod method);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

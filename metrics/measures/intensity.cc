@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr double kRounding = 1e-12;  // relative, of sums over the pixels of an image
@@ -20,18 +20,6 @@ void CheckShape(const Grid<T>& grid, const Grid<float>& real, std::string_view n
 }
 
 }  // namespace
-
-std::string_view ToString(IntensityDomain domain) {
-  switch (domain) {
-    case IntensityDomain::kUnion:
-      return "union";
-    case IntensityDomain::kWhole:
-      return "whole";
-    case IntensityDomain::kOverlap:
-      return "overlap";
-  }
-  return "unknown domain";
-}
 
 std::optional<double> DifferenceSums::mean_absolute() const {
   return Mean(absolute, pixels);
@@ -164,4 +152,4 @@ IntensityError MeasureIntensityError(const Grid<float>& real, const Grid<float>&
   return error;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

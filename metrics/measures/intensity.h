@@ -23,16 +23,20 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "core/types/image.h"
 #include "core/types/mask.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 enum class IntensityDomain { kUnion, kWhole, kOverlap };
-
-// "union", "whole", "overlap".
-std::string_view ToString(IntensityDomain domain);
+constexpr auto WordsOf(std::type_identity<IntensityDomain>) {
+  return Words<IntensityDomain, 3>{{{"union", IntensityDomain::kUnion},
+                                    {"whole", IntensityDomain::kWhole},
+                                    {"overlap", IntensityDomain::kOverlap}}};
+}
 
 // Sums over pixels, of one frame or of several pooled, of the recorded value r and the simulated value s as
 // fractions of full scale, d = s - r. Statistics have no value where there is no pixel.
@@ -93,4 +97,4 @@ IntensityError MeasureIntensityError(const Grid<float>& real, const Grid<float>&
                                      const Mask& real_object, const Mask& simulated_object,
                                      const Mask* inside = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

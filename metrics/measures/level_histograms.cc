@@ -5,7 +5,7 @@
 
 #include "core/math/distribution.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr double kMostLevels = 4096.0;
@@ -30,20 +30,6 @@ void AddCounts(std::vector<double>& counts, const std::vector<double>& other) {
 }
 
 }  // namespace
-
-std::string_view ToString(LevelDomain domain) {
-  switch (domain) {
-    case LevelDomain::kUnion:
-      return "union";
-    case LevelDomain::kWhole:
-      return "whole";
-    case LevelDomain::kOverlap:
-      return "overlap";
-    case LevelDomain::kObjects:
-      return "objects";
-  }
-  return "unknown domain";
-}
 
 LevelDistances LevelCounts::Distances() const {
   const std::vector<double> p = Shares(real);
@@ -100,4 +86,4 @@ LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulate
   return levels;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

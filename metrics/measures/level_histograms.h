@@ -12,20 +12,25 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/image.h"
 #include "core/types/mask.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 enum class LevelDomain { kUnion, kWhole, kOverlap, kObjects };
+constexpr auto WordsOf(std::type_identity<LevelDomain>) {
+  return Words<LevelDomain, 4>{{{"union", LevelDomain::kUnion},
+                                {"whole", LevelDomain::kWhole},
+                                {"overlap", LevelDomain::kOverlap},
+                                {"objects", LevelDomain::kObjects}}};
+}
 
 inline constexpr std::array kLevelDomains = {LevelDomain::kUnion, LevelDomain::kWhole, LevelDomain::kOverlap,
                                              LevelDomain::kObjects};
-
-// "union", "whole", "overlap", "objects".
-std::string_view ToString(LevelDomain domain);
 
 // Distances between the two distributions; none has a value where either holds no pixel.
 struct LevelDistances {
@@ -60,4 +65,4 @@ LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulate
                             const Mask& real_object, const Mask& simulated_object,
                             const Mask* inside = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

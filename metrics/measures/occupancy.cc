@@ -1,6 +1,6 @@
 #include "metrics/measures/occupancy.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 Occupancy CountOccupancy(const Mask& real, const Mask& simulated) {
   SONARCAL_CHECK(real.rows() == simulated.rows() && real.cols() == simulated.cols(),
@@ -17,4 +17,4 @@ Occupancy CountOccupancy(const Mask& real, const Mask& simulated) {
   return counts;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

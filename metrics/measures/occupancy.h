@@ -10,7 +10,7 @@
 
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Counts of one frame, or of several frames pooled.
 struct Occupancy {
@@ -44,4 +44,4 @@ struct Occupancy {
 // Masks of the same shape.
 Occupancy CountOccupancy(const Mask& real, const Mask& simulated);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

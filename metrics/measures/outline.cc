@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 struct Point {
@@ -107,4 +107,4 @@ OutlineDistance MeasureOutlines(const Mask& real, const Mask& simulated, const P
   return result;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -18,7 +18,7 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Of one frame, or of several pooled: then the mean is that of all points, and there is no percentile, which
 // sums do not tell.
@@ -38,4 +38,4 @@ struct OutlineDistance {
 // Masks of range_bins x beam_count.
 OutlineDistance MeasureOutlines(const Mask& real, const Mask& simulated, const PolarAxes& axes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

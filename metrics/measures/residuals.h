@@ -12,7 +12,7 @@
 #include "core/types/mask.h"
 #include "metrics/measures/intensity.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Pixels of the whole image, and those of either object region.
 struct ResidualSums {
@@ -77,4 +77,4 @@ class ResidualCollector {
 // "by,name,from,to,unit,domain,pixels,bias,mean_absolute,rmse", a line a class and domain; RFC 4180.
 std::string ResidualsCsv(const std::vector<ResidualTable>& tables);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr int kHalf = kSsimWindowPx / 2;
@@ -93,4 +93,4 @@ StructuralSimilarity MeasureSsim(const Grid<float>& real, const Grid<float>& sim
   return similarity;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -14,7 +14,7 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 inline constexpr int kSsimWindowPx = 11;
 inline constexpr double kSsimSigmaPx = 1.5;
@@ -41,4 +41,4 @@ StructuralSimilarity MeasureSsim(const Grid<float>& real, const Grid<float>& sim
                                  const Mask& real_object, const Mask& simulated_object,
                                  const Mask* inside = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 Grid<float> PowerOfGrey(const Grid<float>& grey, double full_scale,
                         const std::function<double(double value)>& power_of_value) {
@@ -41,4 +41,4 @@ std::function<double(double value)> LogDisplayPower(double span_db) {
   return [nepers](double value) { return std::exp(nepers * value); };
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

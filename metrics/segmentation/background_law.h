@@ -8,7 +8,7 @@
 
 #include "core/types/image.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct BackgroundLaw {
   Grid<float> mean_power;  // range_bins x beam_count, more than 0, in any unit
@@ -25,4 +25,4 @@ Grid<float> PowerOfGrey(const Grid<float>& grey, double full_scale,
 // v = level / span_db: a logarithm over `span_db` > 0, in units of the power shown as 0.
 std::function<double(double value)> LogDisplayPower(double span_db);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -9,7 +9,7 @@
 #include "core/math/local_sums.h"
 #include "metrics/segmentation/false_alarm.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // Of grey levels, in parts of full scale.
@@ -154,4 +154,4 @@ Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const 
                     });
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -19,7 +19,7 @@
 #include "core/types/mask.h"
 #include "metrics/segmentation/segmentation_options.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Of every pixel, in decades. `power`: received power, in any unit, 0 or more. options.method is kCaCfar or
 // kOsCfar; the image has more cells than the guard covers, else a DataError. Pixels outside `valid` (the
@@ -31,4 +31,4 @@ Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptio
 Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const SegmentationOptions& options,
                               const Mask* valid = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

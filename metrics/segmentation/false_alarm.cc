@@ -7,7 +7,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // Of DecadesTable.
@@ -134,4 +134,4 @@ double LogQuantileLaw::Decades(double excess) const {
   return tail_(std::exp(upper_log_ + excess * distance_log_));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 inline constexpr double kMostDecades = 300.0;
 
@@ -94,4 +94,4 @@ class LogQuantileLaw {
 // lies.
 double GammaQuantile(double looks, double chance);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

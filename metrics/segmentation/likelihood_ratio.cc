@@ -5,7 +5,7 @@
 #include "core/math/local_sums.h"
 #include "metrics/segmentation/false_alarm.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const BackgroundLaw& law,
                               int cell_rows, int cell_cols, const Mask* valid) {
@@ -32,4 +32,4 @@ Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const 
   return decades;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -16,7 +16,7 @@
 #include "core/types/mask.h"
 #include "metrics/segmentation/background_law.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Of every pixel, in decades; cells of cell_rows x cell_cols pixels, both odd. Pixels outside `valid` (null:
 // all count) have no part in any cell. Throws DataError where the law was made for an image of another shape,
@@ -24,4 +24,4 @@ namespace sonarcal {
 Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const BackgroundLaw& law,
                               int cell_rows, int cell_cols, const Mask* valid = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // Sums over rectangles about each pixel, with nothing beyond the border.
@@ -42,4 +42,4 @@ Grid<float> LocalContrast(const Grid<float>& value, const TrainingShape& ring, c
   return contrast;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

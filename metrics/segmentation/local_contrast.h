@@ -7,10 +7,10 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // In the unit of `value`. Rectangles are cut at the image's border; pixels outside `valid` (null: all count)
 // have no part in any mean. A pixel whose ring is empty has contrast 0.
 Grid<float> LocalContrast(const Grid<float>& value, const TrainingShape& ring, const Mask* valid = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 PixelBox BoxOf(const Mask& object, const ObjectMargin& margin) {
   SONARCAL_CHECK(margin.bins >= 0 && margin.beams >= 0, "margins {} and {}", margin.bins, margin.beams);
@@ -40,4 +40,4 @@ SegmentationOptions SegmentationInBox() {
   return options;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

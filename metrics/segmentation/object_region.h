@@ -8,7 +8,7 @@
 #include "core/types/mask.h"
 #include "metrics/segmentation/segmentation_options.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Range bins and beams of a polar image, from `begin` to before `end`; empty by default.
 struct PixelBox {
@@ -42,4 +42,4 @@ Mask MaskOf(const PixelBox& box, int range_bins, int beams);
 // around an object can be as bright as the object, so the box has no background that is known to be dark.
 SegmentationOptions SegmentationInBox();
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -8,7 +8,7 @@
 #include "core/types/units.h"
 #include "metrics/segmentation/object_region.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 Mask BoxAround(const Mask& object, int margin_rows, int margin_cols) {
   return MaskOf(BoxOf(object, {.bins = margin_rows, .beams = margin_cols}), object.rows(), object.cols());
@@ -82,4 +82,4 @@ Mask InsidePolygon(const std::vector<PolygonCorner>& corners, const PolarAxes& a
   return inside;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -6,7 +6,7 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // The bounding box of the object's pixels, wider by the margins on each side, cut at the image's borders.
 // Nothing is set where the object has no pixel.
@@ -30,4 +30,4 @@ struct PolygonCorner {
 // Throws DataError where there are fewer than three corners, or one is not finite.
 Mask InsidePolygon(const std::vector<PolygonCorner>& corners, const PolarAxes& axes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

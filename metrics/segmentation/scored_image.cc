@@ -13,7 +13,7 @@
 #include "metrics/segmentation/threshold.h"
 #include "metrics/segmentation/tidy.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // Smoothing a constant image leaves rounding errors; what differs by less than this share of full scale is
@@ -264,4 +264,4 @@ Mask ScoredImage::ObjectAbove(double threshold, const Mask* within) const {
   return object;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -16,7 +16,7 @@
 #include "core/types/mask.h"
 #include "metrics/segmentation/segmentation_options.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // "standard deviations", "part of full scale", "-log10 of the false-alarm rate".
 std::string_view SettingUnit(SegmentationMethod method);
@@ -52,4 +52,4 @@ class ScoredImage {
   std::optional<double> chosen_;  // the threshold at setting(), where the image says it
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -2,7 +2,7 @@
 
 #include "metrics/segmentation/scored_image.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 Segmentation SegmentScored(const Grid<float>& value, const ImageScale& scale,
@@ -34,4 +34,4 @@ Segmentation Segment(const FanImage& image, const SegmentationOptions& options, 
   return SegmentScored(image.value, image.scale, options, region, &image.inside);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

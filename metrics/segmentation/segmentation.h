@@ -30,7 +30,7 @@
 #include "metrics/segmentation/region.h"
 #include "metrics/segmentation/segmentation_options.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 struct Segmentation {
   Mask object;             // the image's shape
@@ -47,4 +47,4 @@ Segmentation Segment(const PolarImage& image, const SegmentationOptions& options
                      const Mask* region = nullptr, const Mask* valid = nullptr);
 Segmentation Segment(const FanImage& image, const SegmentationOptions& options, const Mask* region = nullptr);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

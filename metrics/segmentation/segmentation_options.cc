@@ -7,19 +7,8 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
-
-constexpr std::array<std::pair<SegmentationMethod, std::string_view>, kSegmentationMethods> kMethodNames = {{
-    {SegmentationMethod::kBackgroundSigma, "background_sigma"},
-    {SegmentationMethod::kOtsu, "otsu"},
-    {SegmentationMethod::kFixedThreshold, "fixed_threshold"},
-    {SegmentationMethod::kTriangle, "triangle"},
-    {SegmentationMethod::kLocalContrast, "local_contrast"},
-    {SegmentationMethod::kCaCfar, "ca_cfar"},
-    {SegmentationMethod::kOsCfar, "os_cfar"},
-    {SegmentationMethod::kLikelihoodRatio, "likelihood_ratio"},
-}};
 
 template <typename T>
 void Require(bool condition, std::string_view field, T value, std::string_view expected) {
@@ -28,54 +17,9 @@ void Require(bool condition, std::string_view field, T value, std::string_view e
 
 }  // namespace
 
-std::string_view ToString(SegmentationMethod method) {
-  for (const auto& [known, name] : kMethodNames) {
-    if (known == method) return name;
-  }
-  return "unknown method";
-}
-
-SegmentationMethod SegmentationMethodFromString(std::string_view name) {
-  std::string expected;
-  for (const auto& [method, known] : kMethodNames) {
-    if (known == name) return method;
-    if (!expected.empty()) expected += method == kMethodNames.back().first ? " or " : ", ";
-    expected += known;
-  }
-  throw UsageError("segmentation method '{}', expected {}", name, expected);
-}
-
 bool StatesFalseAlarmRate(SegmentationMethod method) {
   return method == SegmentationMethod::kCaCfar || method == SegmentationMethod::kOsCfar ||
          method == SegmentationMethod::kLikelihoodRatio;
-}
-
-std::string_view ToString(BackgroundSample sample) {
-  return sample == BackgroundSample::kRobust ? "robust" : "outside_region";
-}
-
-std::string_view ToString(CfarDomain domain) {
-  switch (domain) {
-    case CfarDomain::kPower:
-      return "power";
-    case CfarDomain::kGrey:
-      return "grey";
-    case CfarDomain::kAuto:
-      break;
-  }
-  return "auto";
-}
-
-std::string_view ToString(RegionFill fill) {
-  switch (fill) {
-    case RegionFill::kHoles:
-      return "holes";
-    case RegionFill::kHull:
-      return "hull";
-    case RegionFill::kNone:
-      break;
-  }
-  return "none";
 }
 
 void SegmentationOptions::Check() const {
@@ -124,4 +68,4 @@ void SegmentationOptions::Check() const {
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

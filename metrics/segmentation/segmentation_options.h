@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
+#include "core/types/words.h"
 #include "metrics/segmentation/background_law.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 enum class SegmentationMethod {
   // Threshold = background median + sigma_count standard deviations of the (smoothed) background, and at
@@ -35,14 +37,16 @@ enum class SegmentationMethod {
   // (metrics/segmentation/likelihood_ratio.h), at a stated rate of false alarms. Polar images only.
   kLikelihoodRatio,
 };
-
-inline constexpr int kSegmentationMethods = 8;
-
-// "background_sigma", "otsu", "fixed_threshold", "triangle", "local_contrast", "ca_cfar", "os_cfar",
-// "likelihood_ratio": the names used in metrics.json and on the command line.
-std::string_view ToString(SegmentationMethod method);
-// Throws UsageError naming the known methods.
-SegmentationMethod SegmentationMethodFromString(std::string_view name);
+constexpr auto WordsOf(std::type_identity<SegmentationMethod>) {
+  return Words<SegmentationMethod, 8>{{{"background_sigma", SegmentationMethod::kBackgroundSigma},
+                                       {"otsu", SegmentationMethod::kOtsu},
+                                       {"fixed_threshold", SegmentationMethod::kFixedThreshold},
+                                       {"triangle", SegmentationMethod::kTriangle},
+                                       {"local_contrast", SegmentationMethod::kLocalContrast},
+                                       {"ca_cfar", SegmentationMethod::kCaCfar},
+                                       {"os_cfar", SegmentationMethod::kOsCfar},
+                                       {"likelihood_ratio", SegmentationMethod::kLikelihoodRatio}}};
+}
 
 // Whether the method's setting is a rate of false alarms: kCaCfar, kOsCfar, kLikelihoodRatio.
 bool StatesFalseAlarmRate(SegmentationMethod method);
@@ -53,8 +57,10 @@ enum class BackgroundSample {
                    // which the object must fill less than half
   kOutsideRegion,  // median and standard deviation over the valid pixels outside the region
 };
-
-std::string_view ToString(BackgroundSample sample);
+constexpr auto WordsOf(std::type_identity<BackgroundSample>) {
+  return Words<BackgroundSample, 2>{
+      {{"robust", BackgroundSample::kRobust}, {"outside_region", BackgroundSample::kOutsideRegion}}};
+}
 
 // What CFAR tests: received power where the display is known, else grey levels, whose law is then taken for
 // that of a logarithm of unknown slope.
@@ -63,8 +69,10 @@ enum class CfarDomain {
   kPower,
   kGrey,
 };
-
-std::string_view ToString(CfarDomain domain);
+constexpr auto WordsOf(std::type_identity<CfarDomain>) {
+  return Words<CfarDomain, 3>{
+      {{"auto", CfarDomain::kAuto}, {"power", CfarDomain::kPower}, {"grey", CfarDomain::kGrey}}};
+}
 
 // What becomes of each region found.
 enum class RegionFill {
@@ -72,8 +80,10 @@ enum class RegionFill {
   kHoles,  // background that the region encloses belongs to it
   kHull,   // its convex hull: for objects of which a sonar shows the edges alone
 };
-
-std::string_view ToString(RegionFill fill);
+constexpr auto WordsOf(std::type_identity<RegionFill>) {
+  return Words<RegionFill, 3>{
+      {{"none", RegionFill::kNone}, {"holes", RegionFill::kHoles}, {"hull", RegionFill::kHull}}};
+}
 
 struct SegmentationOptions {
   SegmentationMethod method = SegmentationMethod::kBackgroundSigma;
@@ -124,4 +134,4 @@ struct SegmentationOptions {
   void Check() const;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

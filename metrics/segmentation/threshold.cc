@@ -8,7 +8,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr int kClasses = 4096;
@@ -116,4 +116,4 @@ Background PlainBackground(std::vector<float> values) {
   return {Median(values), std::sqrt(squares / static_cast<double>(values.size()))};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

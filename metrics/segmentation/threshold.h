@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 
 // Otsu 1979, "A threshold selection method from gray-level histograms": the threshold t that maximises
 //   w0(t) w1(t) (m1(t) - m0(t))^2,
@@ -30,4 +30,4 @@ Background RobustBackground(std::vector<float> values);
 // Median and standard deviation, for a sample known to be nothing but background.
 Background PlainBackground(std::vector<float> values);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 // Shares the mask's pixels.
@@ -89,4 +89,4 @@ void Tidy(Mask& object, const Mask& may_be_object, const SegmentationOptions& op
   KeepWithin(object, may_be_object);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

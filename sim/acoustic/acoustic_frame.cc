@@ -14,7 +14,7 @@
 #include "sim/physics/propagation.h"
 #include "sim/rays/row_math.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Steps of a table over a peak's width or a beam's: straight lines between them are right to 1e-5 of it.
@@ -151,4 +151,4 @@ ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& w
                         parameters);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

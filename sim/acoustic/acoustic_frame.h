@@ -6,7 +6,7 @@
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/rays/ray_caster.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // For fans of the sampling `beams` and normals of the mesh. The same on any number of threads.
 ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
@@ -17,4 +17,4 @@ ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& w
                        const AcousticGeometry& geometry, const ParameterSet& parameters,
                        const TraceOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -20,7 +20,7 @@
 #include "sim/physics/speckle.h"
 #include "sim/rays/row_math.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 double WeightedSum(const std::vector<double>& weight, const double* values) {
@@ -240,4 +240,4 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
   return Displayed(power, geometry.sonar.axes, parameters, full_scale, AsShown(parameters.display));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

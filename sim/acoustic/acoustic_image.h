@@ -23,7 +23,7 @@
 #include "core/types/parameters.h"
 #include "sim/rays/trace.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Power that the scene's patches scatter, before beam and pulse: `range_steps` rows a range bin (4, or more
 // for a pulse shorter than a bin), one column for each column of the ray fan.
@@ -111,4 +111,4 @@ inline PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticG
   return SampleAcousticImage(scatter, geometry, parameters, full_scale, DrawSeeds{seed, seed});
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kCutDb = -40.0;  // a beam's response to noise is cut below this
@@ -86,4 +86,4 @@ void BeamNoise::Draw(const CounterRandom& random, int bin, std::span<std::comple
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -17,7 +17,7 @@
 #include "core/types/sonar_model.h"
 #include "sim/physics/beam_and_pulse.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 class BeamNoise {
  public:
@@ -33,4 +33,4 @@ class BeamNoise {
   std::vector<ResponseWindow> weights_;  // of each beam for the sources, squares of sum 1; lens: empty
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -20,7 +20,7 @@
 #include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Complex = std::complex<double>;
@@ -332,4 +332,4 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
   return PowerImage(axes, power);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

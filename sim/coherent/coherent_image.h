@@ -34,7 +34,7 @@
 #include "sim/ghosts/ghost_trace.h"
 #include "sim/rays/ray_caster.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct CoherentGeometry {
   const RayCaster& caster;
@@ -53,4 +53,4 @@ struct CoherentGeometry {
 PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const DrawSeeds& seeds);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

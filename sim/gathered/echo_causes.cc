@@ -15,7 +15,7 @@
 #include "sim/physics/beam_pattern.h"
 #include "sim/physics/gsab.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // A window of a response from its peak to where it first stops falling on either side; what is left out is 0,
@@ -232,7 +232,7 @@ class CauseFinder {
       none.cols = simulator_.fan().cols();
       none.material_names = materials_;
       ScatterMap scatter = MakeScatterMap(none, simulator_.fan(), geometry_, parameters_);
-      sonarcal::AddGhosts(list, geometry_, parameters_, scatter);
+      sonarcal::sim::AddGhosts(list, geometry_, parameters_, scatter);
       Add(CauseKind::kGhost,
           fmt::format("ghost by {}", WayName(GhostWay(mirrors.begin(), mirrors.end()), materials_)),
           EchoPowerImage(scatter, geometry_, parameters_));
@@ -270,4 +270,4 @@ EchoCauses CausesOf(const Simulator& simulator, const Pose& world_from_sonar,
   return CauseFinder(simulator, world_from_sonar, parameters).Find();
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -19,7 +19,7 @@
 #include "core/types/pose.h"
 #include "sim/simulator.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 enum class CauseKind { kMaterial, kElevationLobe, kAzimuthLobe, kGhost, kNoise };
 
@@ -42,4 +42,4 @@ struct EchoCauses {
 // Traces the pose. Throws DataError as Simulator::RenderExpected does.
 EchoCauses CausesOf(const Simulator& simulator, const Pose& world_from_sonar, const ParameterSet& parameters);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

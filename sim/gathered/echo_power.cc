@@ -10,7 +10,7 @@
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // What each echo gives to the cells and nodes around it.
@@ -96,4 +96,4 @@ EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const Polar
   return SumShares(std::move(frame), shares);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -16,7 +16,7 @@
 #include "sim/physics/beam_pattern.h"
 #include "sim/rays/trace.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct EchoPower {
   struct Cell {
@@ -58,4 +58,4 @@ EchoPower SumShares(EchoPower frame, const std::vector<EchoShare>& shares);
 EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,
                           const EchoPowerOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

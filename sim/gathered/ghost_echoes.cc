@@ -11,7 +11,7 @@
 #include "sim/ghosts/ghost_power.h"
 #include "sim/physics/beam_and_pulse.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Angles at which ghosts are kept, degrees: each among CoarseIncidenceDeg.
@@ -130,4 +130,4 @@ GhostEchoes GatherGhostEchoes(const Simulator& simulator, const GhostList& ghost
   return gathered;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -20,7 +20,7 @@
 #include "sim/gathered/pixel_echoes.h"
 #include "sim/ghosts/ghost_trace.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr double kNegligibleGhost = 1e-5;
 
@@ -52,4 +52,4 @@ std::vector<GhostWay> WaysOf(const GhostList& ghosts);
 GhostEchoes GatherGhostEchoes(const Simulator& simulator, const GhostList& ghosts,
                               const ParameterSet& parameters);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

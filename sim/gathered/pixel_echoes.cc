@@ -12,7 +12,7 @@
 #include "core/types/error.h"
 #include "sim/rays/row_math.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Share of a fine node between two coarse ones.
@@ -191,4 +191,4 @@ PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, doubl
   return difference;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -21,7 +21,7 @@
 #include "sim/gathered/power_response.h"
 #include "sim/simulator.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr double kNegligibleShare = 1e-6;
 
@@ -77,4 +77,4 @@ inline void AddCurves(const PixelEchoes& echoes, std::size_t pixel, std::span<co
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

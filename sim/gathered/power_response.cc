@@ -8,7 +8,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // out += weight x in, value by value.
@@ -74,4 +74,4 @@ PowerResponse MakePowerResponse(const SonarModel& sonar, const ParameterSet& par
           PulseWindow(sonar, parameters, range_steps, ResponseOf::kPower)};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

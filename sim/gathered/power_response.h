@@ -13,7 +13,7 @@
 #include "sim/gathered/echo_power.h"
 #include "sim/physics/beam_and_pulse.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Several images, interleaved: value k of pixel (bin, beam) at ((bin * beams) + beam) * count + k.
 struct ImageStack {
@@ -54,4 +54,4 @@ class PowerResponse {
 PowerResponse MakePowerResponse(const SonarModel& sonar, const ParameterSet& parameters,
                                 const std::vector<double>& column_azimuth_rad, int range_steps);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

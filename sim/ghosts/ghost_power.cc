@@ -14,7 +14,7 @@
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kLeastInCommon = 1e-6;
@@ -106,4 +106,4 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
   }
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

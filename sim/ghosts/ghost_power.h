@@ -27,7 +27,7 @@
 #include "sim/ghosts/ghost_trace.h"
 #include "sim/physics/beam_pattern.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // One arrival of a ghost at the sonar: power as in a ScatterMap.
 struct GhostArrival {
@@ -130,4 +130,4 @@ class ArrivalGrid {
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -13,7 +13,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/beam_pattern.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr std::uint32_t kSpotsStream = 0x4000;
@@ -369,4 +369,4 @@ GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, con
   return list;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -36,7 +36,7 @@
 #include "sim/ghosts/mirror_surface.h"
 #include "sim/rays/ray_caster.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr std::uint16_t kNoMirror = 0xFFFF;
 
@@ -97,4 +97,4 @@ std::pair<double, double> AzimuthsRad(const RayFan& fan);
 GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, const RayFan& fan,
                       const Pose& world_from_sonar, const GhostOptions& options);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -9,7 +9,7 @@
 
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kCreaseDeg = 40.0;
@@ -157,4 +157,4 @@ RayBundle MirrorSurface::Reflected(const RayBundle& bundle, int triangle, double
   return out;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -12,7 +12,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // A thin bundle of rays on its way: its axis, and how two directions that leave the sonar at a right angle
 // to the axis and to each other part from it.
@@ -74,4 +74,4 @@ class MirrorSurface {
   double largest_coordinate_m_ = 0.0;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -6,7 +6,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
   EchoHistogram histogram;
@@ -88,4 +88,4 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
   return histogram;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

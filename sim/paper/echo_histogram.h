@@ -6,7 +6,7 @@
 // the two nearest: a curve is then its values at the nodes, joined by straight lines. For B = 4 degrees that
 // is within 0.003 dB of the curve up to 86 degrees, and within 0.04 dB to 89; at 90 degrees the level of the
 // cosine has no bottom, and the last node stands for the last interval as IncidenceOfNodeDeg says.
-// tests/sim/expected_paper_image_test.cc holds the image against the rays themselves.
+// tests/sim/paper/expected_paper_image_test.cc holds the image against the rays themselves.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 #include "sim/rays/trace.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr int kRangeSteps = 2;  // cells a range bin
 inline constexpr int kIncidenceNodes = 361;
@@ -58,4 +58,4 @@ struct EchoHistogram {
 
 EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

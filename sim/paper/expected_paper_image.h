@@ -23,7 +23,7 @@
 #include "sim/physics/jitter.h"
 #include "sim/physics/paper_echo.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace internal {
 
 // Sum of normalised echoes of each cell, without errors.
@@ -184,4 +184,4 @@ std::vector<Dual> ExpectedPaperImage(const EchoHistogram& histogram, const Image
   return image;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -6,7 +6,7 @@
 
 #include "core/types/sonar_model.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct ImageGeometry {
   ImageGeometry(const SonarModel& sonar, double absorption_db_per_m_)
@@ -28,4 +28,4 @@ struct ImageGeometry {
   bool beams_are_even = true;  // one blur kernel serves every beam of a row
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -9,7 +9,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Blurs reach this many standard deviations.
@@ -295,4 +295,4 @@ void PaperBlur::AddRangeGrowth(const Rows& rows, std::span<const double> growth_
   });
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -21,7 +21,7 @@
 #include "sim/paper/image_geometry.h"
 #include "sim/physics/jitter.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 class PaperBlur {
  public:
@@ -96,4 +96,4 @@ class PaperBlur {
   std::vector<std::size_t> range_start_;    // first weight of each bin, bins + 1 values
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

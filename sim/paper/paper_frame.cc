@@ -11,7 +11,7 @@
 #include "sim/physics/jitter.h"
 #include "sim/rays/row_math.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kLargestStep = 0x1p30;
@@ -209,4 +209,4 @@ PolarImage RenderPaperFrame(const RayCaster& caster, const RayFan& fan, const Po
   return PaperImageOfSums(total, shader.steps_of_one(), axes, parameters.display, options.full_scale);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

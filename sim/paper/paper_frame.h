@@ -12,10 +12,10 @@
 #include "sim/paper/paper_image.h"
 #include "sim/rays/ray_caster.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 PolarImage RenderPaperFrame(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                             const SonarModel& sonar, const PaperParameters<double>& parameters,
                             double absorption_db_per_m, const PaperImageOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -10,7 +10,7 @@
 #include "core/math/random.h"
 #include "sim/physics/jitter.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Sums of normalised echoes are kept in steps of 2^-40: whole numbers add up the same in any order. Even the
@@ -93,4 +93,4 @@ void QuantiseImage(PolarImage& image) {
   for (float& value : image.value.values()) value = std::round(value);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -17,7 +17,7 @@
 #include "sim/physics/paper_echo.h"
 #include "sim/rays/trace.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct PaperImageOptions {
   double full_scale = 255.0;                // I: 255 for 8 bits, 4095 for 12
@@ -44,4 +44,4 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
 // Rounds to whole grey levels, as a file with so many bits does.
 void QuantiseImage(PolarImage& image);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -4,7 +4,7 @@
 
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 ParameterSet PaperValues(const SonarModel& sonar, const std::vector<std::string>& material_names) {
   ParameterSet values;
@@ -20,4 +20,4 @@ ParameterSet PaperValues(const SonarModel& sonar, const std::vector<std::string>
   return values;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

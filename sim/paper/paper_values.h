@@ -20,7 +20,7 @@
 
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr double kPaperSourceLevelDb = 200.0;
 inline constexpr double kPaperBlackBelowSourceDb = 50.0;
@@ -45,4 +45,4 @@ inline constexpr const char* kPaperDisplayRule =
 // values of Table 4 under its own name.
 ParameterSet PaperValues(const SonarModel& sonar, const std::vector<std::string>& material_names);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

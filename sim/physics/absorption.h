@@ -9,7 +9,7 @@
 // AbsorptionCaveat says so in words.
 //
 // To add a formula: a function, a value of AbsorptionFormula, its limits in OutsideLimits, a case in
-// AbsorptionDbPerM and a row of published values in tests/sim/absorption_test.cc.
+// AbsorptionDbPerM and a row of published values in tests/sim/physics/absorption_test.cc.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,13 +17,20 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/sonar_model.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 enum class AbsorptionFormula { kAuto, kAinslieMcColm, kFrancoisGarrison };
+constexpr auto WordsOf(std::type_identity<AbsorptionFormula>) {
+  return Words<AbsorptionFormula, 3>{{{"auto", AbsorptionFormula::kAuto},
+                                      {"ainslie-mccolm", AbsorptionFormula::kAinslieMcColm},
+                                      {"francois-garrison", AbsorptionFormula::kFrancoisGarrison}}};
+}
 
 // frequency_hz > 0.
 inline double AinslieMcColmDbPerM(double frequency_hz, const Water& water) {
@@ -173,4 +180,4 @@ inline double BilaniukWongSoundSpeed(double temperature_c) {
   return speed;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

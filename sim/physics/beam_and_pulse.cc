@@ -8,7 +8,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kPulseReachInLengths = 3.0;  // 2^-36, about -108 dB
@@ -117,4 +117,4 @@ ResponseWindow PulseWindow(const SonarModel& sonar, const ParameterSet& paramete
   return window;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -11,7 +11,7 @@
 #include "core/types/sonar_model.h"
 #include "sim/physics/beam_pattern.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // The parameters with beam and pulse as they are: those that are 0 taken from the sonar. Throws DataError
 // where the azimuth width is unknown and no table stands for it.
@@ -54,4 +54,4 @@ std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const Parame
 ResponseWindow PulseWindow(const SonarModel& sonar, const ParameterSet& parameters, int range_steps,
                            ResponseOf of);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

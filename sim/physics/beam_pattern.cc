@@ -1,6 +1,6 @@
 #include "sim/physics/beam_pattern.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // A bound on |ApertureField| at v > 1 that falls all the way.
@@ -101,4 +101,4 @@ double MainLobeEndRad(const ElevationResponse& response) {
   return 0.5 * kPi;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

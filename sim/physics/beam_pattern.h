@@ -30,7 +30,7 @@
 #include "core/types/parameters.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // x and half_power_width in one unit; half_power_width > 0.
 template <typename T>
@@ -274,4 +274,4 @@ std::pair<double, double> AzimuthReachRad(const AzimuthResponse<double>& respons
 // beam_azimuth_rad: of any beam; with it: where the beam's neighbours are as wide as the beam.
 double AzimuthEquivalentWidthRad(const AzimuthResponse<double>& response, double beam_azimuth_rad);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -17,7 +17,7 @@
 #include "core/types/error.h"
 #include "core/types/parameters.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Power below this (a dB figure far under any display) is shown as silence.
 inline constexpr double kSilencePower = 1e-30;
@@ -114,4 +114,4 @@ inline double DisplaySlope(const DisplayParameters<double>& display, double powe
   return 0.0;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // P(z <= ratio N) where the echo's power is echo_to_noise >= 0 times N; 0 at or below 0. looks > 0. Within
 // 1e-12.
@@ -62,4 +62,4 @@ inline double FrozenPowerCdf(double looks, double echo_to_noise, double ratio) {
   return std::clamp(sum, 0.0, 1.0);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

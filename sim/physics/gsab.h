@@ -17,7 +17,7 @@
 #include "core/types/parameters.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // A parameter as a fit sees it.
 struct ParameterTraits {
@@ -84,4 +84,4 @@ T GsabDb(const GsabParameters<T>& p, double incidence_deg) {
   return DbFromPower(power > T(kGsabFloor) ? power : T(kGsabFloor));
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

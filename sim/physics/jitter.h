@@ -15,7 +15,7 @@
 #include "core/types/units.h"
 #include "sim/physics/gsab.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Bounds of a fit: far below any bin the errors cannot be seen. A value of exactly 0 means no error and is
 // not fitted.
@@ -80,4 +80,4 @@ inline BlurWeight GaussianBlurWeight(double from_low, double from_high, double t
   return weight;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

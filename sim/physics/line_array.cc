@@ -6,7 +6,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Complex = std::complex<double>;
@@ -90,4 +90,4 @@ Complex Beamformer::Beam(int beam, std::span<const Complex> field) const {
   return {re, im};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

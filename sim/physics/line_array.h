@@ -7,7 +7,7 @@
 
 #include "core/types/image.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct LineArray {
   std::vector<double> position_wavelengths;  // of each element along X, symmetric about 0
@@ -39,4 +39,4 @@ class Beamformer {
   double noise_scale_ = 1.0;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

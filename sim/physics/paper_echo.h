@@ -8,7 +8,7 @@
 #include "sim/physics/gsab.h"
 #include "sim/physics/propagation.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Everything that the paper's image depends on, with materials in the order of the scene's material names.
 template <typename T>
@@ -43,4 +43,4 @@ inline PaperParameters<double> PaperParametersFor(const ParameterSet& parameters
   return paper;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

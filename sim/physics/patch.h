@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // A surface seen edge on has no bounds within a ray: its cosine is taken no smaller than this.
 inline constexpr double kSmallestCosine = 0.02;
@@ -13,4 +13,4 @@ inline double PatchAreaM2(double range_m, double solid_angle_sr, double incidenc
   return range_m * range_m * solid_angle_sr / std::max(incidence_cosine, kSmallestCosine);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // TL = 20 log10(R) + alpha R, one way, dB re 1 m. range_m > 0.
 template <typename T>
@@ -19,4 +19,4 @@ T SonarEquationDb(const T& source_level_db, const T& two_way_loss_db, const T& t
   return source_level_db - two_way_loss_db + target_strength_db - T(noise_level_db) + T(array_gain_db);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -14,7 +14,7 @@
 #include "core/types/units.h"
 #include "sim/physics/display.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // What the law adds to a level received from range_m > 0, dB; 0 dB at 1 m but for absorption.
 inline double TimeVariedGainDb(TimeVariedGain law, double range_m, double absorption_db_per_m) {
@@ -111,4 +111,4 @@ inline std::pair<int, double> LooksAsWeights(double looks) {
   return {whole, (-n + root) / a};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -7,7 +7,7 @@
 #include "core/types/units.h"
 #include "sim/physics/beam_pattern.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 void RecordedBeamOptions::Check() const {
   const auto positive = [](const char* field, double value) {
@@ -56,4 +56,4 @@ BeamParameters RecordedBeam(const RecordingInfo& info, BeamParameters beam,
   return beam;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

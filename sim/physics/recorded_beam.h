@@ -17,7 +17,7 @@
 #include "core/types/parameters.h"
 #include "core/types/recording.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct RecordedBeamOptions {
   double grey_per_db = 3.98;     // of the display that psf was seen through
@@ -40,4 +40,4 @@ std::vector<double> AzimuthTableDb(const std::vector<double>& psf, const Recorde
 BeamParameters RecordedBeam(const RecordingInfo& info, BeamParameters beam = {},
                             const RecordedBeamOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

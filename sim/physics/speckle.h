@@ -12,15 +12,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <unsupported/Eigen/SpecialFunctions>
 #include <vector>
 
+#include "core/types/words.h"
 #include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 enum class SpeckleLaw { kGamma, kWeighted };
+constexpr auto WordsOf(std::type_identity<SpeckleLaw>) {
+  return Words<SpeckleLaw, 2>{{{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}}};
+}
 
 // P(x <= ratio); 0 at or below 0. looks > 0 (kWeighted: >= 1).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
@@ -143,4 +148,4 @@ class MeanDisplayTable {
   std::vector<double> mean_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

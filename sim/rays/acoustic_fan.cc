@@ -6,7 +6,7 @@
 #include "core/types/units.h"
 #include "sim/physics/beam_and_pulse.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no side lobes
@@ -43,4 +43,4 @@ RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& pa
           .stagger_rows = true};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

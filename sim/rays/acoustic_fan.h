@@ -11,9 +11,9 @@
 #include "core/types/sonar_model.h"
 #include "sim/rays/ray_fan.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Throws DataError where neither parameters nor sonar know the beam's width.
 RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

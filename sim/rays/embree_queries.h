@@ -11,7 +11,7 @@
 
 #include <pmmintrin.h>
 
-namespace sonarcal::embree {
+namespace sonarcal::sim::embree {
 
 #if RTC_VERSION_MAJOR >= 4
 class Query {
@@ -81,4 +81,4 @@ class FlushDenormals {
   unsigned saved_;
 };
 
-}  // namespace sonarcal::embree
+}  // namespace sonarcal::sim::embree

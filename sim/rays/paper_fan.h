@@ -7,14 +7,14 @@
 //   sonarcal rays --scene paper/SCENE.gltf --sonar p900-45 --params paper/params.json
 //     --poses paper/poses_SCENE.json --display-db 60 --sampling beams --rays 512x320 --rays 512x330
 //
-// of whose scenes the bridge pier asks for most (docs/guide/rays.md). For any sonar: fewer than 255 rows stripe a
+// of whose scenes the bridge pier asks for most (docs/studies/rays.md). For any sonar: fewer than 255 rows stripe a
 // floor by more than a level whatever their span, and two columns are what the edges of pipes take.
 #pragma once
 
 #include "core/types/sonar_model.h"
 #include "sim/rays/ray_fan.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr int kPaperColumnsPerBeam = 2;
 inline constexpr int kPaperBeamRows = 330;
@@ -26,4 +26,4 @@ inline RayFanOptions PaperFanOptions(const SonarModel& sonar) {
           .stagger = true};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -15,7 +15,7 @@
 #include "sim/rays/embree_queries.h"
 #include "sim/rays/row_math.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Rays are cast in tiles of neighbouring rows and columns, a packet each: rays that lie near each other on
@@ -351,4 +351,4 @@ std::vector<char> RayCaster::Obstructed(const FreeRays& rays) const {
   return obstructed;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -13,7 +13,7 @@
 #include "core/types/scene.h"
 #include "sim/rays/ray_fan.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // What each ray met, in the order of the rays.
 struct FanHits {
@@ -105,4 +105,4 @@ class RayCaster {
   std::vector<Eigen::Vector3f> normals_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

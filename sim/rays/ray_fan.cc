@@ -8,7 +8,7 @@
 #include "core/types/units.h"
 #include "sim/rays/row_math.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kWidestPinholeDeg = 85.0;
@@ -273,4 +273,4 @@ double RayFan::SolidAngleSr(int row, int col) const {
   return column_width_rad_[col] * 2.0 * row_sine_half_height_[row] * cosine;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

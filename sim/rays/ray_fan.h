@@ -26,14 +26,22 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <type_traits>
 #include <vector>
 
 #include "core/types/sonar_model.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 enum class Sampling { kFrustum, kBeams };
+constexpr auto WordsOf(std::type_identity<Sampling>) {
+  return Words<Sampling, 2>{{{"frustum", Sampling::kFrustum}, {"beams", Sampling::kBeams}}};
+}
 enum class RayWeight { kEven, kSolidAngle };
+constexpr auto WordsOf(std::type_identity<RayWeight>) {
+  return Words<RayWeight, 2>{{{"even", RayWeight::kEven}, {"solid_angle", RayWeight::kSolidAngle}}};
+}
 
 struct RayFanOptions {
   Sampling sampling = Sampling::kFrustum;
@@ -159,4 +167,4 @@ class RayFan {
   std::vector<float> raise_;  // of each column, of a row's height, likewise
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -12,7 +12,7 @@
 #include "core/math/random.h"
 #include "sim/rays/vector_versions.h"
 
-namespace sonarcal::row_math {
+namespace sonarcal::sim::row_math {
 
 SONARCAL_VECTOR_VERSIONS
 double Dot(const double* __restrict a, const double* __restrict b, int count) {
@@ -332,4 +332,4 @@ void Pixels(const float* __restrict range_m, float nearest_m, float farthest_m,
   }
 }
 
-}  // namespace sonarcal::row_math
+}  // namespace sonarcal::sim::row_math

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace sonarcal::row_math {
+namespace sonarcal::sim::row_math {
 
 // Unit vectors: (x[i] across, y[i] across, up), turned by `rotation` (rows one after the other) and brought
 // to length 1.
@@ -90,4 +90,4 @@ void Bins(const float* value, float first, float per_step, int bins, int count, 
 void Pixels(const float* range_m, float nearest_m, float farthest_m, const std::int32_t* bin,
             const std::int32_t* beam, int beams, std::int32_t other, int count, std::int32_t* pixel);
 
-}  // namespace sonarcal::row_math
+}  // namespace sonarcal::sim::row_math

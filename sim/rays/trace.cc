@@ -9,7 +9,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 // Finite-difference normals of a fan's point cloud, in the sonar frame.
@@ -134,4 +134,4 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   return echoes;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

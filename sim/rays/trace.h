@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
+#include "core/types/words.h"
 #include "sim/rays/ray_caster.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // How the surface normal at a hit is found.
 //   geometric  from the mesh.
@@ -14,6 +16,9 @@ namespace sonarcal {
 //              columns right and rows down. Where one of those missed, or lies across a jump in range of more
 //              than `jump_ratio`, the ray on the other side is used; where that fails too, the mesh's normal.
 enum class NormalSource { kGeometric, kDepth };
+constexpr auto WordsOf(std::type_identity<NormalSource>) {
+  return Words<NormalSource, 2>{{{"geometric", NormalSource::kGeometric}, {"depth", NormalSource::kDepth}}};
+}
 
 struct TraceOptions {
   NormalSource normals = NormalSource::kGeometric;
@@ -51,4 +56,4 @@ struct EchoList {
 EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                const PolarAxes& axes, const TraceOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

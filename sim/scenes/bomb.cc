@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 constexpr double kLengthM = 0.737;
@@ -35,4 +35,4 @@ Scene MakeBomb(double max_edge_m, const std::string& material) {
                         material);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

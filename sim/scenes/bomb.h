@@ -17,11 +17,11 @@
 #include "core/types/scene.h"
 #include "sim/scenes/scene_primitives.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // From the flat tail to the flat tip, on the axis at both ends.
 std::vector<ProfilePoint> BombOutline();
 
 Scene MakeBomb(double max_edge_m = 0.01, const std::string& material = "body");
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

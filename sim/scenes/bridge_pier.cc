@@ -8,7 +8,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -83,4 +83,4 @@ Scene MakeBridgePier(const BridgePierOptions& options) {
   return scene;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -12,7 +12,7 @@
 #include "core/types/scene.h"
 #include "sim/scenes/scene_primitives.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct BridgePierOptions {
   double length_m = 4.0;  // along x, of footing and head
@@ -36,4 +36,4 @@ std::vector<ProfilePoint> BridgePierProfile(const BridgePierOptions& options = {
 
 Scene MakeBridgePier(const BridgePierOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -12,7 +12,7 @@
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/seabed.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -133,4 +133,4 @@ Pose LookingAt(const Vector3d& from_m, const Vector3d& target_m) {
   return {RotationFromYawPitchRoll(yaw_rad, pitch_rad, 0.0), from_m};
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -19,7 +19,7 @@
 #include "core/types/scene.h"
 #include "sim/scenes/mockup.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // What a scene may take; each takes what concerns it.
 struct EnvironmentOptions {
@@ -53,4 +53,4 @@ std::vector<std::string> EnvironmentMaterials();
 // A sonar at `from_m` that looks at `target_m`, its right side level.
 Pose LookingAt(const Eigen::Vector3d& from_m, const Eigen::Vector3d& target_m);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

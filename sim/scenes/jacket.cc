@@ -8,7 +8,7 @@
 #include "core/types/error.h"
 #include "sim/scenes/scene_primitives.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -120,4 +120,4 @@ Scene MakeJacket(const JacketOptions& options) {
   return scene;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

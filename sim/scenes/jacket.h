@@ -13,7 +13,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct JacketOptions {
   double length_m = 5.0;  // along x, over the feet
@@ -47,4 +47,4 @@ int JacketSectors(const JacketOptions& options, double radius_m);
 
 Scene MakeJacket(const JacketOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

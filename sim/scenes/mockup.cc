@@ -8,7 +8,7 @@
 #include "core/types/units.h"
 #include "sim/scenes/scene_primitives.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -166,20 +166,6 @@ Scene MakeTop(const MockupOptions& o) {
 
 }  // namespace
 
-std::string_view ToString(MockupPattern pattern) {
-  switch (pattern) {
-    case MockupPattern::kCross:
-      return "cross";
-    case MockupPattern::kPipes:
-      return "pipes";
-    case MockupPattern::kPorts:
-      return "ports";
-    case MockupPattern::kRibs:
-      return "ribs";
-  }
-  return "unknown pattern";
-}
-
 void MockupOptions::Validate() const {
   for (const auto& [name, value_m] :
        {std::pair{"length_m", length_m}, {"width_m", width_m}, {"height_m", height_m}}) {
@@ -246,4 +232,4 @@ MockupOptions RefinedTo(MockupOptions options, int triangles) {
   return options;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -10,10 +10,12 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "core/types/scene.h"
+#include "core/types/words.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Sizes printed in the text (Section 6) and in Table 5 contradict each other.
 enum class PaperSize { kTable5, kText };
@@ -24,11 +26,15 @@ enum class MockupPattern {
   kPorts,  // a flange with a stub in its middle, four small ports around it
   kRibs,   // horizontal ribs
 };
+constexpr auto WordsOf(std::type_identity<MockupPattern>) {
+  return Words<MockupPattern, 4>{{{"cross", MockupPattern::kCross},
+                                  {"pipes", MockupPattern::kPipes},
+                                  {"ports", MockupPattern::kPorts},
+                                  {"ribs", MockupPattern::kRibs}}};
+}
 
 inline constexpr std::array<MockupPattern, 4> kMockupPatterns = {MockupPattern::kCross, MockupPattern::kPipes,
                                                                  MockupPattern::kPorts, MockupPattern::kRibs};
-
-std::string_view ToString(MockupPattern pattern);
 
 struct MockupOptions {
   double length_m = 1.0;  // along x
@@ -54,4 +60,4 @@ inline constexpr int kMaxMockupTriangles = 5'000'000;
 // divided in whole pieces, usually up to half as many again. Throws DataError beyond kMaxMockupTriangles.
 MockupOptions RefinedTo(MockupOptions options, int triangles);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

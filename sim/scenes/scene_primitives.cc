@@ -9,7 +9,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -251,4 +251,4 @@ Scene Moved(Scene scene, const Eigen::Isometry3d& world_from_scene) {
   return scene;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -18,7 +18,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 inline constexpr double kUndivided = std::numeric_limits<double>::infinity();
 inline constexpr std::size_t kMaxPrimitiveTriangles = 20'000'000;
@@ -66,4 +66,4 @@ Scene MakeTube(const Eigen::Vector3d& base_m, const Eigen::Vector3d& axis_m, dou
 // The scene with every vertex moved by a rigid transform.
 Scene Moved(Scene scene, const Eigen::Isometry3d& world_from_scene);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

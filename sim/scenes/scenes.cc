@@ -5,7 +5,7 @@
 
 #include "core/types/error.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -160,4 +160,4 @@ Scene MakeBody(const BodyOptions& options) {
                         options.material);
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -15,7 +15,7 @@
 #include "sim/scenes/mockup.h"
 #include "sim/scenes/scene_primitives.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct TankOptions {
   double length_m = 12.0;          // along x
@@ -89,4 +89,4 @@ double BodyRadiusM(const BodyOptions& options, double from_tip_m);
 
 Scene MakeBody(const BodyOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

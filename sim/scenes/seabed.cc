@@ -10,7 +10,7 @@
 #include "core/types/units.h"
 #include "sim/scenes/scene_primitives.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -101,4 +101,4 @@ Scene MakeSeabed(const SeabedOptions& options) {
   return scene;
 }
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

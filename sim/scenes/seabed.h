@@ -13,7 +13,7 @@
 
 #include "core/types/scene.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 struct SeabedOptions {
   double length_m = 10.0;        // along x
@@ -66,4 +66,4 @@ class SeabedRelief {
 // An open surface with normals up.
 Scene MakeSeabed(const SeabedOptions& options = {});
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -7,7 +7,7 @@
 
 #include "core/types/sonar_model.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 
 // Meaning of a beam width as its source gives it. A SonarModel holds two-way widths.
 enum class BeamWidthMeaning {
@@ -17,7 +17,7 @@ enum class BeamWidthMeaning {
   kNotStated,  // taken as two-way
 };
 
-std::string_view ToString(BeamWidthMeaning meaning);
+std::string_view Describe(BeamWidthMeaning meaning);
 
 struct SonarPreset {
   std::string_view name;     // as on the command line
@@ -37,4 +37,4 @@ std::string SonarPresetNames();
 // Throws UsageError that lists the names for an unknown one.
 const SonarPreset& FindSonarPreset(std::string_view name);
 
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

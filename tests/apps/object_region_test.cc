@@ -9,7 +9,7 @@
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 
-namespace sonarcal {
+namespace sonarcal::commands {
 namespace {
 
 using Json = nlohmann::json;
@@ -26,7 +26,7 @@ using testing::TinyWorld;
 class ObjectRegion : public ::testing::Test {
  protected:
   void MakeRecording(const ParameterSet& truth) {
-    WriteParameters(world_.params(), truth);
+    data_io::WriteParameters(world_.params(), truth);
     real_ = world_.WriteSimulated("real", true);
   }
 
@@ -66,9 +66,9 @@ class ObjectRegion : public ::testing::Test {
   }
 
   std::string FitArguments() const {
-    ParameterSet start = ReadParameters(world_.params());
+    ParameterSet start = data_io::ReadParameters(world_.params());
     for (auto& [name, material] : start.materials) material.gsab.c *= 3.0;
-    WriteParameters(world_ / "start.json", start);
+    data_io::WriteParameters(world_ / "start.json", start);
     return fmt::format(
         "fit --real {} --scene {} --params {} --out {} --rays 96x200 --starts 1 "
         "--max-iterations 10 --free 'material.*.gsab.C' --held-out 1,3 --object box",
@@ -184,4 +184,4 @@ TEST_F(ObjectRegion, MistakesCostOneSentence) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::commands

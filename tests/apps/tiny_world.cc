@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "apps/simulate_command.h"
+#include "apps/commands/simulate_command.h"
 #include "core/types/units.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
@@ -37,8 +37,8 @@ Scene TinyScene() {
   return scene;
 }
 
-std::vector<TimedPose> TinyPoses() {
-  std::vector<TimedPose> poses;
+std::vector<data_io::TimedPose> TinyPoses() {
+  std::vector<data_io::TimedPose> poses;
   const auto look = [&](double x_m, double y_m, double z_m, double yaw_deg, double pitch_deg) {
     poses.push_back(
         {static_cast<double>(poses.size()),
@@ -86,9 +86,9 @@ ParameterSet TinyAcousticParameters() {
 }
 
 TinyWorld::TinyWorld() {
-  WriteGltf(TinyScene(), scene());
-  WritePoses(poses(), TinyPoses());
-  WriteParameters(params(), TinyParameters());
+  data_io::WriteGltf(TinyScene(), scene());
+  data_io::WritePoses(poses(), TinyPoses());
+  data_io::WriteParameters(params(), TinyParameters());
   WriteFile(sonar(), TinySonarJson());
 }
 
@@ -98,22 +98,22 @@ std::string TinyWorld::SimulateArguments() const {
 }
 
 std::filesystem::path TinyWorld::WriteSimulated(const std::string& name, bool noise, bool expected) const {
-  SimulateOptions options;
+  commands::SimulateOptions options;
   options.common = {.json = false, .quiet = true};
   options.scene = scene();
   options.sonar = sonar().string();
   options.params = params();
   options.poses = poses();
   options.out = dir_ / name;
-  options.rays.sampling = Sampling::kBeams;
-  options.rays.rays = "96x200";
+  options.rays.sampling = sim::Sampling::kBeams;
+  options.rays.rays = RayGridSize{96, 200};
   options.noise = noise;
   options.expected = expected;
   options.bits = 12;
   ::testing::internal::CaptureStdout();
-  const ExitStatus status = RunSimulate(options);
+  const cli::ExitStatus status = commands::RunSimulate(options);
   ::testing::internal::GetCapturedStdout();
-  EXPECT_EQ(status, ExitStatus::kDone);
+  EXPECT_EQ(status, cli::ExitStatus::kDone);
   return options.out;
 }
 

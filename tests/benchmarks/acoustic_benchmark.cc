@@ -7,18 +7,19 @@
 #include "sim/rays/acoustic_fan.h"
 #include "tests/benchmarks/benchmark_world.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 namespace {
 
 void AcousticFrame(benchmark::State& state) {
   constexpr int kRounds = 9;
-  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   ParameterSet parameters = Parameters();
   parameters.model = EchoModel::kAcoustic;
-  SimulationOptions options = Options(preset, AcousticFanOptions(preset.sonar, parameters));
+  sim::SimulationOptions options = Options(preset, sim::AcousticFanOptions(preset.sonar, parameters));
   options.noise = false;
-  const Simulator simulator(MakePaperTank(PaperTankOfPaper(PaperSize::kTable5)), preset.sonar, options);
-  const Pose pose = PaperTankPoses(3).front();
+  const sim::Simulator simulator(sim::MakePaperTank(sim::PaperTankOfPaper(sim::PaperSize::kTable5)),
+                                 preset.sonar, options);
+  const Pose pose = sim::PaperTankPoses(3).front();
   const auto seconds = [&](const auto& run) {
     const double began = Now();
     run();
@@ -55,4 +56,4 @@ void AcousticFrame(benchmark::State& state) {
 BENCHMARK(AcousticFrame)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

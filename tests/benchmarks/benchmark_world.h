@@ -9,7 +9,7 @@
 #include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 
 inline double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -23,9 +23,9 @@ inline double Median(std::vector<double> values) {
 
 // The paper's tank, its mock-ups of this many triangles each.
 inline Scene Tank(int triangles) {
-  PaperTankOptions options = PaperTankOfPaper(PaperSize::kTable5);
-  options.mockup = RefinedTo(options.mockup, triangles);
-  return MakePaperTank(options);
+  sim::PaperTankOptions options = sim::PaperTankOfPaper(sim::PaperSize::kTable5);
+  options.mockup = sim::RefinedTo(options.mockup, triangles);
+  return sim::MakePaperTank(options);
 }
 
 inline ParameterSet Parameters() {
@@ -36,14 +36,15 @@ inline ParameterSet Parameters() {
   return parameters;
 }
 
-inline SimulationOptions Options(const SonarPreset& preset, const RayFanOptions& fan) {
-  SimulationOptions options;
+inline sim::SimulationOptions Options(const sim::SonarPreset& preset, const sim::RayFanOptions& fan) {
+  sim::SimulationOptions options;
   options.fan = fan;
   options.water = preset.water;
   options.noise = true;
   return options;
 }
 
-inline constexpr RayFanOptions kPaperRays = {.sampling = Sampling::kFrustum, .cols = 1500, .rows = 1200};
+inline constexpr sim::RayFanOptions kPaperRays = {
+    .sampling = sim::Sampling::kFrustum, .cols = 1500, .rows = 1200};
 
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

@@ -16,7 +16,7 @@
 #include "sim/simulator.h"
 #include "tests/benchmarks/benchmark_world.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 
 // In which order the rays of a fan are handed to Embree, sixteen after sixteen.
 enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by four columns
@@ -25,7 +25,7 @@ enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by
 // them. Only hits are waited for, nothing is made of them.
 class EmbreeAlone {
  public:
-  EmbreeAlone(const Scene& scene, const RayFan& fan, const Pose& pose, double max_range_m)
+  EmbreeAlone(const Scene& scene, const sim::RayFan& fan, const Pose& pose, double max_range_m)
       : origin_(pose.position_m.cast<float>()), max_range_m_(static_cast<float>(max_range_m)) {
     device_ = rtcNewDevice(nullptr);
     scene_ = rtcNewScene(device_);
@@ -58,8 +58,8 @@ class EmbreeAlone {
     const double began = Now();
     const std::size_t groups = directions.size() / 16;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups, 64), [&](const auto& range) {
-      const embree::FlushDenormals flush;
-      embree::Query query(coherent);
+      const sim::embree::FlushDenormals flush;
+      sim::embree::Query query(coherent);
       for (std::size_t group = range.begin(); group != range.end(); ++group) {
         const Eigen::Vector3f* of = &directions[16 * group];
         if (width == 1) {
@@ -97,8 +97,8 @@ class EmbreeAlone {
   }
 
  private:
-  static std::vector<Eigen::Vector3f> InOrder(const RayFan& fan, const Eigen::Matrix3f& rotation, int rows,
-                                              int cols) {
+  static std::vector<Eigen::Vector3f> InOrder(const sim::RayFan& fan, const Eigen::Matrix3f& rotation,
+                                              int rows, int cols) {
     std::vector<Eigen::Vector3f> directions;
     for (int row = 0; row < fan.rows(); row += rows) {
       for (int col = 0; col < fan.cols(); col += cols) {
@@ -152,11 +152,11 @@ class FastestQuery {
  public:
   explicit FastestQuery(RayOrder order) : order_(order) {}
 
-  void Measure(const EmbreeAlone& embree) {
+  void Measure(const EmbreeAlone& sim::embree) {
     for (const int width : {1, 4, 8, 16}) {
       for (const bool coherent : {false, true}) {
         seconds_[std::to_string(width) + (coherent ? "c" : "")].push_back(
-            embree.Seconds(order_, width, coherent));
+            sim::embree.Seconds(order_, width, coherent));
       }
     }
   }
@@ -175,4 +175,4 @@ class FastestQuery {
   std::map<std::string, std::vector<double>> seconds_;
 };
 
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

@@ -12,7 +12,7 @@
 #include "sim/simulator.h"
 #include "tests/benchmarks/benchmark_world.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 namespace {
 
 constexpr int kFrames = 30;
@@ -44,7 +44,7 @@ std::vector<Pose> Poses() {
   std::vector<Pose> poses;
   for (int i = 0; poses.size() < kFrames; ++i) {
     for (int set = 1; set <= 3; ++set) {
-      for (const Pose& pose : PaperTankPoses(set)) {
+      for (const Pose& pose : sim::PaperTankPoses(set)) {
         if (poses.size() == kFrames) return poses;
         const double pitch_rad = RadFromDeg(-10.0 * i);
         poses.push_back(
@@ -56,42 +56,42 @@ std::vector<Pose> Poses() {
 }
 
 void FitBesideTracing(benchmark::State& state) {
-  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   SonarModel sonar = preset.sonar;
-  SimulationOptions options;
-  options.fan = {.sampling = Sampling::kBeams, .cols = 1500, .rows = 1200, .elevation_span_deg = 60.0};
+  sim::SimulationOptions options;
+  options.fan = {.sampling = sim::Sampling::kBeams, .cols = 1500, .rows = 1200, .elevation_span_deg = 60.0};
   options.water = preset.water;
   options.noise = true;
-  const Simulator simulator(MakePaperTank(), sonar, options);
+  const sim::Simulator simulator(sim::MakePaperTank(), sonar, options);
   const ParameterSet truth = Truth();
-  std::vector<AcousticFrame> frames;
+  std::vector<calib::AcousticFrame> frames;
   for (const Pose& pose : Poses()) {
     const int index = static_cast<int>(frames.size());
     const PolarImage image = simulator.Render(pose, truth, index);
     frames.push_back(
-        {.index = index, .world_from_sonar = pose, .recorded = RecordedPowers(image, truth.display)});
+        {.index = index, .world_from_sonar = pose, .recorded = calib::RecordedPowers(image, truth.display)});
   }
   ParameterSet initial = truth;
   for (const char* material : {"floor", "mockup"}) {
     initial.materials[material].gsab = {
         .a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
   }
-  FitConfig config;
+  calib::FitConfig config;
   config.free = {"material.floor.*", "material.mockup.*"};
 
   for (auto unused : state) {
     const double start = Now();
     const double start_cpu = ProcessorSeconds();
-    for (const AcousticFrame& frame : frames) {
-      const EchoList echoes = simulator.TraceEchoes(frame.world_from_sonar);
+    for (const calib::AcousticFrame& frame : frames) {
+      const sim::EchoList echoes = simulator.TraceEchoes(frame.world_from_sonar);
       benchmark::DoNotOptimize(echoes.range_m.data());
     }
     const double traced = Now();
     const double traced_cpu = ProcessorSeconds();
-    const AcousticFrameModel model(simulator, frames, initial);
+    const calib::AcousticFrameModel model(simulator, frames, initial);
     const double gathered = Now();
     const double gathered_cpu = ProcessorSeconds();
-    const ModelFit fit = Fit(model, model.initial_values(), config);
+    const calib::ModelFit fit = calib::Fit(model, model.initial_values(), config);
     const double solved = Now();
     const double solved_cpu = ProcessorSeconds();
     if (!fit.usable) state.SkipWithError(fit.report.termination.c_str());
@@ -110,4 +110,4 @@ void FitBesideTracing(benchmark::State& state) {
 BENCHMARK(FitBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

@@ -14,23 +14,24 @@
 #include "tests/benchmarks/benchmark_world.h"
 #include "tests/benchmarks/embree_alone.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 namespace {
 
-void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& pose, RayFanOptions rays) {
+void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& pose,
+                       sim::RayFanOptions rays) {
   constexpr int kRounds = 15;
-  const SonarPreset& preset = FindSonarPreset("p900-45");
-  const Simulator simulator(scene, preset.sonar, Options(preset, rays));
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  const sim::Simulator simulator(scene, preset.sonar, Options(preset, rays));
   const ParameterSet parameters = Parameters();
   const FanMap map(preset.sonar.axes, FanAxesFor(preset.sonar.axes, {}));
-  const EmbreeAlone embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
+  const EmbreeAlone sim::embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
   for (auto unused : state) {
     FastestQuery in_rows(RayOrder::kRows);
     FastestQuery in_tiles(RayOrder::kTiles);
     std::vector<double> frame;
     for (int round = 0; round < kRounds; ++round) {
-      in_rows.Measure(embree);
-      in_tiles.Measure(embree);
+      in_rows.Measure(sim::embree);
+      in_tiles.Measure(sim::embree);
       const double began = Now();
       const PolarImage image = simulator.Render(pose, parameters, round);
       const FanImage fan = map.Apply(image);
@@ -52,18 +53,18 @@ void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& 
 }
 
 void TankFrame(benchmark::State& state) {
-  FrameBesideEmbree(state, Tank(300'000), PaperTankPoses(3).front(), kPaperRays);
+  FrameBesideEmbree(state, Tank(300'000), sim::PaperTankPoses(3).front(), kPaperRays);
 }
 BENCHMARK(TankFrame)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 void JacketFrame(benchmark::State& state) {
-  const Environment& jacket = FindEnvironment("jacket");
+  const sim::Environment& jacket = sim::FindEnvironment("jacket");
   FrameBesideEmbree(state, jacket.make({}), jacket.viewpoints().front(), kPaperRays);
 }
 BENCHMARK(JacketFrame)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 // Rays and triangles by factors.
-double FrameSeconds(const Simulator& simulator, const Pose& pose) {
+double FrameSeconds(const sim::Simulator& simulator, const Pose& pose) {
   constexpr int kRounds = 9;
   const ParameterSet parameters = Parameters();
   std::vector<double> seconds;
@@ -77,7 +78,7 @@ double FrameSeconds(const Simulator& simulator, const Pose& pose) {
 }
 
 // Median processor time of a frame on however many threads: it does not grow while others use the machine.
-double FrameCpuSeconds(const Simulator& simulator, const Pose& pose) {
+double FrameCpuSeconds(const sim::Simulator& simulator, const Pose& pose) {
   constexpr int kRounds = 31;
   std::vector<double> seconds;
   for (int round = 0; round < kRounds; ++round) {
@@ -94,14 +95,14 @@ double FrameCpuSeconds(const Simulator& simulator, const Pose& pose) {
 // Amdahl's law it leaves no more than `bound`.
 void TwoThreads(benchmark::State& state) {
   constexpr int kRounds = 9;
-  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const Scene scene = Tank(300'000);
-  const Pose pose = PaperTankPoses(3).front();
-  const Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
-  RayFanOptions row = kPaperRays;
+  const Pose pose = sim::PaperTankPoses(3).front();
+  const sim::Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
+  sim::RayFanOptions row = kPaperRays;
   row.rows = 1;
-  const Simulator one_row(scene, preset.sonar, Options(preset, row));
-  const EmbreeAlone embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
+  const sim::Simulator one_row(scene, preset.sonar, Options(preset, row));
+  const EmbreeAlone sim::embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
   const ParameterSet parameters = Parameters();
   for (auto unused : state) {
     std::vector<double> frame[2];
@@ -110,7 +111,7 @@ void TwoThreads(benchmark::State& state) {
       for (const int threads : {1, 2}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(threads));
-        alone[threads - 1].push_back(embree.Seconds(RayOrder::kTiles, 16, true));
+        alone[threads - 1].push_back(sim::embree.Seconds(RayOrder::kTiles, 16, true));
         const double began = Now();
         const PolarImage image = simulator.Render(pose, parameters, round);
         benchmark::DoNotOptimize(image.value.values().data());
@@ -131,10 +132,11 @@ BENCHMARK(TwoThreads)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 // The rays that `beams` get by default beside the paper's, in turn.
 void DefaultSampling(benchmark::State& state) {
-  const SonarPreset& preset = FindSonarPreset("p900-45");
-  const Simulator papers(Tank(300'000), preset.sonar, Options(preset, kPaperRays));
-  const Simulator by_default(Tank(300'000), preset.sonar, Options(preset, PaperFanOptions(preset.sonar)));
-  const Pose pose = PaperTankPoses(3).front();
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  const sim::Simulator papers(Tank(300'000), preset.sonar, Options(preset, kPaperRays));
+  const sim::Simulator by_default(Tank(300'000), preset.sonar,
+                                  Options(preset, sim::PaperFanOptions(preset.sonar)));
+  const Pose pose = sim::PaperTankPoses(3).front();
   for (auto unused : state) {
     std::vector<double> ratio;
     std::vector<double> seconds;
@@ -150,13 +152,13 @@ void DefaultSampling(benchmark::State& state) {
 BENCHMARK(DefaultSampling)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 void Rays(benchmark::State& state) {
-  const SonarPreset& preset = FindSonarPreset("p900-45");
-  RayFanOptions rays = kPaperRays;
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  sim::RayFanOptions rays = kPaperRays;
   rays.cols = static_cast<int>(state.range(0));
   rays.rows = static_cast<int>(state.range(0)) * 4 / 5;
-  const Simulator simulator(Tank(300'000), preset.sonar, Options(preset, rays));
+  const sim::Simulator simulator(Tank(300'000), preset.sonar, Options(preset, rays));
   for (auto unused : state) {
-    const double seconds = FrameSeconds(simulator, PaperTankPoses(3).front());
+    const double seconds = FrameSeconds(simulator, sim::PaperTankPoses(3).front());
     state.counters["frame_ms"] = 1e3 * seconds;
     state.counters["ns_per_ray"] = 1e9 * seconds / simulator.fan().size();
   }
@@ -164,11 +166,11 @@ void Rays(benchmark::State& state) {
 BENCHMARK(Rays)->Arg(375)->Arg(750)->Arg(1500)->Arg(3000)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 void Triangles(benchmark::State& state) {
-  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const Scene scene = Tank(static_cast<int>(state.range(0)) / 2);
-  const Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
+  const sim::Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
   for (auto unused : state) {
-    state.counters["frame_ms"] = 1e3 * FrameSeconds(simulator, PaperTankPoses(3).front());
+    state.counters["frame_ms"] = 1e3 * FrameSeconds(simulator, sim::PaperTankPoses(3).front());
     state.counters["triangles"] = static_cast<double>(scene.triangles.size());
   }
 }
@@ -179,4 +181,4 @@ BENCHMARK(Triangles)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

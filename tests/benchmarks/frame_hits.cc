@@ -18,7 +18,7 @@
 #include "data_io/json/json_writer.h"
 #include "tests/benchmarks/benchmark_world.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,9 +58,10 @@ void WriteImage(const fs::path& file, const Grid<float>& value) {
 }
 
 // Ranges (infinity for a miss), directions and normals in the sonar's frame, materials.
-void WriteHits(const fs::path& folder, const Simulator& simulator, const Pose& pose, double max_range_m) {
-  const RayFan& fan = simulator.fan();
-  const FanHits hits = simulator.caster().Cast(fan, pose, max_range_m);
+void WriteHits(const fs::path& folder, const sim::Simulator& simulator, const Pose& pose,
+               double max_range_m) {
+  const sim::RayFan& fan = simulator.fan();
+  const sim::FanHits hits = simulator.caster().Cast(fan, pose, max_range_m);
   const Eigen::Matrix3f sonar_from_world = pose.rotation.toRotationMatrix().transpose().cast<float>();
   std::vector<Eigen::Vector3f> directions(fan.size());
   std::vector<Eigen::Vector3f> normals(fan.size(), Eigen::Vector3f::Zero());
@@ -78,7 +79,7 @@ void WriteHits(const fs::path& folder, const Simulator& simulator, const Pose& p
 }
 
 // Medians of a frame from the cast of its rays to the fan image: seconds, and processor seconds.
-std::pair<double, double> FrameSeconds(const Simulator& simulator, const Pose& pose, const FanMap& map) {
+std::pair<double, double> FrameSeconds(const sim::Simulator& simulator, const Pose& pose, const FanMap& map) {
   std::vector<double> seconds;
   std::vector<double> cpu_seconds;
   for (int round = 0; round < 9; ++round) {
@@ -91,7 +92,7 @@ std::pair<double, double> FrameSeconds(const Simulator& simulator, const Pose& p
   return {Median(seconds), Median(cpu_seconds)};
 }
 
-Json FrameJson(const Simulator& simulator, const FanMap& map) {
+Json FrameJson(const sim::Simulator& simulator, const FanMap& map) {
   const ParameterSet parameters = Parameters();
   const PolarAxes& axes = simulator.sonar().axes;
   Json json = {{"range_min_m", axes.range_min_m},
@@ -123,14 +124,14 @@ Json FrameJson(const Simulator& simulator, const FanMap& map) {
 
 void WriteAll(const fs::path& folder) {
   fs::create_directories(folder);
-  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const Scene scene = Tank(300'000);
-  const Pose pose = PaperTankPoses(3).front();
+  const Pose pose = sim::PaperTankPoses(3).front();
   const FanMap map(preset.sonar.axes, FanAxesFor(preset.sonar.axes, {}));
-  SimulationOptions options = Options(preset, kPaperRays);
-  const Simulator noisy(scene, preset.sonar, options);
+  sim::SimulationOptions options = Options(preset, kPaperRays);
+  const sim::Simulator noisy(scene, preset.sonar, options);
   options.noise = false;
-  const Simulator clean(scene, preset.sonar, options);
+  const sim::Simulator clean(scene, preset.sonar, options);
   WriteHits(folder, clean, pose, preset.sonar.axes.range_max_m);
   const PolarImage image = clean.Render(pose, Parameters());
   WriteImage(folder / "polar.npy", image.value);
@@ -144,11 +145,11 @@ void WriteAll(const fs::path& folder) {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     json["frame_cpu_s"] = FrameSeconds(noisy, pose, map).second;
   }
-  WriteJson(folder / "frame.json", json);
+  data_io::WriteJson(folder / "frame.json", json);
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks
 
 int main(int argc, char** argv) {
   if (argc != 2) {

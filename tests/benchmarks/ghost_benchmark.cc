@@ -7,22 +7,22 @@
 #include "sim/rays/acoustic_fan.h"
 #include "tests/benchmarks/benchmark_world.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 namespace {
 
 void TankGhosts(benchmark::State& state) {
   constexpr int kRounds = 9;
-  const SonarPreset& preset = FindSonarPreset("p900-45");
-  PaperTankOptions tank = PaperTankOfPaper(PaperSize::kTable5);
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  sim::PaperTankOptions tank = sim::PaperTankOfPaper(sim::PaperSize::kTable5);
   tank.tank.surface = true;
   ParameterSet without = Parameters();
   without.model = EchoModel::kAcoustic;
   ParameterSet with = without;
   with.mirrors = {{"floor", {10.5}}, {"wall", {6.0}}, {"surface", {0.7}}};
-  SimulationOptions options = Options(preset, AcousticFanOptions(preset.sonar, without));
+  sim::SimulationOptions options = Options(preset, sim::AcousticFanOptions(preset.sonar, without));
   options.noise = false;
-  const Simulator simulator(MakePaperTank(tank), preset.sonar, options);
-  const Pose pose = PaperTankPoses(3).front();
+  const sim::Simulator simulator(sim::MakePaperTank(tank), preset.sonar, options);
+  const Pose pose = sim::PaperTankPoses(3).front();
   const auto seconds = [&](const ParameterSet& parameters) {
     const double began = Now();
     const PolarImage image = simulator.Render(pose, parameters);
@@ -49,4 +49,4 @@ void TankGhosts(benchmark::State& state) {
 BENCHMARK(TankGhosts)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

@@ -12,7 +12,7 @@
 
 #include "tests/benchmarks/benchmark_world.h"
 
-namespace sonarcal {
+namespace sonarcal::benchmarks {
 namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0;
@@ -28,7 +28,7 @@ double StatusMiB(const std::string& name) {
 }
 
 void Memory(benchmark::State& state) {
-  const SonarPreset& preset = FindSonarPreset("p900-45");
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   for (auto unused : state) {
     Scene scene = Tank(static_cast<int>(state.range(0)) / 2);
     malloc_trim(0);                               // what making the scene took and gave back
@@ -36,8 +36,8 @@ void Memory(benchmark::State& state) {
     const double before = StatusMiB("VmRSS");
     const auto triangles = static_cast<double>(scene.triangles.size());
     const double mesh_bytes = 12.0 * static_cast<double>(scene.vertices_m.size()) + 14.0 * triangles;
-    const Simulator simulator(std::move(scene), preset.sonar, Options(preset, kPaperRays));
-    const PolarImage image = simulator.Render(PaperTankPoses(3).front(), Parameters());
+    const sim::Simulator simulator(std::move(scene), preset.sonar, Options(preset, kPaperRays));
+    const PolarImage image = simulator.Render(sim::PaperTankPoses(3).front(), Parameters());
     benchmark::DoNotOptimize(image.value.values().data());
     state.counters["triangles"] = triangles;
     state.counters["mesh_MiB"] = mesh_bytes / kMiB;
@@ -49,4 +49,4 @@ void Memory(benchmark::State& state) {
 BENCHMARK(Memory)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::benchmarks

@@ -29,7 +29,7 @@
 #include "sim/scenes/bomb.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 constexpr double kRegressionKs = 0.045;
@@ -39,7 +39,7 @@ constexpr double kFullScaleOfOther = 255.0 / 97.0;
 
 // Pixels beyond reach of the object found in the image: 20 bins and 8 beams.
 Mask BackgroundOf(const PolarImage& image) {
-  Mask background = BoxAround(Segment(image, {}).object, 20, 8);
+  Mask background = metrics::BoxAround(metrics::Segment(image, {}).object, 20, 8);
   for (std::uint8_t& pixel : background.values()) pixel = pixel == 0 ? 1 : 0;
   return background;
 }
@@ -56,31 +56,31 @@ double GreyDistance(const PolarImage& a, const PolarImage& b) {
 }
 
 struct Judgement {
-  FrameMetrics metrics;
+  metrics::FrameMetrics metrics;
   double grey_distance = 0.0;
 
-  double Error(IntensityDomain domain) const {
+  double Error(metrics::IntensityDomain domain) const {
     return metrics.polar.intensity.Over(domain).mean_absolute().value();
   }
 };
 
 Judgement Judge(const PolarImage& real, PolarImage simulated) {
   simulated.scale = real.scale;  // levels count from the noise in one, from the display's start in the other
-  return {CompareFrames(real, simulated), GreyDistance(real, simulated)};
+  return {metrics::CompareFrames(real, simulated), GreyDistance(real, simulated)};
 }
 
 void Print(const char* what, const Judgement& judgement) {
-  const Occupancy& o = judgement.metrics.polar.occupancy;
-  std::cout << what << ": whole " << judgement.Error(IntensityDomain::kWhole) << ", union "
-            << judgement.Error(IntensityDomain::kUnion) << ", overlap "
-            << judgement.Error(IntensityDomain::kOverlap) << "; IoU " << *o.iou() << ", Ns/Nr "
+  const metrics::Occupancy& o = judgement.metrics.polar.occupancy;
+  std::cout << what << ": whole " << judgement.Error(metrics::IntensityDomain::kWhole) << ", union "
+            << judgement.Error(metrics::IntensityDomain::kUnion) << ", overlap "
+            << judgement.Error(metrics::IntensityDomain::kOverlap) << "; IoU " << *o.iou() << ", Ns/Nr "
             << *o.ns_over_nr() << ", Na/Ns " << *o.na_over_ns() << ", Na/Nr " << *o.na_over_nr() << "; W1 "
             << judgement.grey_distance << "\n";
 }
 
 TEST(Aris3000BombTest, BackgroundFollowsASoftenedAmplitude) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const PolarImage image = OpenRecording(folder)->ReadFrame(0).image;
+  const PolarImage image = data_io::OpenRecording(folder)->ReadFrame(0).image;
   // 97 counts of 80/255 dB over the full grey scale: the slope of the display.
   EXPECT_NEAR(image.scale.db_span.value() / 97.0, 0.3137, 1e-4);
   const Mask background = BackgroundOf(image);
@@ -92,7 +92,7 @@ TEST(Aris3000BombTest, BackgroundFollowsASoftenedAmplitude) {
   // A logarithm softened in power is no match at one look, which is what the object's speckle has.
   EXPECT_GE(power.ks, 0.08);
   EXPECT_LT(amplitude.nats_per_pixel, power.nats_per_pixel);
-  EXPECT_NEAR(AmplitudeOfLevel(amplitude.display.soft_db), 1.27, 0.05);
+  EXPECT_NEAR(sim::AmplitudeOfLevel(amplitude.display.soft_db), 1.27, 0.05);
 }
 
 // The whole of frame 0: fitted once for all tests.
@@ -101,8 +101,8 @@ TargetFit FitFrame0(const RecordingSource& recording) {
   const SonarModel& sonar = recording.info().sonar;
   const DisplayParameters<double> display =
       FitBackgroundDisplay(fitted, BackgroundOf(fitted), DisplayLaw::kSoftAmplitude).display;
-  TargetFit fit = FitTarget(MakeBomb(), sonar, recording.info().water.value_or(Water{}), fitted, BombPose(),
-                            BombInitial(display, sonar), BombFitOptions());
+  TargetFit fit = FitTarget(sim::MakeBomb(), sonar, recording.info().water.value_or(Water{}), fitted,
+                            BombPose(), BombInitial(display, sonar), BombFitOptions());
   for (const FittedParameter& p : fit.fit.report.parameters) {
     if (p.status != ParameterStatus::kFixed) {
       std::cout << "  " << p.name << " " << p.value << " +- " << p.sigma.value_or(0.0) << " "
@@ -113,9 +113,9 @@ TargetFit FitFrame0(const RecordingSource& recording) {
 }
 
 // A draw moves the occupancy by 0.02: several are pooled.
-Judgement JudgeSamples(const Simulator& simulator, const TargetFit& fit, const PolarImage& judged) {
+Judgement JudgeSamples(const sim::Simulator& simulator, const TargetFit& fit, const PolarImage& judged) {
   constexpr int kDraws = 8;
-  const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
+  const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
   Judgement mean;
   for (int draw = 0; draw < kDraws; ++draw) {
     const Judgement sample = Judge(judged, simulator.RenderEchoes(echoes, fit.fit.parameters, draw));
@@ -127,22 +127,22 @@ Judgement JudgeSamples(const Simulator& simulator, const TargetFit& fit, const P
 
 TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const auto recording = OpenRecording(folder);
+  const auto recording = data_io::OpenRecording(folder);
   const PolarImage judged = recording->ReadFrame(1).image;
   const TargetFit fit = FitFrame0(*recording);
   ASSERT_TRUE(fit.fit.usable);
-  const Simulator simulator(fit.placed, recording->info().sonar, fit.simulation);
-  const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
+  const sim::Simulator simulator(fit.placed, recording->info().sonar, fit.simulation);
+  const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
   Print("real against real", Judge(judged, recording->ReadFrame(0).image));
   const Judgement expected = Judge(judged, simulator.RenderExpected(echoes, fit.fit.parameters));
   Print("expected image", expected);
-  EXPECT_LE(expected.Error(IntensityDomain::kWhole), 0.053);
-  EXPECT_LE(expected.Error(IntensityDomain::kUnion), 0.085);
-  EXPECT_LE(expected.Error(IntensityDomain::kOverlap), 0.085);
+  EXPECT_LE(expected.Error(metrics::IntensityDomain::kWhole), 0.053);
+  EXPECT_LE(expected.Error(metrics::IntensityDomain::kUnion), 0.085);
+  EXPECT_LE(expected.Error(metrics::IntensityDomain::kOverlap), 0.085);
 
   const Judgement samples = JudgeSamples(simulator, fit, judged);
   Print("speckled samples, pooled", samples);
-  const Occupancy& occupancy = samples.metrics.polar.occupancy;
+  const metrics::Occupancy& occupancy = samples.metrics.polar.occupancy;
   EXPECT_GE(*occupancy.iou(), 0.80);
   EXPECT_GE(*occupancy.ns_over_nr(), 0.94);
   EXPECT_LE(*occupancy.ns_over_nr(), 1.08);
@@ -153,8 +153,8 @@ TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
 
 TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const auto recording = OpenRecording(folder);
-  const auto other = OpenAris3000FanPicture(folder / "other_pose_fan.png", BombOtherPoseFan());
+  const auto recording = data_io::OpenRecording(folder);
+  const auto other = data_io::OpenAris3000FanPicture(folder / "other_pose_fan.png", BombOtherPoseFan());
   const PolarImage judged = other->ReadFrame(0).image;
   ParameterSet known = FitFrame0(*recording).fit.parameters;
   // Level and display count from the noise of each image; all else stays.
@@ -170,16 +170,17 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
     TargetPose start = BombOtherPose();
     start.yaw_rad += RadFromDeg(off_deg);
     start.pitch_rad += RadFromDeg(off_deg);
-    const TargetFit fit = FitTarget(MakeBomb(), other->info().sonar, other->info().water.value_or(Water{}),
-                                    judged, start, known, options);
+    const TargetFit fit = FitTarget(sim::MakeBomb(), other->info().sonar,
+                                    other->info().water.value_or(Water{}), judged, start, known, options);
     ASSERT_TRUE(fit.fit.usable);
-    const Simulator simulator(fit.placed, other->info().sonar, fit.simulation);
-    const EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
+    const sim::Simulator simulator(fit.placed, other->info().sonar, fit.simulation);
+    const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
     const Judgement expected = Judge(judged, simulator.RenderExpected(echoes, fit.fit.parameters));
     Print("other pose, expected image (of 255 counts)", expected);
     const Judgement samples = JudgeSamples(simulator, fit, judged);
     Print("other pose, speckled samples, pooled", samples);
-    const std::array domains = {IntensityDomain::kWhole, IntensityDomain::kUnion, IntensityDomain::kOverlap};
+    const std::array domains = {metrics::IntensityDomain::kWhole, metrics::IntensityDomain::kUnion,
+                                metrics::IntensityDomain::kOverlap};
     for (std::size_t i = 0; i < domains.size(); ++i)
       errors[i] += kFullScaleOfOther * expected.Error(domains[i]) / starts_deg.size();
     iou += *samples.metrics.polar.occupancy.iou() / starts_deg.size();
@@ -193,4 +194,4 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

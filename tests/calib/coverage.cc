@@ -48,8 +48,8 @@ SonarModel Sonar(const CoverageOptions& options) {
   return sonar;
 }
 
-SimulationOptions Noisy() {
-  SimulationOptions options = SmallTankOptions();
+sim::SimulationOptions Noisy() {
+  sim::SimulationOptions options = SmallTankOptions();
   options.bits = 8;
   options.noise = true;
   return options;
@@ -77,13 +77,13 @@ class Study {
         model_(simulator_, frames_, truth_),
         catalog_(model_.catalog()) {
     config_.free = {"materials", "receiver.noise_db"};
-    const std::vector<bool> free = ApplyFitConfig(config_, catalog_);
+    const std::vector<bool> free = calib::ApplyFitConfig(config_, catalog_);
     for (std::size_t i = 0; i < free.size(); ++i) {
       if (free[i]) free_.push_back(static_cast<int>(i));
     }
     for (int frame = 0; frame < model_.frame_count(); ++frame)
       means_.push_back(model_.MeanPower(frame, model_.initial_values()));
-    const NormalEquations at_truth = EquationsAtTruth();
+    const calib::NormalEquations at_truth = EquationsAtTruth();
     information_ = at_truth.information;
     prior_.resize(static_cast<Eigen::Index>(free_.size()));
     for (std::size_t k = 0; k < free_.size(); ++k) {
@@ -100,9 +100,9 @@ class Study {
     double pooled = 0.0;
     for (int set = 0; set < options_.data_sets; ++set) {
       for (int frame = 0; frame < model_.frame_count(); ++frame)
-        frames_[frame].recorded = RecordedPowers(Draw(set, frame), truth_.display);
-      const ParameterValues initial = DrawInitial(set);
-      const ModelFit fit = Fit(model_, initial, config_, options_.fit);
+        frames_[frame].recorded = calib::RecordedPowers(Draw(set, frame), truth_.display);
+      const calib::ParameterValues initial = DrawInitial(set);
+      const calib::ModelFit fit = calib::Fit(model_, initial, config_, options_.fit);
       if (!fit.usable) {
         ++table.failed;
         continue;
@@ -134,15 +134,15 @@ class Study {
     return truth;
   }
 
-  std::vector<AcousticFrame> TraceFrames() {
-    std::vector<AcousticFrame> frames;
+  std::vector<calib::AcousticFrame> TraceFrames() {
+    std::vector<calib::AcousticFrame> frames;
     const std::size_t pixels =
         static_cast<std::size_t>(simulator_.sonar().axes.range_bins) * simulator_.sonar().axes.beam_count();
     for (const Pose& pose : Poses(options_.views)) {
       echoes_.push_back(simulator_.TraceEchoes(pose));
       frames.push_back({.index = static_cast<int>(frames.size()),
                         .world_from_sonar = pose,
-                        .recorded = std::vector<RecordedPower>(pixels)});
+                        .recorded = std::vector<calib::RecordedPower>(pixels)});
     }
     return frames;
   }
@@ -161,28 +161,29 @@ class Study {
     const CounterRandom random(options_.seed << 32 | number);
     for (std::size_t i = 0; i < power.value.size(); ++i)
       power.value.values()[i] = static_cast<float>(-means_[frame][i] * std::log(random.Uniform2(i).first));
-    PolarImage shown = DisplayPower(power, truth_, simulator_.options().full_scale());
+    PolarImage shown = sim::DisplayPower(power, truth_, simulator_.options().full_scale());
     for (float& grey : shown.value.values()) grey = std::round(grey);
     return shown;
   }
 
-  ParameterValues ReadmeInitial() const {
+  calib::ParameterValues ReadmeInitial() const {
     constexpr std::array<double, 6> kCurve = {0.05, 5.0, 0.005, 1.5, 0.02, 15.0};
-    ParameterValues initial = model_.initial_values();
+    calib::ParameterValues initial = model_.initial_values();
     for (const int i : free_) {
-      initial[i] = catalog_[i].group == ParameterGroup::kGsab ? kCurve[catalog_[i].index]
-                                                              : NoiseStartDb(frames_, truth_.receiver.looks);
+      initial[i] = catalog_[i].group == calib::ParameterGroup::kGsab
+                       ? kCurve[catalog_[i].index]
+                       : calib::NoiseStartDb(frames_, truth_.receiver.looks);
     }
     return initial;
   }
 
   // What somebody knew beforehand: values about the truth, as the priors say.
-  ParameterValues DrawInitial(int set) const {
+  calib::ParameterValues DrawInitial(int set) const {
     if (options_.start == Start::kReadme) return ReadmeInitial();
     const CounterRandom random(options_.seed << 32 | static_cast<std::uint64_t>(set), 1);
-    ParameterValues initial = model_.initial_values();
+    calib::ParameterValues initial = model_.initial_values();
     for (const int i : free_) {
-      const CatalogEntry& entry = catalog_[i];
+      const calib::CatalogEntry& entry = catalog_[i];
       const double moved = options_.prior_scatter * entry.typical_step * random.Normal2(i).first;
       initial[i] = std::clamp(entry.ValueFromCoordinate(entry.CoordinateFromValue(initial[i]) + moved),
                               entry.lower, entry.upper);
@@ -190,15 +191,16 @@ class Study {
     return initial;
   }
 
-  NormalEquations EquationsAtTruth() const {
-    return Accumulate(model_, catalog_, {.active = free_, .values = model_.initial_values()}, options_.fit);
+  calib::NormalEquations EquationsAtTruth() const {
+    return calib::Accumulate(model_, catalog_, {.active = free_, .values = model_.initial_values()},
+                             options_.fit);
   }
 
   // Coordinates relative to the truth's.
-  Eigen::VectorXd FromTruth(const ParameterValues& values) const {
+  Eigen::VectorXd FromTruth(const calib::ParameterValues& values) const {
     Eigen::VectorXd error(static_cast<Eigen::Index>(free_.size()));
     for (std::size_t k = 0; k < free_.size(); ++k) {
-      const CatalogEntry& entry = catalog_[free_[k]];
+      const calib::CatalogEntry& entry = catalog_[free_[k]];
       error(static_cast<Eigen::Index>(k)) = entry.CoordinateFromValue(values[free_[k]]) -
                                             entry.CoordinateFromValue(model_.initial_values()[free_[k]]);
     }
@@ -206,18 +208,18 @@ class Study {
   }
 
   // Of one step of Fisher scoring from the truth.
-  Eigen::VectorXd LinearError(const ParameterValues& prior_centre) const {
+  Eigen::VectorXd LinearError(const calib::ParameterValues& prior_centre) const {
     Eigen::VectorXd gradient = -prior_.cwiseProduct(FromTruth(prior_centre));
-    for (const NormalEquations::Block& block : EquationsAtTruth().blocks) gradient += block.score;
+    for (const calib::NormalEquations::Block& block : EquationsAtTruth().blocks) gradient += block.score;
     return -bound_ * gradient;
   }
 
   // Adds the points of a fit's curves.
-  void CountCurves(const ModelFit& fit) {
-    for (const FittedCurve& curve : fit.report.curves) {
+  void CountCurves(const calib::ModelFit& fit) {
+    for (const calib::FittedCurve& curve : fit.report.curves) {
       for (std::size_t i = 0; i < curve.incidence_deg.size(); ++i) {
         if (curve.incidence_deg[i] < 5.0 || curve.incidence_deg[i] > 80.0) continue;
-        const double true_db = GsabDb(truth_.Material(curve.material).gsab, curve.incidence_deg[i]);
+        const double true_db = sim::GsabDb(truth_.Material(curve.material).gsab, curve.incidence_deg[i]);
         ++curve_points_;
         if (std::abs(curve.backscatter_db[i] - true_db) <= kTwoSided95 * curve.sigma_db[i]) ++curve_covered_;
       }
@@ -225,11 +227,11 @@ class Study {
   }
 
   // Adds a fit's errors; returns their square in units of the bound.
-  double Count(const ModelFit& fit, const Eigen::VectorXd& linear, std::vector<Tally>& tallies) const {
+  double Count(const calib::ModelFit& fit, const Eigen::VectorXd& linear, std::vector<Tally>& tallies) const {
     const Eigen::VectorXd errors = FromTruth(fit.values);
     for (std::size_t k = 0; k < free_.size(); ++k) {
-      const CatalogEntry& entry = catalog_[free_[k]];
-      const FittedParameter& of = fit.report.parameters[free_[k]];
+      const calib::CatalogEntry& entry = catalog_[free_[k]];
+      const calib::FittedParameter& of = fit.report.parameters[free_[k]];
       if (!of.sigma) continue;
       const double error = errors(static_cast<Eigen::Index>(k));
       const double sigma = *of.sigma / entry.ValueSlope(of.value);
@@ -268,12 +270,12 @@ class Study {
 
   CoverageOptions options_;
   ParameterSet truth_;
-  Simulator simulator_;
-  std::vector<EchoList> echoes_;
-  std::vector<AcousticFrame> frames_;
-  AcousticFrameModel model_;
-  std::vector<CatalogEntry> catalog_;
-  FitConfig config_;
+  sim::Simulator simulator_;
+  std::vector<sim::EchoList> echoes_;
+  std::vector<calib::AcousticFrame> frames_;
+  calib::AcousticFrameModel model_;
+  std::vector<calib::CatalogEntry> catalog_;
+  calib::FitConfig config_;
   std::vector<int> free_;
   std::vector<std::vector<double>> means_;
   Eigen::VectorXd prior_;        // 1 / variance

@@ -41,7 +41,7 @@ struct CoverageOptions {
   double pulse_bins = 1.0;
   int views = 3;               // of each of eight sides: that many times eight frames
   double prior_scatter = 0.3;  // of the initial values about the truth, in prior sigmas
-  FitOptions fit;
+  calib::FitOptions fit;
   std::function<void(int)> progress;  // told how many data sets are done
 };
 

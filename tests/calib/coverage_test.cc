@@ -59,19 +59,20 @@ TEST(CoverageTest, GrainedPixels) {
 int Blocks(double beam_width_deg, double pulse_bins) {
   SonarModel sonar = SmallSonar();  // 160 bins, 48 beams 0.6 degrees apart
   sonar.azimuth_beam_width_deg = beam_width_deg;
-  const Simulator simulator(SmallTank(), sonar, SmallTankOptions());
+  const sim::Simulator simulator(SmallTank(), sonar, SmallTankOptions());
   ParameterSet parameters = SmallTankTruth();
   parameters.model = EchoModel::kAcoustic;
   parameters.receiver.noise_db = 120.0;
   parameters.pulse.length_m = pulse_bins * sonar.axes.range_bin_m();
-  const std::vector<AcousticFrame> frames = {{.index = 0,
-                                              .world_from_sonar = SmallTankPoses()[0],
-                                              .recorded = std::vector<RecordedPower>(160 * 48, {1e11})}};
-  const AcousticFrameModel model(simulator, frames, parameters);
+  const std::vector<calib::AcousticFrame> frames = {
+      {.index = 0,
+       .world_from_sonar = SmallTankPoses()[0],
+       .recorded = std::vector<calib::RecordedPower>(160 * 48, {1e11})}};
+  const calib::AcousticFrameModel model(simulator, frames, parameters);
   const int noise = 2;
   EXPECT_EQ(model.catalog()[noise].name, "receiver.noise_db");
-  const FitState state{.active = {noise}, .values = model.initial_values()};
-  return static_cast<int>(Accumulate(model, model.catalog(), state, {}).blocks.size());
+  const calib::FitState state{.active = {noise}, .values = model.initial_values()};
+  return static_cast<int>(calib::Accumulate(model, model.catalog(), state, {}).blocks.size());
 }
 
 TEST(CovarianceBlocksTest, AreEightBeamsAndPulsesLongWhereAFrameHasRoom) {

@@ -14,7 +14,7 @@
 #include "calib/fit_starts.h"
 #include "tests/calib/curve_model.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using testing::CurveModel;
@@ -165,4 +165,4 @@ TEST(OrderGaussiansTest, ExchangesWhatIsFreeAndStaysWithinBounds) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

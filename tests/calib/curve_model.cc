@@ -13,18 +13,18 @@ namespace {
 
 using Dual = ceres::Jet<double, 6>;
 
-class Evaluation final : public FrameEvaluation {
+class Evaluation final : public calib::FrameEvaluation {
  public:
   Evaluation(const std::vector<CurvePixel>& recorded, const CurveModelOptions& options,
-             const ParameterValues& values, std::span<const int> active)
+             const calib::ParameterValues& values, std::span<const int> active)
       : recorded_(recorded), beams_(options.pixels), active_(active.begin(), active.end()) {
     const GsabParameters<Dual> gsab = {Dual(values[0], 0), Dual(values[1], 1), Dual(values[2], 2),
                                        Dual(values[3], 3), Dual(values[4], 4), Dual(values[5], 5)};
     for (int angle = 0; angle < options.angles; ++angle)
-      means_.push_back(GsabPower(gsab, angle + 0.5) + options.noise);
+      means_.push_back(sim::GsabPower(gsab, angle + 0.5) + options.noise);
   }
 
-  bool Bins(int first, int last, PixelTerms& terms) const override {
+  bool Bins(int first, int last, calib::PixelTerms& terms) const override {
     const std::size_t pixels = static_cast<std::size_t>(last - first) * beams_;
     terms.residual.assign(pixels, 0.0);
     terms.slope.assign(pixels, 0.0);
@@ -58,8 +58,8 @@ class Evaluation final : public FrameEvaluation {
 CurveModel::CurveModel(const CurveModelOptions& options) : options_(options) {
   SonarModel sonar;
   sonar.axes = {0.5, 4.5, 10, {-0.1, 0.1}};
-  for (const CatalogEntry& entry : BuildAcousticCatalog(names_, sonar, {})) {
-    if (entry.group == ParameterGroup::kGsab) catalog_.push_back(entry);
+  for (const calib::CatalogEntry& entry : calib::BuildAcousticCatalog(names_, sonar, {})) {
+    if (entry.group == calib::ParameterGroup::kGsab) catalog_.push_back(entry);
   }
   // Angles in an order that leads everywhere: neighbouring pixels see unlike ones, so that no parameter hangs
   // on a few blocks of the covariance.
@@ -72,18 +72,18 @@ CurveModel::CurveModel(const CurveModelOptions& options) : options_(options) {
     const auto number = static_cast<int>(place % options.pixels);
     const double share = std::min(1.0, (angle + 0.5) / 20.0);
     const bool measured = number < std::max<double>(options.least_pixels, share * options.pixels);
-    const double mean = GsabPower(options.truth, angle + 0.5) + options.noise;
+    const double mean = sim::GsabPower(options.truth, angle + 0.5) + options.noise;
     recorded_.push_back({angle, measured ? -mean * std::log(random.Uniform2(i).first) : 0.0});
   }
 }
 
-ParameterValues CurveModel::truth() const {
+calib::ParameterValues CurveModel::truth() const {
   const GsabParameters<double>& t = options_.truth;
   return {t.a, t.b_deg, t.c, t.d, t.e, t.f_deg};
 }
 
-std::unique_ptr<FrameEvaluation> CurveModel::At(int, const ParameterValues& values,
-                                                std::span<const int> active, Terms) const {
+std::unique_ptr<calib::FrameEvaluation> CurveModel::At(int, const calib::ParameterValues& values,
+                                                       std::span<const int> active, Terms) const {
   return std::make_unique<Evaluation>(recorded_, options_, values, active);
 }
 

@@ -26,11 +26,11 @@ struct CurvePixel {
   double power = 0.0;  // 0: not measured
 };
 
-class CurveModel final : public FrameModel {
+class CurveModel final : public calib::FrameModel {
  public:
   explicit CurveModel(const CurveModelOptions& options);
 
-  const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
+  const std::vector<calib::CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return 1; }
   int frame_index(int) const override { return 0; }
   int range_bins() const override { return options_.angles; }
@@ -39,16 +39,16 @@ class CurveModel final : public FrameModel {
   bool ShowsMaterial(int) const override { return true; }
   const std::vector<std::string>& material_names() const override { return names_; }
   bool IsLikelihood() const override { return true; }
-  std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
-                                      Terms wanted) const override;
+  std::unique_ptr<calib::FrameEvaluation> At(int frame, const calib::ParameterValues& values,
+                                             std::span<const int> active, Terms wanted) const override;
 
   // A, B, C, D, E and F.
-  ParameterValues truth() const;
+  calib::ParameterValues truth() const;
 
  private:
   CurveModelOptions options_;
   std::vector<std::string> names_ = {"plate"};
-  std::vector<CatalogEntry> catalog_;
+  std::vector<calib::CatalogEntry> catalog_;
   std::vector<CurvePixel> recorded_;
 };
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using ::testing::ElementsAre;
@@ -59,4 +59,4 @@ TEST(DegenerateFit, AnotherOptimumOfEqualCostIsNamed) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

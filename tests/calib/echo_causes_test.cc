@@ -10,7 +10,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "tests/calib/small_tank.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 class EchoCausesTest : public ::testing::Test {
@@ -28,18 +28,18 @@ class EchoCausesTest : public ::testing::Test {
     return parameters;
   }
 
-  static SimulationOptions Options() {
-    SimulationOptions options = testing::SmallTankOptions();
+  static sim::SimulationOptions Options() {
+    sim::SimulationOptions options = testing::SmallTankOptions();
     options.fan.elevation_span_deg = 140.0;  // side lobes of the elevation pattern have something to show
     return options;
   }
 
   // The whole expected power of some parameters, noise included.
   Grid<float> Expected(const Pose& pose, const ParameterSet& parameters) const {
-    const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-    return ExpectedPower(simulator_.Scatter(simulator_.TraceEchoes(pose), parameters,
-                                            simulator_.TraceGhosts(pose, parameters)),
-                         geometry, parameters)
+    const sim::AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
+    return sim::ExpectedPower(simulator_.Scatter(simulator_.TraceEchoes(pose), parameters,
+                                                 simulator_.TraceGhosts(pose, parameters)),
+                              geometry, parameters)
         .value;
   }
 
@@ -54,17 +54,17 @@ class EchoCausesTest : public ::testing::Test {
     return parameters;
   }
 
-  const Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(), Options()};
+  const sim::Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(), Options()};
 };
 
 TEST_F(EchoCausesTest, TogetherTheyAreTheExpectedPower) {
   for (const Pose& pose : testing::SmallTankPoses()) {
-    const EchoCauses causes = CausesOf(simulator_, pose, Parameters());
+    const sim::EchoCauses causes = sim::CausesOf(simulator_, pose, Parameters());
     const Grid<float> expected = Expected(pose, Parameters());
-    ASSERT_EQ(causes.causes.front().kind, CauseKind::kNoise);
+    ASSERT_EQ(causes.causes.front().kind, sim::CauseKind::kNoise);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       double sum = 0.0;
-      for (const EchoCause& cause : causes.causes) sum += cause.power.values()[i];
+      for (const sim::EchoCause& cause : causes.causes) sum += cause.power.values()[i];
       // Curves are joined by straight lines between nodes a quarter of a degree apart.
       EXPECT_NEAR(sum, expected.values()[i], 0.01 * expected.values()[i]) << i;
     }
@@ -74,13 +74,13 @@ TEST_F(EchoCausesTest, TogetherTheyAreTheExpectedPower) {
 // Rendered one by one, the slow way: a material alone, a mirror's ghosts as what it adds. Where lobes matter
 // this can't tell, and is not asked.
 TEST_F(EchoCausesTest, TheLargestIsThatOfImagesRenderedOneByOne) {
-  const ElevationResponse elevation = ElevationResponseOf(simulator_.sonar(), Parameters().beam);
-  const double end_rad = MainLobeEndRad(elevation);
+  const sim::ElevationResponse elevation = sim::ElevationResponseOf(simulator_.sonar(), Parameters().beam);
+  const double end_rad = sim::MainLobeEndRad(elevation);
   long compared = 0;
   long lobes = 0;
   long ghosts = 0;
   for (const Pose& pose : testing::SmallTankPoses()) {
-    const EchoCauses causes = CausesOf(simulator_, pose, Parameters());
+    const sim::EchoCauses causes = sim::CausesOf(simulator_, pose, Parameters());
     std::map<std::string, Grid<float>> slow;
     const Grid<float> direct = Expected(pose, Without(false));
     for (const char* mirror : {"floor", "wall"}) {
@@ -94,16 +94,18 @@ TEST_F(EchoCausesTest, TheLargestIsThatOfImagesRenderedOneByOne) {
     for (const std::string& material : simulator_.caster().material_names())
       slow[material] = Expected(pose, Without(false, material));
     Grid<float> noise(direct.rows(), direct.cols());
-    const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-    const Grid<double> floor = NoiseFloorPower(geometry, Parameters());
+    const sim::AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
+    const Grid<double> floor = sim::NoiseFloorPower(geometry, Parameters());
     std::copy(floor.values().begin(), floor.values().end(), noise.values().begin());
     slow["noise"] = std::move(noise);
 
     const Grid<int> largest = causes.Largest();
     for (std::size_t i = 0; i < direct.size(); ++i) {
-      const EchoCause& cause = causes.causes[largest.values()[i]];
-      lobes += cause.kind == CauseKind::kAzimuthLobe || cause.kind == CauseKind::kElevationLobe ? 1 : 0;
-      if (cause.kind == CauseKind::kAzimuthLobe || cause.kind == CauseKind::kElevationLobe) continue;
+      const sim::EchoCause& cause = causes.causes[largest.values()[i]];
+      lobes +=
+          cause.kind == sim::CauseKind::kAzimuthLobe || cause.kind == sim::CauseKind::kElevationLobe ? 1 : 0;
+      if (cause.kind == sim::CauseKind::kAzimuthLobe || cause.kind == sim::CauseKind::kElevationLobe)
+        continue;
       std::string best;
       double most = -1.0;
       double second = -1.0;
@@ -120,13 +122,13 @@ TEST_F(EchoCausesTest, TheLargestIsThatOfImagesRenderedOneByOne) {
       // A tie within the errors of nodes and single precision; or a material whose lobes make it the largest.
       if (most < 1.05 * second) continue;
       double of_lobes = 0.0;
-      for (const EchoCause& other : causes.causes) {
-        if (other.kind == CauseKind::kAzimuthLobe || other.kind == CauseKind::kElevationLobe)
+      for (const sim::EchoCause& other : causes.causes) {
+        if (other.kind == sim::CauseKind::kAzimuthLobe || other.kind == sim::CauseKind::kElevationLobe)
           of_lobes += other.power.values()[i];
       }
       if (of_lobes > 0.05 * most) continue;
       ++compared;
-      ghosts += cause.kind == CauseKind::kGhost ? 1 : 0;
+      ghosts += cause.kind == sim::CauseKind::kGhost ? 1 : 0;
       EXPECT_EQ(cause.name, best) << i;
     }
   }
@@ -147,14 +149,14 @@ TEST_F(EchoCausesTest, ASideLobeNamesTheBeamItComesFrom) {
   ParameterSet parameters = Parameters();
   parameters.mirrors.clear();
   parameters.materials["post"] = parameters.materials["box"];
-  const Simulator simulator(post, testing::SmallSonar(), testing::SmallTankOptions());
-  const EchoCauses causes =
-      CausesOf(simulator, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}}, parameters);
+  const sim::Simulator simulator(post, testing::SmallSonar(), testing::SmallTankOptions());
+  const sim::EchoCauses causes =
+      sim::CausesOf(simulator, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}}, parameters);
   const Grid<int> largest = causes.Largest();
   int lobes = 0;
   for (int bin = 0; bin < largest.rows(); ++bin) {
     for (int beam = 0; beam < largest.cols(); ++beam) {
-      if (causes.causes[largest(bin, beam)].kind != CauseKind::kAzimuthLobe) continue;
+      if (causes.causes[largest(bin, beam)].kind != sim::CauseKind::kAzimuthLobe) continue;
       ++lobes;
       EXPECT_NEAR(causes.lobe_of(bin, beam), 23.5, 2.0) << "the post stands ahead";
       EXPECT_GE(std::abs(beam - 23.5), 1.5) << "in the main lobe";
@@ -166,11 +168,11 @@ TEST_F(EchoCausesTest, ASideLobeNamesTheBeamItComesFrom) {
 TEST(MainLobeEnd, IsTheFirstNullOfACosineAperture) {
   // cos(pi v) / (1 - 4 v^2) is first null at v = 3/2; half power two-way at 0.4254963.
   const double width_rad = 20.0 * kPi / 180.0;
-  const ElevationResponse response(ElevationPattern::kCosine, width_rad, 1.0);
+  const sim::ElevationResponse response(ElevationPattern::kCosine, width_rad, 1.0);
   const double wavelengths = 0.4254963363382263 / std::sin(0.5 * width_rad);
-  EXPECT_NEAR(MainLobeEndRad(response), std::asin(1.5 / wavelengths), 2e-3);
-  EXPECT_EQ(MainLobeEndRad({ElevationPattern::kGaussian, width_rad, 1.0}), 0.5 * kPi);
+  EXPECT_NEAR(sim::MainLobeEndRad(response), std::asin(1.5 / wavelengths), 2e-3);
+  EXPECT_EQ(sim::MainLobeEndRad({ElevationPattern::kGaussian, width_rad, 1.0}), 0.5 * kPi);
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

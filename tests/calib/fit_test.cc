@@ -10,7 +10,7 @@
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using testing::MakeFitFrames;
@@ -34,17 +34,17 @@ class PaperFitTest : public ::testing::Test {
  protected:
   // A noisy sample of the paper model, ray by ray, in whole grey levels: not the blurred mean that is fitted.
   std::vector<FitFrame> NoisyFrames(std::uint64_t seed) const {
-    SimulationOptions options = SmallTankOptions();
+    sim::SimulationOptions options = SmallTankOptions();
     options.noise = true;
     options.seed = seed;
-    const Simulator noisy(SmallTank(), SmallSonar(), options);
-    return MakeFitFrames(noisy, [&](const EchoList& echoes, int frame) {
+    const sim::Simulator noisy(SmallTank(), SmallSonar(), options);
+    return MakeFitFrames(noisy, [&](const sim::EchoList& echoes, int frame) {
       return noisy.RenderEchoes(echoes, SmallTankTruth(), frame);
     });
   }
 
-  Simulator simulator_{SmallTank(), SmallSonar(), SmallTankOptions()};
-  ImageGeometry geometry_{simulator_.sonar(), simulator_.absorption_db_per_m()};
+  sim::Simulator simulator_{SmallTank(), SmallSonar(), SmallTankOptions()};
+  sim::ImageGeometry geometry_{simulator_.sonar(), simulator_.absorption_db_per_m()};
   std::vector<std::string> materials_ = {"floor", "box"};
 };
 
@@ -56,7 +56,7 @@ TEST_F(PaperFitTest, TheTrueParametersComeBackWithinThreeSigma) {
   ASSERT_TRUE(fit.usable) << fit.report.termination;
   EXPECT_LT(fit.report.cost_final, fit.report.cost_initial);
 
-  PaperParameters<double> truth = PaperParametersFor(SmallTankTruth(), materials_);
+  sim::PaperParameters<double> truth = sim::PaperParametersFor(SmallTankTruth(), materials_);
   int free_count = 0;
   for (const CatalogEntry& entry : BuildCatalog(materials_)) {
     const FittedParameter* fitted = fit.report.Find(entry.name);
@@ -73,8 +73,8 @@ TEST_F(PaperFitTest, TheTrueParametersComeBackWithinThreeSigma) {
   // The curves, where the data show them well.
   for (const std::string& name : materials_) {
     for (const double incidence_deg : {15.0, 30.0, 45.0, 60.0}) {
-      EXPECT_NEAR(GsabDb(fit.parameters.Material(name).gsab, incidence_deg),
-                  GsabDb(SmallTankTruth().Material(name).gsab, incidence_deg), 1.5)
+      EXPECT_NEAR(sim::GsabDb(fit.parameters.Material(name).gsab, incidence_deg),
+                  sim::GsabDb(SmallTankTruth().Material(name).gsab, incidence_deg), 1.5)
           << name << " at " << incidence_deg;
     }
   }
@@ -191,4 +191,4 @@ TEST_F(PaperFitTest, WhatCannotBeFittedIsRefused) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -11,7 +11,7 @@
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 class GhostEchoesTest : public ::testing::Test {
@@ -32,53 +32,54 @@ class GhostEchoesTest : public ::testing::Test {
   }
 
   // The ghosts' own part of an image, ray by ray.
-  Grid<float> Slow(const GhostList& ghosts, const ParameterSet& parameters) const {
-    EchoList none;
+  Grid<float> Slow(const sim::GhostList& ghosts, const ParameterSet& parameters) const {
+    sim::EchoList none;
     none.cols = simulator_.fan().cols();
-    const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-    ScatterMap scatter = MakeScatterMap(none, simulator_.fan(), geometry, parameters);
-    AddGhosts(ghosts, geometry, parameters, scatter);
-    return ExpectedPower(scatter, geometry, parameters).value;
+    const sim::AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
+    sim::ScatterMap scatter = sim::MakeScatterMap(none, simulator_.fan(), geometry, parameters);
+    sim::AddGhosts(ghosts, geometry, parameters, scatter);
+    return sim::ExpectedPower(scatter, geometry, parameters).value;
   }
 
   // The same as the sum that the header states, term by term.
-  static double Sum(const GhostEchoes& ghosts, std::size_t pixel, const std::vector<std::string>& names,
+  static double Sum(const sim::GhostEchoes& ghosts, std::size_t pixel, const std::vector<std::string>& names,
                     const ParameterSet& parameters) {
-    const std::vector<double>& nodes_deg = CoarseIncidenceDeg();
+    const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();
     double sum = 0.0;
     for (std::uint32_t e = ghosts.pixels.start[pixel]; e < ghosts.pixels.start[pixel + 1]; ++e) {
-      const PixelEchoes::Entry& entry = ghosts.pixels.entries[e];
+      const sim::PixelEchoes::Entry& entry = ghosts.pixels.entries[e];
       const double angle_deg = nodes_deg[entry.node % nodes_deg.size()];
       const std::size_t run = entry.node / nodes_deg.size();
-      const std::size_t part = run % kCurveParts;
-      const std::size_t material = run / kCurveParts % names.size();
-      const GhostWay& way = ghosts.ways.at(run / kCurveParts / names.size());
+      const std::size_t part = run % sim::kCurveParts;
+      const std::size_t material = run / sim::kCurveParts % names.size();
+      const sim::GhostWay& way = ghosts.ways.at(run / sim::kCurveParts / names.size());
       double loss_db = 0.0;
       for (const std::uint16_t mirror : way) loss_db += parameters.mirrors.at(names[mirror]).loss_db;
       const GsabParameters<double>& gsab = parameters.Material(names[material]).gsab;
-      const double sigma = part == 0 ? GsabPeaksPower(gsab, angle_deg)
-                                     : GsabSlowPower(gsab, std::max(std::cos(RadFromDeg(angle_deg)), 1e-9));
+      const double sigma = part == 0
+                               ? sim::GsabPeaksPower(gsab, angle_deg)
+                               : sim::GsabSlowPower(gsab, std::max(std::cos(RadFromDeg(angle_deg)), 1e-9));
       sum += entry.weight * PowerFromDb(-loss_db) * sigma;
     }
     return sum;
   }
 
-  const Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(),
-                             testing::SmallTankOptions()};
+  const sim::Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(),
+                                  testing::SmallTankOptions()};
 };
 
 TEST_F(GhostEchoesTest, TheSumOfAPixelIsTheImageThatRaysMake) {
   for (const int order : {1, 2}) {
-    SimulationOptions options = testing::SmallTankOptions();
+    sim::SimulationOptions options = testing::SmallTankOptions();
     options.ghost_order = order;
-    const Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), options);
+    const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), options);
     const ParameterSet parameters = Parameters();
     double largest = 0.0;
     double worst = 0.0;
     std::size_t ways = 0;
     for (const Pose& pose : testing::SmallTankPoses()) {
-      const GhostList ghosts = simulator.TraceGhosts(pose, parameters);
-      const GhostEchoes fast = GatherGhostEchoes(simulator, ghosts, parameters);
+      const sim::GhostList ghosts = simulator.TraceGhosts(pose, parameters);
+      const sim::GhostEchoes fast = sim::GatherGhostEchoes(simulator, ghosts, parameters);
       ways = std::max(ways, fast.ways.size());
       ParameterSet others = parameters;  // whatever losses and curves, the sums are the same entries'
       others.mirrors["floor"].loss_db = 1.0;
@@ -103,18 +104,18 @@ TEST_F(GhostEchoesTest, TheSumOfAPixelIsTheImageThatRaysMake) {
 TEST_F(GhostEchoesTest, WithoutMirrorsThereIsNothing) {
   ParameterSet parameters = Parameters();
   parameters.mirrors.clear();
-  const GhostList ghosts = simulator_.TraceGhosts(testing::SmallTankPoses().front(), parameters);
+  const sim::GhostList ghosts = simulator_.TraceGhosts(testing::SmallTankPoses().front(), parameters);
   EXPECT_TRUE(ghosts.echoes.empty());
-  EXPECT_TRUE(WaysOf(ghosts).empty());
+  EXPECT_TRUE(sim::WaysOf(ghosts).empty());
 }
 
 TEST_F(GhostEchoesTest, WaysAreNamedByTheirMirrors) {
   const std::vector<std::string> names = {"floor", "wall"};
-  EXPECT_EQ(WayName({0}, names), "floor");
-  EXPECT_EQ(WayName({1, 1}, names), "wall twice");
-  EXPECT_EQ(WayName({0, 1}, names), "floor and wall");
-  EXPECT_EQ(WayName({0, 1, 1, 1}, names), "floor and wall 3 times");
+  EXPECT_EQ(sim::WayName({0}, names), "floor");
+  EXPECT_EQ(sim::WayName({1, 1}, names), "wall twice");
+  EXPECT_EQ(sim::WayName({0, 1}, names), "floor and wall");
+  EXPECT_EQ(sim::WayName({0, 1, 1, 1}, names), "floor and wall 3 times");
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

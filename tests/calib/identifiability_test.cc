@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 // A straight line y = a + b x through noisy points, one block a point.
@@ -116,4 +116,4 @@ TEST(HoldParameterTest, DropsItsRowAndColumn) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

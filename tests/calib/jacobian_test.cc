@@ -15,7 +15,7 @@
 #include "calib/problem_builder.h"
 #include "tests/calib/small_tank.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using Terms = FrameModel::Terms;
@@ -68,15 +68,16 @@ class SmallTankModels : public ::testing::Test {
  protected:
   // Four views, of which the one from above sees the floor's peak: every parameter of every material moves
   // pixels of some frame.
-  Simulator simulator_{testing::SmallTank(), testing::SmallSonar(), testing::SmallTankOptions()};
+  sim::Simulator simulator_{testing::SmallTank(), testing::SmallSonar(), testing::SmallTankOptions()};
   std::vector<std::string> materials_ = simulator_.caster().material_names();
 };
 
 TEST_F(SmallTankModels, PaperDerivativesEqualCentralDifferences) {
-  const ImageGeometry geometry(simulator_.sonar(), simulator_.absorption_db_per_m());
-  const std::vector<FitFrame> frames = testing::MakeFitFrames(simulator_, [&](const EchoList& echoes, int) {
-    return simulator_.RenderExpected(echoes, testing::SmallTankTruth());
-  });
+  const sim::ImageGeometry geometry(simulator_.sonar(), simulator_.absorption_db_per_m());
+  const std::vector<FitFrame> frames =
+      testing::MakeFitFrames(simulator_, [&](const sim::EchoList& echoes, int) {
+        return simulator_.RenderExpected(echoes, testing::SmallTankTruth());
+      });
   const PaperFrameModel model(frames, geometry, materials_, testing::SmallTankTruth());
   // Rows of cells whose azimuth errors differ by less than 1 % share a kernel, corrected to first order: the
   // slope is that of the kernel, up to 0.01 x |sigma w''| / |w'| away.
@@ -87,7 +88,7 @@ TEST_F(SmallTankModels, PaperDerivativesEqualCentralDifferences) {
 }
 
 // Recorded powers that are nothing like the model's: clipped at either end, far above and far below.
-std::vector<AcousticFrame> OddFrames(const Simulator& simulator) {
+std::vector<AcousticFrame> OddFrames(const sim::Simulator& simulator) {
   std::vector<AcousticFrame> frames;
   const std::vector<Pose> poses = testing::SmallTankPoses();
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -215,4 +216,4 @@ TEST_F(SmallTankModels, AFrameSeenTwiceTellsNoMoreThanOnce) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

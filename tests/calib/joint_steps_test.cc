@@ -13,7 +13,7 @@
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
@@ -61,4 +61,4 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -11,7 +11,7 @@
 #include "sim/acoustic/acoustic_image.h"
 #include "tests/calib/small_tank.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 class MirrorFit : public ::testing::Test {
@@ -30,8 +30,8 @@ class MirrorFit : public ::testing::Test {
     return truth;
   }
 
-  static SimulationOptions Options() {
-    SimulationOptions options = testing::SmallTankOptions();
+  static sim::SimulationOptions Options() {
+    sim::SimulationOptions options = testing::SmallTankOptions();
     options.bits = 16;
     options.noise = true;
     options.seed = 7;
@@ -50,7 +50,7 @@ class MirrorFit : public ::testing::Test {
     return frames;
   }
 
-  const Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(), Options()};
+  const sim::Simulator simulator_{testing::SmallTankWithWall(), testing::SmallSonar(), Options()};
 };
 
 TEST_F(MirrorFit, MeanPowersAreThoseOfTheImageWithGhosts) {
@@ -171,4 +171,4 @@ TEST_F(MirrorFit, AGroupThatNoMirrorIsOfIsRefused) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

@@ -12,7 +12,7 @@
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using testing::SyntheticTank;
@@ -39,7 +39,7 @@ double ShareInBand(const SyntheticTank& tank, const FitReport& report, const std
     // At 90 degrees a cosine has no level.
     if (pixels[bin].get<int>() < kCovered || deg > 89.0) continue;
     ++covered;
-    const double off_db = curve->backscatter_db[i] - GsabDb(tank.TrueCurve(material), deg);
+    const double off_db = curve->backscatter_db[i] - sim::GsabDb(tank.TrueCurve(material), deg);
     if (std::abs(off_db) <= 1.96 * curve->sigma_db[i]) ++in_band;
     EXPECT_LE(std::abs(off_db), std::max(1.96 * curve->sigma_db[i], kMostOffDb)) << material << " at " << deg;
   }
@@ -79,10 +79,11 @@ TEST(SyntheticTankGhosts, LossesCurvesAndNoiseComeBackTogether) {
   for (const int index : {2, 6}) {
     const Frame frame = tank.recording->ReadFrame(index);
     const Pose& pose = frame.info.world_from_sonar.value();
-    const EchoList echoes = tank.simulator.TraceEchoes(pose);
-    const AcousticGeometry geometry{tank.simulator.sonar(), tank.simulator.absorption_db_per_m()};
-    const ScatterMap scatter = tank.simulator.Scatter(echoes, truth, tank.simulator.TraceGhosts(pose, truth));
-    const PolarImage power = ExpectedPower(scatter, geometry, truth);
+    const sim::EchoList echoes = tank.simulator.TraceEchoes(pose);
+    const sim::AcousticGeometry geometry{tank.simulator.sonar(), tank.simulator.absorption_db_per_m()};
+    const sim::ScatterMap scatter =
+        tank.simulator.Scatter(echoes, truth, tank.simulator.TraceGhosts(pose, truth));
+    const PolarImage power = sim::ExpectedPower(scatter, geometry, truth);
     const PolarImage expected = tank.simulator.RenderExpected(
         echoes, fit.parameters, tank.simulator.TraceGhosts(pose, fit.parameters));
     for (std::size_t i = 0; i < power.value.size(); ++i) {
@@ -97,4 +98,4 @@ TEST(SyntheticTankGhosts, LossesCurvesAndNoiseComeBackTogether) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

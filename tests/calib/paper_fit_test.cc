@@ -11,7 +11,7 @@
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using testing::MakeFitFrames;
@@ -23,15 +23,15 @@ constexpr int kDraws = 5;
 
 class PaperFitToItself : public ::testing::Test {
  protected:
-  static SimulationOptions Options(std::uint64_t seed) {
-    SimulationOptions options = SmallTankOptions();
+  static sim::SimulationOptions Options(std::uint64_t seed) {
+    sim::SimulationOptions options = SmallTankOptions();
     options.bits = 8;
     options.noise = true;
     options.seed = seed;
     return options;
   }
 
-  static ParameterSet Start() { return PaperValues(SmallSonar(), {"floor", "box"}); }
+  static ParameterSet Start() { return sim::PaperValues(SmallSonar(), {"floor", "box"}); }
 
   // On the narrow display of the paper's values most of the floor is below one grey level.
   static ParameterSet Truth() {
@@ -42,22 +42,23 @@ class PaperFitToItself : public ::testing::Test {
   }
 
   std::vector<FitFrame> Frames(std::uint64_t seed) const {
-    const Simulator noisy(SmallTank(), SmallSonar(), Options(seed));
-    return MakeFitFrames(
-        noisy, [&](const EchoList& echoes, int frame) { return noisy.RenderEchoes(echoes, Truth(), frame); });
+    const sim::Simulator noisy(SmallTank(), SmallSonar(), Options(seed));
+    return MakeFitFrames(noisy, [&](const sim::EchoList& echoes, int frame) {
+      return noisy.RenderEchoes(echoes, Truth(), frame);
+    });
   }
 
   FitResult FitFrom(const ParameterSet& start, const std::vector<FitFrame>& frames) const {
     return FitPaperModel(frames, geometry_, materials_, start, {}, {});
   }
 
-  Simulator simulator_{SmallTank(), SmallSonar(), Options(1)};
-  ImageGeometry geometry_{simulator_.sonar(), simulator_.absorption_db_per_m()};
+  sim::Simulator simulator_{SmallTank(), SmallSonar(), Options(1)};
+  sim::ImageGeometry geometry_{simulator_.sonar(), simulator_.absorption_db_per_m()};
   std::vector<std::string> materials_ = {"floor", "box"};
 };
 
 TEST_F(PaperFitToItself, TheTruthLiesWithinTheStatedErrors) {
-  PaperParameters<double> truth = PaperParametersFor(Truth(), materials_);
+  sim::PaperParameters<double> truth = sim::PaperParametersFor(Truth(), materials_);
   int fitted = 0;
   int within_two = 0;
   int angles = 0;
@@ -81,7 +82,7 @@ TEST_F(PaperFitToItself, TheTruthLiesWithinTheStatedErrors) {
         const double deg = curve.incidence_deg[i];
         if (deg < 10.0 || deg > 80.0) continue;
         ++angles;
-        const double off_db = curve.backscatter_db[i] - GsabDb(of_truth, deg);
+        const double off_db = curve.backscatter_db[i] - sim::GsabDb(of_truth, deg);
         angles_within_two += std::abs(off_db) < 2.0 * curve.sigma_db[i] ? 1 : 0;
       }
     }
@@ -116,12 +117,12 @@ TEST_F(PaperFitToItself, TheFloorsCurveHasNoBias) {
   for (int draw = 0; draw < kDraws; ++draw) {
     const FitResult fit = FitFrom(Start(), Frames(30 + draw));
     ASSERT_TRUE(fit.usable);
-    mean_off_db +=
-        (GsabDb(fit.parameters.Material("floor").gsab, 60.0) - GsabDb(Truth().Material("floor").gsab, 60.0)) /
-        kDraws;
+    mean_off_db += (sim::GsabDb(fit.parameters.Material("floor").gsab, 60.0) -
+                    sim::GsabDb(Truth().Material("floor").gsab, 60.0)) /
+                   kDraws;
   }
   EXPECT_NEAR(mean_off_db, 0.0, 2.0);
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

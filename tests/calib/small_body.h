@@ -31,7 +31,7 @@ inline ParameterSet BodyParameters() {
   return parameters;
 }
 
-inline TargetPose BodyPose() {
+inline calib::TargetPose BodyPose() {
   return {.range_m = 1.35,
           .azimuth_rad = RadFromDeg(-3.0),
           .elevation_rad = 0.0,

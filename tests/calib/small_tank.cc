@@ -84,10 +84,10 @@ ParameterSet SmallTankAcousticTruth() {
   return truth;
 }
 
-SimulationOptions SmallTankOptions() {
-  SimulationOptions options;
+sim::SimulationOptions SmallTankOptions() {
+  sim::SimulationOptions options;
   options.bits = 12;
-  options.fan = {.sampling = Sampling::kBeams, .cols = 48 * 4, .rows = 400};
+  options.fan = {.sampling = sim::Sampling::kBeams, .cols = 48 * 4, .rows = 400};
   options.water = {.temperature_c = 15.0, .salinity_ppt = 0.5, .ph = 7.0, .depth_m = 1.0};
   return options;
 }

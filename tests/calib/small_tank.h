@@ -22,20 +22,20 @@ ParameterSet SmallTankTruth();
 // of the noise at the bottom.
 ParameterSet SmallTankAcousticTruth();
 
-SimulationOptions SmallTankOptions();
+sim::SimulationOptions SmallTankOptions();
 
 // Frames as a fit wants them: the poses' echoes, and what `render` makes of each pose.
 template <typename Render>
-std::vector<FitFrame> MakeFitFrames(const Simulator& simulator, Render&& render) {
-  std::vector<FitFrame> frames;
+std::vector<calib::FitFrame> MakeFitFrames(const sim::Simulator& simulator, Render&& render) {
+  std::vector<calib::FitFrame> frames;
   const std::vector<Pose> poses = SmallTankPoses();
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const EchoList echoes = simulator.TraceEchoes(poses[i]);
+    const sim::EchoList echoes = simulator.TraceEchoes(poses[i]);
     const PolarImage image = render(echoes, static_cast<int>(i));
     frames.push_back({.index = static_cast<int>(i),
-                      .echoes = GatherEchoes(echoes, simulator.sonar().axes),
-                      .measured = MeasuredForFit(image),
-                      .level = GreyLevel(image)});
+                      .echoes = sim::GatherEchoes(echoes, simulator.sonar().axes),
+                      .measured = calib::MeasuredForFit(image),
+                      .level = calib::GreyLevel(image)});
   }
   return frames;
 }

@@ -26,30 +26,30 @@ ParameterSet Known(const ImageScale& scale) {
   return known;
 }
 
-SimulationOptions Options(const RecordingInfo& info, const ParameterSet& parameters) {
-  SimulationOptions options;
+sim::SimulationOptions Options(const RecordingInfo& info, const ParameterSet& parameters) {
+  sim::SimulationOptions options;
   options.water = info.water.value();
-  options.absorption = AbsorptionFormula::kAinslieMcColm;  // of the simulation that made the recording
-  options.fan = AcousticFanOptions(info.sonar, parameters);
+  options.absorption = sim::AbsorptionFormula::kAinslieMcColm;  // of the simulation that made the recording
+  options.fan = sim::AcousticFanOptions(info.sonar, parameters);
   return options;
 }
 
 }  // namespace
 
 SyntheticTank::SyntheticTank(const std::filesystem::path& folder)
-    : recording(OpenRecording(folder)),
+    : recording(data_io::OpenRecording(folder)),
       truth(nlohmann::json::parse(std::ifstream(folder / "truth.json"))),
       known(Known(recording->info().scale)),
-      simulator(ReadGltf(folder / "scene.gltf"), recording->info().sonar, Options(recording->info(), known)) {
-}
+      simulator(data_io::ReadGltf(folder / "scene.gltf"), recording->info().sonar,
+                Options(recording->info(), known)) {}
 
-std::vector<AcousticFrame> SyntheticTank::Frames(const std::vector<int>& indices) const {
-  std::vector<AcousticFrame> frames;
+std::vector<calib::AcousticFrame> SyntheticTank::Frames(const std::vector<int>& indices) const {
+  std::vector<calib::AcousticFrame> frames;
   for (const int index : indices) {
     const Frame frame = recording->ReadFrame(index);
     frames.push_back({.index = index,
                       .world_from_sonar = frame.info.world_from_sonar.value(),
-                      .recorded = RecordedPowers(frame.image, known.display)});
+                      .recorded = calib::RecordedPowers(frame.image, known.display)});
   }
   return frames;
 }
@@ -90,7 +90,7 @@ double SpeckleFloorOf(double power, const DisplayParameters<double>& display) {
   double mean = 0.0;
   for (int k = 0; k < kDraws; ++k) {
     const double draw = -power * std::log1p(-(k + 0.5) / kDraws);
-    shown.push_back(std::clamp(DisplayValue(display, draw), 0.0, 1.0));
+    shown.push_back(std::clamp(sim::DisplayValue(display, draw), 0.0, 1.0));
     mean += shown.back() / kDraws;
   }
   double floor = 0.0;

@@ -18,7 +18,7 @@ struct SyntheticTank {
   explicit SyntheticTank(const std::filesystem::path& folder);
 
   // As recorded, at recorded poses.
-  std::vector<AcousticFrame> Frames(const std::vector<int>& indices) const;
+  std::vector<calib::AcousticFrame> Frames(const std::vector<int>& indices) const;
 
   Pose TruePose(int frame) const;
   GsabParameters<double> TrueCurve(const std::string& material) const;
@@ -31,7 +31,7 @@ struct SyntheticTank {
   // What a user of that sonar knows: its display, beam and pulse, and that materials are neither mirrors nor
   // black. No noise level.
   ParameterSet known;
-  Simulator simulator;
+  sim::Simulator simulator;
 };
 
 // What the level shown differs by on average from its mean, single-look speckle about this power, 0..1.

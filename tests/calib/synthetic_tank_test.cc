@@ -12,7 +12,7 @@
 #include "sim/physics/gsab.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal {
+namespace sonarcal::calib {
 namespace {
 
 using testing::SyntheticTank;
@@ -28,7 +28,7 @@ void ExpectCurve(const SyntheticTank& tank, const std::string& material, const G
     if (pixels[bin].get<int>() < kCovered) continue;
     ++covered;
     const double deg = 5.0 * static_cast<double>(bin) + 2.5;
-    EXPECT_NEAR(GsabDb(fitted, deg), GsabDb(tank.TrueCurve(material), deg), tolerance_db)
+    EXPECT_NEAR(sim::GsabDb(fitted, deg), sim::GsabDb(tank.TrueCurve(material), deg), tolerance_db)
         << material << " at " << deg;
   }
   EXPECT_GT(covered, 0);
@@ -58,15 +58,15 @@ TEST(SyntheticTank, CurvesAndNoiseComeBackAndHeldOutFramesAgreeAsSpeckleAllows) 
   }
 
   // Held out: the error of the expected image beside what speckle alone makes of the true one's.
-  const AcousticGeometry geometry{tank.simulator.sonar(), tank.simulator.absorption_db_per_m()};
+  const sim::AcousticGeometry geometry{tank.simulator.sonar(), tank.simulator.absorption_db_per_m()};
   double error = 0.0;
   double floor = 0.0;
   for (const int index : {2, 6}) {
     const Frame frame = tank.recording->ReadFrame(index);
-    const EchoList echoes = tank.simulator.TraceEchoes(frame.info.world_from_sonar.value());
+    const sim::EchoList echoes = tank.simulator.TraceEchoes(frame.info.world_from_sonar.value());
     const ParameterSet truth = tank.TrueParameters();
-    const PolarImage power =
-        ExpectedPower(MakeScatterMap(echoes, tank.simulator.fan(), geometry, truth), geometry, truth);
+    const PolarImage power = sim::ExpectedPower(
+        sim::MakeScatterMap(echoes, tank.simulator.fan(), geometry, truth), geometry, truth);
     const PolarImage expected = tank.simulator.RenderExpected(echoes, fit.parameters);
     for (std::size_t i = 0; i < power.value.size(); ++i) {
       floor += testing::SpeckleFloorOf(power.value.values()[i], truth.display);
@@ -80,4 +80,4 @@ TEST(SyntheticTank, CurvesAndNoiseComeBackAndHeldOutFramesAgreeAsSpeckleAllows) 
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::calib

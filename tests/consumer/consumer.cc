@@ -1,17 +1,27 @@
-// Uses the installed rooms through their headers, as a program of someone else would.
+// Simulates a recording and fits it, through the installed libraries alone.
 #include <iostream>
 
-#include "core/types/parameters.h"
-#include "core/types/scene.h"
-#include "sim/physics/gsab.h"
+#include "apps/workflow/fit.h"
+#include "apps/workflow/simulate.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/scenes/environments.h"
 
-int main() {
-  sonarcal::ParameterSet parameters;
-  parameters.materials["default"] = {};
-  const double level_db = sonarcal::GsabDb(parameters.Material("floor").gsab, 0.0);
-  std::cout << "backscatter at normal incidence: " << level_db << " dB\n";
+int main(int argc, char** argv) {
+  using namespace sonarcal;
+  const std::string params = argc > 1 ? argv[1] : "params.json";
+  const Scene scene = sim::FindEnvironment("tank").make({});
+  std::vector<data_io::TimedPose> poses;
+  for (const Pose& pose : sim::FindEnvironment("tank").viewpoints())
+    poses.push_back({.world_from_sonar = pose});
+  const ParameterSet truth = data_io::ReadParameters(params);
+  const auto sonar = workflow::ChooseSonar("p900-45");
+  const auto recording = workflow::Simulate(scene, sonar, truth, poses, {.noise = true});
 
-  const sonarcal::Scene triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {0}, {"floor"}};
-  triangle.Validate("triangle");
-  return level_db > 0.0 ? 0 : 1;
+  workflow::FitOptions options{.free = {"material.floor.gsab.C"}};
+  options.rays.rays = RayGridSize{256, 60};
+  const workflow::RecordingFit fit = workflow::Fit(*recording, scene, truth, options);
+  std::cout << "floor, C: " << fit.fit.parameters.Material("floor").gsab.C
+            << ", intensity error: " << *fit.after.aggregate.macro.polar.At("intensity_error.whole").value
+            << '\n';
+  return fit.fit.usable ? 0 : 1;
 }

@@ -14,4 +14,5 @@ run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${consumer_build} -G ${GENERATOR}
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${FLAGS}
   -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${consumer_build})
-run(${consumer_build}/consumer)
+run(${prefix}/bin/sonarcal scenes --only tank --quiet --out ${consumer_build}/tank)
+run(${consumer_build}/consumer ${consumer_build}/tank/params.json)

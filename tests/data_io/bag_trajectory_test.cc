@@ -11,7 +11,7 @@
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using ::testing::HasSubstr;
@@ -188,4 +188,4 @@ TEST_F(BagTrajectoryTest, TransformsThatAreNoChainAreRefused) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

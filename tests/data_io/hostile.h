@@ -20,7 +20,7 @@ namespace sonarcal::testing {
 // Opens `path`, reads all its frames, and returns whether that went well.
 inline bool OpensWholly(const std::filesystem::path& path) {
   try {
-    const auto recording = OpenRecording(path);
+    const auto recording = data_io::OpenRecording(path);
     for (int i = 0; i < recording->frame_count(); ++i) {
       recording->frame_info(i);
       const Frame frame = recording->ReadFrame(i);
@@ -41,7 +41,7 @@ inline bool OpensWholly(const std::filesystem::path& path) {
 // The message of the DataError that opening `path` and reading its frames ends in; empty where all is well.
 inline std::string RefusalOf(const std::filesystem::path& path) {
   try {
-    const auto recording = OpenRecording(path);
+    const auto recording = data_io::OpenRecording(path);
     for (int i = 0; i < recording->frame_count(); ++i) recording->ReadFrame(i);
   } catch (const DataError& error) {
     return error.what();

@@ -8,7 +8,7 @@
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using ::testing::AllOf;
@@ -55,4 +55,4 @@ TEST(OpenRecording, OpensEveryRealRecording) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -8,7 +8,7 @@
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using ::testing::HasSubstr;
@@ -73,4 +73,4 @@ TEST(PoseIoTest, TakesThePosesOfARecording) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

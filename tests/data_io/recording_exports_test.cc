@@ -21,7 +21,7 @@
 #include "data_io/ros/ros1_bag_writer.h"
 #include "tests/support/temp_dir.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using ::testing::HasSubstr;
@@ -357,4 +357,4 @@ TEST(FanPicturesTest, AVideoThatCannotBeWrittenIsSaid) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -19,7 +19,7 @@ class RecordingFileTest : public ::testing::Test {
 
   std::unique_ptr<RecordingSource> Open(const std::string& bytes) {
     WriteFile(path_, bytes);
-    return OpenRecording(path_);
+    return data_io::OpenRecording(path_);
   }
   // The sentence of the refusal; empty where all frames are read.
   std::string Refusal(const std::string& bytes) {

@@ -10,7 +10,7 @@
 #include "core/types/units.h"
 #include "tests/support/temp_dir.h"
 
-namespace sonarcal {
+namespace sonarcal::data_io {
 namespace {
 
 using ::testing::HasSubstr;
@@ -114,4 +114,4 @@ TEST_F(TrajectoryTest, AMountTurnsTheBodysAxesIntoTheSonars) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::data_io

@@ -68,32 +68,32 @@ void ReadSomeFrames(const RecordingSource& recording) {
 }
 
 void RecordingFile(std::string_view bytes) {
-  ReadSomeFrames(*OpenRecording(TheFolder().Write("recording.bin", bytes)));
+  ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("recording.bin", bytes)));
 }
 
 // The frame beside it: 3 x 2 pixels.
 void RecordingFolder(std::string_view bytes) {
   static const bool written = [] {
-    WritePng(TheFolder().path() / "frame_0000.png", Grid<std::uint8_t>(3, 2, 100));
+    data_io::WritePng(TheFolder().path() / "frame_0000.png", Grid<std::uint8_t>(3, 2, 100));
     return true;
   }();
   static_cast<void>(written);
   TheFolder().Write("recording.json", bytes);
-  ReadSomeFrames(*OpenRecordingFolder(TheFolder().path()));
+  ReadSomeFrames(*data_io::OpenRecordingFolder(TheFolder().path()));
 }
 
 // Settings of a DIDSON ping, beside a picture of one.
 void DidsonSettings(std::string_view bytes) {
   static const bool written = [] {
-    WritePng(TheFolder().path() / "1468966376476216.png", Grid<std::uint8_t>(512, 96, 7));
+    data_io::WritePng(TheFolder().path() / "1468966376476216.png", Grid<std::uint8_t>(512, 96, 7));
     return true;
   }();
   static_cast<void>(written);
-  ReadSomeFrames(*OpenRecording(TheFolder().Write("1468966376476216.json", bytes)));
+  ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("1468966376476216.json", bytes)));
 }
 
 void Picture(std::string_view bytes) {
-  const ImageFile file(std::string(bytes), "picture");
+  const data_io::ImageFile file(std::string(bytes), "picture");
   try {
     file.DecodeGrey();
   } catch (const DataError&) {
@@ -107,7 +107,7 @@ constexpr const char* kFanGeometry =
 // A picture in which a fan is looked for.
 void FanPicture(std::string_view bytes) {
   static const fs::path geometry = TheFolder().Write("picture.geometry.json", kFanGeometry);
-  ReadSomeFrames(*OpenRecording(TheFolder().Write("picture", bytes)));
+  ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("picture", bytes)));
 }
 
 // What is said of it, beside a picture of a fan of 60 degrees.
@@ -122,48 +122,48 @@ void PictureGeometry(std::string_view bytes) {
         fan(row, col) = inside ? 200 : 0;
       }
     }
-    WritePng(TheFolder().path() / "fan.png", fan);
+    data_io::WritePng(TheFolder().path() / "fan.png", fan);
     return TheFolder().path() / "fan.png";
   }();
   TheFolder().Write("fan.png.geometry.json", bytes);
-  ReadSomeFrames(*OpenRecording(picture));
+  ReadSomeFrames(*data_io::OpenRecording(picture));
 }
 
 void Gltf(std::string_view bytes) {
-  ParseGltf(bytes, TheFolder().Write("scene.gltf", bytes));
+  data_io::ParseGltf(bytes, TheFolder().Write("scene.gltf", bytes));
 }
 
 void Obj(std::string_view bytes) {
-  ParseObj(std::string(bytes), "scene.obj");
+  data_io::ParseObj(std::string(bytes), "scene.obj");
 }
 
 void Stl(std::string_view bytes) {
-  ParseStl(std::string(bytes), "scene.stl");
+  data_io::ParseStl(std::string(bytes), "scene.stl");
 }
 
 void Parameters(std::string_view bytes) {
-  ParseParameters(bytes, "params.json");
+  data_io::ParseParameters(bytes, "params.json");
 }
 
 void Poses(std::string_view bytes) {
-  ReadPoses(TheFolder().Write("poses.json", bytes));
+  data_io::ReadPoses(TheFolder().Write("poses.json", bytes));
 }
 
 void Trajectory(std::string_view bytes) {
   const fs::path file = TheFolder().Write("trajectory.txt", bytes);
-  ReadTrajectory(file, GuessTrajectoryFormat(file));
+  data_io::ReadTrajectory(file, data_io::GuessTrajectoryFormat(file));
 }
 
 void MarkerMapFile(std::string_view bytes) {
-  ReadMarkerMap(TheFolder().Write("map.json", bytes));
+  data_io::ReadMarkerMap(TheFolder().Write("map.json", bytes));
 }
 
 void CameraFile(std::string_view bytes) {
-  CameraFromText(bytes, "camera.yaml");
+  data_io::CameraFromText(bytes, "camera.yaml");
 }
 
 void Mount(std::string_view bytes) {
-  ReadMount(TheFolder().Write("mount.json", bytes));
+  data_io::ReadMount(TheFolder().Write("mount.json", bytes));
 }
 
 }  // namespace

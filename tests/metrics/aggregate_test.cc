@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 FrameMetrics FrameOf(Occupancy occupancy, const std::vector<double>& union_differences = {}) {
@@ -170,4 +170,4 @@ TEST(AggregateTest, TheIntervalOfAMeanHasTheWidthTheCentralLimitTheoremGives) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 TEST(BootstrapTest, PercentilesInterpolateBetweenOrderStatistics) {
@@ -111,4 +111,4 @@ TEST(BootstrapTest, IntervalsOfAnAutoregressionHoldTheTruthAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -10,7 +10,7 @@
 #include "tests/metrics/metrics_testing.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using ::testing::ElementsAre;
@@ -177,7 +177,7 @@ TEST(CompareTest, SamplesThatAreNotValidCountNowhere) {
 TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
   SONARCAL_NEEDS_RECORDING(first_path, "aris3000_uxo/frame_0000_128x780.png");
   SONARCAL_NEEDS_RECORDING(second_path, "aris3000_uxo/frame_0001_128x780.png");
-  const auto recording = OpenRecording(first_path.parent_path());
+  const auto recording = data_io::OpenRecording(first_path.parent_path());
   const PolarImage first = recording->ReadFrame(0).image;
   const PolarImage second = recording->ReadFrame(1).image;
   const FrameMetrics metrics = CompareFrames(first, second);
@@ -193,7 +193,7 @@ TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
 // A mock-up on a floor that fills the image: what the default detector is not for.
 TEST(CompareTest, ARegionAndOtsuFindTheMockUpOnItsFloor) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_static");
-  const auto recording = OpenRecording(folder);
+  const auto recording = data_io::OpenRecording(folder);
   const PolarImage first = recording->ReadFrame(0).image;
   const PolarImage second = recording->ReadFrame(1).image;
   CompareOptions options;
@@ -206,4 +206,4 @@ TEST(CompareTest, ARegionAndOtsuFindTheMockUpOnItsFloor) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

@@ -9,7 +9,7 @@
 #include "tests/metrics/metrics_testing.h"
 #include "tests/support/temp_dir.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using testing::SpeckledBlock;
@@ -90,4 +90,4 @@ TEST(FiguresTest, AFanHasEveryFigureButSpeckle) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

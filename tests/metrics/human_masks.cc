@@ -30,7 +30,7 @@ struct Box {
 
 // Boxes of all that is no wall.
 std::vector<Box> AnnotatedBoxes(const std::filesystem::path& file) {
-  const std::string text = ReadFileBytes(file, kMostBytes);
+  const std::string text = data_io::ReadFileBytes(file, kMostBytes);
   static const std::regex kObject(
       R"(<name>([^<]*)</name>\s*<bndbox>\s*<x>(\d+)</x>\s*<y>(\d+)</y>\s*<w>(\d+)</w>\s*<h>(\d+)</h>)");
   std::vector<Box> boxes;
@@ -65,12 +65,12 @@ void AddBoxesOfTheRest(const Grid<float>& classes, std::vector<Box>& boxes) {
   }
 }
 
-PictureGeometry GeometryOf(const Grid<float>& picture, const std::string& name) {
+data_io::PictureGeometry GeometryOf(const Grid<float>& picture, const std::string& name) {
   Mask lit(picture.rows(), picture.cols());
   for (std::size_t i = 0; i < lit.size(); ++i) lit.values()[i] = picture.values()[i] > 0.0F ? 1 : 0;
-  const std::optional<FanGeometry> fan = FindFanGeometry(lit);
+  const std::optional<data_io::FanGeometry> fan = data_io::FindFanGeometry(lit);
   if (!fan) throw DataError("{}: no fan was made out in the picture", name);
-  PictureGeometry geometry;
+  data_io::PictureGeometry geometry;
   geometry.half_angle_deg = kHalfAngleDeg;
   geometry.TakeFound(*fan);
   geometry.beams = kBeams;
@@ -85,8 +85,8 @@ HumanMask ReadOne(const std::filesystem::path& image_file, const std::filesystem
   HumanMask read;
   read.name = image_file.stem().string();
   read.number = std::stoi(read.name.substr(read.name.rfind('-') + 1));
-  const Grid<float> picture = OpenPictures(image_file)->Read(0);
-  const Grid<float> classes = ImageFile(folder / "Masks" / image_file.filename()).DecodeGrey();
+  const Grid<float> picture = data_io::OpenPictures(image_file)->Read(0);
+  const Grid<float> classes = data_io::ImageFile(folder / "Masks" / image_file.filename()).DecodeGrey();
   if (classes.rows() != picture.rows() || classes.cols() != picture.cols()) {
     throw DataError("{}: a mask of {} x {} pixels, expected {} x {}", read.name, classes.rows(),
                     classes.cols(), picture.rows(), picture.cols());
@@ -98,11 +98,11 @@ HumanMask ReadOne(const std::filesystem::path& image_file, const std::filesystem
                        [&](const Box& box) { return box.Contains(row, col, kBoxMarginPx); });
   };
 
-  const PictureGeometry geometry = GeometryOf(picture, read.name);
-  const PictureSampler sampler(geometry, picture.rows(), picture.cols(), read.name);
+  const data_io::PictureGeometry geometry = GeometryOf(picture, read.name);
+  const data_io::PictureSampler sampler(geometry, picture.rows(), picture.cols(), read.name);
   const PolarAxes& axes = sampler.axes();
   read.image = {axes, {}, sampler.Apply(picture)};
-  const FanGeometry& fan = *geometry.fan;
+  const data_io::FanGeometry& fan = *geometry.fan;
   const double half_rad = RadFromDeg(fan.half_angle_deg);
   Grid<float> box_picture(picture.rows(), picture.cols());
   for (int row = 0; row < picture.rows(); ++row) {
@@ -128,7 +128,7 @@ HumanMask ReadOne(const std::filesystem::path& image_file, const std::filesystem
 
 std::vector<HumanMask> ReadHumanMasks(const std::filesystem::path& folder) {
   std::vector<HumanMask> pictures;
-  for (const auto& file : PicturesOf(folder / "Images")) pictures.push_back(ReadOne(file, folder));
+  for (const auto& file : data_io::PicturesOf(folder / "Images")) pictures.push_back(ReadOne(file, folder));
   return pictures;
 }
 

@@ -5,7 +5,7 @@
 #include "metrics/segmentation/segmentation.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using testing::Agree;
@@ -71,4 +71,4 @@ TEST(HumanMasksTest, LocalContrastFindsWhatPeopleOutlined) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

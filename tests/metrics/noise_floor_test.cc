@@ -8,7 +8,7 @@
 
 #include "tests/metrics/metrics_testing.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using testing::SpeckledBlock;
@@ -86,4 +86,4 @@ TEST(RealAgainstRealTest, NoMorePairsThanAsked) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

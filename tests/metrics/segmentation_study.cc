@@ -1,4 +1,4 @@
-// How well each method of segmentation finds what people outlined, as Markdown: docs/guide/segmentation.md shows
+// How well each method of segmentation finds what people outlined, as Markdown: docs/studies/segmentation.md shows
 // what it printed.
 //
 //   segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]
@@ -36,11 +36,11 @@ namespace {
 // pictures choose, and many would be fitted to those alone.
 struct Knob {
   std::vector<double> values;
-  void (*set)(SegmentationOptions& options, double value);
+  void (*set)(metrics::SegmentationOptions& options, double value);
 };
 
-std::vector<Knob> KnobsOf(SegmentationMethod method) {
-  using Options = SegmentationOptions;
+std::vector<Knob> KnobsOf(metrics::SegmentationMethod method) {
+  using Options = metrics::SegmentationOptions;
   std::vector<Knob> knobs = {
       {{0, 2, 3}, [](Options& o, double v) { o.open_rows = o.open_cols = static_cast<int>(v); }},
       {{0, 3, 5, 7, 9, 11, 15},
@@ -48,33 +48,35 @@ std::vector<Knob> KnobsOf(SegmentationMethod method) {
       {{0, 20, 40, 60, 90}, [](Options& o, double v) { o.min_area_px = static_cast<int>(v); }},
       {{30, 40, 50, 65, 0}, [](Options& o, double v) { o.max_rows = o.max_cols = static_cast<int>(v); }},
       {{0, 1}, [](Options& o, double v) { o.largest_component_only = v != 0.0; }},
-      {{0, 1}, [](Options& o, double v) { o.fill = v == 0.0 ? RegionFill::kNone : RegionFill::kHull; }}};
+      {{0, 1}, [](Options& o, double v) {
+         o.fill = v == 0.0 ? metrics::RegionFill::kNone : metrics::RegionFill::kHull;
+       }}};
   const auto add = [&](std::vector<double> values, void (*set)(Options&, double)) {
     knobs.push_back({std::move(values), set});
   };
-  if (StatesFalseAlarmRate(method)) {
+  if (metrics::StatesFalseAlarmRate(method)) {
     add({0.3, 0.5, 0.8, 1.2, 1.6, 2, 2.5, 3, 4, 5, 7, 10, 14},
         [](Options& o, double v) { o.false_alarm_rate = std::pow(10.0, -v); });
     add({1, 3, 5, 7}, [](Options& o, double v) { o.cell_rows = o.cell_cols = static_cast<int>(v); });
   } else {
     add({0, 0.5, 1, 1.5, 2, 2.5}, [](Options& o, double v) { o.blur_rows = o.blur_cols = v; });
   }
-  if (method == SegmentationMethod::kBackgroundSigma) {
+  if (method == metrics::SegmentationMethod::kBackgroundSigma) {
     add({0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8}, [](Options& o, double v) { o.sigma_count = v; });
   }
-  if (method == SegmentationMethod::kFixedThreshold) {
+  if (method == metrics::SegmentationMethod::kFixedThreshold) {
     add({0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7},
         [](Options& o, double v) { o.threshold_fraction = v; });
   }
-  if (method == SegmentationMethod::kLocalContrast) {
+  if (method == metrics::SegmentationMethod::kLocalContrast) {
     add({0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.15, 0.18, 0.21, 0.25, 0.3, 0.35},
         [](Options& o, double v) { o.contrast = v; });
   }
-  if (method == SegmentationMethod::kOsCfar) {
+  if (method == metrics::SegmentationMethod::kOsCfar) {
     add({0.5, 0.65, 0.8}, [](Options& o, double v) { o.os_quantile = v; });
   }
-  if (method == SegmentationMethod::kLocalContrast || method == SegmentationMethod::kCaCfar ||
-      method == SegmentationMethod::kOsCfar) {
+  if (method == metrics::SegmentationMethod::kLocalContrast ||
+      method == metrics::SegmentationMethod::kCaCfar || method == metrics::SegmentationMethod::kOsCfar) {
     add({1, 2, 3, 5, 7, 10, 14, 18, 24},
         [](Options& o, double v) { o.guard_rows = o.guard_cols = static_cast<int>(v); });
     add({4, 8, 14, 20, 30},
@@ -86,15 +88,16 @@ std::vector<Knob> KnobsOf(SegmentationMethod method) {
 // The place of each knob's value in its list.
 using Setting = std::vector<int>;
 
-SegmentationOptions OptionsOf(SegmentationMethod method, const std::vector<Knob>& knobs, const Setting& at) {
-  SegmentationOptions options;
+metrics::SegmentationOptions OptionsOf(metrics::SegmentationMethod method, const std::vector<Knob>& knobs,
+                                       const Setting& at) {
+  metrics::SegmentationOptions options;
   options.method = method;
   for (std::size_t k = 0; k < knobs.size(); ++k) knobs[k].set(options, knobs[k].values[at[k]]);
   return options;
 }
 
 struct Score {
-  SegmentationOptions options;
+  metrics::SegmentationOptions options;
   std::vector<Agreement> by_picture;
 
   Agreement Mean(int half) const {
@@ -113,14 +116,14 @@ struct Score {
 
 struct Result {
   Agreement held_out;
-  std::array<SegmentationOptions, 2> chosen;  // judged on half 0, on half 1
-  std::array<double, 2> where_chosen{};       // mean IoU on the other half
+  std::array<metrics::SegmentationOptions, 2> chosen;  // judged on half 0, on half 1
+  std::array<double, 2> where_chosen{};                // mean IoU on the other half
 };
 
 // Tries settings of one method, each once.
 class Search {
  public:
-  Search(const std::vector<HumanMask>& pictures, SegmentationMethod method, bool in_box)
+  Search(const std::vector<HumanMask>& pictures, metrics::SegmentationMethod method, bool in_box)
       : pictures_(pictures), method_(method), in_box_(in_box), knobs_(KnobsOf(method)) {}
 
   const Score& At(const Setting& setting) {
@@ -128,7 +131,8 @@ class Search {
     if (known != scores_.end()) return known->second;
     Score score{OptionsOf(method_, knobs_, setting), {}};
     for (const HumanMask& picture : pictures_) {
-      const Mask found = Segment(picture.image, score.options, in_box_ ? &picture.box : nullptr).object;
+      const Mask found =
+          metrics::Segment(picture.image, score.options, in_box_ ? &picture.box : nullptr).object;
       score.by_picture.push_back(Agree(picture, found, in_box_));
     }
     return scores_.emplace(setting, std::move(score)).first->second;
@@ -174,13 +178,14 @@ class Search {
   }
 
   const std::vector<HumanMask>& pictures_;
-  SegmentationMethod method_;
+  metrics::SegmentationMethod method_;
   bool in_box_;
   std::vector<Knob> knobs_;
   std::map<Setting, Score> scores_;
 };
 
-Result Study(const std::vector<HumanMask>& pictures, SegmentationMethod method, int candidates, bool in_box) {
+Result Study(const std::vector<HumanMask>& pictures, metrics::SegmentationMethod method, int candidates,
+             bool in_box) {
   Search search(pictures, method, in_box);
   Result result;
   Score judged;
@@ -196,10 +201,11 @@ Result Study(const std::vector<HumanMask>& pictures, SegmentationMethod method, 
 }
 
 // Not without a law of the background, which pictures of a tank's floor do not give.
-constexpr std::array kStudied = {SegmentationMethod::kFixedThreshold, SegmentationMethod::kOtsu,
-                                 SegmentationMethod::kTriangle,       SegmentationMethod::kBackgroundSigma,
-                                 SegmentationMethod::kLocalContrast,  SegmentationMethod::kCaCfar,
-                                 SegmentationMethod::kOsCfar};
+constexpr std::array kStudied = {
+    metrics::SegmentationMethod::kFixedThreshold, metrics::SegmentationMethod::kOtsu,
+    metrics::SegmentationMethod::kTriangle,       metrics::SegmentationMethod::kBackgroundSigma,
+    metrics::SegmentationMethod::kLocalContrast,  metrics::SegmentationMethod::kCaCfar,
+    metrics::SegmentationMethod::kOsCfar};
 
 void Print(const std::vector<HumanMask>& pictures, int candidates, const std::string& methods,
            bool with_chosen) {
@@ -208,7 +214,7 @@ void Print(const std::vector<HumanMask>& pictures, int candidates, const std::st
   fmt::print("| method | in the box: IoU | precision | recall | whole: IoU | precision | recall |\n");
   fmt::print("|---|---|---|---|---|---|---|\n");
   std::string chosen;
-  for (const SegmentationMethod method : kStudied) {
+  for (const metrics::SegmentationMethod method : kStudied) {
     const std::string name(ToString(method));
     if (!methods.empty() && ("," + methods + ",").find("," + name + ",") == std::string::npos) continue;
     fmt::print("| {} |", name);
@@ -220,7 +226,7 @@ void Print(const std::vector<HumanMask>& pictures, int candidates, const std::st
       for (int half = 0; half < 2; ++half) {
         chosen += fmt::format("{} {}, judged on half {} (IoU {:.3f} where chosen): {}\n", name,
                               in_box ? "in the box" : "whole", half, result.where_chosen[half],
-                              SegmentationJson(result.chosen[half])["parameters"].dump());
+                              metrics::SegmentationJson(result.chosen[half])["parameters"].dump());
       }
     }
     fmt::print("\n");

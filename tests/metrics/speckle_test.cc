@@ -8,7 +8,7 @@
 
 #include "tests/metrics/metrics_testing.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 constexpr int kBins = 640;
@@ -124,4 +124,4 @@ TEST(SpeckleTest, ObjectAndBackgroundAreMeasuredApart) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

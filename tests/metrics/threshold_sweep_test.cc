@@ -12,7 +12,7 @@
 #include "metrics/json/sweep_json.h"
 #include "tests/metrics/metrics_testing.h"
 
-namespace sonarcal {
+namespace sonarcal::metrics {
 namespace {
 
 using ::testing::ElementsAre;
@@ -137,4 +137,4 @@ TEST(FindObjectsTest, TheRealObjectIsLookedForNearTheSimulatedOne) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::metrics

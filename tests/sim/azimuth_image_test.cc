@@ -11,7 +11,7 @@
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
@@ -185,4 +185,4 @@ TEST(AzimuthImage, BadPatternsAreRefused) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -37,26 +37,29 @@ struct GhostAcoustics {
   SonarModel sonar = GhostSonar();
   ParameterSet parameters = GhostParameters();
 
-  AcousticGeometry geometry() const { return {sonar, kAlphaDbPerM}; }
-  RayFan Fan(int cols, int rows) const {
-    return {sonar, {.sampling = Sampling::kBeams, .cols = cols, .rows = rows, .elevation_span_deg = 60.0}};
+  sim::AcousticGeometry geometry() const { return {sonar, kAlphaDbPerM}; }
+  sim::RayFan Fan(int cols, int rows) const {
+    return {sonar,
+            {.sampling = sim::Sampling::kBeams, .cols = cols, .rows = rows, .elevation_span_deg = 60.0}};
   }
-  GhostList Trace(const Scene& scene, const Pose& pose, const RayFan& fan, int order = 1) const {
-    const RayCaster caster(scene);
-    const MirrorSurface mirrors(caster.scene(), ReflectingMaterials(caster.material_names(), parameters));
-    return TraceGhosts(caster, mirrors, fan, pose, {.order = order, .range_min_m = 0.5, .range_max_m = 8.0});
+  sim::GhostList Trace(const Scene& scene, const Pose& pose, const sim::RayFan& fan, int order = 1) const {
+    const sim::RayCaster caster(scene);
+    const sim::MirrorSurface mirrors(caster.scene(),
+                                     sim::ReflectingMaterials(caster.material_names(), parameters));
+    return sim::TraceGhosts(caster, mirrors, fan, pose,
+                            {.order = order, .range_min_m = 0.5, .range_max_m = 8.0});
   }
   // Of the ghosts alone, through beam and pulse.
-  Grid<float> Power(const GhostList& ghosts) const {
-    const RayFan fan = Fan(4 * kBeams, 1);
-    ScatterMap scatter = MakeScatterMap(Nothing(fan), fan, geometry(), parameters);
-    AddGhosts(ghosts, geometry(), parameters, scatter);
-    return ExpectedPower(scatter, geometry(), parameters).value;
+  Grid<float> Power(const sim::GhostList& ghosts) const {
+    const sim::RayFan fan = Fan(4 * kBeams, 1);
+    sim::ScatterMap scatter = sim::MakeScatterMap(Nothing(fan), fan, geometry(), parameters);
+    sim::AddGhosts(ghosts, geometry(), parameters, scatter);
+    return sim::ExpectedPower(scatter, geometry(), parameters).value;
   }
 
  private:
-  static EchoList Nothing(const RayFan& fan) {
-    EchoList echoes;
+  static sim::EchoList Nothing(const sim::RayFan& fan) {
+    sim::EchoList echoes;
     echoes.cols = fan.cols();
     return echoes;
   }

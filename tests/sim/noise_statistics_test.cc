@@ -11,7 +11,7 @@
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
@@ -151,4 +151,4 @@ INSTANTIATE_TEST_SUITE_P(Growth, NoiseOfTheTank,
                          });
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

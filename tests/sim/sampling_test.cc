@@ -15,7 +15,7 @@
 #include "tests/sim/reference_paper_model.h"
 #include "tests/sim/slow_paper_model.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
@@ -417,4 +417,4 @@ INSTANTIATE_TEST_SUITE_P(Scene, TwoSamplings, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "Tank" : "Mockup"; });
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -16,7 +16,7 @@
 #include "sim/simulator.h"
 #include "tests/sim/reference_paper_model.h"
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 namespace ref = testing::reference;
@@ -233,4 +233,4 @@ TEST(Reference, AbsorptionIsThePublished) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

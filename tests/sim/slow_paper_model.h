@@ -33,7 +33,7 @@ inline std::vector<double> EvenAzimuthsDeg(int beams, double spacing_deg) {
 }
 
 // Eqs. 11 to 21.
-inline double SlowNormalisedEcho(const PaperParameters<double>& p, int material, double range_m,
+inline double SlowNormalisedEcho(const sim::PaperParameters<double>& p, int material, double range_m,
                                  double incidence_rad, double alpha_db_per_m) {
   const GsabParameters<double>& g = p.materials[material];
   const double delta = incidence_rad * 180.0 / kPi;
@@ -84,8 +84,8 @@ struct SlowImage {
 
 // Moments of the noisy image over all seeds, ray by ray: rays err independently, so the cumulants of a pixel
 // are the sums of those of its rays, each of which gives its value with probability p and nothing else.
-inline SlowImage SlowExpectation(const EchoList& echoes, const SonarModel& sonar,
-                                 const PaperParameters<double>& p, double alpha_db_per_m) {
+inline SlowImage SlowExpectation(const sim::EchoList& echoes, const SonarModel& sonar,
+                                 const sim::PaperParameters<double>& p, double alpha_db_per_m) {
   const int bins = sonar.axes.range_bins;
   const int beams = sonar.axes.beam_count();
   std::vector<double> range_edges;

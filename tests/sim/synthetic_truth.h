@@ -25,7 +25,7 @@ class SyntheticTruth : public ::testing::Test {
  protected:
   void Open(const std::filesystem::path& folder) {
     truth_ = nlohmann::json::parse(std::ifstream(folder / "truth.json"));
-    recording_ = OpenRecording(folder);
+    recording_ = data_io::OpenRecording(folder);
     const nlohmann::json& cell = truth_["cell"];
     parameters_.model = EchoModel::kAcoustic;
     parameters_.source_level_db = truth_["source_level_db"];
@@ -49,23 +49,23 @@ class SyntheticTruth : public ::testing::Test {
       parameters_.beam.transmit_end_deg = 45.0;
       parameters_.beam.mirror_lobes = MirrorLobes::kMain;  // docs/studies/ghosts.md
     }
-    SimulationOptions options;
-    options.fan = {.sampling = Sampling::kBeams,
+    sim::SimulationOptions options;
+    options.fan = {.sampling = sim::Sampling::kBeams,
                    .cols = 2 * 256,
                    .rows = 2500,
                    .elevation_span_deg = 176.0,
                    .azimuth_margin_deg = 4.0,
                    .row_crowding = 6.0};
     options.water = *recording_->info().water;
-    options.absorption = AbsorptionFormula::kAinslieMcColm;  // of the simulation that made the recording
-    simulator_.emplace(ReadGltf(folder / "scene.gltf"), recording_->info().sonar, options);
+    options.absorption = sim::AbsorptionFormula::kAinslieMcColm;  // of the simulation that made the recording
+    simulator_.emplace(data_io::ReadGltf(folder / "scene.gltf"), recording_->info().sonar, options);
   }
 
-  AcousticGeometry geometry() const { return {simulator_->sonar(), truth_["absorption_db_per_m"]}; }
+  sim::AcousticGeometry geometry() const { return {simulator_->sonar(), truth_["absorption_db_per_m"]}; }
 
-  Grid<float> Power(const EchoList& echoes, const ParameterSet& parameters) const {
-    return ExpectedPower(MakeScatterMap(echoes, simulator_->fan(), geometry(), parameters), geometry(),
-                         parameters)
+  Grid<float> Power(const sim::EchoList& echoes, const ParameterSet& parameters) const {
+    return sim::ExpectedPower(sim::MakeScatterMap(echoes, simulator_->fan(), geometry(), parameters),
+                              geometry(), parameters)
         .value;
   }
 
@@ -90,7 +90,7 @@ class SyntheticTruth : public ::testing::Test {
   nlohmann::json truth_;
   std::unique_ptr<RecordingSource> recording_;
   ParameterSet parameters_;
-  std::optional<Simulator> simulator_;
+  std::optional<sim::Simulator> simulator_;
 };
 
 struct MeanRatio {

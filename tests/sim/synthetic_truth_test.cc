@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sonarcal {
+namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
@@ -69,4 +69,4 @@ TEST_F(SyntheticTank, LevelsAreThoseOfTheRecordedFrames) {
 }
 
 }  // namespace
-}  // namespace sonarcal
+}  // namespace sonarcal::sim

@@ -108,7 +108,7 @@ FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const F
     }
   }
   if (camera.rows % 16 != 0 || camera.cols % 16 != 0) throw std::logic_error("sides not multiples of 16");
-  const MarkerDictionary* dictionary = FindMarkerDictionary(map.dictionary);
+  const data_io::MarkerDictionary* dictionary = data_io::FindMarkerDictionary(map.dictionary);
   if (dictionary == nullptr) throw std::logic_error("no such dictionary");
   for (const Marker& marker : map.markers) {
     cv::Mat print;

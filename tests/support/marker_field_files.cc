@@ -38,7 +38,7 @@ void WriteFieldFiles(const std::filesystem::path& folder, const FieldFiles& file
                      const PictureOptions& options, int supersampling) {
   std::filesystem::create_directories(folder / "images");
   WriteFile(folder / "camera.yaml", CameraYaml(files.camera));
-  WriteMarkerMap(folder / "markers.json", files.map);
+  data_io::WriteMarkerMap(folder / "markers.json", files.map);
   const Pose& m = files.mount.camera_from_sonar;
   WriteFile(
       folder / "mount.json",
@@ -53,16 +53,16 @@ void WriteFieldFiles(const std::filesystem::path& folder, const FieldFiles& file
           "\"water_index\": {}}}\n",
           files.port.distance_m, files.port.thickness_m, files.port.glass_index, files.port.water_index));
   const FieldRenderer renderer(files.map, files.camera, with_port ? &files.port : nullptr, supersampling);
-  std::vector<TimedPose> truth;
+  std::vector<data_io::TimedPose> truth;
   for (std::size_t i = 0; i < files.world_from_camera.size(); ++i) {
     const std::int64_t time_us = 1'700'000'000'000'000 + 100'000 * static_cast<std::int64_t>(i);
     PictureOptions picture = options;
     picture.seed += static_cast<unsigned>(i);
-    WritePng(folder / "images" / fmt::format("{}.png", time_us),
-             renderer.Render(files.world_from_camera[i], picture));
+    data_io::WritePng(folder / "images" / fmt::format("{}.png", time_us),
+                      renderer.Render(files.world_from_camera[i], picture));
     truth.push_back({1e-6 * static_cast<double>(time_us), files.world_from_camera[i] * m});
   }
-  WritePoses(folder / "true_poses.json", truth);
+  data_io::WritePoses(folder / "true_poses.json", truth);
 }
 
 }  // namespace sonarcal::testing

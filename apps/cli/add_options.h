@@ -1,0 +1,171 @@
+// Options structs (core/types/option.h) on the command line: "region_range" becomes "--region-range".
+//
+//   workflow::RayOptions options;
+//   AddOptions(*command, options);
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "calib/parameters/fit_config.h"
+#include "core/types/mask.h"
+#include "core/types/option.h"
+#include "core/types/option_text.h"
+#include "core/types/parameters.h"
+#include "metrics/segmentation/region.h"
+
+namespace sonarcal {
+
+template <>
+struct OptionText<metrics::PolygonCorner> {
+  static bool Parse(const std::string& text, metrics::PolygonCorner& value) {
+    return internal::ParsePair(text, ':', value.range_m, value.azimuth_deg);
+  }
+  static std::string Format(const metrics::PolygonCorner& value) {
+    return fmt::format("{}:{}", value.range_m, value.azimuth_deg);
+  }
+  static std::string Type(const OptionInfo&) { return "R:A"; }
+  static constexpr const char* kExpected = "RANGE:AZIMUTH in m and degrees, such as 1.5:-4,1.5:4,2:0";
+};
+
+// Files are read as soon as the command line is parsed. Throw DataError if a file cannot be used.
+template <>
+struct OptionText<FromFile<ParameterSet>> {
+  static bool Parse(const std::string& text, FromFile<ParameterSet>& value);
+  static std::string Format(const FromFile<ParameterSet>& value) { return value.file.string(); }
+  static std::string Type(const OptionInfo&) { return "JSON"; }
+  static constexpr const char* kExpected = "a file";
+};
+
+template <>
+struct OptionText<FromFile<calib::FitConfig>> {
+  static bool Parse(const std::string& text, FromFile<calib::FitConfig>& value);
+  static std::string Format(const FromFile<calib::FitConfig>& value) { return value.file.string(); }
+  static std::string Type(const OptionInfo&) { return "JSON"; }
+  static constexpr const char* kExpected = "a file";
+};
+
+template <>
+struct OptionText<FromFile<std::string>> {
+  static bool Parse(const std::string& text, FromFile<std::string>& value);
+  static std::string Format(const FromFile<std::string>& value) { return value.file.string(); }
+  static std::string Type(const OptionInfo&) { return "JSON"; }
+  static constexpr const char* kExpected = "a file";
+};
+
+template <>
+struct OptionText<FromFile<Mask>> {
+  static bool Parse(const std::string& text, FromFile<Mask>& value);
+  static std::string Format(const FromFile<Mask>& value) { return value.file.string(); }
+  static std::string Type(const OptionInfo&) { return "PNG"; }
+  static constexpr const char* kExpected = "a file";
+};
+
+}  // namespace sonarcal
+
+namespace sonarcal::cli {
+
+// "region_range" -> "--region-range".
+std::string OptionFlag(std::string_view name);
+
+namespace internal {
+
+// Range of an option, such as ", expected 0 to 1024"; empty without limits.
+std::string RangeText(const OptionInfo& info);
+
+}  // namespace internal
+
+// Adds one option whose value goes to `value`, which holds the default.
+template <typename T>
+CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
+  const std::string flag = OptionFlag(info.name);
+  const std::string help =
+      info.by_default.empty() ? info.help : fmt::format("{} (default: {})", info.help, info.by_default);
+  if constexpr (std::is_same_v<T, bool>) {
+    return command.add_flag(flag, value, help);
+  } else {
+    const auto read = [flag, info, &value](const CLI::results_t& results) {
+      T parsed{};
+      if (!OptionText<T>::Parse(results.back(), parsed)) {
+        throw CLI::ValidationError(
+            fmt::format("{} '{}', expected {}", flag, results.back(), OptionText<T>::kExpected));
+      }
+      if constexpr (std::is_arithmetic_v<T>) {
+        const double number = static_cast<double>(parsed);
+        if (!(number >= info.min && number <= info.max))
+          throw CLI::ValidationError(fmt::format("{} {}{}", flag, results.back(), internal::RangeText(info)));
+      }
+      value = std::move(parsed);
+      return true;
+    };
+    const std::string type = info.type.empty() ? OptionText<T>::Type(info) : info.type;
+    return command.add_option(flag, read, help)
+        ->type_name(type)
+        ->default_str(info.by_default.empty() ? OptionText<T>::Format(value) : std::string());
+  }
+}
+
+// Adds all options of a struct. `options` must outlive the parsing.
+template <typename Options>
+void AddOptions(CLI::App& command, Options& options) {
+  Options::Visit(options, [&](const OptionInfo& info, auto& value) { AddOption(command, info, value); });
+}
+
+// Adds the option with this name alone. The name must be one of the struct's.
+template <typename Options>
+CLI::Option* AddOptionNamed(CLI::App& command, Options& options, std::string_view name) {
+  CLI::Option* added = nullptr;
+  Options::Visit(options, [&](const OptionInfo& info, auto& value) {
+    if (info.name == name) added = AddOption(command, info, value);
+  });
+  return added;
+}
+
+// All options by name, for provenance.
+template <typename Options>
+nlohmann::ordered_json OptionsJson(const Options& options) {
+  nlohmann::ordered_json json;
+  Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::vector<int>> ||
+                  std::is_same_v<T, std::vector<std::string>>) {
+      json[info.name] = value;
+    } else if (const std::string text = OptionText<T>::Format(value); !text.empty()) {
+      json[info.name] = text;
+    } else {
+      json[info.name] = nullptr;
+    }
+  });
+  return json;
+}
+
+// The words of a command line that set the options whose values differ from the default.
+template <typename Options>
+std::vector<std::string> OptionWords(const Options& options) {
+  const Options by_default{};
+  std::vector<std::string> defaults;
+  Options::Visit(by_default, [&](const OptionInfo&, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    defaults.push_back(OptionText<T>::Format(value));
+  });
+  std::vector<std::string> words;
+  std::size_t next = 0;
+  Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    const std::string text = OptionText<T>::Format(value);
+    if (text == defaults.at(next++)) return;
+    words.push_back(OptionFlag(info.name));
+    if (!std::is_same_v<T, bool>) words.push_back(text);
+  });
+  return words;
+}
+
+}  // namespace sonarcal::cli

@@ -1,0 +1,48 @@
+#include "apps/cli/bag_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "apps/cli/choice_option.h"
+#include "core/types/error.h"
+#include "data_io/open_recording.h"
+#include "data_io/pictures/picture_io.h"
+
+namespace sonarcal::cli {
+namespace {}  // namespace
+
+void AddBagOptions(CLI::App& command, BagArguments& arguments) {
+  data_io::BagOptions& options = arguments.bag;
+  command.add_option("--topic", options.topic, "The sonar's topic in a ROS bag (default: the only one)")
+      ->type_name("NAME");
+  AddChoice(command, "--sample-order", options.message.sample_order,
+            "How a ProjectedSonarImage's samples follow each other: beam by beam or range by range");
+  command.add_flag("--mirror", options.message.mirrored, "Exchange left and right of a ROS bag's images");
+  command
+      .add_option("--picture-geometry", arguments.picture_geometry,
+                  "Where the pixels of pictures, a video, or bare pictures in a ROS bag lie "
+                  "(sonar-picture-geometry/1; default: the file beside them)")
+      ->type_name("FILE");
+}
+
+std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
+                                                    const BagArguments& arguments) {
+  if (arguments == BagArguments{}) return data_io::OpenRecording(path);
+  BagArguments picture_only;
+  picture_only.picture_geometry = arguments.picture_geometry;
+  if (arguments == picture_only && data_io::IsPictures(path))
+    return data_io::OpenPictureRecording(path, data_io::ReadPictureGeometry(arguments.picture_geometry));
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !data_io::IsBag(path)) {
+    throw UsageError(
+        "--topic, --sample-order and --mirror are for ROS bags, --picture-geometry for them and for "
+        "pictures, "
+        "expected one in place of {}",
+        path.string());
+  }
+  data_io::BagOptions options = arguments.bag;
+  if (!arguments.picture_geometry.empty())
+    options.message.geometry = data_io::ReadPictureGeometry(arguments.picture_geometry);
+  return data_io::OpenBagRecording(path, options);
+}
+
+}  // namespace sonarcal::cli

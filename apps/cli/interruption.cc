@@ -1,0 +1,72 @@
+#include "apps/cli/interruption.h"
+
+#include <pthread.h>
+
+#include <atomic>
+#include <csignal>
+#include <ctime>
+#include <iostream>
+#include <string_view>
+#include <thread>
+
+#include "apps/cli/run_output.h"
+
+namespace sonarcal::cli {
+namespace {
+
+std::atomic<bool> command_can_stop = false;
+std::atomic<bool> command_was_asked = false;
+
+// By the signal, as a shell expects it.
+[[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
+  RemoveUnfinishedOutputs();
+  std::cerr << "\nsonarcal: " << why << std::endl;
+  std::signal(signal, SIG_DFL);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  std::raise(signal);
+  std::_Exit(1);
+}
+
+void WaitForSignals(const sigset_t& signals) {
+  int signal = 0;
+  if (sigwait(&signals, &signal) != 0) return;
+  if (!command_can_stop) EndBy(signal, signals, "interrupted, unfinished outputs were removed");
+  command_was_asked = true;
+  // Most commands stop within a moment; where one does not, its user should not wonder.
+  constexpr timespec kMoment = {1, 0};
+  int again = sigtimedwait(&signals, nullptr, &kMoment);
+  if (again < 0) {
+    std::cerr << "\nsonarcal: stopping after the frame in hand; a second interruption ends at once"
+              << std::endl;
+    if (sigwait(&signals, &again) != 0) return;
+  }
+  EndBy(again, signals, "interrupted, and again: ended at once");
+}
+
+}  // namespace
+
+Interruption::Interruption() {
+  command_can_stop = true;
+}
+
+Interruption::~Interruption() {
+  command_can_stop = false;
+}
+
+bool Interruption::asked() const {
+  return command_was_asked;
+}
+
+// Removing folders is nothing a signal handler may do, so a thread of its own waits for the signals, which
+// all others block.
+void HandleSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals] { WaitForSignals(signals); }).detach();
+}
+
+}  // namespace sonarcal::cli

@@ -1,0 +1,96 @@
+#include "apps/cli/man_pages.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/cli/command_options.h"
+
+namespace sonarcal::cli {
+namespace {
+
+// Text of a roff line: hyphens that are typed stay hyphens, and no line begins as a request does.
+std::string Roff(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '\\') {
+      escaped += "\\e";
+    } else if (c == '-') {
+      escaped += "\\-";
+    } else {
+      escaped += c;
+    }
+  }
+  if (escaped.starts_with('.') || escaped.starts_with('\'')) escaped.insert(0, "\\&");
+  return escaped;
+}
+
+std::string Head(const std::string& name, const std::string& version, const std::string& description) {
+  std::string upper = name;
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return fmt::format(".TH {} 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n", Roff(upper),
+                     Roff(version), Roff(name), Roff(description));
+}
+
+void AddOptions(const std::vector<DocumentedOption>& options, bool arguments, std::string& text) {
+  for (const DocumentedOption& option : options) {
+    if (option.is_argument != arguments) continue;
+    std::string names;
+    for (const std::string& name : option.names) {
+      names += fmt::format("{}\\f{}{}\\fR", names.empty() ? "" : ", ", arguments ? 'I' : 'B', Roff(name));
+    }
+    if (!option.value.empty()) names += fmt::format(" \\fI{}\\fR", Roff(option.value));
+    text += fmt::format(".TP\n{}\n{}\n", names, Roff(option.description));
+  }
+}
+
+constexpr const char* kExitStatus =
+    ".SH EXIT STATUS\n"
+    ".TP\n0\nDone.\n"
+    ".TP\n1\nBad data, or a run that failed.\n"
+    ".TP\n2\nA wrong command line.\n"
+    ".TP\n3\nA fit that ended without a usable solution.\n"
+    ".TP\n4\nA threshold given with \\fB\\-\\-fail\\-above\\fR was passed.\n"
+    ".TP\n130\nInterrupted, with what was finished in its place.\n";
+
+}  // namespace
+
+std::string ProgramManPage(const CLI::App& root, const std::string& version) {
+  std::string text = Head("sonarcal", version, "makes a simulated imaging sonar agree with a real one");
+  text += ".SH SYNOPSIS\n.B sonarcal\n.I COMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n";
+  text += Roff(
+      "Renders what an imaging sonar should have seen of a scene, measures how far that is from what it did "
+      "see, "
+      "and fits the simulator's physical parameters until the two agree as well as the data allow.");
+  text += "\n.SH COMMANDS\n";
+  for (const CLI::App* command : DocumentedCommands(root)) {
+    text += fmt::format(".TP\n\\fBsonarcal\\-{}\\fR(1)\n{}\n", Roff(command->get_name()),
+                        Roff(command->get_description()));
+  }
+  text += ".SH OPTIONS\n";
+  AddOptions(DocumentedOptions(root), /*arguments=*/false, text);
+  return text + kExitStatus;
+}
+
+std::string CommandManPage(const CLI::App& command, const std::string& version) {
+  const std::string& name = command.get_name();
+  const std::vector<DocumentedOption> options = DocumentedOptions(command);
+  std::string description = command.get_description();
+  if (!description.empty()) description.front() = static_cast<char>(std::tolower(description.front()));
+  std::string text = Head(fmt::format("sonarcal-{}", name), version, description);
+  text += fmt::format(".SH SYNOPSIS\n.B sonarcal {}\n[\\fIOPTIONS\\fR]", Roff(name));
+  std::string arguments;
+  for (const DocumentedOption& option : options) {
+    if (option.is_argument) arguments += fmt::format(" \\fI{}\\fR", Roff(option.names.front()));
+  }
+  text += arguments + "\n";
+  if (!arguments.empty()) {
+    text += ".SH ARGUMENTS\n";
+    AddOptions(options, /*arguments=*/true, text);
+  }
+  text += ".SH OPTIONS\n";
+  AddOptions(options, /*arguments=*/false, text);
+  return text + kExitStatus + ".SH SEE ALSO\n.BR sonarcal (1)\n";
+}
+
+}  // namespace sonarcal::cli

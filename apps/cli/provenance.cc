@@ -1,0 +1,59 @@
+#include "apps/cli/provenance.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/command.h"
+#include "core/types/error.h"
+#include "data_io/files/hash.h"
+#include "data_io/json/json_writer.h"
+
+namespace sonarcal::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json InputToJson(const fs::path& input) {
+  if (!fs::is_directory(input)) {
+    if (!fs::exists(input)) throw DataError("{}: no such file or folder", input.string());
+    return {
+        {"path", input.string()}, {"bytes", fs::file_size(input)}, {"sha256", data_io::Sha256OfFile(input)}};
+  }
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(input)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::uintmax_t byte_count = 0;
+  std::string manifest;
+  for (const fs::path& file : files) {
+    byte_count += fs::file_size(file);
+    manifest += data_io::Sha256OfFile(file) + "  " + file.lexically_relative(input).generic_string() + '\n';
+  }
+  return {{"path", input.string()},
+          {"files", files.size()},
+          {"bytes", byte_count},
+          {"sha256", data_io::Sha256(manifest)}};
+}
+
+}  // namespace
+
+Json ProvenanceToJson(const Provenance& provenance) {
+  Json json = {{"format", "sonarcal-provenance/1"}, {"program", "sonarcal"},
+               {"version", SONARCAL_VERSION},       {"command", provenance.command},
+               {"command_line", CommandLine()},     {"configuration", provenance.configuration}};
+  if (provenance.seed) json["seed"] = *provenance.seed;
+  if (!provenance.made_of.is_null()) json["made_of"] = provenance.made_of;
+  json["inputs"] = Json::array();
+  for (const fs::path& input : provenance.inputs) json["inputs"].push_back(InputToJson(input));
+  return json;
+}
+
+void WriteProvenance(const fs::path& folder, const Provenance& provenance) {
+  data_io::WriteJson(folder / "provenance.json", ProvenanceToJson(provenance));
+}
+
+}  // namespace sonarcal::cli

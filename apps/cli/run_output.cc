@@ -1,0 +1,154 @@
+#include "apps/cli/run_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/types/error.h"
+#include "data_io/json/json_writer.h"
+
+namespace sonarcal::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kProvenance = "provenance.json";
+
+// Never destroyed: the thread that waits for signals may look at it while the program ends.
+struct Registry {
+  std::mutex mutex;
+  std::set<fs::path> staging;
+};
+
+Registry& Unfinished() {
+  static auto* registry = new Registry;
+  return *registry;
+}
+
+Json ReadLeniently(const fs::path& file) {
+  std::ifstream stream(file);
+  return stream ? Json::parse(stream, nullptr, /*allow_exceptions=*/false) : Json();
+}
+
+bool HoldsAnything(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (!entry.path().filename().string().starts_with('.')) return true;
+  }
+  return false;
+}
+
+struct EarlierRun {
+  std::string command;
+  std::vector<fs::path> outputs;
+};
+
+// The run that wrote the folder, from provenance.json; nullopt if unknown.
+std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
+  const Json json = ReadLeniently(folder / kProvenance);
+  if (!json.is_object() || json.value("program", Json()) != "sonarcal") return std::nullopt;
+  const Json command = json.value("command", Json());
+  const Json outputs = json.value("outputs", Json());
+  if (!command.is_string() || !outputs.is_array()) return std::nullopt;
+  EarlierRun run{.command = command, .outputs = {}};
+  for (const Json& output : outputs) {
+    if (output.is_string()) run.outputs.emplace_back(output.get<std::string>());
+  }
+  return run;
+}
+
+// Outputs of the run whose place this folder's new outputs take.
+std::vector<fs::path> OutputsToReplace(const fs::path& folder, const std::string& command, bool force) {
+  if (!HoldsAnything(folder)) return {};
+  const std::optional<EarlierRun> earlier = ReadEarlierRun(folder);
+  if (earlier && earlier->command == command) return earlier->outputs;
+  if (force) return {};
+  throw DataError(
+      "{}: {}, expected a new or empty folder, one that 'sonarcal {}' wrote, or --force, which replaces "
+      "files "
+      "of the same names and leaves the others",
+      folder.string(),
+      earlier ? fmt::format("holds the outputs of 'sonarcal {}'", earlier->command)
+              : "holds files, and no provenance.json that lists them as outputs of this program",
+      command);
+}
+
+}  // namespace
+
+void CheckOutFolder(const fs::path& folder, const std::string& command, bool force) {
+  OutputsToReplace(folder, command, force);
+}
+
+CLI::Option* AddOutFolder(CLI::App& command, fs::path& out, CommonOptions& common,
+                          const std::string& description) {
+  command.add_flag("--force", common.force,
+                   "Write into --out although it holds what no earlier run of this command wrote; files of "
+                   "the same names are replaced");
+  return command.add_option("--out", out, description)->type_name("DIR");
+}
+
+RunOutput::RunOutput(const fs::path& folder, std::string command, bool force, data_io::Aside aside)
+    : command_(std::move(command)),
+      earlier_(OutputsToReplace(folder, command_, force)),
+      directory_(folder, aside) {
+  if (directory_.found()) return;
+  const std::lock_guard lock(Unfinished().mutex);
+  Unfinished().staging.insert(directory_.staging());
+}
+
+RunOutput::RunOutput(const fs::path& folder, data_io::Aside aside) : directory_(folder, aside) {
+  const std::lock_guard lock(Unfinished().mutex);
+  Unfinished().staging.insert(directory_.staging());
+}
+
+void RunOutput::Keep() {
+  const std::lock_guard lock(Unfinished().mutex);
+  Unfinished().staging.erase(directory_.staging());
+  directory_.Keep();
+}
+
+void RunOutput::Commit() {
+  if (command_.empty()) return directory_.Commit();
+  std::set<std::string> outputs;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging())) {
+    const fs::path name = entry.path().lexically_relative(staging());
+    if (!entry.is_directory() && name != kProvenance) outputs.insert(name.generic_string());
+  }
+  if (goes_on_) {
+    for (const fs::path& name : earlier_) outputs.insert(name.generic_string());
+  }
+  Json provenance = ReadLeniently(staging() / kProvenance);
+  SONARCAL_CHECK(provenance.is_object(), "{}: no provenance of this run", final_path().string());
+  provenance["outputs"] = outputs;
+  data_io::WriteJson(staging() / kProvenance, provenance);
+  directory_.Commit(goes_on_ ? std::vector<fs::path>() : earlier_);
+}
+
+RunOutput::~RunOutput() {
+  const std::lock_guard lock(Unfinished().mutex);
+  Unfinished().staging.erase(directory_.staging());
+}
+
+void RemoveUnfinishedOutputs() {
+  const std::lock_guard lock(Unfinished().mutex);
+  for (const fs::path& staging : Unfinished().staging) {
+    // Other threads still write: a file that appears during the removal makes it fail, so try again.
+    std::error_code error;
+    for (int attempt = 0; attempt < 10; ++attempt) {
+      fs::remove_all(staging, error);
+      if (!error) break;
+    }
+  }
+}
+
+}  // namespace sonarcal::cli

@@ -1,0 +1,19 @@
+// --sonar, for every command that takes a sonar.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace sonarcal::cli {
+
+// `note`: appended to the description, such as " (default: that of --real)".
+inline CLI::Option* AddSonar(CLI::App& command, std::string& sonar, const std::string& note = {}) {
+  return command
+      .add_option(
+          "--sonar", sonar,
+          "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object" + note)
+      ->type_name("NAME|FILE");
+}
+
+}  // namespace sonarcal::cli

@@ -1,0 +1,168 @@
+// `sonarcal batch PLAN --out DIR`: simulates, compares or fits over many recordings and parameter sets
+// (docs/guide/batch.md).
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/batch/batch_runner.h"
+#include "apps/batch/batch_summary.h"
+#include "apps/cli/command.h"
+#include "apps/cli/interruption.h"
+#include "apps/cli/progress.h"
+#include "apps/commands/commands.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/json/json_writer.h"
+
+namespace sonarcal::commands {
+namespace {
+
+struct BatchOptions {
+  cli::CommonOptions common;
+  std::filesystem::path plan;
+  std::filesystem::path out;
+  int processes = 1;
+  int threads = 0;
+  bool dry_run = false;
+  bool summary_only = false;
+  std::string only;  // id of one job; empty: all
+};
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string Words(const batch::BatchJob& job) {
+  std::string words = job.command;
+  for (const std::string& argument : job.arguments) {
+    const bool is_plain = argument.find_first_of(" \t\n'\"\\$") == std::string::npos && !argument.empty();
+    words += is_plain ? fmt::format(" {}", argument) : fmt::format(" '{}'", argument);
+  }
+  return words;
+}
+
+cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& plan,
+                         const std::vector<batch::LedgerState>& states) {
+  const Json summary = batch::BatchSummaryJson(plan, states, options.out);
+  if (options.common.json) {
+    Json jobs = Json::array();
+    for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+      const batch::BatchJob& job = plan.jobs[i];
+      jobs.push_back({{"job", job.id},
+                      {"after", job.after},
+                      {"state", summary.at("jobs").at(i).at("state")},
+                      {"command_line", Words(job)}});
+    }
+    cli::PrintJson({{"jobs", jobs}});
+    return cli::ExitStatus::kDone;
+  }
+  std::string text;
+  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+    text += fmt::format("{:20} {:8} {}\n", plan.jobs[i].id,
+                        summary.at("jobs").at(i).at("state").get<std::string>(), Words(plan.jobs[i]));
+  }
+  cli::PrintResult(text);
+  return cli::ExitStatus::kDone;
+}
+
+// Writes and prints the summary. Failed where any job did, or was left as the one before it did.
+cli::ExitStatus Finish(const BatchOptions& options, const fs::path& out, batch::BatchRunner& runner) {
+  const Json summary = batch::BatchSummaryJson(runner.plan(), runner.States(), out);
+  data_io::WriteFileWhole(out / "summary.csv", batch::BatchSummaryCsv(summary));
+  data_io::WriteJson(out / "summary.json", summary);
+  const int done = summary.at("done");
+  const int failed = summary.at("failed");
+  const int waiting = summary.at("waiting");
+  if (options.common.json) {
+    cli::PrintJson(summary);
+  } else {
+    cli::PrintResult(
+        fmt::format("{}: of {} jobs {} done, {} failed, {} not run; summary.csv has one line each\n",
+                    options.out.string(), runner.plan().jobs.size(), done, failed, waiting));
+  }
+  return failed + waiting == 0 ? cli::ExitStatus::kDone : cli::ExitStatus::kFailed;
+}
+
+cli::ExitStatus RunOneJob(const BatchOptions& options, batch::BatchRunner& runner) {
+  const batch::LedgerState state = runner.RunOnly(options.only);
+  const bool is_done = state.event == batch::LedgerState::Event::kDone;
+  if (options.common.json) {
+    cli::PrintJson({{"job", options.only}, {"state", is_done ? "done" : "failed"}, {"status", state.status}});
+  } else if (is_done) {
+    cli::PrintResult(fmt::format("{}: done\n", options.only));
+  }
+  if (!is_done) throw DataError("{}: failed: {}", options.only, state.why);
+  return cli::ExitStatus::kDone;
+}
+
+void CheckOptions(const BatchOptions& options) {
+  if (int{options.dry_run} + int{options.summary_only} + int{!options.only.empty()} > 1)
+    throw UsageError("--dry-run, --summary and --only are given together, expected one of them");
+}
+
+}  // namespace
+
+cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
+  CheckOptions(options);
+  const fs::path out = fs::absolute(options.out).lexically_normal();
+  batch::BatchPlan plan = batch::ReadBatchPlan(options.plan, out, root);
+  if (!options.dry_run) fs::create_directories(out);
+  batch::BatchRunner runner(std::move(plan), out,
+                            {.processes = options.processes, .threads = options.threads});
+  if (options.dry_run) return ListJobs(options, runner.plan(), runner.States());
+  if (options.summary_only) return Finish(options, out, runner);
+  if (!options.only.empty()) return RunOneJob(options, runner);
+
+  const cli::Interruption interruption;
+  bool is_complete = false;
+  {
+    cli::Progress progress("Batch", static_cast<int>(runner.plan().jobs.size()), options.common, "jobs");
+    for (const batch::JobState state : runner.JobStates()) {
+      if (state == batch::JobState::kDone) progress.Skip();
+    }
+    is_complete = runner.RunAll(
+        [&](const batch::BatchJob& job, const batch::LedgerState& state) {
+          progress.Advance();
+          if (state.event == batch::LedgerState::Event::kFailed)
+            cli::PrintError(fmt::format("{}: {}", job.id, state.why));
+        },
+        [&] { return interruption.asked(); });
+  }
+  if (!is_complete) {
+    cli::PrintError(fmt::format("interrupted: what is done lies in {}; the same command runs the rest",
+                                options.out.string()));
+    return cli::ExitStatus::kInterrupted;
+  }
+  return Finish(options, out, runner);
+}
+
+void SetupBatch(CLI::App& app) {
+  auto options = std::make_shared<BatchOptions>();
+  CLI::App* command =
+      cli::AddCommand(app, "batch", "Simulates, compares or fits over many recordings and parameter sets");
+  command->add_option("PLAN", options->plan, "Which commands run with which options (sonarcal-batch/1, JSON)")
+      ->required();
+  command->add_option("--out", options->out, "Folder of all outputs, of the ledger and of the summary")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("-j,--jobs", options->processes, "Jobs at a time, each a process of its own")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024).description(""));
+  command
+      ->add_option("--threads", options->threads,
+                   "Threads of each job, 0 for the cores divided among the jobs")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024).description(""));
+  command->add_flag("--dry-run", options->dry_run, "List the jobs and what is done of them, and run none");
+  command->add_flag("--summary", options->summary_only, "Write the summary of what is done, and run nothing");
+  command->add_option("--only", options->only, "Run one job, which a scheduler of its own asks for")
+      ->type_name("JOB")
+      ->default_str("");
+  cli::OnRun(command, options->common, [options, &app] { return RunBatch(*options, app); });
+}
+
+}  // namespace sonarcal::commands

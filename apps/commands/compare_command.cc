@@ -1,0 +1,275 @@
+#include "apps/commands/compare_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/add_options.h"
+#include "apps/cli/given_options.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
+#include "apps/commands/commands.h"
+#include "apps/report/html/html_text.h"
+#include "apps/report/html/paper_files.h"
+#include "apps/report/html/report_end.h"
+#include "apps/report/pictures/comparison_pictures.h"
+#include "apps/report/pictures/shown_frames.h"
+#include "apps/report/sections/against_section.h"
+#include "apps/report/sections/against_text.h"
+#include "apps/report/sections/agreement_section.h"
+#include "apps/report/sections/comparison_section.h"
+#include "apps/report/sections/residual_section.h"
+#include "apps/workflow/compare.h"
+#include "apps/workflow/frame_gatherer.h"
+#include "core/types/printable.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/open_recording.h"
+#include "data_io/recordings/frame_range.h"
+#include "metrics/figures.h"
+#include "metrics/json/threshold_check.h"
+
+namespace sonarcal::commands {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<int>& frames) {
+  Json json = {{"real", options.real.string()},
+               {"simulated", options.simulated.string()},
+               {"out", options.out.string()},
+               {"frames", frames},
+               {"pictures", options.pictures},
+               {"scene", options.scene.empty() ? Json(nullptr) : Json(options.scene.string())}};
+  json.update(cli::SceneFormatJson(options.scene_format));
+  json.update(cli::OptionsJson(options.compare));
+  return json;
+}
+
+// "0.812 [0.780, 0.840]", or "none".
+std::string WithInterval(const metrics::Statistic& statistic) {
+  if (!statistic.value) return "none";
+  if (!statistic.ci) return fmt::format("{:.3f}", *statistic.value);
+  return fmt::format("{:.3f} [{:.3f}, {:.3f}]", *statistic.value, statistic.ci->lo, statistic.ci->hi);
+}
+
+std::string SummaryText(const metrics::MetricsReport& metrics) {
+  const metrics::Aggregate& all = metrics.aggregate;
+  const metrics::Aggregate* floor = metrics.noise_floor.Beside();
+  std::string text = fmt::format("{} against {}, {} frame{}\n", metrics.simulated, metrics.real,
+                                 all.frame_count, all.frame_count == 1 ? "" : "s");
+  text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", "", "mean of frames", "pixels pooled",
+                      floor != nullptr ? "  floor (mean)" : "");
+  const auto add = [&](const char* label, const std::string& path,
+                       metrics::ViewSummary metrics::Aggregate::Views::*view) {
+    text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", label, WithInterval((all.macro.*view).At(path)),
+                        WithInterval((all.micro.*view).At(path)),
+                        floor != nullptr ? "  " + WithInterval((floor->macro.*view).At(path)) : "");
+  };
+  using Views = metrics::Aggregate::Views;
+  add("Ns/Nr", "ns_over_nr", &Views::polar);
+  add("Na/Ns", "na_over_ns", &Views::polar);
+  add("Na/Nr", "na_over_nr", &Views::polar);
+  add("IoU", "iou", &Views::polar);
+  const std::string error_path = metrics::IntensityErrorPath(metrics.options.intensity_domain);
+  add("intensity error, polar", error_path, &Views::polar);
+  add("intensity error, fan", error_path, &Views::fan);
+  if (all.no_interval_reason.empty()) {
+    text += "  in brackets: 95 % interval over frames\n";
+  } else {
+    text += "  no intervals: " + all.no_interval_reason + "\n";
+  }
+  return text;
+}
+
+report::HtmlReport MakeReport(const metrics::MetricsReport& metrics, const report::ShownFrames& shown,
+                              int pictured, const Json& provenance) {
+  report::HtmlReport report(
+      fmt::format("Simulated against {} images", report::RealWord(metrics.real_is_synthetic)),
+      fmt::format("{} against {}", metrics.simulated, metrics.real));
+  report::AddSyntheticCallout(report, metrics.real_is_synthetic, metrics.real);
+  report.List(report::SummaryInWords(metrics));
+  report::AddKeyFigures(report, metrics);
+  report.Section("Agreement");
+  report::AddMetricTables(report, metrics);
+  if (metrics.against) report::AddAgainst(report, *metrics.against);
+  report.Section("Pictures");
+  report.Paragraph(fmt::format(
+      "The frames with the lowest, the middle and the highest intensity error are shown below; pictures of "
+      "{} lie beside this page.",
+      pictured == metrics.aggregate.frame_count
+          ? "all frames"
+          : fmt::format("{} of the {} frames, evenly spread,", pictured, metrics.aggregate.frame_count)));
+  report::AddPictureLegend(report, report::RealWord(metrics.real_is_synthetic));
+  if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
+  for (const report::FramePictures& frame : shown.pictures) {
+    report::AddFramePictures(report, frame, fmt::format("Frame {}", frame.index), metrics.real_is_synthetic);
+  }
+  report.Section("Where the simulation is wrong");
+  report::AddResiduals(report, metrics);
+  report.Section("Grey values");
+  report::AddGreyLevels(report, metrics);
+  if (metrics.sweep) report.Section("Other thresholds");
+  report::AddThresholdSweep(report, metrics);
+  report.Section("Every figure");
+  report::AddEveryFigure(report, metrics);
+  report::AddMetricDefinitions(report, metrics);
+  report::EndReport(report, provenance);
+  return report;
+}
+
+// Frames of the comma-separated ranges; all frames if empty.
+std::vector<int> AskedFrames(const std::string& ranges, const RecordingSource& real,
+                             const RecordingSource& simulated) {
+  std::vector<int> frames;
+  if (ranges.empty()) return frames;
+  std::stringstream parts(ranges);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const data_io::FrameRange asked =
+        data_io::ParseFrameRange(part, std::min(real.frame_count(), simulated.frame_count()));
+    for (int frame = asked.begin; frame < asked.end; ++frame) {
+      if (std::find(frames.begin(), frames.end(), frame) != frames.end())
+        throw UsageError("--frames '{}' names frame {} twice", Printable(ranges), frame);
+      frames.push_back(frame);
+    }
+  }
+  return frames;
+}
+
+// Scene of --scene. With --object, the scene that a recording names. Nullopt if there is neither.
+std::optional<Scene> SceneOf(const CompareCommandOptions& options, const RecordingSource& real,
+                             const RecordingSource& simulated) {
+  std::filesystem::path scene = options.scene;
+  const bool with_object = !options.compare.comparison.object.empty();
+  for (const RecordingSource* recording : {&simulated, &real}) {
+    if (scene.empty() && with_object) scene = recording->info().scene_path.value_or("");
+  }
+  if (scene.empty()) return std::nullopt;
+  return cli::ReadSceneFile(scene, options.scene_format, options.common);
+}
+
+}  // namespace
+
+cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
+  const std::vector<metrics::Threshold> thresholds = metrics::ParseThresholds(options.fail_above);
+  const auto real = data_io::OpenRecording(options.real);
+  const auto simulated = data_io::OpenRecording(options.simulated);
+  if (options.sweep_csv && options.compare.sweep_steps == 0)
+    throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
+  workflow::CompareOptions compare = options.compare;
+  compare.frames = AskedFrames(options.frames, *real, *simulated);
+  const std::optional<Scene> scene = SceneOf(options, *real, *simulated);
+  cli::RunOutput output(options.out, "compare", options.common.force);
+  std::optional<cli::Progress> progress;
+  const workflow::Listener listener{.progress = [&](const std::string& step, int done, int total) {
+    if (!progress) progress.emplace(step, total, options.common, "frames");
+    progress->Update(done);
+  }};
+  const std::vector<int> pictured =
+      workflow::EvenlySpread(workflow::FramesToCompare(*real, *simulated, compare.frames), options.pictures);
+  report::PictureMaker maker;
+  workflow::Comparison comparison = workflow::Compare(
+      *real, *simulated, compare, scene ? &*scene : nullptr, !options.scene.empty(), listener,
+      [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& frame) {
+        if (std::ranges::find(pictured, frame.index) != pictured.end())
+          report::WritePictures(output.staging(), maker.Make(recorded, rendered, frame));
+      });
+  progress.reset();
+  metrics::MetricsReport& metrics = comparison.metrics;
+
+  const report::ShownFrames shown =
+      report::ShowFrames(*real, *simulated, comparison.options, metrics, workflow::TellingFrames(metrics));
+
+  std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
+  for (const std::filesystem::path& file :
+       {options.compare.against.file, options.scene, options.compare.params.file,
+        options.compare.comparison.background_params.file}) {
+    if (!file.empty()) inputs.push_back(file);
+  }
+  const cli::Provenance provenance{.command = "compare",
+                                   .configuration = ConfigurationJson(options, comparison.frames),
+                                   .inputs = std::move(inputs)};
+  data_io::WriteFileWhole(output / "metrics.json", metrics::MetricsJson(metrics));
+  data_io::WriteFileWhole(output / "residuals.csv", metrics::ResidualsCsv(workflow::AllResiduals(metrics)));
+  if (options.sweep_csv) data_io::WriteFileWhole(output / "threshold_sweep.csv", metrics.sweep.value().Csv());
+  data_io::WriteFileWhole(output / "per_frame.csv",
+                          metrics::PerFrameCsv(metrics.frames, metrics.options.intensity_domain));
+  const report::HtmlReport report =
+      MakeReport(metrics, shown, static_cast<int>(pictured.size()), cli::ProvenanceToJson(provenance));
+  report::WriteReport(report, output.staging());
+  cli::WriteProvenance(output.staging(), provenance);
+  const std::vector<std::string> passed =
+      thresholds.empty()
+          ? std::vector<std::string>()
+          : metrics::PassedThresholds(thresholds, Json::parse(metrics::MetricsSummaryJson(metrics)));
+  output.Commit();
+
+  for (const std::string& note : metrics.notes) cli::PrintNote(options.common, "note: " + note);
+  if (options.common.json) {
+    cli::PrintResult(metrics::MetricsJson(metrics));
+  } else {
+    cli::PrintResult(SummaryText(metrics));
+    if (metrics.against) cli::PrintResult(report::AgainstText(*metrics.against));
+    cli::PrintResult(fmt::format("report: {}\n", (options.out / "report.html").string()));
+  }
+  for (const std::string& sentence : passed) cli::PrintError("threshold passed: " + sentence);
+  return passed.empty() ? cli::ExitStatus::kDone : cli::ExitStatus::kThreshold;
+}
+
+namespace {
+
+void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
+  command->add_option("--real", options->real, "Recording of the sonar")->type_name("REC")->required();
+  command->add_option("--sim", options->simulated, "Recording of the simulation, frames in the same order")
+      ->type_name("REC")
+      ->required();
+  cli::AddOutFolder(*command, options->out, options->common, "Folder for metrics, pictures and report")
+      ->required();
+  command
+      ->add_option("--frames", options->frames,
+                   "Frames of both: from A, counted from 0, up to but without B, or several such ranges "
+                   "(default: all)")
+      ->type_name("A:B,...");
+  cli::AddOptions(*command, options->compare);
+  command->add_flag("--sweep-csv", options->sweep_csv, "Write the curves to threshold_sweep.csv too");
+  command
+      ->add_option("--pictures", options->pictures,
+                   "Frames that get pictures, evenly spread over those compared; 0 for none")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber.description(""));
+  cli::AddSceneOptions(
+      *command, options->scene, options->scene_format,
+      "Scene of the recording, to tell the difference by incidence angle and material, and for "
+      "--object (default for --object: the one that a recording names)",
+      false);
+  command
+      ->add_option("--fail-above", options->fail_above,
+                   "End with status 4 where a figure of metrics.json is above a value, such as "
+                   "intensity_error.polar=0.1 or against.worse=0")
+      ->type_name("NAME=VALUE");
+}
+
+}  // namespace
+
+void SetupCompare(CLI::App& app) {
+  auto options = std::make_shared<CompareCommandOptions>();
+  CLI::App* command =
+      cli::AddCommand(app, "compare", "Measures how well a simulated recording agrees with a real one");
+  AddCompareOptions(command, options.get());
+  cli::OnRun(command, options->common, [command, options] {
+    if (options->compare.sweep_steps == 0)
+      cli::RefuseGiven(*command, {"--sweep-range", "--sweep-csv"}, "without --sweep-steps");
+    cli::RefuseSceneFormatAlone(*command);
+    cli::RefuseUnusedSegmentation(*command, options->compare.comparison);
+    return RunCompare(*options);
+  });
+}
+
+}  // namespace sonarcal::commands

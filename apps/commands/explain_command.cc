@@ -1,0 +1,259 @@
+// `sonarcal explain`: what each part of the acoustic model is worth for a recording, and what its bright
+// cells come from (apps/workflow/explain.h).
+//
+// Written: explain.json ("format": "sonar-explanation/1": "steps", each with its figures on the frames held
+// out, "gain_nats_per_pixel", "aic_change", "bic_change" and "verdict"; "causes" with "names", and by frame
+// the shares of its bright cells); causes_0006.png, an index into the names for each pixel of frame 6, range
+// bins by beams; lobes_0006.png, 16 bits: where the cause is a side lobe in azimuth, the beam whose direction
+// it comes from, counted from 1, else 0; causes_0006_picture.png, the map with its legend; params.json of the
+// last step; report.html. Each step has its figures by frame, too ("by_frame"). With --known also recording/:
+// the recording with its poses, scene.gltf and params.json, as any other command takes them.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/add_options.h"
+#include "apps/cli/choice_option.h"
+#include "apps/cli/command.h"
+#include "apps/cli/given_options.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
+#include "apps/cli/scene_option.h"
+#include "apps/commands/commands.h"
+#include "apps/report/html/paper_files.h"
+#include "apps/report/html/report_end.h"
+#include "apps/report/pictures/cause_pictures.h"
+#include "apps/report/sections/comparison_section.h"
+#include "apps/report/sections/explain_section.h"
+#include "apps/reproduce/known_recording.h"
+#include "apps/workflow/explain.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_catalogue.h"
+
+namespace sonarcal::commands {
+namespace {
+
+struct ExplainCommandOptions {
+  cli::CommonOptions common;
+  std::optional<reproduce::KnownRecording> known;  // in place of real, scene and params
+  std::filesystem::path recordings;                // where it is; empty: DefaultRecordingsFolder()
+  std::filesystem::path real;
+  std::filesystem::path scene;
+  cli::SceneFormat scene_format;
+  std::filesystem::path params;
+  std::filesystem::path out;
+  bool apart = false;  // held-out frames judge one by one
+  workflow::ExplainOptions explain;
+};
+
+using Json = nlohmann::ordered_json;
+
+// What is explained, from files or one of the known ones.
+struct Subject {
+  std::unique_ptr<RecordingSource> recording;
+  Scene scene;
+  ParameterSet given;
+  workflow::ExplainOptions options;  // as provenance has them
+  workflow::ExplainRecordingOptions explain;
+  report::ExplanationTelling telling;
+  std::vector<std::filesystem::path> inputs;
+};
+
+void CheckSubject(const ExplainCommandOptions& options) {
+  const std::pair<const char*, bool> files[] = {{"--real", !options.real.empty()},
+                                                {"--scene", !options.scene.empty()},
+                                                {"--params", !options.params.empty()}};
+  for (const auto& [name, is_given] : files) {
+    if (is_given && options.known) throw UsageError("{} does not go with --known, which has its own", name);
+    if (!is_given && !options.known) throw UsageError("{} is required, where --known is not given", name);
+  }
+}
+
+Subject OpenFiles(const ExplainCommandOptions& options) {
+  ParameterSet given = data_io::ReadParameters(options.params);
+  auto recording = data_io::OpenRecording(options.real);
+  const PolarAxes axes = recording->info().sonar.axes;
+  return {.recording = std::move(recording),
+          .scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common),
+          .given = std::move(given),
+          .options = options.explain,
+          .explain = options.explain.For(axes),
+          .telling = {.apart = options.apart},
+          .inputs = {options.real, options.scene, options.params}};
+}
+
+// Prepared as `recording` of the output.
+Subject OpenKnown(const ExplainCommandOptions& options, const cli::RunOutput& output) {
+  const reproduce::PrepareOptions prepare{
+      .threads = options.explain.rays.threads,
+      .on_note = [&](const std::string& line) { cli::PrintNote(options.common, line); }};
+  reproduce::PreparedRecording prepared = reproduce::PrepareKnown(
+      *options.known, options.recordings.empty() ? data_io::DefaultRecordingsFolder() : options.recordings,
+      prepare);
+  reproduce::WritePrepared(prepared, output / "recording");
+  workflow::ExplainOptions explain = options.explain;
+  workflow::ExplainRecordingOptions resolved = explain.For(prepared.recording->info().sonar.axes);
+  // A method given by name or by --object overrides the recording's own.
+  const metrics::SegmentationOptions& own = prepared.comparison.segmentation;
+  metrics::SegmentationOptions& chosen = resolved.comparison.segmentation;
+  if (!explain.comparison.segmentation && !resolved.comparison.object && own.method != chosen.method) {
+    explain.comparison.segmentation = chosen.method = own.method;
+    chosen.background_law = own.background_law;
+    if (own.background_law) explain.comparison.background_params.file = options.out / "recording/params.json";
+  }
+  if (!resolved.held_out) resolved.held_out = prepared.held_out;
+  resolved.hold_noise = explain.hold_noise = prepared.hold_noise || explain.hold_noise;
+  return {.recording = std::move(prepared.recording),
+          .scene = std::move(prepared.scene),
+          .given = std::move(prepared.parameters),
+          .options = std::move(explain),
+          .explain = std::move(resolved),
+          .telling = {.title = std::move(prepared.title),
+                      .about = true,
+                      .apart = prepared.apart || options.apart,
+                      .warnings = std::move(prepared.warnings),
+                      .caveats = std::move(prepared.caveats)},
+          .inputs = std::move(prepared.inputs)};
+}
+
+Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subject,
+                       const workflow::ExplainedRecording& explained) {
+  Json json = {{"known", options.known ? Json(ToString(*options.known)) : Json(nullptr)},
+               {"real", options.real.string()},
+               {"scene", options.scene.string()},
+               {"params", options.params.string()},
+               {"out", options.out.string()},
+               {"apart", subject.telling.apart}};
+  json.update(cli::SceneFormatJson(options.scene_format));
+  workflow::ExplainOptions resolved = subject.options;
+  resolved.rays.rays = explained.rays;
+  resolved.held_out = explained.split.held_out;
+  json.update(cli::OptionsJson(resolved));
+  return json;
+}
+
+void WriteMaps(const workflow::ExplainedRecording& explained, const cli::RunOutput& output) {
+  for (const workflow::CauseMap& map : explained.maps) {
+    data_io::WritePng(output / fmt::format("causes_{:04}.png", map.index), map.cause);
+    Grid<std::uint16_t> lobes(map.lobe_of.rows(), map.lobe_of.cols());
+    for (std::size_t i = 0; i < lobes.size(); ++i)
+      lobes.values()[i] = static_cast<std::uint16_t>(map.lobe_of.values()[i] + 1);
+    data_io::WritePng(output / fmt::format("lobes_{:04}.png", map.index), lobes);
+    data_io::WritePng(output / fmt::format("causes_{:04}_picture.png", map.index),
+                      report::WithLegend(report::CausePicture(map.cause), map.cause, explained.cause_names));
+  }
+}
+
+report::HtmlReport MakeReport(const workflow::ExplainedRecording& explained, const RecordingInfo& info,
+                              const report::ExplanationTelling& telling, const Json& provenance) {
+  const std::string name = workflow::RecordingName(info);
+  report::HtmlReport report("What each part of the model explains",
+                            telling.title.empty() ? name : fmt::format("{}; {}", telling.title, name));
+  report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
+  report::AddWaterfall(report, explained, telling);
+  report::AddCauses(report, explained, telling);
+  report::EndReport(report, provenance);
+  return report;
+}
+
+}  // namespace
+
+cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
+  const workflow::ThreadLimit threads(options.explain.rays.threads);
+  CheckSubject(options);
+  std::optional<Subject> opened;
+  if (!options.known) opened = OpenFiles(options);  // a mistake in them leaves nothing behind
+  cli::RunOutput output(options.out, "explain", options.common.force);
+  if (options.known) opened = OpenKnown(options, output);
+  Subject& subject = *opened;
+  subject.telling.synthetic = subject.recording->info().synthetic;
+  workflow::ExplainRecordingOptions& explain = subject.explain;
+  explain.on_note = [&](const std::string& sentence) { cli::PrintNote(options.common, sentence); };
+  explain.on_step = [&](calib::ExplainedPart part) {
+    cli::PrintNote(options.common, fmt::format("fitting: {}", report::TitleOf(part)));
+  };
+  const workflow::ExplainedRecording explained =
+      workflow::ExplainRecording(*subject.recording, subject.scene, subject.given, explain);
+
+  const cli::Provenance provenance{.command = "explain",
+                                   .configuration = ConfigurationJson(options, subject, explained),
+                                   .inputs = subject.inputs};
+  const Json json = report::ExplanationJson(explained, subject.telling);
+  data_io::WriteFileWhole(output / "explain.json", json.dump(2) + "\n");
+  WriteMaps(explained, output);
+  data_io::WriteParameters(output / "params.json", explained.explanation.steps.back().parameters);
+  cli::WriteProvenance(output.staging(), provenance);
+  const RecordingInfo& info = subject.recording->info();
+  report::WriteReport(MakeReport(explained, info, subject.telling, cli::ProvenanceToJson(provenance)),
+                      output.staging());
+  output.Commit();
+
+  if (options.common.json) {
+    cli::PrintJson(json);
+  } else {
+    const std::string name = workflow::RecordingName(info);
+    std::string text = fmt::format("{}: {}", subject.telling.title.empty() ? name : subject.telling.title,
+                                   report::ExplanationText(explained, subject.telling));
+    if (options.known) {
+      text += fmt::format("recording, scene and parameters: {}\n", (options.out / "recording").string());
+    }
+    cli::PrintResult(text + fmt::format("report: {}\n", (options.out / "report.html").string()));
+  }
+  return cli::ExitStatus::kDone;
+}
+
+void SetupExplain(CLI::App& app) {
+  auto options = std::make_shared<ExplainCommandOptions>();
+  CLI::App* command = cli::AddCommand(
+      app, "explain",
+      "Adds the acoustic model's parts one by one, says what each is worth on frames that were not "
+      "fitted, and what every bright cell comes from");
+  command
+      ->add_option("--real", options->real,
+                   "Recording to explain, at least two frames, a pose with each; required but for --known, "
+                   "as --scene and --params are")
+      ->type_name("REC");
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+                       /*required=*/false);
+  command
+      ->add_option(
+          "--params", options->params,
+          "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and where "
+          "curves begin")
+      ->type_name("JSON");
+  cli::AddChoice(
+      *command, "--known", options->known,
+      "In place of these a recording of which the project knows or assumes poses and scene: a bomb "
+      "that an ARIS 3000 recorded, or a strip of hull by a person's marks in a DIDSON's pings");
+  command
+      ->add_option("--recordings", options->recordings,
+                   "Where it is looked for [$SONARCAL_RECORDINGS, else ./recordings]")
+      ->type_name("DIR");
+  cli::AddOutFolder(*command, options->out, options->common, "Folder for figures, maps and report")
+      ->required();
+  command->add_flag("--apart", options->apart, "Let each held-out frame judge by itself");
+  cli::AddOptions(*command, options->explain);
+  cli::OnRun(command, options->common, [command, options] {
+    cli::RefuseSceneFormatAlone(*command);
+    if (!options->known) {
+      cli::RefuseGiven(*command, {"--recordings"}, "without --known");
+      cli::RefuseUnusedSegmentation(*command, options->explain.comparison);
+    }
+    return RunExplain(*options);
+  });
+}
+
+}  // namespace sonarcal::commands

@@ -1,0 +1,341 @@
+// `sonarcal export --to WHAT --out FILE`: parameters and sonar as the configuration of another simulator, or
+// a recording as a file of other tools.
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/add_options.h"
+#include "apps/cli/bag_options.h"
+#include "apps/cli/choice_option.h"
+#include "apps/cli/command.h"
+#include "apps/cli/given_options.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
+#include "apps/cli/sonar_option.h"
+#include "apps/commands/commands.h"
+#include "apps/export/simulator_configs.h"
+#include "apps/workflow/ray_options.h"
+#include "apps/workflow/simulate.h"
+#include "core/types/error.h"
+#include "core/types/words.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/fan_pictures.h"
+#include "data_io/recordings/frame_range.h"
+#include "data_io/recordings/npz_writer.h"
+#include "data_io/ros/ros1_bag_writer.h"
+
+namespace sonarcal::commands {
+namespace {
+
+enum class ExportTarget { kDave, kHoloOcean, kStonefish, kOceanSim, kGazebo, kRos1Bag, kNpz, kPng, kMp4 };
+constexpr auto WordsOf(std::type_identity<ExportTarget>) {
+  return Words<ExportTarget, 9>{{{"dave", ExportTarget::kDave},
+                                 {"holoocean", ExportTarget::kHoloOcean},
+                                 {"stonefish", ExportTarget::kStonefish},
+                                 {"oceansim", ExportTarget::kOceanSim},
+                                 {"gazebo", ExportTarget::kGazebo},
+                                 {"rosbag1", ExportTarget::kRos1Bag},
+                                 {"npz", ExportTarget::kNpz},
+                                 {"png", ExportTarget::kPng},
+                                 {"mp4", ExportTarget::kMp4}}};
+}
+
+struct ExportOptions {
+  cli::CommonOptions common;
+  ExportTarget to = ExportTarget::kDave;
+  std::filesystem::path out;  // a file; for kPng a folder
+  // Of a simulator's configuration:
+  std::filesystem::path params;
+  std::string sonar;          // a preset's name, a recording or a JSON file
+  workflow::RayOptions rays;  // absorption
+  // Of a recording:
+  std::filesystem::path recording;
+  cli::BagArguments bag;
+  std::string frames;         // "A:B", see data_io/recordings/frame_range.h; empty for all
+  int height_px = 0;          // of pictures; 0: one a range bin, 800 at most
+  double frames_per_s = 0.0;  // of a video; 0: as recorded
+};
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct SimulatorExport {
+  ExportTarget target;
+  exporting::ExportedConfig (*write)(const exporting::ExportSource& source, const std::string& name);
+};
+constexpr std::array<SimulatorExport, 5> kSimulators = {
+    {{ExportTarget::kDave, exporting::ExportToDave},
+     {ExportTarget::kHoloOcean, exporting::ExportToHoloOcean},
+     {ExportTarget::kStonefish, exporting::ExportToStonefish},
+     {ExportTarget::kOceanSim, exporting::ExportToOceanSim},
+     {ExportTarget::kGazebo, exporting::ExportToGazebo}}};
+
+const SimulatorExport* SimulatorOf(ExportTarget target) {
+  for (const SimulatorExport& simulator : kSimulators) {
+    if (simulator.target == target) return &simulator;
+  }
+  return nullptr;
+}
+
+std::string Word(ExportTarget target) {
+  return std::string(ToString(target));
+}
+
+void CheckOptions(const ExportOptions& options) {
+  const std::string to = Word(options.to);
+  const auto refuse = [&](bool given, const char* option, const char* what) {
+    if (given) throw UsageError("{} is given with --to {}, expected only for {}", option, to, what);
+  };
+  if (SimulatorOf(options.to) != nullptr) {
+    if (options.params.empty()) throw UsageError("--to {} needs --params, the parameters to export", to);
+    if (options.sonar.empty() == options.recording.empty())
+      throw UsageError("--to {} needs either --sonar or --recording, for the sonar's geometry", to);
+    refuse(!options.frames.empty(), "--frames", "recordings");
+  } else {
+    if (options.recording.empty()) throw UsageError("--to {} needs --recording, which is exported", to);
+    refuse(!options.params.empty(), "--params", "simulators");
+    refuse(!options.sonar.empty(), "--sonar", "simulators");
+  }
+  const bool draws = options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4;
+  if (!draws) refuse(options.height_px != 0, "--height", "png and mp4");
+  if (options.to != ExportTarget::kPng) refuse(options.common.force, "--force", "png");
+  if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
+  if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
+    throw UsageError(
+        "--out is '{}', expected a name that ends in .mp4, as the video's container is told by it",
+        options.out.string());
+  }
+  if (!options.out.has_filename()) {
+    throw UsageError("--out is '{}', expected the name of a file", options.out.string());
+  }
+}
+
+Json Configuration(const ExportOptions& options) {
+  return {{"to", Word(options.to)},
+          {"out", options.out.string()},
+          {"params", options.params.string()},
+          {"sonar", options.sonar},
+          {"absorption", ToString(options.rays.absorption)},
+          {"recording", options.recording.string()},
+          {"topic", options.bag.bag.topic},
+          {"frames", options.frames},
+          {"height_px", options.height_px},
+          {"frames_per_s", options.frames_per_s}};
+}
+
+// The folder that --out lies in, and the name of its file with another extension or none.
+fs::path FolderOf(const fs::path& out) {
+  return out.has_parent_path() ? out.parent_path() : fs::path(".");
+}
+
+// A folder of pictures, or the file beside whatever else lies in its folder.
+cli::RunOutput OutputOf(const ExportOptions& options) {
+  return options.to == ExportTarget::kPng ? cli::RunOutput(options.out, "export", options.common.force)
+                                          : cli::RunOutput::Beside(FolderOf(options.out));
+}
+
+struct ChosenSource {
+  exporting::ExportSource source;
+  std::vector<fs::path> inputs;
+};
+
+ChosenSource SourceOf(const ExportOptions& options) {
+  ChosenSource chosen{.source = {}, .inputs = {options.params}};
+  chosen.source.parameters = data_io::ReadParameters(options.params);
+  std::optional<Water> water;
+  if (!options.recording.empty()) {
+    const auto recording = cli::OpenWithBagOptions(options.recording, options.bag);
+    chosen.source.sonar = recording->info().sonar;
+    water = recording->info().water;
+    chosen.inputs.push_back(options.recording);
+  } else {
+    workflow::SonarChoice sonar = workflow::ChooseSonar(options.sonar);
+    chosen.source.sonar = std::move(sonar.sonar);
+    water = sonar.water;
+    if (sonar.input) chosen.inputs.push_back(*sonar.input);
+  }
+  const SonarModel& sonar = chosen.source.sonar;
+  const std::string& name = options.recording.empty() ? options.sonar : options.recording.string();
+  if (!(sonar.frequency_hz > 0.0)) throw DataError("{}: the sonar's frequency_hz is unknown", name);
+  if (!(sonar.sound_speed_m_per_s > 0.0))
+    throw DataError("{}: the sonar's sound_speed_m_per_s is unknown", name);
+  const workflow::WaterChoice choice = workflow::ChooseWater(chosen.source.parameters, water);
+  if (!choice.note.empty()) cli::PrintNote(options.common, choice.note);
+  chosen.source.water = choice.water;
+  chosen.source.absorption_db_per_m =
+      sim::AbsorptionDbPerM(options.rays.absorption, sonar.frequency_hz, choice.water);
+  return chosen;
+}
+
+cli::ExitStatus ExportConfiguration(const ExportOptions& options, const SimulatorExport& simulator) {
+  const ChosenSource chosen = SourceOf(options);
+  const std::string stem = options.out.stem().string();
+  const exporting::ExportedConfig config = simulator.write(chosen.source, stem);
+  const Json account = config.account.ToJson();
+  Json side = {{"format", "sonarcal-export/1"}, {"to", Word(options.to)}, {"written_for", config.schema}};
+  side.update(account);
+  side["provenance"] = cli::ProvenanceToJson(
+      {.command = "export", .configuration = Configuration(options), .inputs = chosen.inputs});
+
+  cli::RunOutput output = cli::RunOutput::Beside(FolderOf(options.out));
+  std::vector<std::string> files;
+  for (const exporting::ExportedFile& file : config.files) {
+    files.push_back(file.suffix.empty() ? options.out.filename().string() : stem + file.suffix);
+    data_io::WriteFileWhole(output / files.back(), file.text);
+  }
+  files.push_back(options.out.filename().string() + ".account.json");
+  data_io::WriteJson(output / files.back(), side);
+  output.Commit();
+
+  for (const std::string& sentence : config.account.Sentences()) cli::PrintNote(options.common, sentence);
+  if (options.common.json) {
+    side.erase("provenance");
+    side["files"] = files;
+    cli::PrintJson(side);
+  } else {
+    cli::PrintResult(
+        fmt::format("{}: of {} parameters {} exported, {} approximated, {} not expressed, {} without "
+                    "effect; {} says which\n",
+                    options.out.string(), account.at("parameters").size(), account.at("exported").get<int>(),
+                    account.at("approximated").get<int>(), account.at("not_expressed").get<int>(),
+                    account.at("unused").get<int>(), files.back()));
+  }
+  return cli::ExitStatus::kDone;
+}
+
+// What a bag does not say of a recording.
+void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
+  if (options.to != ExportTarget::kRos1Bag) return;
+  std::vector<std::string> lost;
+  if (info.water) lost.emplace_back("the water");
+  if (info.scale.db_min || info.scale.db_span) lost.emplace_back("the dB scale");
+  if (info.scale.quantity == Quantity::kGrey && info.scale.full_scale != 255.0 &&
+      info.scale.full_scale != 65535.0) {
+    lost.push_back(fmt::format("that {:g} is full scale", info.scale.full_scale));
+  }
+  if (info.valid) lost.emplace_back("which samples hold no measurement");
+  if (info.synthetic) lost.emplace_back("that the recording is synthetic");
+  if (!lost.empty()) cli::PrintNote(options.common, fmt::format("not in a bag: {}", fmt::join(lost, ", ")));
+}
+
+cli::ExitStatus ExportRecording(const ExportOptions& options) {
+  std::unique_ptr<RecordingSource> recording = cli::OpenWithBagOptions(options.recording, options.bag);
+  const data_io::FrameRange range = data_io::ParseFrameRange(options.frames, recording->frame_count());
+  recording = std::make_unique<data_io::FrameRangeView>(std::move(recording), range);
+  NoteWhatIsLost(options, recording->info());
+  std::vector<fs::path> inputs = {options.recording};
+  if (!options.bag.picture_geometry.empty()) inputs.push_back(options.bag.picture_geometry);
+  const cli::Provenance provenance{
+      .command = "export", .configuration = Configuration(options), .inputs = inputs};
+
+  const bool is_folder = options.to == ExportTarget::kPng;
+  cli::RunOutput output = OutputOf(options);
+  const fs::path file = output / options.out.filename();
+  cli::Progress progress("Exporting", recording->frame_count(), options.common, "frames");
+  const auto advance = [&](int frames_done) { progress.Update(frames_done); };
+  if (options.to == ExportTarget::kRos1Bag) {
+    data_io::WriteRos1Bag(*recording, file, advance);
+  } else if (options.to == ExportTarget::kNpz) {
+    data_io::WriteNpz(*recording, file, advance);
+  } else {
+    const data_io::FanPainter painter(recording->info(), {.height_px = options.height_px});
+    if (is_folder) {
+      data_io::WriteFanPngs(*recording, painter, output.staging(), advance);
+    } else {
+      constexpr double kWithoutTimes = 10.0;
+      double frames_per_s =
+          options.frames_per_s > 0.0 ? options.frames_per_s : data_io::RecordedFramesPerS(*recording);
+      if (frames_per_s == 0.0) frames_per_s = kWithoutTimes;
+      data_io::WriteFanVideo(*recording, painter, frames_per_s, file, advance);
+      data_io::WriteFileWhole(output / (options.out.filename().string() + ".geometry.json"),
+                              painter.GeometryJson());
+    }
+  }
+  if (is_folder) {
+    cli::WriteProvenance(output.staging(), provenance);
+  } else {
+    data_io::WriteJson(output / (options.out.filename().string() + ".provenance.json"),
+                       cli::ProvenanceToJson(provenance));
+  }
+  output.Commit();
+
+  const int count = recording->frame_count();
+  if (options.common.json) {
+    cli::PrintJson({{"file", options.out.string()},
+                    {"to", Word(options.to)},
+                    {"frames", count},
+                    {"synthetic", recording->info().synthetic}});
+  } else {
+    cli::PrintResult(fmt::format("{}: {} {}{}\n", options.out.string(), count,
+                                 count == 1 ? "frame" : "frames",
+                                 recording->info().synthetic ? " (synthetic)" : ""));
+  }
+  return cli::ExitStatus::kDone;
+}
+
+}  // namespace
+
+cli::ExitStatus RunExport(const ExportOptions& options) {
+  CheckOptions(options);
+  const SimulatorExport* simulator = SimulatorOf(options.to);
+  return simulator == nullptr ? ExportRecording(options) : ExportConfiguration(options, *simulator);
+}
+
+void SetupExport(CLI::App& app) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = cli::AddCommand(
+      app, "export", "Writes parameters for another simulator, or a recording for other tools");
+  cli::internal::AddChoice<ExportTarget>(*command, "--to",
+                                         "Simulator whose configuration is written, or format of a recording",
+                                         [options](ExportTarget to) { options->to = to; })
+      ->required();
+  cli::AddOutFolder(*command, options->out, options->common,
+                    "File to write (a folder for png); beside it, what was exported and how, as JSON")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--params", options->params, "Parameters to export to a simulator")->type_name("JSON");
+  cli::AddSonar(*command, options->sonar, " (for the configuration of a simulator)");
+  cli::AddOptionNamed(*command, options->rays, "absorption");
+  command
+      ->add_option("--recording", options->recording,
+                   "Recording to export, of any format; for simulators the one whose sonar it is")
+      ->type_name("REC");
+  cli::AddBagOptions(*command, options->bag);
+  command
+      ->add_option("--frames", options->frames,
+                   "Frames of the recording: from A, counted from 0, up to but without B; all if not given")
+      ->type_name("A:B");
+  command
+      ->add_option("--height", options->height_px,
+                   "Height of pictures, pixels (default: one a range bin, 800 at most)")
+      ->type_name("PX")
+      ->default_str("")
+      ->check(CLI::Range(2, 10000).description(""));
+  command
+      ->add_option("--fps", options->frames_per_s,
+                   "Frames a second of a video (default: as recorded, 10 where frames have no times)")
+      ->type_name("HZ")
+      ->default_str("")
+      ->check(CLI::Range(0.01, 1000.0).description(""));
+  cli::OnRun(command, options->common, [command, options] {
+    if (SimulatorOf(options->to) == nullptr)
+      cli::RefuseGiven(*command, {"--absorption"}, "on the export of a recording");
+    if (options->recording.empty())
+      cli::RefuseGiven(*command, {"--topic", "--sample-order", "--mirror", "--picture-geometry"},
+                       "without --recording");
+    return RunExport(*options);
+  });
+}
+
+}  // namespace sonarcal::commands

@@ -1,0 +1,277 @@
+#include "apps/commands/fit_noise.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
+#include "apps/report/html/paper_files.h"
+#include "apps/report/html/report_end.h"
+#include "apps/report/sections/comparison_section.h"
+#include "apps/report/sections/noise_section.h"
+#include "apps/report/sections/still_section.h"
+#include "apps/workflow/compare.h"
+#include "apps/workflow/fit.h"
+#include "apps/workflow/still_poses.h"
+#include "calib/noise/noise_fit.h"
+#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters/parameters_io.h"
+
+namespace sonarcal::commands {
+
+namespace {
+
+ParameterSet ParametersFor(const FitCommandOptions& options, const RecordingInfo& info) {
+  ParameterSet parameters;
+  parameters.model = EchoModel::kAcoustic;
+  if (!options.params.empty()) parameters = data_io::ReadParameters(options.params);
+  if (options.params.empty() && !(info.scale.db_min && info.scale.db_max)) {
+    throw DataError("{}: the recording tells no levels db_min and db_max, expected --params with a display",
+                    info.source);
+  }
+  if (const std::string note = workflow::TakeDisplay(info.scale, parameters); !note.empty())
+    cli::PrintNote(options.common, note);
+  return parameters;
+}
+
+calib::FitReport ReportOf(const workflow::StillPoses& still) {
+  calib::FitReport report;
+  // Poses by themselves: what they say together is their mean, weighed by what each knows.
+  double weights = 0.0;
+  double sum = 0.0;
+  for (const workflow::StillPose& pose : still.poses) {
+    const double weight = std::pow(pose.levels.noise_sigma_db, -2);
+    weights += weight;
+    sum += weight * pose.levels.noise_db;
+    report.frames_used.insert(report.frames_used.end(), pose.levels.frames.begin(), pose.levels.frames.end());
+  }
+  std::sort(report.frames_used.begin(), report.frames_used.end());
+  const double noise_db = sum / weights;
+  report.parameters.push_back({.name = "receiver.noise_db",
+                               .unit = "dB",
+                               .value = noise_db,
+                               .sigma = 1.0 / std::sqrt(weights),
+                               .initial = noise_db,
+                               .lower = -300.0,
+                               .upper = 300.0,
+                               .status = calib::ParameterStatus::kFree});
+  report.termination = "converged";
+  report.gauge.push_back("display and looks as given: noise is told in their levels");
+  return report;
+}
+
+}  // namespace
+
+cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
+  using Json = nlohmann::ordered_json;
+  const auto recording = data_io::OpenRecording(options.real);
+  ParameterSet parameters = ParametersFor(options, recording->info());
+  cli::RunOutput output(options.out, "fit", options.common.force);
+  const workflow::StillPoses still = workflow::TellStillPoses(*recording, parameters, 0.0, {});
+  if (still.poses.empty()) {
+    throw DataError("{}: {}", options.real.string(),
+                    still.refused.empty() ? "no pose is shown by two frames" : still.refused.front());
+  }
+  cli::Provenance provenance{.command = "fit",
+                             .configuration = {{"still", true},
+                                               {"real", options.real.string()},
+                                               {"params", options.params.string()},
+                                               {"out", options.out.string()}},
+                             .inputs = {options.real}};
+  if (!options.params.empty()) provenance.inputs.push_back(options.params);
+  const calib::FitReport report = ReportOf(still);
+  const std::string fit_json = calib::FitReportJson(report, report::StillMembers(still));
+  data_io::WriteFileWhole(output / "fit.json", fit_json);
+  cli::WriteProvenance(output.staging(), provenance);
+  parameters.receiver.noise_db = report.parameters.front().value;
+  parameters.materials.try_emplace("default");
+  data_io::WriteParameters(output / "params.json", parameters);
+  const RecordingInfo& info = recording->info();
+  report::HtmlReport html("Speckle and noise of still frames", workflow::RecordingName(info));
+  report::AddSyntheticCallout(html, info.synthetic, workflow::RecordingName(info));
+  html.Section("Levels");
+  report::AddStillPoses(html, still);
+  report::EndReport(html, cli::ProvenanceToJson(provenance));
+  html.Write(output / "report.html");
+  output.Commit();
+  if (options.common.json) {
+    cli::PrintJson(Json::parse(fit_json));
+  } else {
+    cli::PrintResult(workflow::RecordingName(info) + "\n" + report::StillText(still) +
+                     fmt::format("report: {}\n", (options.out / "report.html").string()));
+  }
+  return cli::ExitStatus::kDone;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ResidualJson(const calib::ResidualSummary& residual) {
+  return {{"mean", residual.mean}, {"spread", residual.spread}};
+}
+
+Json AgreementJson(const calib::NoiseAgreement& agreement) {
+  return {{"ks", agreement.ks},
+          {"wasserstein_1_grey", agreement.wasserstein_grey},
+          {"cell_ks_median", agreement.cell_ks_median},
+          {"cell_ks_p95", agreement.cell_ks_p95},
+          {"cell", fmt::format("{} bins x {} beams", calib::kJudgeBins, calib::kJudgeBeams)},
+          {"whitened_residual", ResidualJson(agreement.whitened)},
+          {"nats_per_pixel", agreement.nats_per_pixel}};
+}
+
+Json ChoicesJson(const calib::NoiseFit& fit) {
+  Json choices = Json::array();
+  for (const calib::NoiseModelChoice& choice : fit.choices) {
+    choices.push_back({{"display_law", ToString(choice.display)},
+                       {"speckle", ToString(choice.speckle)},
+                       {"time_varied_gain", ToString(choice.time_varied_gain)},
+                       {"floor_after_gain", choice.floor_after_gain},
+                       {"nats_per_pixel", choice.nats_per_pixel},
+                       {"converged", choice.converged},
+                       {"chosen", choice.chosen}});
+  }
+  return choices;
+}
+
+std::pair<double, double> WindowM(const calib::NoiseCells& cells) {
+  const PolarAxes& axes = cells.axes;
+  return {axes.range_min_m + cells.first_bin * axes.range_bin_m(),
+          axes.range_min_m + cells.last_bin * axes.range_bin_m()};
+}
+
+double ShareLeftOut(const calib::NoiseFit& fit) {
+  double left_out = 0.0;
+  for (const double weight : fit.weight) left_out += weight == 0.0;
+  return left_out / static_cast<double>(fit.weight.size());
+}
+
+std::string FitJson(const calib::NoiseFit& fit) {
+  const auto [near_m, far_m] = WindowM(fit.cells);
+  const Json extra = {{"window", {{"found_by_rule", fit.window_found}, {"range_m", {near_m, far_m}}}},
+                      {"model_choice", ChoicesJson(fit)},
+                      {"speckle", ToString(fit.law.speckle)},
+                      {"agreement",
+                       {{"judged_on_held_out", fit.judged_on_held_out},
+                        {"judged_apart_from_choice", fit.judged_apart_from_choice},
+                        {"odd_bands_held_out", fit.bands_held_out},
+                        {"frames_chosen_on", fit.frames_chosen_on},
+                        {"frames_judged_on", fit.frames_judged_on},
+                        {"frames_used", AgreementJson(fit.used)},
+                        {"frames_judged", AgreementJson(fit.judged)},
+                        {"share_of_cells_left_out", ShareLeftOut(fit)}}}};
+  const std::string members = extra.dump();
+  return calib::FitReportJson(fit.report, members.substr(1, members.size() - 2));
+}
+
+calib::NoiseFitOptions ToNoiseOptions(const FitCommandOptions& options) {
+  calib::NoiseFitOptions noise;
+  noise.held_out = options.fit.held_out;
+  noise.range_min_m = options.range_min_m;
+  noise.range_max_m = options.range_max_m;
+  noise.reject_beyond = options.reject_beyond;
+  noise.find_background = options.find_background;
+  noise.hold_out_bands = options.hold_out_bands;
+  if (!options.params.empty()) noise.display = data_io::ReadParameters(options.params).display;
+  noise.progress = [&options](const std::string& line) { cli::PrintNote(options.common, line); };
+  return noise;
+}
+
+cli::Provenance ProvenanceOf(const FitCommandOptions& options, const calib::NoiseFit& fit) {
+  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  cli::Provenance provenance{.command = "fit",
+                             .configuration = {{"noise_only", true},
+                                               {"real", options.real.string()},
+                                               {"params", options.params.string()},
+                                               {"out", options.out.string()},
+                                               {"held_out", fit.report.frames_held_out},
+                                               {"range_min_m", number(options.range_min_m)},
+                                               {"range_max_m", number(options.range_max_m)},
+                                               {"reject_beyond", options.reject_beyond},
+                                               {"find_background", options.find_background},
+                                               {"hold_out_bands", options.hold_out_bands}},
+                             .inputs = {options.real}};
+  if (!options.params.empty()) provenance.inputs.push_back(options.params);
+  return provenance;
+}
+
+std::string SummaryText(const calib::NoiseFit& fit, const std::string& recording,
+                        const std::filesystem::path& out) {
+  const std::size_t pings = fit.report.frames_used.size();
+  std::string text = fmt::format("{}: noise law of {} ping{}, {}\n", recording, pings, pings == 1 ? "" : "s",
+                                 report::NoiseJudgedText(fit));
+  if (fit.window_found) text += "  " + report::NoiseWindowText(fit) + "\n";
+  text += fmt::format(
+      "  display {}, {} speckle, gain {}, {}\n", ToString(fit.law.display.law), ToString(fit.law.speckle),
+      ToString(fit.law.receiver.time_varied_gain),
+      fit.law.receiver.noise_after_gain_db ? "floors before and behind the gain" : "floor before the gain");
+  for (const calib::FittedParameter& p : fit.report.parameters) {
+    if (p.name.find("_taper_db.") != std::string::npos) continue;
+    text +=
+        fmt::format("  {:<31} {:>9.4g}  {:>8}  {:<5}{}\n", p.name, p.value,
+                    p.sigma ? fmt::format("{:.2g}", *p.sigma) : "-", p.unit,
+                    p.status == calib::ParameterStatus::kFree ? "" : "  " + std::string(ToString(p.status)));
+  }
+  for (const std::string& sentence : fit.report.unidentifiable_directions) text += "  " + sentence + "\n";
+  text += fmt::format("  KS {:.4f}, Wasserstein-1 {:.3f} grey, KS by cell {:.3f} median, {:.3f} at 95 %\n",
+                      fit.judged.ks, fit.judged.wasserstein_grey, fit.judged.cell_ks_median,
+                      fit.judged.cell_ks_p95);
+  text += fmt::format("  whitened residual {:.3f} +- {:.3f}, 0 +- 1 for a true law\n",
+                      fit.judged.whitened.mean, fit.judged.whitened.spread);
+  if (ShareLeftOut(fit) > 0.0)
+    text += fmt::format("  {:.1f} % of the cells left out\n", 100.0 * ShareLeftOut(fit));
+  return text + fmt::format("report: {}\n", (out / "report.html").string());
+}
+
+report::HtmlReport MakeReport(const calib::NoiseFit& fit, const RecordingInfo& info, const Json& provenance) {
+  report::HtmlReport report("Noise law of a sonar", workflow::RecordingName(info));
+  if (info.synthetic) {
+    report.Callout(report::CalloutKind::kSynthetic, "The recording is synthetic",
+                   workflow::RecordingName(info) + " is simulated, not recorded by a sonar.");
+  }
+  report::AddNoiseSections(report, fit, info.synthetic);
+  report::EndReport(report, provenance);
+  return report;
+}
+
+}  // namespace
+
+cli::ExitStatus RunFitNoise(const FitCommandOptions& options) {
+  const auto recording = data_io::OpenRecording(options.real);
+  cli::RunOutput output(options.out, "fit", options.common.force);
+  const calib::NoiseFit fit = calib::FitNoise(*recording, ToNoiseOptions(options));
+  const cli::Provenance provenance = ProvenanceOf(options, fit);
+  const std::string fit_json = FitJson(fit);
+  data_io::WriteFileWhole(output / "fit.json", fit_json);
+  cli::WriteProvenance(output.staging(), provenance);
+  if (!fit.usable) {
+    output.Commit();
+    cli::PrintError(fmt::format("the fit {}; no parameters were written, {} tells more",
+                                fit.report.termination, (options.out / "fit.json").string()));
+    return cli::ExitStatus::kNoSolution;
+  }
+  ParameterSet parameters;
+  parameters.model = EchoModel::kAcoustic;
+  parameters.display = fit.law.display;
+  parameters.receiver = fit.law.receiver;
+  parameters.materials["default"] = {};
+  data_io::WriteParameters(output / "params.json", parameters);
+  report::WriteReport(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)),
+                      output.staging());
+  output.Commit();
+  if (options.common.json) {
+    cli::PrintJson(Json::parse(fit_json));
+  } else {
+    cli::PrintResult(SummaryText(fit, workflow::RecordingName(recording->info()), options.out));
+  }
+  return cli::ExitStatus::kDone;
+}
+
+}  // namespace sonarcal::commands

@@ -1,0 +1,237 @@
+#include "apps/commands/simulate_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/add_options.h"
+#include "apps/cli/interruption.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/provenance.h"
+#include "apps/cli/run_output.h"
+#include "apps/cli/sonar_option.h"
+#include "apps/commands/commands.h"
+#include "apps/commands/simulate_resume.h"
+#include "apps/report/pictures/depth_picture.h"
+#include "apps/workflow/simulate.h"
+#include "core/imaging/fan_image.h"
+#include "data_io/images/image_io.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "sim/gathered/empty_frames.h"
+
+namespace sonarcal::commands {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A grey image as the file of a frame has it: 8 bits where they hold it, else 16.
+void WriteGrey(const std::filesystem::path& file, const Grid<float>& value, double full_scale) {
+  if (full_scale > 255.0) {
+    Grid<std::uint16_t> grey(value.rows(), value.cols());
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      grey.values()[i] = static_cast<std::uint16_t>(std::lround(value.values()[i]));
+    }
+    return data_io::WritePng(file, grey);
+  }
+  Grid<std::uint8_t> grey(value.rows(), value.cols());
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    grey.values()[i] = static_cast<std::uint8_t>(std::lround(value.values()[i]));
+  }
+  data_io::WritePng(file, grey);
+}
+
+Json ConfigurationJson(const SimulateCommandOptions& options, const sim::Simulator& simulator,
+                       EchoModel model) {
+  const sim::RayFanOptions& fan = simulator.options().fan;
+  Json json = {{"scene", options.scene.string()},
+               {"sonar", options.sonar},
+               {"params", options.params.string()},
+               {"poses", options.poses.string()},
+               {"out", options.out.string()}};
+  json.update(cli::SceneFormatJson(options.scene_format));
+  workflow::SimulateOptions cast = options.simulate;
+  cast.model = model;
+  cast.rays.sampling = fan.sampling;
+  cast.rays.rays = RayGridSize{simulator.fan().cols(), simulator.fan().rows()};
+  cast.margin_deg = fan.azimuth_margin_deg;
+  cast.noise = workflow::IsRandom(options.simulate, model);
+  json.update(cli::OptionsJson(cast));
+  json.update({{"fan", options.fan}, {"depth", options.depth}});
+  return json;
+}
+
+// Pictures beside a frame's image, where they are asked for.
+class FilesBeside {
+ public:
+  FilesBeside(const SimulateCommandOptions& options, const sim::Simulator& simulator)
+      : with_fan_(options.fan), with_depth_(options.depth), simulator_(simulator) {
+    if (with_fan_) fan_map_.emplace(simulator.sonar().axes);
+  }
+
+  std::vector<std::string> Names(int index) const {
+    std::vector<std::string> names;
+    if (with_fan_) names.push_back(fmt::format(kFan, index));
+    if (with_depth_) {
+      names.insert(names.end(),
+                   {fmt::format(kRange, index), fmt::format(kDepth, index), fmt::format(kDepthView, index)});
+    }
+    return names;
+  }
+
+  void Write(const cli::RunOutput& output, int index, const Pose& pose, const PolarImage& image) const {
+    if (with_fan_) {
+      WriteGrey(output / fmt::format(kFan, index), fan_map_->Apply(image.value), image.scale.full_scale);
+    }
+    if (!with_depth_) return;
+    const Grid<float> range_m = workflow::RangeAlongRays(simulator_.TraceEchoes(pose), simulator_.fan());
+    data_io::WriteTiff(output / fmt::format(kRange, index), range_m);
+    data_io::WritePng(output / fmt::format(kDepth, index), report::DepthInMillimetres(range_m));
+    data_io::WritePng(output / fmt::format(kDepthView, index),
+                      report::DepthPicture(range_m, simulator_.sonar().axes.range_max_m));
+  }
+
+ private:
+  static constexpr std::string_view kFan = "fan_{:04}.png";
+  static constexpr std::string_view kRange = "range_{:04}.tiff";
+  static constexpr std::string_view kDepth = "depth_{:04}.png";
+  static constexpr std::string_view kDepthView = "depth_view_{:04}.png";
+
+  bool with_fan_;
+  bool with_depth_;
+  const sim::Simulator& simulator_;
+  std::optional<FanMap> fan_map_;
+};
+
+// Writes the frames that are not there yet, until all are or the user interrupts. Returns how many are there.
+int WriteMissingFrames(const workflow::SimulatedRecording& recording, const FilesBeside& beside,
+                       const FinishedFrames& finished, const cli::CommonOptions& common,
+                       const cli::Interruption& interruption, cli::RunOutput& output) {
+  cli::Progress progress("Simulating", recording.frame_count(), common, "frames");
+  return data_io::WriteRecording(recording, output.directory(),
+                                 {.progress =
+                                      [&](int frames_done, int) {
+                                        output.Keep();
+                                        progress.Update(frames_done);
+                                      },
+                                  .is_written =
+                                      [&](int index, const std::string& image) {
+                                        if (!finished.Has(image, beside.Names(index))) return false;
+                                        progress.Skip();
+                                        return true;
+                                      },
+                                  .stop = [&] { return interruption.asked(); }});
+}
+
+}  // namespace
+
+cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
+  const workflow::ThreadLimit threads(options.simulate.rays.threads);
+  const workflow::SonarChoice choice = workflow::ChooseSonar(options.sonar);
+  const workflow::PreparedSimulation resolved =
+      workflow::PrepareSimulation(options.simulate, choice, data_io::ReadParameters(options.params));
+  const ParameterSet& parameters = resolved.parameters;
+  std::vector<data_io::TimedPose> poses = data_io::ReadPosesOrRecording(options.poses);
+  Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
+  const std::string scene_digest = SceneDigest(scene);
+  const sim::Simulator simulator(std::move(scene), choice.sonar, resolved.simulation);
+  for (const std::string& sentence : workflow::SimulationMessages(options.simulate, simulator, resolved))
+    cli::PrintNote(options.common, sentence);
+
+  std::vector<Pose> world_from_sonar;
+  for (const data_io::TimedPose& pose : poses) world_from_sonar.push_back(pose.world_from_sonar);
+  const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, world_from_sonar);
+  if (!empty.empty())
+    cli::PrintNote(options.common, sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
+  const std::int64_t rays_to_look = simulator.caster().rays_cast();
+
+  const cli::Interruption interruption;  // before anything is aside that a run could go on with
+  const FilesBeside beside(options, simulator);
+  cli::RunOutput output(options.out, "simulate", options.common.force,
+                        options.resume ? data_io::Aside::kFound : data_io::Aside::kAnew);
+  const workflow::SimulatedRecording recording(
+      simulator, std::move(poses), parameters, options.scene.string(),
+      [&](int index, const Pose& pose, const PolarImage& image) { beside.Write(output, index, pose, image); },
+      options.simulate.expected);
+  cli::Provenance provenance{.command = "simulate",
+                             .configuration = ConfigurationJson(options, simulator, parameters.model),
+                             .inputs = {options.scene, options.params, options.poses}};
+  if (workflow::IsRandom(options.simulate, parameters.model)) provenance.seed = resolved.simulation.seed;
+  if (choice.input && *choice.input != options.poses) provenance.inputs.push_back(*choice.input);
+  provenance.made_of = FramesMadeOf(recording, scene_digest, parameters, provenance);
+  FinishedFrames finished;
+  if (options.resume) finished = FinishedFrames(output, provenance.made_of);
+  if (finished.in_folder()) output.GoOn();
+  // Before any frame: what is found after a kill says what it is.
+  cli::WriteProvenance(output.staging(), provenance);
+  const int frames_done =
+      WriteMissingFrames(recording, beside, finished, options.common, interruption, output);
+  if (frames_done == 0) {
+    cli::PrintError("interrupted before the first frame was finished: nothing was written");
+    return cli::ExitStatus::kInterrupted;
+  }
+  data_io::WriteParameters(output / "params.json", parameters);
+  output.Commit();
+  if (frames_done < recording.frame_count()) {
+    cli::PrintError(
+        fmt::format("interrupted: {} of {} frames are finished, a recording in {}; the same command with "
+                    "--resume makes the rest",
+                    frames_done, recording.frame_count(), options.out.string()));
+    return cli::ExitStatus::kInterrupted;
+  }
+
+  if (options.common.json) {
+    cli::PrintJson({{"recording", output.final_path().string()},
+                    {"frames", recording.frame_count()},
+                    {"model", ToString(parameters.model)},
+                    {"rays_cast", simulator.caster().rays_cast() - rays_to_look},
+                    {"absorption_db_per_m", simulator.absorption_db_per_m()},
+                    {"frames_without_echo", empty}});
+  } else {
+    cli::PrintResult(fmt::format("{}: {} {} by the {} model, {} x {} rays each\n", options.out.string(),
+                                 recording.frame_count(), recording.frame_count() == 1 ? "frame" : "frames",
+                                 ToString(parameters.model), simulator.fan().cols(), simulator.fan().rows()));
+  }
+  return cli::ExitStatus::kDone;
+}
+
+namespace {
+
+void AddSimulateOptions(CLI::App* command, SimulateCommandOptions* options) {
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+                       /*required=*/true);
+  cli::AddSonar(*command, options->sonar)->required();
+  command->add_option("--params", options->params, "Parameters: materials, levels in dB, errors")
+      ->type_name("JSON")
+      ->required();
+  command
+      ->add_option("--poses", options->poses, "Poses, one a frame: a recording that has them, or a JSON file")
+      ->type_name("REC|FILE")
+      ->required();
+  cli::AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
+  cli::AddOptions(*command, options->simulate);
+  command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
+  command->add_flag("--depth", options->depth,
+                    "Write the depth image as well: range along each ray, in metres (range_NNNN.tiff) and in "
+                    "millimetres (depth_NNNN.png)");
+  command->add_flag("--resume", options->resume,
+                    "Go on with what an interrupted or killed run of the same command left in --out");
+}
+
+}  // namespace
+
+void SetupSimulate(CLI::App& app) {
+  auto options = std::make_shared<SimulateCommandOptions>();
+  CLI::App* command =
+      cli::AddCommand(app, "simulate", "Renders what a sonar would see of a scene, as a recording");
+  AddSimulateOptions(command, options.get());
+  cli::OnRun(command, options->common, [options] { return RunSimulate(*options); });
+}
+
+}  // namespace sonarcal::commands

@@ -1,0 +1,133 @@
+#include "apps/commands/simulate_resume.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "core/types/error.h"
+#include "data_io/files/hash.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/recordings/recording_json.h"
+
+namespace sonarcal::commands {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Contents, of which a difference is all that can be said.
+constexpr const char* kDigests[] = {"scene", "sonar", "parameters", "poses"};
+// Options that decide what is written; the rest of a configuration are paths, and threads.
+constexpr const char* kOptions[] = {"model",          "sampling",    "rays", "ray_weight", "normals",
+                                    "absorption",     "margin_deg",  "bits", "noise",      "expected",
+                                    "frozen_speckle", "ghost_order", "fan",  "depth"};
+
+template <typename T>
+std::string DigestOf(const std::vector<T>& values) {
+  return data_io::Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
+
+std::string TextOf(const Json& value) {
+  if (value.is_null()) return "none";
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+// What two runs do not share, in words; empty where they are the same.
+std::string Differences(const Json& then, const Json& now) {
+  std::string text;
+  for (const auto& [key, value] : now.items()) {
+    const Json before = then.contains(key) ? then[key] : Json();
+    if (before == value) continue;
+    const bool is_digest = std::find(std::begin(kDigests), std::end(kDigests), key) != std::end(kDigests);
+    text += text.empty() ? "" : ", ";
+    text += is_digest ? fmt::format("other contents of '{}'", key)
+                      : fmt::format("{} {} (now {})", key, TextOf(before), TextOf(value));
+  }
+  return text;
+}
+
+// What the frames in a folder were made of; nothing where none are.
+std::optional<Json> ReadMadeOf(const fs::path& folder) {
+  const fs::path file = folder / "provenance.json";
+  std::ifstream stream(file);
+  if (!stream) return std::nullopt;
+  const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || !json.contains("made_of") || !json["made_of"].is_object()) {
+    throw DataError(
+        "{}: does not say what frames were made of, expected that of an unfinished 'sonarcal simulate'",
+        file.string());
+  }
+  return json["made_of"];
+}
+
+}  // namespace
+
+std::string SceneDigest(const Scene& scene) {
+  std::string parts =
+      DigestOf(scene.vertices_m) + DigestOf(scene.triangles) + DigestOf(scene.triangle_material);
+  for (const std::string& name : scene.material_names) parts += name + '\n';
+  return data_io::Sha256(parts);
+}
+
+Json FramesMadeOf(const workflow::SimulatedRecording& recording, const std::string& scene_digest,
+                  const ParameterSet& parameters, const cli::Provenance& provenance) {
+  data_io::RecordingHeader header{recording.info(), 8, {}};
+  for (int index = 0; index < recording.frame_count(); ++index) {
+    header.frames.push_back(recording.frame_info(index));
+  }
+  const Json json = data_io::RecordingJson(header, "/");
+  Json made_of = {{"program", "sonarcal " SONARCAL_VERSION},
+                  {"scene", scene_digest},
+                  {"sonar", data_io::Sha256(json["sonar"].dump())},
+                  {"water", json["water"]},
+                  {"parameters", data_io::Sha256(data_io::ParametersJson(parameters).dump())},
+                  {"poses", data_io::Sha256(json["frames"].dump())},
+                  {"frames", recording.frame_count()}};
+  for (const char* key : kOptions) {
+    if (provenance.configuration.contains(key)) made_of[key] = provenance.configuration[key];
+  }
+  if (provenance.seed) made_of["seed"] = *provenance.seed;
+  return made_of;
+}
+
+FinishedFrames::FinishedFrames(const cli::RunOutput& output, const Json& made_of) {
+  const auto check = [&](const Json& then) {
+    const std::string differences = Differences(then, made_of);
+    if (differences.empty()) return;
+    throw DataError("{}: cannot be resumed: it was made with {}", output.final_path().string(), differences);
+  };
+  if (const auto then = ReadMadeOf(output.staging())) {
+    check(*then);
+    aside_ = output.staging();
+  }
+  const fs::path folder = output.final_path();
+  if (!data_io::IsRecordingFolder(folder)) return;
+  const auto then = ReadMadeOf(folder);
+  if (!then || *then != made_of) {
+    if (!aside_.empty()) return;  // about to be replaced by what lies aside
+    if (then) check(*then);
+    throw DataError("{}: cannot be resumed: it holds a recording, but no provenance.json", folder.string());
+  }
+  folder_ = folder;
+  const auto recording = data_io::OpenRecordingFolder(folder);
+  for (int index = 0; index < recording->frame_count(); ++index) {
+    images_in_folder_.insert(recording->frame_info(index).name);
+  }
+}
+
+bool FinishedFrames::Has(const std::string& image, const std::vector<std::string>& beside) const {
+  const auto lie_in = [&](const fs::path& folder) {
+    std::error_code error;
+    return fs::exists(folder / image, error) &&
+           std::all_of(beside.begin(), beside.end(),
+                       [&](const std::string& file) { return fs::exists(folder / file, error); });
+  };
+  return (!aside_.empty() && lie_in(aside_)) || (images_in_folder_.contains(image) && lie_in(folder_));
+}
+
+}  // namespace sonarcal::commands

@@ -1,0 +1,44 @@
+// A line chart as inline SVG: lines, dashed lines and points over two linear axes, with an optional band
+// about each series. Colours and line widths come from report.css, so that a chart follows light and dark.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonarcal::report {
+
+struct ChartAxis {
+  std::string label;
+  std::string unit = {};           // empty for a pure number
+  std::optional<double> min = {};  // default: from the data, rounded outwards to a tick
+  std::optional<double> max = {};
+};
+
+enum class SeriesStyle { kLine, kDashed, kPoints, kBand };  // kBand: the band alone
+
+struct ChartSeries {
+  std::string name;
+  std::vector<double> x;
+  std::vector<double> y;  // a value that is not finite interrupts line and band
+  SeriesStyle style = SeriesStyle::kLine;
+  std::vector<double> low = {};  // the band, one value an x; empty for none
+  std::vector<double> high = {};
+  int colour = -1;  // 0..5; -1 takes the series' place. Lets "before" and "after" of a thing share a colour
+};
+
+struct LineChart {
+  std::string title;
+  ChartAxis x = {};
+  ChartAxis y = {};
+  std::vector<ChartSeries> series = {};
+  std::string alt = {};  // what the chart shows, for those who can't see it
+};
+
+// A <figure class="chart"> with title, drawing and legend. Checks that x, y and band are of equal length.
+std::string LineChartHtml(const LineChart& chart);
+
+// The same drawing as an SVG file of its own, for a paper: light, with title and legend in the picture.
+std::string LineChartSvg(const LineChart& chart);
+
+}  // namespace sonarcal::report

@@ -1,0 +1,17 @@
+// A camera's picture with what was made of it: the outline of every marker where the pose puts it (blue;
+// orange for one that was left out), and from each corner the residual, measured less projected, enlarged.
+#pragma once
+
+#include <cstdint>
+
+#include "calib/markers/marker_poses.h"
+#include "core/types/image.h"
+#include "core/types/rgb_image.h"
+
+namespace sonarcal::report {
+
+inline constexpr double kResidualEnlarged = 200.0;
+
+RgbImage MarkerPicture(const Grid<std::uint8_t>& grey, const calib::MarkerFramePose& frame);
+
+}  // namespace sonarcal::report

@@ -1,0 +1,79 @@
+#include "apps/report/pictures/shown_frames.h"
+
+#include <algorithm>
+
+#include "apps/report/pictures/comparison_viewer.h"
+
+namespace sonarcal::report {
+namespace {
+
+// Collects the pictures of frame after frame.
+class FrameShow {
+ public:
+  FrameShow(std::vector<int> examples, metrics::IntensityDomain domain)
+      : examples_(std::move(examples)), domain_(domain) {}
+
+  void Add(const PolarImage& real, const PolarImage& simulated, const metrics::FrameMetrics& metrics) {
+    shown_.viewer.frames.push_back(MakeViewerFrame(real, simulated, metrics, domain_));
+    if (std::ranges::find(examples_, metrics.index) == examples_.end()) return;
+    shown_.pictures.push_back(maker_.Make(real, simulated, metrics));
+  }
+
+  ShownFrames Finish(bool real_is_synthetic, std::size_t compared) {
+    shown_.viewer.real_is_synthetic = real_is_synthetic;
+    shown_.viewer.caption = ViewerCaption(shown_.viewer.frames.size(), compared);
+    return std::move(shown_);
+  }
+
+ private:
+  std::vector<int> examples_;
+  metrics::IntensityDomain domain_;
+  PictureMaker maker_;
+  ShownFrames shown_;
+};
+
+// Frames of a report for the viewer of one page.
+std::vector<int> ViewedFrames(const metrics::MetricsReport& report, const std::vector<int>& examples,
+                              std::size_t pixels, std::size_t max_frames) {
+  return workflow::SpreadFrames(report, examples, ViewerFrameCount(pixels, max_frames));
+}
+
+}  // namespace
+
+ShownFrames ShowFrames(const RecordingSource& real, const RecordingSource& simulated,
+                       const workflow::CompareRecordingsOptions& options,
+                       const metrics::MetricsReport& report, const std::vector<int>& examples) {
+  const PolarAxes& axes = real.info().sonar.axes;
+  const std::size_t pixels = static_cast<std::size_t>(axes.range_bins) * axes.beam_count();
+  FrameShow show(examples, options.compare.intensity_domain);
+  workflow::CompareAgain(
+      real, simulated, options, ViewedFrames(report, examples, pixels, report.frames.size()),
+      [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& metrics) {
+        show.Add(recorded, rendered, metrics);
+      });
+  return show.Finish(real.info().synthetic, report.frames.size());
+}
+
+FitPictures ShowFit(const workflow::RecordingFit& fit) {
+  FitPictures pictures;
+  if (fit.frames_after.empty()) return pictures;
+  PictureMaker maker;
+  std::vector<int> examples;
+  for (const workflow::ComparedFrame& frame : fit.frames_before) {
+    examples.push_back(frame.metrics.index);
+    pictures.before.push_back(maker.Make(frame.real, frame.simulated, frame.metrics));
+  }
+  const std::size_t pixels = fit.frames_after.front().real.value.size();
+  const std::vector<int> viewed = ViewedFrames(fit.after, examples, pixels, fit.frames_after.size());
+  FrameShow show(examples, fit.after.options.intensity_domain);
+  for (const workflow::ComparedFrame& frame : fit.frames_after) {
+    if (std::ranges::find(viewed, frame.metrics.index) == viewed.end()) continue;
+    show.Add(frame.real, frame.simulated, frame.metrics);
+  }
+  ShownFrames shown = show.Finish(fit.after.real_is_synthetic, fit.after.frames.size());
+  pictures.after = std::move(shown.pictures);
+  pictures.viewer = std::move(shown.viewer);
+  return pictures;
+}
+
+}  // namespace sonarcal::report

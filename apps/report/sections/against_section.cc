@@ -1,0 +1,65 @@
+#include "apps/report/sections/against_section.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "apps/report/html/html_text.h"
+#include "metrics/figures.h"
+
+namespace sonarcal::report {
+namespace {
+
+constexpr int kDecimals = 3;
+constexpr const char* kNoValue = "–";
+
+const char* VerdictText(metrics::ChangeVerdict verdict) {
+  switch (verdict) {
+    case metrics::ChangeVerdict::kBetter:
+      return "better";
+    case metrics::ChangeVerdict::kWorse:
+      return "worse";
+    case metrics::ChangeVerdict::kSame:
+      return "the same";
+    case metrics::ChangeVerdict::kNotTold:
+      break;
+  }
+  return "within the noise";
+}
+
+}  // namespace
+
+void AddAgainst(HtmlReport& report, const metrics::Against& against) {
+  Table table{.caption = fmt::format("Against {}", against.earlier),
+              .columns = {{"Figure"}, {"View"}, {"Before"}, {"Now"}, {"Verdict"}, {"Way to the floor", "%"}},
+              .rows = {},
+              .notes = {}};
+  table.notes.push_back(
+      against.common_frames > 0
+          ? fmt::format(
+                "Means over frames. A change counts where the 95 % interval of the difference over the "
+                "{} frames of both does not hold 0.",
+                against.common_frames)
+          : "Means over frames. Too few frames stand in both: a change counts where the two 95 % intervals "
+            "lie "
+            "apart.");
+  table.notes.push_back(fmt::format(
+      "Of all {} figures {} got better and {} worse; one in twenty does by chance. In strong print the ones "
+      "that are looked at first.",
+      against.figures.size(), against.Count(metrics::ChangeVerdict::kBetter, false),
+      against.Count(metrics::ChangeVerdict::kWorse, false)));
+  for (const std::string& note : against.notes) table.notes.push_back("Note: " + note + ".");
+  for (const metrics::FigureChange& change : against.figures) {
+    const bool told =
+        change.verdict == metrics::ChangeVerdict::kBetter || change.verdict == metrics::ChangeVerdict::kWorse;
+    if (!change.headline && !told) continue;
+    table.rows.push_back({{metrics::Figures()[metrics::FigureIndex(change.path)].label,
+                           change.fan ? "fan" : "polar", FormatNumber(change.earlier, kDecimals),
+                           FormatNumber(change.now, kDecimals), VerdictText(change.verdict),
+                           change.explained ? fmt::format("{:.0f}", 100.0 * *change.explained) : kNoValue},
+                          change.headline ? RowStyle::kStrong : RowStyle::kPlain});
+  }
+  report.Add(table);
+}
+
+}  // namespace sonarcal::report

@@ -1,0 +1,383 @@
+#include "apps/report/sections/fit_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "apps/report/html/html_text.h"
+#include "apps/report/pictures/shown_frames.h"
+#include "apps/report/sections/agreement_section.h"
+#include "apps/report/sections/comparison_section.h"
+#include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
+#include "sim/physics/gsab.h"
+
+namespace sonarcal::report {
+namespace {
+
+constexpr double kCurveStepDeg = 0.5;
+// Curves fall without end towards 90 degrees; below this many decibels under their top they tell nothing.
+constexpr double kCurveDepthDb = 60.0;
+constexpr double kStrongCorrelation = 0.9;
+constexpr std::size_t kMapsShown = 3;
+constexpr double kMinMapShare = 1e-3;  // of a frame's pixels: fewer are not to be seen on a map
+constexpr double kSigmasOf95 = 1.96;
+constexpr double kWidestSigmaDb = 5.0;
+constexpr std::size_t kCorrelationsShown = 8;
+
+std::string Value(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
+}
+
+const char* StatusText(calib::ParameterStatus status) {
+  switch (status) {
+    case calib::ParameterStatus::kFree:
+      return "fitted";
+    case calib::ParameterStatus::kFixed:
+      return "fixed";
+    case calib::ParameterStatus::kUnidentifiable:
+      return "unidentifiable";
+    case calib::ParameterStatus::kAtBound:
+      return "at a bound";
+  }
+  return "";
+}
+
+RowStyle StyleOf(calib::ParameterStatus status) {
+  return status == calib::ParameterStatus::kFree || status == calib::ParameterStatus::kAtBound
+             ? RowStyle::kPlain
+             : RowStyle::kMuted;
+}
+
+// "material.floor" for "material.floor.gsab.A", "display" for "display.db_min".
+std::string GroupOf(const std::string& name) {
+  if (name.starts_with("material.")) return name.substr(0, name.rfind(".gsab."));
+  const std::size_t dot = name.find('.');
+  return dot == std::string::npos ? name : name.substr(0, dot);
+}
+
+Table ValueTable(const calib::FitReport& fit) {
+  Table table{
+      .caption = "Parameters",
+      .columns = {{"Parameter"},
+                  {"Initial"},
+                  {"Value"},
+                  {"Sigma"},
+                  {"Unit", "", false},
+                  {"Bounds", "", false},
+                  {"Status", "", false}},
+      .rows = {},
+      .notes = {"Sigma: one standard deviation, from leaving out one block of neighbouring pixels after "
+                "another, so that speckle and errors that neighbours share are not counted as "
+                "independent. It tells what the data allow within this model, not how wrong the model is."}};
+  constexpr std::ptrdiff_t kTruthColumn = 4;
+  const bool truth = calib::HasTruth(fit);
+  if (truth) {
+    table.columns.insert(table.columns.begin() + kTruthColumn, {"Truth"});
+    table.notes.emplace_back(
+        "Truth: the value that the simulation of this recording used, where it means the same as the fitted "
+        "one.");
+  }
+  std::string group;
+  for (const calib::FittedParameter& p : fit.parameters) {
+    if (GroupOf(p.name) != group) {
+      group = GroupOf(p.name);
+      table.rows.push_back({{group}, RowStyle::kGroup});
+    }
+    std::vector<std::string> cells = {p.name,
+                                      Value(p.initial),
+                                      Value(p.value),
+                                      p.sigma ? Value(*p.sigma) : "–",
+                                      p.unit,
+                                      fmt::format("{:g} to {:g}", p.lower, p.upper),
+                                      StatusText(p.status)};
+    if (truth) cells.insert(cells.begin() + kTruthColumn, p.truth ? Value(*p.truth) : "–");
+    table.rows.push_back({std::move(cells), StyleOf(p.status)});
+  }
+  return table;
+}
+
+ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab, int colour,
+                    SeriesStyle style, const std::optional<workflow::IncidenceRange>& only_within) {
+  ChartSeries series{.name = name, .x = {}, .y = {}, .style = style, .colour = colour};
+  for (int step = 0; step * kCurveStepDeg <= 90.0; ++step) {
+    const double incidence_deg = step * kCurveStepDeg;
+    const bool shown =
+        !only_within || (incidence_deg >= only_within->low_deg && incidence_deg <= only_within->high_deg);
+    series.x.push_back(incidence_deg);
+    series.y.push_back(shown ? sim::GsabDb(gsab, incidence_deg) : std::numeric_limits<double>::quiet_NaN());
+  }
+  return series;
+}
+
+// The 95 % band, where it says anything.
+ChartSeries BandOf(const calib::FittedCurve& curve) {
+  ChartSeries band{
+      .name = "95 %", .x = curve.incidence_deg, .y = curve.backscatter_db, .style = SeriesStyle::kBand};
+  band.colour = 0;
+  for (std::size_t i = 0; i < band.y.size(); ++i) {
+    if (!(curve.sigma_db[i] < kWidestSigmaDb)) band.y[i] = std::numeric_limits<double>::quiet_NaN();
+    band.low.push_back(band.y[i] - kSigmasOf95 * curve.sigma_db[i]);
+    band.high.push_back(band.y[i] + kSigmasOf95 * curve.sigma_db[i]);
+  }
+  return band;
+}
+
+void ClipBelow(std::vector<ChartSeries>& all) {
+  double top_db = -std::numeric_limits<double>::infinity();
+  for (const ChartSeries& series : all) {
+    for (const double y : series.y) top_db = std::isfinite(y) ? std::max(top_db, y) : top_db;
+  }
+  for (ChartSeries& series : all) {
+    for (double& y : series.y) {
+      if (y < top_db - kCurveDepthDb) y = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+LineChart CurveChart(const std::string& material, const workflow::RecordingFit& fit) {
+  LineChart chart{.title = material,
+                  .x = {.label = "incidence", .unit = "deg", .min = 0.0, .max = 90.0},
+                  .y = {.label = "backscatter", .unit = "dB"},
+                  .series = {},
+                  .alt = "Backscatter of " + material + " against incidence, before and after the fit"};
+  const GsabParameters<double>& fitted = fit.fit.parameters.Material(material).gsab;
+  const GsabParameters<double>& initial = fit.initial.Material(material).gsab;
+  if (initial != fitted) chart.series.push_back(CurveOf("initial", initial, 1, SeriesStyle::kDashed, {}));
+  const auto seen = fit.seen.find(material);
+  if (seen != fit.seen.end()) {
+    chart.series.push_back(CurveOf("fitted, angles seen", fitted, 0, SeriesStyle::kLine, seen->second));
+    chart.series.push_back(CurveOf("fitted, not seen", fitted, 0, SeriesStyle::kDashed, {}));
+  }
+  for (const calib::FittedCurve& curve : fit.fit.report.curves) {
+    if (curve.material != material) continue;
+    chart.series.push_back(BandOf(curve));
+    if (curve.truth_db.empty()) continue;
+    chart.series.push_back({.name = "truth",
+                            .x = curve.incidence_deg,
+                            .y = curve.truth_db,
+                            .style = SeriesStyle::kDashed,
+                            .colour = 2});
+  }
+  ClipBelow(chart.series);
+  return chart;
+}
+
+void AddCorrelations(HtmlReport& report, const calib::FitReport& fit) {
+  struct Pair {
+    double correlation;
+    std::string names;
+  };
+  std::vector<Pair> strong;
+  for (Eigen::Index i = 0; i < fit.correlation.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double correlation = fit.correlation(i, j);
+      if (!(std::abs(correlation) >= kStrongCorrelation)) continue;
+      strong.push_back(
+          {correlation, fmt::format("{} and {}", fit.correlation_names[static_cast<std::size_t>(j)],
+                                    fit.correlation_names[static_cast<std::size_t>(i)])});
+    }
+  }
+  if (strong.empty()) return;
+  std::sort(strong.begin(), strong.end(),
+            [](const Pair& a, const Pair& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+  report.Paragraph(
+      fmt::format("Values that trade off against each other ({} pair{} with a correlation of {} or "
+                  "more; the whole matrix is in fit.json):",
+                  strong.size(), strong.size() == 1 ? "" : "s", kStrongCorrelation));
+  std::vector<std::string> items;
+  for (const Pair& pair : strong) {
+    if (items.size() == kCorrelationsShown) break;
+    items.push_back(fmt::format("{}: {}", pair.names, FormatNumber(pair.correlation, 2)));
+  }
+  report.List(items);
+}
+
+std::string JudgedText(const workflow::RecordingFit& fit) {
+  if (!fit.judged_on_held_out) {
+    return "No frame was held out: the figures below are of the frames the fit has seen, and flatter it.";
+  }
+  return fmt::format(
+             "The fit saw frames {} and was judged on frames {}, which it did not see. {} frames are "
+             "compared "
+             "with the expected image, the mean over {}, as grey levels are displayed.",
+             FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
+             RealCaption(fit.after.real_is_synthetic),
+             fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle") +
+         (fit.poses.empty()
+              ? ""
+              : " Poses were fitted; those of the frames held out too, to these frames, with everything "
+                "else held: poses.json has them all. Before the fit, frames stand at their recorded poses.");
+}
+
+}  // namespace
+
+std::string FrameList(const std::vector<int>& frames) {
+  if (frames.empty()) return "none";
+  std::string text = fmt::format("{}", frames.front());
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    text += fmt::format("{}{}", i + 1 == frames.size() ? " and " : ", ", frames[i]);
+  }
+  return text;
+}
+
+void AddFitWarnings(HtmlReport& report, const calib::FitReport& fit, const std::string& model) {
+  const std::string title =
+      model.empty() ? "This fit is doubtful" : fmt::format("The fit of the {} is doubtful", model);
+  for (const std::string& sentence : fit.warnings)
+    report.Callout(CalloutKind::kWarning, title, sentence + ".");
+}
+
+void AddFitKeyFigures(HtmlReport& report, const workflow::RecordingFit& fit) {
+  std::vector<KeyFigure> figures;
+  const auto add = [&](const std::string& label, const metrics::Statistic& before,
+                       const metrics::Statistic& after) {
+    const auto text = [](const metrics::Statistic& s) { return s.value ? FormatNumber(*s.value, 3) : "–"; };
+    figures.push_back({.label = label,
+                       .value = text(after),
+                       .unit = {},
+                       .note = "was " + text(before) + " before the fit"});
+  };
+  const auto add_image = [&](const std::string& image, const metrics::MetricsReport& before,
+                             const metrics::MetricsReport& after) {
+    const metrics::IntensityDomain domain = after.options.intensity_domain;
+    const metrics::ViewSummary& polar_before = before.aggregate.macro.polar;
+    const metrics::ViewSummary& polar_after = after.aggregate.macro.polar;
+    add(image + ": IoU of the object regions", polar_before.At("iou"), polar_after.At("iou"));
+    add(image + ": intensity error, polar", polar_before.Over(domain).mean_absolute,
+        polar_after.Over(domain).mean_absolute);
+  };
+  add_image("Expected image", fit.before, fit.after);
+  if (fit.sample_before && fit.sample_after)
+    add_image("Speckled sample", *fit.sample_before, *fit.sample_after);
+  const auto& parameters = fit.fit.report.parameters;
+  const auto fitted =
+      std::count_if(parameters.begin(), parameters.end(), [](const calib::FittedParameter& p) {
+        return p.status == calib::ParameterStatus::kFree || p.status == calib::ParameterStatus::kAtBound;
+      });
+  figures.push_back({.label = "Parameters fitted",
+                     .value = fmt::format("{}", fitted),
+                     .unit = {},
+                     .note = fmt::format("on {} frames", fit.fit.report.frames_used.size())});
+  report.KeyFigures(figures);
+}
+
+void AddFitComparison(HtmlReport& report, const workflow::RecordingFit& fit) {
+  if (fit.judged_on_held_out) {
+    report.Paragraph(JudgedText(fit));
+  } else {
+    report.Callout(CalloutKind::kLimit, "Not judged on unseen frames", JudgedText(fit));
+  }
+  AddBeforeAfterTable(report, fit.before, fit.after,
+                      fit.judged_on_held_out
+                          ? "Before and after the fit, on frames it did not see: the expected image"
+                          : "Before and after the fit, on the frames it used: the expected image");
+  if (fit.sample_before && fit.sample_after) {
+    AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
+                        "The same with a speckled sample in place of the expected image");
+  }
+  report.Paragraph("The expected image after the fit:");
+  report.List(SummaryInWords(fit.after));
+  const bool synthetic = fit.after.real_is_synthetic;
+  const FitPictures pictures = ShowFit(fit);
+  if (!pictures.after.empty()) AddPictureLegend(report, RealWord(synthetic));
+  if (!pictures.viewer.frames.empty()) report.Add(pictures.viewer);
+  for (std::size_t i = 0; i < pictures.after.size(); ++i) {
+    const std::string frame = fmt::format("Frame {}", pictures.after[i].index);
+    AddFramePictures(report, pictures.before[i], frame + ", before the fit", synthetic);
+    AddFramePictures(report, pictures.after[i], frame + ", after the fit", synthetic);
+  }
+}
+
+void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit) {
+  if (fit.weights.empty() || !fit.fit.report.down_weighted_share) return;
+  report.Subsection("What the scene does not explain");
+  report.Paragraph(fmt::format(
+      "{:.2f} % of the pixels used counted for less than half in the fit, as their neighbourhood is brighter "
+      "or darker than speckle about the model allows.",
+      100.0 * *fit.fit.report.down_weighted_share));
+  PictureRow row{.caption = "Pixels used by the fit: black counts in full, the brighter the less",
+                 .pictures = {}};
+  constexpr int kHeightPx = 360;
+  std::vector<int> dark;  // frames whose map would show nothing
+  for (std::size_t i = 0; i < fit.weights.size() && row.pictures.size() < kMapsShown; ++i) {
+    Grid<float> missing = fit.weights[i];
+    for (float& value : missing.values()) value = 1.0F - value;
+    const auto less = std::count_if(missing.values().begin(), missing.values().end(),
+                                    [](float value) { return value > 0.5F; });
+    if (static_cast<double>(less) < kMinMapShare * static_cast<double>(missing.size())) {
+      dark.push_back(fit.fit.report.frames_used[i]);
+      continue;
+    }
+    const RgbImage map =
+        data_io::Colorize(missing, data_io::ValueWindow{0.0, 1.0}, data_io::ColorMap::kInferno);
+    row.pictures.push_back({.png = data_io::EncodePng(data_io::StretchPolar(map, kHeightPx)),
+                            .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i])});
+  }
+  if (!dark.empty()) {
+    report.Paragraph(
+        fmt::format("No map is shown of frame{} {}: fewer than {:g} % of the pixels counted for "
+                    "less than half.",
+                    dark.size() == 1 ? "" : "s", FrameList(dark), 100.0 * kMinMapShare));
+  }
+  if (!row.pictures.empty()) report.Add(row);
+}
+
+void AddFittedValues(HtmlReport& report, const workflow::RecordingFit& fit) {
+  const calib::FitReport& result = fit.fit.report;
+  std::vector<LineChart> charts;
+  std::vector<std::string> unseen;
+  for (const auto& [material, parameters] : fit.fit.parameters.materials) {
+    if (fit.seen.contains(material)) {
+      charts.push_back(CurveChart(material, fit));
+    } else if (material != "default") {
+      unseen.push_back(material);
+    }
+  }
+  report.Subsection("Backscatter curves");
+  if (!charts.empty()) {
+    report.Add(
+        charts,
+        "Backscatter of each material before and after the fit. Solid where the frames used show "
+        "the material at that incidence; dashed where the curve is only continued. The band holds the curve "
+        "with 95 % confidence, within this model.");
+  }
+  for (const std::string& material : unseen)
+    report.Paragraph("Not seen in the frames used: " + material + ".");
+
+  report.Subsection("Parameters");
+  for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
+  if (!result.unidentifiable_directions.empty()) {
+    report.Callout(
+        CalloutKind::kLimit, "Not identifiable from these frames",
+        "The frames used do not determine these values separately. Each stands where it was held, where its "
+        "prior puts it, or at one of several values that fit equally well. No sigma is given for it.");
+    report.List(result.unidentifiable_directions);
+  }
+  if (!result.other_poses.empty()) {
+    report.Callout(CalloutKind::kLimit, "Poses with a double",
+                   "These frames look as likely from another place. The one nearer to what was recorded is "
+                   "given, and its sigmas are about it alone.");
+    report.List(result.other_poses);
+  }
+  report.Add(ValueTable(result));
+  AddCorrelations(report, result);
+
+  report.Subsection("Residuals and run");
+  const char* unit = result.raw ? "of full scale" : "(deviance of speckle)";
+  const calib::ResidualSummary residual = result.raw.value_or(result.whitened);
+  report.Facts({{"Residual, mean", fmt::format("{:.5f} {}", residual.mean, unit)},
+                {"Residual, spread", fmt::format("{:.5f} {}", residual.spread, unit)},
+                {"Cost", fmt::format("{:.6g} before, {:.6g} after", result.cost_initial, result.cost_final)},
+                {"Iterations", fmt::format("{}", result.iterations)},
+                {"Ended", result.termination},
+                {"Rays cast", fmt::format("{}", result.rays_cast)},
+                {"Time", fmt::format("{:.1f} s to trace every frame once, {:.1f} s to fit", result.trace_s,
+                                     result.solve_s)}});
+}
+
+}  // namespace sonarcal::report

@@ -1,0 +1,137 @@
+#include "apps/report/sections/residual_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "apps/report/html/html_text.h"
+#include "apps/report/sections/figure_words.h"
+#include "data_io/images/image_io.h"
+#include "data_io/pictures/picture.h"
+
+namespace sonarcal::report {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double Middle(const metrics::ResidualClass& of) {
+  return of.to ? 0.5 * (*of.from + *of.to) : *of.from;
+}
+
+// Mean difference and mean |difference| over the classes of a table.
+LineChart ResidualChart(const metrics::ResidualTable& table, const char* title, const char* axis,
+                        const std::string& real) {
+  ChartSeries bias{.name = "mean difference, object regions", .x = {}, .y = {}, .colour = 1};
+  ChartSeries absolute{.name = "mean |difference|, object regions", .x = {}, .y = {}, .colour = 0};
+  ChartSeries whole{
+      .name = "mean difference, whole image", .x = {}, .y = {}, .style = SeriesStyle::kDashed, .colour = 5};
+  for (const metrics::ResidualClass& of : table.classes) {
+    if (!of.from) continue;
+    const double x = Middle(of);
+    for (const auto& [series, value] : {std::pair{&bias, of.sums.union_region.bias()},
+                                        std::pair{&absolute, of.sums.union_region.mean_absolute()},
+                                        std::pair{&whole, of.sums.whole.bias()}}) {
+      series->x.push_back(x);
+      series->y.push_back(value.value_or(kNaN));
+    }
+  }
+  return {.title = title,
+          .x = {.label = axis, .unit = table.unit},
+          .y = {.label = "simulated \u2212 " + real, .unit = "part of full scale"},
+          .series = {std::move(bias), std::move(absolute), std::move(whole)},
+          .alt = fmt::format("{}: lines of mean difference and mean absolute difference", title)};
+}
+
+Table ResidualTableOf(const metrics::ResidualTable& table) {
+  Table shown{.caption = fmt::format("Difference by {}", table.by),
+              .columns = {{table.by},
+                          {"Pixels, object regions"},
+                          {"Mean difference", "part of full scale"},
+                          {"Mean |difference|", "part of full scale"},
+                          {"Mean difference, whole image", "part of full scale"}},
+              .rows = {}};
+  for (const metrics::ResidualClass& of : table.classes) {
+    if (of.sums.whole.pixels == 0) continue;
+    shown.rows.push_back(
+        {{of.name, fmt::format("{}", of.sums.union_region.pixels), FigureText(of.sums.union_region.bias()),
+          FigureText(of.sums.union_region.mean_absolute()), FigureText(of.sums.whole.bias())}});
+  }
+  return shown;
+}
+
+void AddMap(HtmlReport& report, const metrics::ResidualMap& map, const std::string& real) {
+  Grid<float> bias(map.cells.rows(), map.cells.cols());
+  std::vector<double> sizes;
+  for (std::size_t i = 0; i < bias.size(); ++i) {
+    const std::optional<double> of = map.cells.values()[i].whole.bias();
+    bias.values()[i] = static_cast<float>(of.value_or(kNaN));
+    if (of) sizes.push_back(std::abs(*of));
+  }
+  if (sizes.empty()) return;
+  // Full colour at the 98th percentile, so that one cell does not pale all others.
+  const auto high = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), high, sizes.end());
+  const double limit = std::max(*high, 1e-3);
+  report.Add(PictureRow{
+      .caption = fmt::format(
+          "Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. "
+          "Full colour at {:.3f} of full scale.",
+          map.bins, map.beams, limit),
+      .pictures = {{data_io::EncodePng(data_io::StretchPolar(data_io::Diverging(bias, limit), 400)),
+                    "Simulated \u2212 " + real, "Map of the mean difference over range and beam", true}},
+      .columns = 1,
+      .legend = {{"#0072b2", real + " brighter"}, {"#e2e2e2", "alike"}, {"#e69f00", "simulated brighter"}}});
+}
+
+}  // namespace
+
+std::optional<WorstBand> FindWorstBand(const metrics::ResidualTable& table, int bands) {
+  if (table.classes.empty() || !table.classes.front().from || !table.classes.back().to) return std::nullopt;
+  const double low = *table.classes.front().from;
+  const double width = (*table.classes.back().to - low) / bands;
+  std::vector<metrics::DifferenceSums> sums(bands);
+  std::int64_t most = 0;
+  for (const metrics::ResidualClass& of : table.classes) {
+    const int band = std::clamp(static_cast<int>((Middle(of) - low) / width), 0, bands - 1);
+    sums[band] += of.sums.union_region;
+    most = std::max(most, sums[band].pixels);
+  }
+  std::optional<WorstBand> worst;
+  for (int band = 0; band < bands; ++band) {
+    // A handful of pixels at an edge says little.
+    if (sums[band].pixels == 0 || 20 * sums[band].pixels < most) continue;
+    const double error = *sums[band].mean_absolute();
+    if (!worst || error > worst->mean_absolute)
+      worst = WorstBand{low + band * width, low + (band + 1) * width, error, *sums[band].bias()};
+  }
+  return worst;
+}
+
+void AddResiduals(HtmlReport& report, const metrics::MetricsReport& metrics) {
+  if (metrics.residuals.frames() == 0) return;
+  const std::string real = RealWord(metrics.real_is_synthetic);
+  report.Add({ResidualChart(metrics.residuals.ByRange(), "Over range", "range", real),
+              ResidualChart(metrics.residuals.ByBeam(), "Over azimuth", "azimuth", real)},
+             "Difference between the simulated and the " + real +
+                 " image, above 0 where the simulated one is brighter; all frames.");
+  AddMap(report, metrics.residuals.map(), real);
+  for (const metrics::ResidualTable& table : metrics.residuals_by_scene) {
+    const bool numeric =
+        std::ranges::any_of(table.classes, [](const auto& of) { return of.from.has_value(); });
+    if (numeric) {
+      report.Add({ResidualChart(table, "Over incidence", "incidence", real)},
+                 "The same by the mean angle between the rays and the surface's normal.");
+    } else {
+      report.Add(ResidualTableOf(table));
+    }
+  }
+  if (metrics.residuals.frames_left_out() > 0) {
+    report.Paragraph(fmt::format("{} frames of other axes than the first are not in these figures.",
+                                 metrics.residuals.frames_left_out()));
+  }
+}
+
+}  // namespace sonarcal::report

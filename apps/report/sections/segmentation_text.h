@@ -1,0 +1,12 @@
+// How the object was found, in words.
+#pragma once
+
+#include <string>
+
+#include "metrics/compare.h"
+
+namespace sonarcal::report {
+
+std::string DetectorText(const metrics::CompareOptions& options);
+
+}  // namespace sonarcal::report

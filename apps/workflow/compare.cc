@@ -1,0 +1,347 @@
+#include "apps/workflow/compare.h"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "apps/workflow/drawn_floor.h"
+#include "apps/workflow/frame_gatherer.h"
+#include "apps/workflow/scene_geometry.h"
+#include "core/types/error.h"
+#include "data_io/pose_io.h"
+#include "metrics/json/against.h"
+
+namespace sonarcal::workflow {
+
+namespace {
+
+// Says which way out there is, where the scales differ.
+void CheckScales(const ImageScale& real, const ImageScale& simulated, double tolerance_db) {
+  const auto check = [&](const char* field, const std::optional<double>& a, const std::optional<double>& b) {
+    if (!a || !b || std::abs(*a - *b) <= tolerance_db) return;
+    throw DataError(
+        "{}: the real recording shows {:g} dB there, the simulated one {:g} dB; give both the same display, "
+        "or "
+        "compare grey levels with --as-displayed",
+        field, *a, *b);
+  };
+  check("db_min", real.db_min, simulated.db_min);
+  check("db_max", real.db_max, simulated.db_max);
+}
+
+// Settings may change from frame to frame.
+void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
+  const std::string mismatch = SettingsMismatch(real.settings, simulated.settings);
+  if (mismatch.empty()) return;
+  throw DataError(
+      "{}: {} in the real and the simulated recording: their grey values mean different things; compare them "
+      "all the same with --as-displayed",
+      real.name, mismatch);
+}
+
+struct Pair {
+  Frame real;
+  Frame simulated;
+  metrics::FrameMetrics metrics;
+  std::string error;  // why it could not be compared
+};
+
+// Pairs of frames: read one after the other, as recordings ask for, and compared side by side.
+class PairComparer {
+ public:
+  PairComparer(const RecordingSource& real, const RecordingSource& simulated,
+               const CompareRecordingsOptions& options, const metrics::CompareOptions& compare)
+      : real_(real), simulated_(simulated), options_(options), compare_(compare), comparers_([this] {
+          return metrics::FrameComparer(compare_);
+        }) {}
+
+  // In the order of `frames`. Throws DataError for the first that can't be compared.
+  std::vector<Pair> Compare(std::span<const int> frames) {
+    std::vector<Pair> pairs;
+    for (const int frame : frames) pairs.push_back(Read(frame));
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) { Compare(frames[i], pairs[i]); });
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (pairs[i].error.empty()) continue;
+      throw DataError("{} against {}, frame {}: {}", real_.info().source, simulated_.info().source, frames[i],
+                      pairs[i].error);
+    }
+    return pairs;
+  }
+
+ private:
+  Pair Read(int frame) const {
+    Pair pair{
+        .real = real_.ReadFrame(frame), .simulated = simulated_.ReadFrame(frame), .metrics = {}, .error = {}};
+    if (!options_.as_displayed) {
+      CheckSettings(pair.real.info, pair.simulated.info);
+      return pair;
+    }
+    ImageScale& scale = pair.simulated.image.scale;
+    scale.db_min = pair.real.image.scale.db_min;
+    scale.db_max = pair.real.image.scale.db_max;
+    scale.db_span = pair.real.image.scale.db_span;
+    return pair;
+  }
+
+  // Null without an object.
+  const metrics::PixelBox* BoxFor(int frame, const Pair& pair) const {
+    if (!compare_.object) return nullptr;
+    const auto box = options_.boxes.find(frame);
+    SONARCAL_CHECK(box != options_.boxes.end(), "no box for the object in frame {}", frame);
+    std::string why;
+    if (!real_.info().sonar.axes.Matches(pair.real.image.axes, &why)) {
+      throw DataError("the frame and the recording have {}; expected the same, to search the object '{}'",
+                      why, compare_.object->material);
+    }
+    return &box->second;
+  }
+
+  void Compare(int frame, Pair& pair) {
+    try {
+      pair.metrics = comparers_.local().Compare(pair.real.image, pair.simulated.image, BoxFor(frame, pair));
+    } catch (const DataError& error) {
+      pair.error = error.what();
+    }
+    pair.metrics.index = frame;
+    pair.metrics.name = pair.real.info.name;
+    pair.metrics.time_s = pair.real.info.time_s;
+  }
+
+  const RecordingSource& real_;
+  const RecordingSource& simulated_;
+  const CompareRecordingsOptions& options_;
+  const metrics::CompareOptions& compare_;
+  tbb::enumerable_thread_specific<metrics::FrameComparer> comparers_;
+};
+
+}  // namespace
+
+std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
+                                 const std::vector<int>& asked) {
+  const int real_count = real.frame_count();
+  const int simulated_count = simulated.frame_count();
+  if (!asked.empty()) {
+    const int last = *std::max_element(asked.begin(), asked.end());
+    if (last >= std::min(real_count, simulated_count)) {
+      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", last,
+                      real.info().source, real_count, simulated.info().source, simulated_count);
+    }
+    return asked;
+  }
+  if (real_count != simulated_count) {
+    throw DataError("{} has {} frames and {} has {}, expected as many in both; choose some with --frames A:B",
+                    real.info().source, real_count, simulated.info().source, simulated_count);
+  }
+  std::vector<int> all(static_cast<std::size_t>(real_count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& simulated) {
+  if (!real.sonar.axes.Matches(simulated.sonar.axes)) return std::nullopt;
+  return Both(real.valid, simulated.valid);
+}
+
+metrics::MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
+                                         const CompareRecordingsOptions& options,
+                                         const OnComparedFrame& on_frame) {
+  metrics::MetricsReport report{.real = RecordingName(real.info()),
+                                .simulated = RecordingName(simulated.info()),
+                                .real_is_synthetic = real.info().synthetic,
+                                .options = options.compare,
+                                .scale = real.info().scale,
+                                .frames = {},
+                                .aggregate = {},
+                                .noise_floor = {},
+                                .sweep = {},
+                                .notes = {}};
+  const std::vector<int> frames = FramesToCompare(real, simulated, options.frames);
+  if (!options.as_displayed) {
+    CheckScales(real.info().scale, simulated.info().scale, options.compare.db_tolerance);
+  }
+  report.options.keep_masks = static_cast<bool>(on_frame);
+  report.options.valid = ValidInBoth(real.info(), simulated.info());
+  std::set<std::string> notes;
+  metrics::FrameLevels levels;
+  if (options.compare.sweep.steps > 0) {
+    report.sweep.emplace(metrics::SweepSettings(options.compare.sweep, options.compare.segmentation.method));
+  }
+  const auto take = [&](Pair& pair) {
+    metrics::FrameMetrics& metrics = pair.metrics;
+    if (on_frame) on_frame(pair.real.image, pair.simulated.image, metrics);
+    metrics.masks.reset();
+    levels += metrics.levels.value();
+    metrics.levels.reset();
+    if (report.sweep) report.sweep->Add(metrics.sweep);
+    metrics.sweep = {};
+    notes.insert(metrics.notes.begin(), metrics.notes.end());
+    report.frames.push_back(std::move(metrics));
+    if (options.progress) options.progress(static_cast<int>(report.frames.size()));
+  };
+  PairComparer comparer(real, simulated, options, report.options);
+  const std::size_t at_once = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  for (std::size_t first = 0; first < frames.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, frames.size() - first);
+    for (Pair& pair : comparer.Compare({frames.data() + first, count})) take(pair);
+  }
+  report.aggregate = metrics::AggregateFrames(report.frames, std::move(levels));
+  if (options.noise_floor) {
+    // Both frames are real here: one rule for both, and no simulated object to look near to.
+    metrics::CompareOptions of_floor = report.options;
+    of_floor.simulated_object = metrics::SimulatedObject::kSameRule;
+    of_floor.region_margin_m.reset();
+    of_floor.sweep = {};
+    report.noise_floor = metrics::MeasureNoiseFloor(real, of_floor, options.boxes);
+  }
+  if (options.as_displayed) {
+    notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
+  }
+  for (const auto& [name, value] : simulated.info().details) {
+    if (simulated.info().synthetic && name == "noise")
+      notes.insert(fmt::format("noise in the simulated images: {}", value));
+  }
+  report.notes.assign(notes.begin(), notes.end());
+  return report;
+}
+
+void CompareAgain(const RecordingSource& real, const RecordingSource& simulated,
+                  const CompareRecordingsOptions& options, const std::vector<int>& frames,
+                  const OnComparedFrame& on_frame) {
+  CompareRecordingsOptions again = options;
+  again.frames = frames;
+  again.noise_floor = false;
+  again.compare.sweep = {};
+  again.progress = {};
+  CompareRecordings(real, simulated, again, on_frame);
+}
+
+std::vector<ComparedFrame> ComparedFrames(const RecordingSource& real, const RecordingSource& simulated,
+                                          const CompareRecordingsOptions& options,
+                                          const std::vector<int>& frames) {
+  std::vector<ComparedFrame> compared;
+  CompareAgain(
+      real, simulated, options, frames,
+      [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& metrics) {
+        compared.push_back({recorded, rendered, metrics});
+      });
+  return compared;
+}
+
+std::vector<int> SpreadFrames(const metrics::MetricsReport& report, const std::vector<int>& always,
+                              std::size_t count) {
+  std::set<int> chosen(always.begin(), always.end());
+  const std::size_t frames = report.frames.size();
+  // Halves, quarters, eighths ... of the recording, until there are enough.
+  for (std::size_t parts = 1; parts <= 2 * frames; parts *= 2) {
+    for (std::size_t i = 0; i <= parts; ++i) {
+      if (chosen.size() >= count) return {chosen.begin(), chosen.end()};
+      const std::size_t place = std::min(frames - 1, i * frames / parts);
+      chosen.insert(report.frames[place].index);
+    }
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+std::string RecordingName(const RecordingInfo& info) {
+  return info.synthetic ? info.source + " (synthetic)" : info.source;
+}
+
+std::vector<int> TellingFrames(const metrics::MetricsReport& report) {
+  const auto error_of = [&](const metrics::FrameMetrics& frame) {
+    return frame.polar.intensity.Over(report.options.intensity_domain).mean_absolute().value_or(1.0);
+  };
+  std::vector<const metrics::FrameMetrics*> by_error;
+  for (const metrics::FrameMetrics& frame : report.frames) by_error.push_back(&frame);
+  std::stable_sort(by_error.begin(), by_error.end(),
+                   [&](const metrics::FrameMetrics* a, const metrics::FrameMetrics* b) {
+                     return error_of(*a) < error_of(*b);
+                   });
+  if (by_error.empty()) return {};
+  const std::set<int> chosen = {by_error.front()->index, by_error[by_error.size() / 2]->index,
+                                by_error.back()->index};
+  return {chosen.begin(), chosen.end()};
+}
+
+std::vector<int> EvenlySpread(const std::vector<int>& frames, int count) {
+  const int all = static_cast<int>(frames.size());
+  if (count >= all) return frames;
+  std::vector<int> chosen;
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t steps = std::max(1, count - 1);
+    chosen.push_back(frames[static_cast<std::size_t>(std::int64_t{i} * (all - 1) / steps)]);
+  }
+  return chosen;
+}
+
+namespace {
+
+metrics::SweepOptions SweepOf(const CompareOptions& options) {
+  metrics::SweepOptions sweep{.steps = options.sweep_steps, .low = {}, .high = {}};
+  if (options.sweep_range) {
+    sweep.low = options.sweep_range->low;
+    sweep.high = options.sweep_range->high;
+  }
+  return sweep;
+}
+
+// Poses of the simulation. If it states none, poses of the real recording.
+std::vector<data_io::TimedPose> ObjectPoses(const RecordingSource& real, const RecordingSource& simulated) {
+  const bool states_pose =
+      simulated.frame_count() > 0 && simulated.frame_info(0).world_from_sonar.has_value();
+  return data_io::PosesOfRecording(states_pose ? simulated : real);
+}
+
+}  // namespace
+
+Comparison Compare(const RecordingSource& real, const RecordingSource& simulated,
+                   const CompareOptions& options, const Scene* scene, bool residuals_by_scene,
+                   const Listener& listener, const OnComparedFrame& on_frame) {
+  Comparison comparison{.options = {.compare = options.comparison.For(real.info().sonar.axes),
+                                    .as_displayed = options.as_displayed},
+                        .frames = {},
+                        .metrics = {}};
+  CompareRecordingsOptions& compare = comparison.options;
+  compare.compare.sweep = SweepOf(options);
+  compare.compare.Check();
+  compare.frames = options.frames;
+  comparison.frames = FramesToCompare(real, simulated, compare.frames);
+  const int total = static_cast<int>(comparison.frames.size());
+  listener.Progress("Comparing", 0, total);
+  compare.progress = [&](int done) { listener.Progress("Comparing", done, total); };
+
+  std::optional<SceneGeometry> geometry;
+  if (scene != nullptr) geometry.emplace(*scene, real.info().sonar);
+  if (compare.compare.object) {
+    if (!geometry) throw UsageError("--object needs --scene, because neither recording names its scene");
+    compare.boxes = geometry->ObjectBoxes(ObjectPoses(real, simulated), *compare.compare.object);
+  }
+  FrameGatherer gatherer(real, simulated, geometry && residuals_by_scene ? &*geometry : nullptr);
+  metrics::MetricsReport& metrics = comparison.metrics;
+  metrics = CompareRecordings(
+      real, simulated, compare,
+      [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& frame) {
+        gatherer.Add(recorded, rendered, frame);
+        if (on_frame) on_frame(recorded, rendered, frame);
+      });
+  compare.progress = {};
+  gatherer.MoveInto(metrics);
+  if (options.params) {
+    metrics.noise_floor.drawn =
+        DrawFloor(simulated, comparison.frames, *options.params.value, metrics.options, compare.boxes);
+  }
+  if (options.against) {
+    const std::string where = options.against.file.empty() ? "against" : options.against.file.string();
+    metrics.against = metrics::CompareAgainst(metrics, *options.against.value, where);
+  }
+  return comparison;
+}
+
+}  // namespace sonarcal::workflow

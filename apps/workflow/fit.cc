@@ -1,0 +1,381 @@
+#include "apps/workflow/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "apps/workflow/fit_doubts.h"
+#include "apps/workflow/fit_frames.h"
+#include "apps/workflow/known_truth.h"
+#include "apps/workflow/ray_options.h"
+#include "apps/workflow/scene_geometry.h"
+#include "apps/workflow/simulate.h"
+#include "calib/acoustic_fit.h"
+#include "calib/mirror_start.h"
+#include "calib/models/held_out_frames.h"
+#include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/parameters/parameters_io.h"
+#include "sim/acoustic/acoustic_image.h"
+#include "sim/gathered/power_response.h"
+#include "sim/paper/paper_image.h"
+
+namespace sonarcal::workflow {
+
+namespace {
+
+constexpr std::size_t kMaxKeptFrames = 16;  // each is traced again
+
+// Number of frames on which two samples are compared with each other. Each is traced twice more.
+constexpr int kPairFrames = 4;
+
+// Share of a material's echoes that its range of incidence leaves out at either end.
+constexpr double kRarest = 1e-3;
+
+using RenderFrame = std::function<PolarImage(int frame)>;
+
+// What parameters expect in each frame of a recording, on its own grey scale.
+class ExpectedRecording final : public RecordingSource {
+ public:
+  ExpectedRecording(const RecordingSource& recorded, RenderFrame render, const std::string& name)
+      : recorded_(recorded), render_(std::move(render)), info_(recorded.info()) {
+    info_.source = name;
+    info_.synthetic = true;
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return recorded_.frame_count(); }
+  FrameInfo frame_info(int index) const override { return recorded_.frame_info(index); }
+
+  Frame ReadFrame(int index) const override {
+    Frame frame{frame_info(index), render_(index)};
+    const double factor = info_.scale.full_scale / frame.image.scale.full_scale;
+    for (float& value : frame.image.value.values()) value = static_cast<float>(value * factor);
+    sim::QuantiseImage(frame.image);
+    frame.image.scale = info_.scale;
+    return frame;
+  }
+
+ private:
+  const RecordingSource& recorded_;
+  RenderFrame render_;
+  RecordingInfo info_;
+};
+
+std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<sim::EchoHistogram>& echoes,
+                                                    const std::vector<int>& frames,
+                                                    const std::vector<std::string>& material_names) {
+  std::vector<double> weight(material_names.size() * sim::kIncidenceNodes, 0.0);
+  for (const int frame : frames) {
+    for (const sim::EchoHistogram::Entry& entry : echoes[frame].entries) weight[entry.node] += entry.weight;
+  }
+  std::map<std::string, IncidenceRange> seen;
+  for (std::size_t material = 0; material < material_names.size(); ++material) {
+    const double* of = &weight[material * sim::kIncidenceNodes];
+    const double total = std::accumulate(of, of + sim::kIncidenceNodes, 0.0);
+    if (!(total > 0.0)) continue;
+    int low = 0;
+    int high = sim::kIncidenceNodes - 1;
+    double below = of[low];
+    while (below < kRarest * total) below += of[++low];
+    double above = of[high];
+    while (above < kRarest * total) above += of[--high];
+    seen[material_names[material]] = {low * sim::kIncidenceStepDeg, high * sim::kIncidenceStepDeg};
+  }
+  return seen;
+}
+
+calib::FitResult FitPaper(const RecordingSource& recording, const std::vector<sim::EchoHistogram>& echoes,
+                          const sim::ImageGeometry& geometry, const std::vector<std::string>& materials,
+                          const std::vector<int>& used, const FitRecordingOptions& options,
+                          const ParameterSet& initial) {
+  const std::vector<calib::FitFrame> frames = PaperFrames(recording, echoes, used, options);
+  return calib::FitPaperModel(frames, geometry, materials, initial, options.config, options.fit);
+}
+
+calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator& simulator,
+                          const std::vector<data_io::TimedPose>& poses, const calib::FrameSplit& split,
+                          const FitRecordingOptions& options, const ParameterSet& initial) {
+  const auto read = [&](const std::vector<int>& indices) {
+    std::vector<calib::GreyFrame> frames;
+    frames.reserve(indices.size());
+    for (const int index : indices) {
+      frames.push_back({.index = index,
+                        .world_from_sonar = poses[index].world_from_sonar,
+                        .image = recording.ReadFrame(index).image,
+                        .use = ValidPixels(recording.info(), options.pixels)});
+    }
+    return frames;
+  };
+  calib::ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
+  if (options.on_note) choice.fit.progress = options.on_note;
+  return calib::ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config,
+                            choice);
+}
+
+// Where every frame was taken from, as far as the fit moved poses: frames held out follow the mount offset,
+// and where each frame has a pose of its own, theirs are fitted too, with everything else held.
+std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, const sim::Simulator& simulator,
+                                            const std::vector<data_io::TimedPose>& poses,
+                                            const calib::FrameSplit& split,
+                                            const FitRecordingOptions& options,
+                                            const calib::AcousticFit& fit) {
+  std::vector<data_io::TimedPose> fitted = poses;
+  for (std::size_t i = 0; i < split.used.size(); ++i)
+    fitted[split.used[i]].world_from_sonar = fit.world_from_sonar[i];
+  for (const int index : split.held_out)
+    fitted[index].world_from_sonar = poses[index].world_from_sonar * fit.mount;
+  const auto& free = options.config.free;
+  if (!free || std::find(free->begin(), free->end(), "pose") == free->end()) return fitted;
+  if (options.fit.progress && !split.held_out.empty())
+    options.fit.progress("fitting the poses of the frames held out, everything else held");
+  const std::vector<Pose> held_out = calib::FitPosesOnly(
+      simulator, AcousticFrames(recording, fitted, split.held_out, options, fit.parameters.display),
+      fit.parameters, options.config.pose_prior, options.fit.progress);
+  for (std::size_t i = 0; i < held_out.size(); ++i) fitted[split.held_out[i]].world_from_sonar = held_out[i];
+  return fitted;
+}
+
+// Mean power of a pose's echoes, without noise; pixels, beams fastest.
+std::vector<double> EchoesExpected(const sim::Simulator& simulator, const ParameterSet& parameters,
+                                   const Pose& world_from_sonar) {
+  const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
+  const sim::ScatterMap scatter = simulator.Scatter(simulator.TraceEchoes(world_from_sonar), parameters,
+                                                    simulator.TraceGhosts(world_from_sonar, parameters));
+  const Grid<double> echoes = sim::EchoPowerImage(scatter, geometry, parameters);
+  return {echoes.values().begin(), echoes.values().end()};
+}
+
+}  // namespace
+
+void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& split) {
+  std::vector<int> frames = split.used;
+  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
+  const FrameInfo first = recording.frame_info(frames.front());
+  for (const int index : frames) {
+    const FrameInfo frame = recording.frame_info(index);
+    const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
+    if (mismatch.empty()) continue;
+    throw DataError(
+        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
+        "out with "
+        "'convert --frames A:B'",
+        recording.info().source, mismatch, first.name, frame.name);
+  }
+}
+
+sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
+                                          const ParameterSet& parameters) {
+  sim::SimulationOptions options = rays.For(sonar, water, parameters);
+  options.noise = true;
+  return options;
+}
+
+std::vector<std::uint8_t> ValidPixels(const RecordingInfo& info, const std::optional<Mask>& pixels) {
+  const std::optional<Mask> use = Both(info.valid, pixels);
+  if (!use) return {};
+  return {use->values().begin(), use->values().end()};
+}
+
+std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
+  DisplayParameters<double>& display = parameters.display;
+  if (!scale.db_min || !scale.db_max || display.law == DisplayLaw::kPower) return {};
+  if (display.db_min == *scale.db_min && display.db_max == *scale.db_max) return {};
+  std::string note = fmt::format(
+      "the recording's display ({:g} .. {:g} dB) is used, not that of the parameters ({:g} .. {:g} dB)",
+      *scale.db_min, *scale.db_max, display.db_min, display.db_max);
+  display.db_min = *scale.db_min;
+  display.db_max = *scale.db_max;
+  return note;
+}
+
+RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
+                          const FitRecordingOptions& options) {
+  const auto say = [&](const std::string& sentence) {
+    if (options.on_note && !sentence.empty()) options.on_note(sentence);
+  };
+  CheckFittable(recording, initial, options);
+  if (options.comparison.object) CheckObject(*options.comparison.object, scene.material_names);
+  const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording);
+  const calib::FrameSplit split = calib::SplitFrames(options.config, recording.frame_count());
+  CheckSettings(recording, split);
+  calib::CheckHeldOut(recording, split);
+  const SonarModel& sonar = recording.info().sonar;
+  const WaterChoice water = ChooseWater(initial, recording.info().water);
+  say(water.note);
+  ParameterSet start = initial;
+  CheckRayWeight(options.rays.ray_weight, initial.model);
+  const RaysForFit rays = ChooseRays(options.rays, recording.info(), initial.model);
+  say(rays.note);
+  const bool acoustic = initial.model == EchoModel::kAcoustic;
+  if (acoustic) {
+    say(TakeDisplay(recording.info().scale, start));
+    start = calib::WithMirrorStart(start, options.config, scene.material_names, sonar);
+  }
+  ParameterSet rays_for = start;  // whatever pattern is tried
+  if (std::count(options.choose.begin(), options.choose.end(), calib::ChoiceAxis::kElevation) > 0)
+    rays_for.beam.elevation_pattern = ElevationPattern::kCosine;
+  const sim::Simulator simulator(scene, sonar,
+                                 acoustic ? AcousticSimulation(rays.rays, sonar, water.water, rays_for)
+                                          : rays.rays.For(sonar, water.water));
+  say(RaysNote(rays.rays, simulator));
+  if (const std::string caveat =
+          sim::AbsorptionCaveat(options.rays.absorption, sonar.frequency_hz, water.water);
+      !caveat.empty()) {
+    say(caveat);
+  }
+
+  const auto trace_start = std::chrono::steady_clock::now();
+  const std::vector<sim::EchoHistogram> echoes = TraceFrames(simulator, poses, options);
+  const double trace_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - trace_start).count();
+
+  const std::vector<std::string>& materials = simulator.caster().material_names();
+  RecordingFit result{.rays = {simulator.fan().cols(), simulator.fan().rows()},
+                      .ray_options = rays.rays,
+                      .fit = {},
+                      .initial = start,
+                      .seen = IncidenceSeen(echoes, split.used, materials),
+                      .judged_on_held_out = !split.held_out.empty(),
+                      .before = {},
+                      .after = {}};
+  // By parameters and poses.
+  std::function<RenderFrame(const ParameterSet&, const std::vector<data_io::TimedPose>&)> expected_by;
+  const sim::ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
+  if (acoustic) {
+    if (!options.choose.empty()) result.choice = Choose(recording, simulator, poses, split, options, start);
+    const ParameterSet& form = result.choice ? result.choice->parameters : start;
+    const std::vector<calib::AcousticFrame> frames =
+        AcousticFrames(recording, poses, split.used, options, form.display);
+    if (!start.receiver.noise_db) {
+      result.initial.receiver.noise_db = calib::NoiseStartDb(frames, start.receiver.looks);
+    }
+    calib::AcousticFit fit =
+        calib::FitAcousticModel(simulator, frames, result.choice ? form : result.initial,
+                                result.choice ? result.choice->config : options.config, options.fit);
+    if (fit.usable && fit.moved_poses) {
+      result.poses = FittedPoses(recording, simulator, poses, split, options, fit);
+    }
+    result.fit = {
+        .parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
+    for (const std::vector<float>& weights : fit.weights) {
+      result.weights.emplace_back(sonar.axes.range_bins, sonar.axes.beam_count());
+      std::copy(weights.begin(), weights.end(), result.weights.back().values().begin());
+    }
+    expected_by = [&](const ParameterSet& parameters, const std::vector<data_io::TimedPose>& from) {
+      return [&](int frame) {
+        const Pose& pose = from[frame].world_from_sonar;
+        return simulator.RenderExpected(simulator.TraceEchoes(pose), parameters,
+                                        simulator.TraceGhosts(pose, parameters));
+      };
+    };
+  } else {
+    result.fit = FitPaper(recording, echoes, geometry, materials, split.used, options, start);
+    expected_by = [&](const ParameterSet& parameters, const std::vector<data_io::TimedPose>&) {
+      return [&, paper = sim::PaperParametersFor(parameters, materials)](int frame) {
+        return PaperImage(echoes.at(frame), geometry, paper);
+      };
+    };
+  }
+  result.ray_options.sampling = simulator.options().fan.sampling;
+  calib::FitReport& report = result.fit.report;
+  if (!rays.warning.empty()) report.warnings.insert(report.warnings.begin(), rays.warning);
+  report.frames_held_out = split.held_out;
+  report.trace_s = trace_s;
+  report.rays_cast = simulator.caster().rays_cast();
+  if (const auto truth = options.truth ? options.truth : ReadTruth(recording.info()))
+    AddTruth(*truth, result.fit.parameters, scene, sonar, report);
+  if (!result.fit.usable) return result;
+
+  const std::vector<data_io::TimedPose>& fitted_poses = result.poses.empty() ? poses : result.poses;
+  const ExpectedRecording before(recording, expected_by(result.initial, poses), "initial parameters");
+  const ExpectedRecording after(recording, expected_by(result.fit.parameters, fitted_poses),
+                                "fitted parameters");
+  CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
+  if (const std::optional<metrics::ObjectSearch>& object = options.comparison.object) {
+    judge.boxes = SceneGeometry(simulator.caster(), sonar).ObjectBoxes(fitted_poses, *object);
+  }
+  judge.frames = result.judged_on_held_out ? split.held_out : split.used;
+  result.after = CompareRecordings(recording, after, judge);
+  judge.noise_floor = false;
+  result.before = CompareRecordings(recording, before, judge);
+  result.before.noise_floor = result.after.noise_floor;
+  if (acoustic) {
+    const auto sample_by = [&](const ParameterSet& parameters, const std::vector<data_io::TimedPose>& from,
+                               int draw = 0) {
+      return ExpectedRecording(
+          recording,
+          [&, draw](int frame) {
+            const Pose& pose = from[frame].world_from_sonar;
+            return simulator.RenderEchoes(simulator.TraceEchoes(pose), parameters,
+                                          frame + draw * recording.frame_count(),
+                                          simulator.TraceGhosts(pose, parameters));
+          },
+          "a speckled sample");
+    };
+    result.sample_before = CompareRecordings(recording, sample_by(result.initial, poses), judge);
+    result.sample_after = CompareRecordings(recording, sample_by(result.fit.parameters, fitted_poses), judge);
+    const ParameterSet& fitted = result.fit.parameters;
+    CompareRecordingsOptions judge_pair = judge;
+    judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
+    result.sample_pair =
+        CompareRecordings(sample_by(fitted, fitted_poses, 1), sample_by(fitted, fitted_poses), judge_pair);
+    result.still = TellStillPoses(
+        recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
+        &report,
+        [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
+  }
+  std::vector<std::string> doubts = DoubtsAbout(result, options.config);
+  const std::vector<std::string> worse = WorseFigures(result);
+  doubts.insert(doubts.end(), worse.begin(), worse.end());
+  report.warnings.insert(report.warnings.begin(), doubts.begin(), doubts.end());
+  if (options.keep_images) {
+    const std::vector<int> examples = TellingFrames(result.after);
+    result.frames_before = ComparedFrames(recording, before, judge, examples);
+    result.frames_after =
+        ComparedFrames(recording, after, judge, SpreadFrames(result.after, examples, kMaxKeptFrames));
+  }
+  return result;
+}
+
+calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene) {
+  calib::FitConfig config = options.config.value.value_or(calib::FitConfig());
+  if (!options.free.empty()) config.free = options.free;
+  if (!config.free) {
+    config.free = start.model == EchoModel::kPaper
+                      ? calib::PaperFreeByDefault()
+                      : calib::AcousticFreeByDefault(start, scene.material_names);
+  }
+  if (!options.fixed.empty()) config.fixed = options.fixed;
+  if (!options.held_out.empty()) config.held_out = options.held_out;
+  return config;
+}
+
+RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
+                 const FitOptions& options, const Listener& listener) {
+  const bool acoustic = start.model == EchoModel::kAcoustic;
+  if (options.trust_all && !acoustic)
+    throw UsageError("--trust-all has no effect: the paper's model counts all pixels in full");
+  const ThreadLimit threads(options.rays.threads);
+  for (const std::string& sentence : MirrorCaveats(start, scene.material_names)) listener.Message(sentence);
+  FitRecordingOptions fit;
+  fit.rays = options.rays;
+  fit.config = ResolveFitConfig(options, start, scene);
+  fit.comparison = options.comparison.For(recording.info().sonar.axes);
+  fit.choose = options.choose;
+  fit.fit.max_iterations = options.max_iterations;
+  fit.fit.starts = options.starts;
+  fit.fit.threads = options.rays.threads;
+  fit.fit.down_weight = !options.trust_all && acoustic;
+  fit.fit.progress = listener.message;
+  fit.fit.stop = listener.stop;
+  fit.on_note = listener.message;
+  fit.on_trace = [&](int done, int total) { listener.Progress("Tracing", done, total); };
+  return FitRecording(recording, scene, start, fit);
+}
+
+}  // namespace sonarcal::workflow

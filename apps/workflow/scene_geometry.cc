@@ -1,0 +1,134 @@
+#include "apps/workflow/scene_geometry.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/types/units.h"
+#include "sim/rays/trace.h"
+
+namespace sonarcal::workflow {
+namespace {
+
+constexpr double kClassDeg = 5.0;
+constexpr int kClasses = 18;
+constexpr int kColumnsPerBeam = 2;
+constexpr int kRows = 600;
+constexpr const char* kNothingName = "(nothing met)";
+
+sim::RayFanOptions FanOptionsFor(const SonarModel& sonar) {
+  sim::RayFanOptions options;
+  options.sampling = sim::Sampling::kBeams;
+  options.cols = kColumnsPerBeam * sonar.axes.beam_count();
+  options.rows = kRows;
+  return options;
+}
+
+int BinOf(double range_m, const PolarAxes& axes) {
+  const double bin = std::floor((range_m - axes.range_min_m) / axes.range_bin_m());
+  return std::clamp(static_cast<int>(bin), 0, axes.range_bins - 1);
+}
+
+}  // namespace
+
+void CheckObject(const metrics::ObjectSearch& object, const std::vector<std::string>& material_names) {
+  if (std::find(material_names.begin(), material_names.end(), object.material) != material_names.end())
+    return;
+  throw DataError("the scene has no material '{}' to be the object, expected one of {}", object.material,
+                  fmt::join(material_names, ", "));
+}
+
+SceneGeometry::SceneGeometry(Scene scene, const SonarModel& sonar)
+    : SceneGeometry(std::make_unique<const sim::RayCaster>(std::move(scene)), sonar) {}
+
+SceneGeometry::SceneGeometry(std::unique_ptr<const sim::RayCaster> own, const SonarModel& sonar)
+    : own_(std::move(own)), caster_(own_.get()), axes_(sonar.axes), fan_(sonar, FanOptionsFor(sonar)) {}
+
+SceneGeometry::SceneGeometry(const sim::RayCaster& caster, const SonarModel& sonar)
+    : caster_(&caster), axes_(sonar.axes), fan_(sonar, FanOptionsFor(sonar)) {}
+
+CellGeometry SceneGeometry::At(const Pose& world_from_sonar) const {
+  const sim::EchoList echoes = sim::Trace(*caster_, fan_, world_from_sonar, axes_);
+  const auto materials = static_cast<int>(material_names().size());
+  // Solid angle, and solid angle times incidence, of each material in each cell.
+  std::vector<Grid<float>> solid_angle(materials, Grid<float>(axes_.range_bins, axes_.beam_count()));
+  std::vector<Grid<float>> weighted = solid_angle;
+  for (std::size_t i = 0; i < echoes.size(); ++i) {
+    const int row = BinOf(echoes.range_m[i], axes_);
+    const int col = echoes.Beam(i);
+    solid_angle[echoes.material[i]](row, col) += echoes.solid_angle_sr[i];
+    weighted[echoes.material[i]](row, col) += echoes.solid_angle_sr[i] * echoes.incidence_rad[i];
+  }
+  CellGeometry geometry{.material = Grid<int>(axes_.range_bins, axes_.beam_count(), CellGeometry::kNothing),
+                        .incidence_rad = Grid<float>(axes_.range_bins, axes_.beam_count())};
+  for (std::size_t cell = 0; cell < geometry.material.size(); ++cell) {
+    float most = 0.0F;
+    for (int material = 0; material < materials; ++material) {
+      const float angle = solid_angle[material].values()[cell];
+      if (angle <= most) continue;
+      most = angle;
+      geometry.material.values()[cell] = material;
+      geometry.incidence_rad.values()[cell] = weighted[material].values()[cell] / angle;
+    }
+  }
+  return geometry;
+}
+
+metrics::PixelBox SceneGeometry::ObjectBox(const Pose& world_from_sonar,
+                                           const metrics::ObjectSearch& object) const {
+  CheckObject(object, material_names());
+  const sim::EchoList echoes = sim::Trace(*caster_, fan_, world_from_sonar, axes_);
+  Mask shown(axes_.range_bins, axes_.beam_count());
+  for (std::size_t i = 0; i < echoes.size(); ++i) {
+    if (material_names()[echoes.material[i]] == object.material)
+      shown(BinOf(echoes.range_m[i], axes_), echoes.Beam(i)) = 1;
+  }
+  return metrics::BoxOf(shown, object.margin);
+}
+
+std::map<int, metrics::PixelBox> SceneGeometry::ObjectBoxes(const std::vector<data_io::TimedPose>& poses,
+                                                            const metrics::ObjectSearch& object) const {
+  CheckObject(object, material_names());
+  std::map<int, metrics::PixelBox> boxes;
+  for (const data_io::TimedPose& pose : poses)
+    boxes.emplace(static_cast<int>(boxes.size()), ObjectBox(pose.world_from_sonar, object));
+  return boxes;
+}
+
+GeometryResiduals::GeometryResiduals(const std::vector<std::string>& material_names) {
+  metrics::ResidualTable by_incidence{.by = "incidence", .unit = "degrees", .classes = {}};
+  for (int i = 0; i < kClasses; ++i) {
+    by_incidence.classes.push_back({.name = {}, .from = i * kClassDeg, .to = (i + 1) * kClassDeg});
+  }
+  metrics::ResidualTable by_material{.by = "material", .unit = {}, .classes = {}};
+  for (const std::string& name : material_names) {
+    by_material.classes.push_back({.name = name, .from = std::nullopt});
+  }
+  by_material.classes.push_back({.name = kNothingName, .from = std::nullopt});
+  tables_ = {std::move(by_incidence), std::move(by_material)};
+}
+
+void GeometryResiduals::Add(const CellGeometry& geometry, const PolarImage& real, const PolarImage& simulated,
+                            const Mask& real_object, const Mask& simulated_object, const Mask* valid) {
+  SONARCAL_CHECK(
+      geometry.material.rows() == real.value.rows() && geometry.material.cols() == real.value.cols(),
+      "geometry of {} x {} cells, image {} x {}", geometry.material.rows(), geometry.material.cols(),
+      real.value.rows(), real.value.cols());
+  const auto incidence_class = [&](int bin, int beam) {
+    if (geometry.material(bin, beam) == CellGeometry::kNothing) return -1;
+    const double angle_deg = DegFromRad(static_cast<double>(geometry.incidence_rad(bin, beam)));
+    return std::clamp(static_cast<int>(angle_deg / kClassDeg), 0, kClasses - 1);
+  };
+  const auto material_class = [&](int bin, int beam) {
+    const int material = geometry.material(bin, beam);
+    return material == CellGeometry::kNothing ? static_cast<int>(tables_[1].classes.size()) - 1 : material;
+  };
+  metrics::ResidualCollector::AddTo(tables_[0], incidence_class, real, simulated, real_object,
+                                    simulated_object, valid);
+  metrics::ResidualCollector::AddTo(tables_[1], material_class, real, simulated, real_object,
+                                    simulated_object, valid);
+}
+
+}  // namespace sonarcal::workflow

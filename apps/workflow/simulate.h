@@ -1,0 +1,168 @@
+// Simulates what a sonar sees of a scene from given poses.
+//
+//   const auto recording = Simulate(scene, ChooseSonar("p900-45"), parameters, poses);
+//
+// A simulation as a recording: what `simulate` writes, and what other commands compare or fit in memory.
+//
+//   const SonarChoice choice = ChooseSonar("p900-45");
+//   const WaterChoice water = ChooseWater(parameters, choice.water);
+//   const Simulator simulator(scene, choice.sonar, rays.For(choice.sonar, water.water));
+//   const auto recording = SimulateRecording(simulator, poses, parameters, "tank.gltf");
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/workflow/listener.h"
+#include "apps/workflow/ray_options.h"
+#include "core/types/option.h"
+#include "core/types/parameters.h"
+#include "core/types/recording.h"
+#include "core/types/scene.h"
+#include "data_io/pose_io.h"
+#include "sim/simulator.h"
+
+namespace sonarcal::workflow {
+
+struct SonarChoice {
+  SonarModel sonar;
+  std::optional<Water> water;                  // that the preset or file gives
+  std::optional<std::filesystem::path> input;  // the file, where it is one
+};
+
+// A preset's name (sim/scenes/sonar_presets.h), a recording of any format, or a JSON file with a `sonar`
+// object. Throws UsageError where it is neither a name nor there, DataError where the file is damaged.
+SonarChoice ChooseSonar(const std::string& name_or_file);
+
+struct WaterChoice {
+  Water water;
+  std::string note;  // a sentence where the choice needs saying; else empty
+};
+
+// The parameters' water wins over the sonar's, and that is said; where neither gives one, fresh water at 15
+// C.
+WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Water>& of_sonar);
+
+// What should not be missed of the parameters' mirrors, a sentence each: those that are no material of the
+// scene, or that the paper's model has none.
+std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
+                                       const std::vector<std::string>& material_names);
+
+// What a recording says of itself that `simulator` makes: synthetic, by which model, rays and noise.
+// `scene_path` as in RecordingInfo; empty for none. `expected`: its frames are those of ExpectedFrame.
+RecordingInfo SimulatedRecordingInfo(const sim::Simulator& simulator, const ParameterSet& parameters,
+                                     const std::string& scene_path, bool expected = false);
+
+// The expected image of echoes that were traced before, and of ghosts (not of the paper's model), in whole
+// grey levels, as fits and comparisons score it.
+PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& echoes,
+                         const ParameterSet& parameters, const sim::GhostList& ghosts);
+
+// Frames that are rendered when they are read, so that a recording of any length is written in constant
+// memory. Frame i is of pose i, its noise of seed + i: the same frame each time, in any order.
+class SimulatedRecording final : public RecordingSource {
+ public:
+  // Told of each frame as it is made: for outputs beside the image.
+  using OnFrame = std::function<void(int index, const Pose& world_from_sonar, const PolarImage& image)>;
+
+  // `simulator` must outlive the recording.
+  SimulatedRecording(const sim::Simulator& simulator, std::vector<data_io::TimedPose> poses,
+                     ParameterSet parameters, const std::string& scene_path, OnFrame on_frame = {},
+                     bool expected = false);
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(poses_.size()); }
+  FrameInfo frame_info(int index) const override;
+  Frame ReadFrame(int index) const override;
+
+ private:
+  const sim::Simulator& simulator_;
+  std::vector<data_io::TimedPose> poses_;
+  ParameterSet parameters_;
+  RecordingInfo info_;
+  OnFrame on_frame_;
+  bool expected_;
+};
+
+// The same, all of it made at once. `progress` is told after each frame.
+std::unique_ptr<MemoryRecording> SimulateRecording(const sim::Simulator& simulator,
+                                                   const std::vector<data_io::TimedPose>& poses,
+                                                   const ParameterSet& parameters,
+                                                   const std::string& scene_path,
+                                                   const std::function<void(int frames_done)>& progress = {},
+                                                   bool expected = false);
+
+// Range along each ray of the fan in metres, rows x columns of rays; 0 where a ray gives no echo.
+Grid<float> RangeAlongRays(const sim::EchoList& echoes, const sim::RayFan& fan);
+
+struct SimulateOptions {
+  std::optional<EchoModel> model = {};  // absent: that of the parameters
+  RayOptions rays = {};
+  int bits = 8;        // 8, 12 or 16
+  bool noise = false;  // the coherent model has noise unless `expected`
+  bool expected = false;
+  bool frozen_speckle = false;
+  int ghost_order = 1;  // 1 or 2
+  std::optional<double> margin_deg = {};
+  std::optional<std::uint64_t> seed = {};
+
+  template <typename Self, typename Visitor>
+  static void Visit(Self& self, Visitor&& visit) {
+    visit(OptionInfo{.name = "model", .help = "Image model", .by_default = "that of the parameters"},
+          self.model);
+    RayOptions::Visit(self.rays, visit);
+    visit(OptionInfo{.name = "bits", .help = "Bits of a grey value: 8, 12 or 16", .type = "BITS"}, self.bits);
+    visit(OptionInfo{.name = "noise",
+                     .help = "Adds noise: range and azimuth errors (paper), speckle and receiver noise "
+                             "(acoustic; the coherent model always has them)"},
+          self.noise);
+    visit(
+        OptionInfo{.name = "expected",
+                   .help =
+                       "Writes the expected image, which fit and reproduce evaluate: the mean over range "
+                       "and azimuth errors (paper) or over speckle and receiver noise (acoustic, coherent)"},
+        self.expected);
+    visit(OptionInfo{.name = "frozen_speckle",
+                     .help = "Speckle from the seed alone, the same in every frame as long as nothing moves; "
+                             "receiver noise differs from frame to frame (acoustic, coherent)"},
+          self.frozen_speckle);
+    VisitReach(self.ghost_order, self.margin_deg, visit);
+    visit(OptionInfo{.name = "seed",
+                     .help = "Seed of the noise; frame i uses seed + i",
+                     .by_default = std::to_string(sim::SimulationOptions().seed)},
+          self.seed);
+  }
+};
+
+// Parameters and options of the simulator for one sonar.
+struct PreparedSimulation {
+  ParameterSet parameters;  // with the model of the options, if they name one
+  sim::SimulationOptions simulation;
+  std::string water_note;  // a sentence about the choice of water, or empty
+};
+
+// Throws UsageError for options that contradict each other or have no effect.
+PreparedSimulation PrepareSimulation(const SimulateOptions& options, const SonarChoice& sonar,
+                                     ParameterSet parameters);
+
+// Whether images of this model contain random numbers.
+bool IsRandom(const SimulateOptions& options, EchoModel model);
+
+// Sentences that a user should read before the images.
+std::vector<std::string> SimulationMessages(const SimulateOptions& options, const sim::Simulator& simulator,
+                                            const PreparedSimulation& prepared);
+
+// Renders one frame per pose. `scene_path` is stated by the recording, see RecordingInfo. Throws UsageError as
+// PrepareSimulation, DataError without poses or if the scene cannot be used.
+std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice& sonar,
+                                          const ParameterSet& parameters,
+                                          const std::vector<data_io::TimedPose>& poses,
+                                          const SimulateOptions& options = {}, const Listener& listener = {},
+                                          const std::string& scene_path = {});
+
+}  // namespace sonarcal::workflow

@@ -1,0 +1,50 @@
+#include "data_io/recordings/frame_range.h"
+
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+#include "core/types/error.h"
+#include "core/types/printable.h"
+
+namespace sonarcal::data_io {
+namespace {
+
+// A number of the range; `absent` where nothing is written.
+int ParseBound(std::string_view text, int absent, const std::string& range) {
+  if (text.empty()) return absent;
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
+    throw UsageError("frames '{}', expected A:B with whole numbers from 0", Printable(range));
+  }
+  return value;
+}
+
+}  // namespace
+
+FrameRange ParseFrameRange(const std::string& text, int frame_count) {
+  if (text.empty()) return {0, frame_count};
+  const std::string_view view = text;
+  const std::size_t colon = view.find(':');
+  FrameRange range;
+  range.begin = ParseBound(view.substr(0, colon), 0, text);
+  if (colon == std::string_view::npos) {
+    range.end = range.begin < frame_count ? range.begin + 1 : range.begin;
+  } else {
+    range.end = ParseBound(view.substr(colon + 1), frame_count, text);
+  }
+  if (range.end > frame_count || range.count() < 1) {
+    throw DataError("frames '{}' of a recording with {} frames, expected at least one within 0:{}",
+                    Printable(text), frame_count, frame_count);
+  }
+  return range;
+}
+
+FrameRangeView::FrameRangeView(std::unique_ptr<RecordingSource> recording, FrameRange range)
+    : recording_(std::move(recording)), range_(range) {
+  SONARCAL_CHECK(range.begin >= 0 && range.count() >= 1 && range.end <= recording_->frame_count(),
+                 "frames {}:{} of {}", range.begin, range.end, recording_->frame_count());
+}
+
+}  // namespace sonarcal::data_io

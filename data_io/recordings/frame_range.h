@@ -1,0 +1,38 @@
+// Some frames of a recording, chosen on the command line as A:B, like a slice: from frame A up to, not
+// including, B. Either may be left out, and a single number is one frame.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/types/recording.h"
+
+namespace sonarcal::data_io {
+
+struct FrameRange {
+  int begin = 0;
+  int end = 0;  // one past the last
+
+  int count() const { return end - begin; }
+};
+
+// Throws UsageError where `text` is no range, and DataError where it names frames that a recording of
+// `frame_count` frames does not have.
+FrameRange ParseFrameRange(const std::string& text, int frame_count);
+
+// The chosen frames as a recording of their own, numbered from 0.
+class FrameRangeView final : public RecordingSource {
+ public:
+  FrameRangeView(std::unique_ptr<RecordingSource> recording, FrameRange range);
+
+  const RecordingInfo& info() const override { return recording_->info(); }
+  int frame_count() const override { return range_.count(); }
+  FrameInfo frame_info(int index) const override { return recording_->frame_info(range_.begin + index); }
+  Frame ReadFrame(int index) const override { return recording_->ReadFrame(range_.begin + index); }
+
+ private:
+  std::unique_ptr<RecordingSource> recording_;
+  FrameRange range_;
+};
+
+}  // namespace sonarcal::data_io

@@ -1,0 +1,41 @@
+// The numbers by which people recognise a recording, worked out once for the page of `inspect`, its JSON form
+// and reports.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/types/recording.h"
+
+namespace sonarcal::data_io {
+
+struct PixelSummary {
+  double minimum = 0.0;  // in the units of the image's scale
+  double median = 0.0;
+  double maximum = 0.0;
+  double at_minimum_fraction = 0.0;     // share of pixels with the lowest value the scale can show
+  double at_full_scale_fraction = 0.0;  // share of pixels with the highest
+};
+
+struct RecordingSummary {
+  double range_bin_m = 0.0;
+  double azimuth_first_deg = 0.0;  // centre of the left-most beam
+  double azimuth_last_deg = 0.0;
+  double beam_spacing_mean_deg = 0.0;
+  double beam_spacing_min_deg = 0.0;
+  double beam_spacing_max_deg = 0.0;
+  int frames_with_pose = 0;
+  int frames_with_time = 0;
+  std::optional<double> duration_s;  // first to last frame, where both carry a time
+  std::optional<PixelSummary> first_frame;
+  std::string first_frame_failure;  // why there is none; empty where there is, or where there are no frames
+
+  bool EvenBeams() const {
+    return beam_spacing_max_deg - beam_spacing_min_deg < 1e-3 * beam_spacing_mean_deg;
+  }
+};
+
+// Reads every frame's header and the first frame's pixels.
+RecordingSummary Summarize(const RecordingSource& recording);
+
+}  // namespace sonarcal::data_io

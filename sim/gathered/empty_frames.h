@@ -1,0 +1,19 @@
+// Poses from which a sonar sees nothing of a scene, which is most often a mistake in units, axes or poses.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/simulator.h"
+
+namespace sonarcal::sim {
+
+// Indices of the poses from which no ray of the simulator meets the scene within the range window. Casts few
+// rays for a pose that sees something, all of them for one that does not.
+std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar);
+
+// A sentence for `empty` poses, with the likely reason for the first of them.
+std::string EmptyFramesWarning(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                               const std::vector<int>& empty);
+
+}  // namespace sonarcal::sim

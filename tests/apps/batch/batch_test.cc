@@ -1,0 +1,331 @@
+// `sonarcal batch`: killed and run again it ends with what it would have ended with, and does nothing twice.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal::batch {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Quoted;
+using testing::ReadJsonFile;
+using testing::RunSonarcal;
+using ::testing::UnorderedElementsAre;
+using Json = nlohmann::json;
+
+// Each job's events, in the order of the ledger.
+std::map<std::string, std::vector<std::string>> EventsOf(const fs::path& out) {
+  std::map<std::string, std::vector<std::string>> events;
+  std::ifstream ledger(out / "ledger.jsonl");
+  for (std::string line; std::getline(ledger, line) && !ledger.eof();) {
+    const Json json = Json::parse(line);
+    events[json.at("job")].push_back(json.at("event"));
+  }
+  return events;
+}
+
+int CountOf(const fs::path& out, const std::string& event) {
+  int count = 0;
+  for (const auto& [job, events] : EventsOf(out))
+    count += static_cast<int>(std::count(events.begin(), events.end(), event));
+  return count;
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+// Every output of a batch by its path, with one name for the batch's folder; but for what has hashes of
+// inputs that name it.
+std::map<std::string, std::string> OutputsOf(const fs::path& out, const std::vector<std::string>& entries) {
+  const std::set<std::string> leave_out = {"provenance.json", "report.html"};
+  std::map<std::string, std::string> outputs;
+  for (const std::string& entry : entries) {
+    for (const auto& file : fs::recursive_directory_iterator(out / entry)) {
+      if (file.is_regular_file() && !leave_out.contains(file.path().filename().string()))
+        outputs[fs::relative(file.path(), out).string()] =
+            Replaced(testing::ReadFile(file.path()), out.string(), "OUT");
+    }
+  }
+  return outputs;
+}
+
+class BatchTest : public ::testing::Test {
+ protected:
+  // Six simulations, each compared with a recording.
+  void WritePlan(const std::string& rays = RayGridSize{96, 200}) {
+    recorded_ = world_.WriteSimulated("recorded", /*noise=*/true);
+    testing::WriteFile(world_ / "plan.json", fmt::format(R"({{"format": "sonarcal-batch/1", "entries": [
+      {{"name": "sim", "command": "simulate",
+        "options": {{"scene": "scene.gltf", "sonar": "sonar.json", "params": "params.json", "poses": "poses.json",
+                    "rays": "{}", "bits": 12, "noise": true, "sampling": ["beams", "frustum"], "seed": [1, 2, 3]}}}},
+      {{"name": "judged", "command": "compare", "for_each": "sim",
+        "options": {{"real": "recorded", "sim": "{{out}}", "pictures": "{{seed}}"}}}}]}})",
+                                                         rays));
+  }
+
+  std::string Batch(const std::string& out, const std::string& more = "") const {
+    return fmt::format("batch {} --out {} {}", Quoted(world_ / "plan.json"), Quoted(world_ / out), more);
+  }
+
+  // Starts the program, and kills it once the ledger has so many jobs done and another begun.
+  void KillAfter(const std::string& out, int done) const {
+    const pid_t process = fork();
+    if (process == 0) {
+      execl(SONARCAL_BINARY, "sonarcal", "batch", (world_ / "plan.json").c_str(), "--out",
+            (world_ / out).c_str(), "--quiet", nullptr);
+      _exit(127);
+    }
+    for (int i = 0; i < 6000; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      if (CountOf(world_ / out, "done") >= done &&
+          CountOf(world_ / out, "started") > CountOf(world_ / out, "done"))
+        break;
+    }
+    kill(process, SIGKILL);
+    int status = 0;
+    waitpid(process, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "ended before it was killed";
+  }
+
+  testing::TinyWorld world_;
+  fs::path recorded_;
+};
+
+TEST_F(BatchTest, RunsEveryCombinationAndTheComparisonsAfterThem) {
+  WritePlan();
+  const Outcome outcome = RunSonarcal(Batch("out", "--jobs 2"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("of 12 jobs 12 done, 0 failed, 0 not run"));
+  const Json summary = ReadJsonFile(world_ / "out" / "summary.json");
+  ASSERT_EQ(summary.at("jobs").size(), 12U);
+  // The last list runs fastest.
+  EXPECT_EQ(summary.at("jobs").at(4).at("options").at("sampling"), "frustum");
+  EXPECT_EQ(summary.at("jobs").at(4).at("options").at("seed"), "2");
+  EXPECT_EQ(summary.at("jobs").at(10).at("options").at("sim"), (world_ / "out" / "sim" / "0004").string());
+  EXPECT_EQ(summary.at("jobs").at(10).at("options").at("pictures"), "2");
+  // The table has the figures of the comparison of its own simulation: each seed gives another sample.
+  std::map<int, double> iou;
+  for (int i = 0; i < 6; ++i) {
+    const Json metrics = ReadJsonFile(world_ / "out" / "judged" / fmt::format("{:04}", i) / "metrics.json");
+    iou[i] = metrics.at("macro").at("iou");
+    EXPECT_EQ(summary.at("jobs").at(6 + i).at("figures").at("iou").get<double>(), iou[i]);
+  }
+  EXPECT_NE(iou[3], iou[4]);
+  EXPECT_NE(iou[0], iou[1]);
+
+  std::istringstream csv(testing::ReadFile(world_ / "out" / "summary.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_THAT(line, HasSubstr("job,command,state,status,wall_s,"));
+  const auto columns = std::count(line.begin(), line.end(), ',');
+  int rows = 0;
+  for (; std::getline(csv, line); ++rows)
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns) << line;
+  EXPECT_EQ(rows, 12);
+
+  // A simulation by hand with the same options is the same.
+  ASSERT_EQ(RunSonarcal(world_.SimulateArguments() + " --bits 12 --noise --seed 2 --quiet --out " +
+                        Quoted(world_ / "by_hand"))
+                .status,
+            0);
+  EXPECT_EQ(testing::ReadFile(world_ / "by_hand" / "frame_0001.png"),
+            testing::ReadFile(world_ / "out" / "sim" / "0001" / "frame_0001.png"));
+}
+
+TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
+  WritePlan("192x400");
+  ASSERT_EQ(RunSonarcal(Batch("whole")).status, 0);
+  for (const int done : {1, 7}) {
+    SCOPED_TRACE(done);
+    const std::string out = fmt::format("killed{}", done);
+    KillAfter(out, done);
+    const int done_before = CountOf(world_ / out, "done");
+    EXPECT_LT(done_before, 12);
+    const Outcome outcome = RunSonarcal(Batch(out));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    int begun_twice = 0;
+    for (const auto& [job, events] : EventsOf(world_ / out)) {
+      EXPECT_EQ(std::count(events.begin(), events.end(), "done"), 1) << job;
+      EXPECT_EQ(events.back(), "done") << job;
+      begun_twice += events.size() > 2 ? 1 : 0;
+    }
+    EXPECT_LE(begun_twice, 1);  // the one that was killed
+    const auto outputs = OutputsOf(world_ / out, {"sim", "judged"});
+    const auto expected = OutputsOf(world_ / "whole", {"sim", "judged"});
+    ASSERT_EQ(outputs.size(), expected.size());
+    for (const auto& [file, bytes] : expected)
+      EXPECT_TRUE(outputs.contains(file) && outputs.at(file) == bytes) << file;
+    // And once more: there is nothing left to do.
+    const std::string ledger = testing::ReadFile(world_ / out / "ledger.jsonl");
+    ASSERT_EQ(RunSonarcal(Batch(out)).status, 0);
+    EXPECT_EQ(testing::ReadFile(world_ / out / "ledger.jsonl"), ledger);
+  }
+}
+
+TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {
+  WritePlan("192x400");
+  const std::string command = fmt::format("timeout --foreground -s INT 1 {} {} >/dev/null 2>{}",
+                                          SONARCAL_BINARY, Batch("out"), Quoted(world_ / "err"));
+  const int status = std::system(("bash -c \"" + command + "; exit \\$?\"").c_str());
+  if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "the batch was done within a second";
+  EXPECT_THAT(testing::ReadFile(world_ / "err"), HasSubstr("interrupted: what is done lies in"));
+  ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
+  EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
+}
+
+// On a cluster of two workers, one of which is killed in the middle (dask_batch_test.py).
+TEST_F(BatchTest, AClusterThatLosesAWorkerEndsTheSame) {
+  if (std::system(SONARCAL_PYTHON " -c 'import distributed' 2>/dev/null") != 0)
+    GTEST_SKIP() << "needs python3-distributed";
+  WritePlan("192x400");
+  ASSERT_EQ(RunSonarcal(Batch("whole")).status, 0);
+  EXPECT_EQ(std::system(fmt::format("{} {} {} {} {} 2>&1", SONARCAL_PYTHON, SONARCAL_DASK_TEST,
+                                    SONARCAL_BINARY, SONARCAL_DASK_BATCH, Quoted(world_ / "."))
+                            .c_str()),
+            0);
+}
+
+// As a power failure leaves it.
+TEST_F(BatchTest, ALedgerThatWasCutOffIsGoneOnWith) {
+  WritePlan();
+  ASSERT_EQ(RunSonarcal(Batch("out", "--only sim/0000")).status, 0);
+  std::ofstream(world_ / "out" / "ledger.jsonl", std::ios::app) << R"({"job": "sim/0001", "ke)";
+  ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
+  EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
+  EXPECT_EQ(EventsOf(world_ / "out").at("sim/0000").size(), 2U);
+}
+
+// A scheduler that ends a job sends its signal to all: a simulation then leaves a recording of its first
+// frames, and the batch has no time to say how it ended.
+TEST_F(BatchTest, ASimulationThatASignalCutShortIsGoneOnWith) {
+  WritePlan();
+  const std::string only = Batch("out", "--only sim/0000");
+  ASSERT_EQ(RunSonarcal(only).status, 0);
+  const auto whole = OutputsOf(world_ / "out", {"sim"});
+  const fs::path ledger = world_ / "out" / "ledger.jsonl";
+  const std::string lines = testing::ReadFile(ledger);
+  testing::WriteFile(ledger, lines.substr(0, lines.find('\n') + 1));
+  const fs::path recording = world_ / "out" / "sim" / "0000" / "recording.json";
+  auto json = nlohmann::ordered_json::parse(testing::ReadFile(recording));
+  fs::remove(recording.parent_path() / json["frames"].back()["file"].get<std::string>());
+  json["frames"].erase(json["frames"].size() - 1);
+  testing::WriteFile(recording, json.dump());
+
+  ASSERT_EQ(RunSonarcal(only).status, 0);
+  EXPECT_EQ(OutputsOf(world_ / "out", {"sim"}), whole);
+  EXPECT_THAT(EventsOf(world_ / "out").at("sim/0000"), ::testing::ElementsAre("started", "started", "done"));
+}
+
+// Two at a time share the work.
+TEST_F(BatchTest, TwoAtATimeDoEachJobOnce) {
+  WritePlan();
+  const std::string one = fmt::format("{} {} --quiet", SONARCAL_BINARY, Batch("out"));
+  EXPECT_EQ(std::system(fmt::format("({0} & {0} ; s=$?; wait; exit $s) >/dev/null", one).c_str()), 0);
+  EXPECT_EQ(CountOf(world_ / "out", "started"), 12);
+  EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
+}
+
+TEST_F(BatchTest, AJobThatFailsIsSaidAndTriedAgain) {
+  WritePlan();
+  testing::WriteFile(world_ / "bad.json", R"({"format": "sonarcal-batch/1", "entries": [
+      {"name": "sim", "command": "simulate", "rows": [{"params": "params.json"}, {"params": "absent.json"}],
+       "options": {"scene": "scene.gltf", "sonar": "sonar.json", "poses": "poses.json", "rays": "48x100", "bits": 12}},
+      {"name": "judged", "command": "compare", "for_each": "sim", "options": {"real": "recorded", "sim": "{out}"}}]})");
+  const std::string batch =
+      fmt::format("batch {} --out {}", Quoted(world_ / "bad.json"), Quoted(world_ / "out"));
+  const Outcome outcome = RunSonarcal(batch);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("sonarcal: sim/0001: "));
+  EXPECT_THAT(outcome.err, HasSubstr("absent.json"));
+  EXPECT_THAT(outcome.out, HasSubstr("of 4 jobs 2 done, 1 failed, 1 not run"));
+  EXPECT_EQ(RunSonarcal(batch).status, 1);
+  EXPECT_THAT(EventsOf(world_ / "out").at("sim/0001"),
+              ::testing::ElementsAre("started", "failed", "started", "failed"));
+}
+
+TEST_F(BatchTest, OtherInputsNeedAnotherFolder) {
+  WritePlan();
+  ASSERT_EQ(RunSonarcal(Batch("out", "--only sim/0000")).status, 0);
+  ParameterSet parameters = testing::TinyParameters();
+  std::string text = testing::ReadFile(world_.params());
+  text.replace(text.find("160"), 3, "159");
+  testing::WriteFile(world_.params(), text);
+  const Outcome outcome = RunSonarcal(Batch("out"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("sim/0000 was begun with other options or other inputs"));
+}
+
+TEST_F(BatchTest, DryRunListsAndDoesNothing) {
+  WritePlan();
+  const Outcome outcome = RunSonarcal(Batch("out", "--dry-run --json"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json jobs = Json::parse(outcome.out).at("jobs");
+  EXPECT_EQ(jobs.size(), 12U);
+  EXPECT_EQ(jobs.at(7).at("after"), "sim/0001");
+  EXPECT_EQ(jobs.at(7).at("state"), "waiting");
+  EXPECT_FALSE(fs::exists(world_ / "out"));
+}
+
+TEST_F(BatchTest, MistakesInAPlanAreSaidWithFileAndLine) {
+  WritePlan();
+  const auto entry = [](const std::string& rest) {
+    return R"({"format": "sonarcal-batch/1",
+"entries": [{"name": "a", "command": "simulate", )" +
+           rest + "}]}";
+  };
+  const std::pair<std::string, std::string> mistakes[] = {
+      {R"({"format": "sonarcal-batch/2", "entries": []})", "sonarcal-batch/1"},
+      {R"({"format": "sonarcal-batch/1", "entries": []})", "expected at least one entry"},
+      {entry(R"("options": {"sonnar": "x"})"),
+       "plan.json:2: 'entries[0].options.sonnar' is no option of simulate"},
+      {entry(R"("options": {"out": "x"})"), "is an option that the batch sets itself"},
+      {entry(R"("options": {"noise": "yes"})"), "noise"},
+      {entry(R"("options": {"seed": true})"), "expected a value of --seed"},
+      {entry(R"("options": {"seed": []})"), "expected at least one value"},
+      {entry(R"("rows": [{"seed": [1, 2]}])"), "each row is one job"},
+      {entry(R"("rows": [{"seed": 1}], "options": {"seed": 2})"), "which options have as well"},
+      {entry(R"("for_each": "b")"), "expected the name of an entry before this one"},
+      {entry(R"("optoins": {})"), "unknown key"},
+      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "reproduce"}]})",
+       "expected one of simulate, compare, fit"},
+      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "../a", "command": "fit"}]})",
+       "as for a folder"},
+      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "fit"}, {"name": "a", "command": "fit"}]})",
+       "another entry has already"},
+      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "simulate"},
+        {"name": "b", "command": "compare", "for_each": "a", "options": {"sim": "{putput}"}}]})",
+       "expected {out} or an option of a/0000"},
+  };
+  for (const auto& [text, sentence] : mistakes) {
+    testing::WriteFile(world_ / "plan.json", text);
+    const Outcome outcome = RunSonarcal(Batch("out"));
+    EXPECT_EQ(outcome.status, 1) << text;
+    EXPECT_TRUE(testing::IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(sentence));
+    EXPECT_FALSE(fs::exists(world_ / "out"));
+  }
+  EXPECT_EQ(RunSonarcal(Batch("out", "--jobs 0")).status, 2);
+  EXPECT_EQ(RunSonarcal(Batch("out", "--dry-run --summary")).status, 2);
+}
+
+}  // namespace
+}  // namespace sonarcal::batch

@@ -1,0 +1,189 @@
+#include "apps/commands/fit_noise.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "data_io/open_recording.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
+#include "sim/physics/display.h"
+#include "sim/physics/receiver.h"
+#include "tests/apps/html_check.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal::commands {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOneSentence;
+using ::testing::Not;
+using testing::Outcome;
+using testing::Quoted;
+using testing::RunSonarcal;
+using testing::TinyWorld;
+
+constexpr int kPings = 15;
+
+// Noise of an acoustic sonar that sees nothing: one floor, single-look speckle.
+ParameterSet NoiseAlone() {
+  ParameterSet parameters = testing::TinyParameters();
+  parameters.model = EchoModel::kAcoustic;
+  parameters.display = {.db_min = 0.0, .db_max = 60.0};
+  parameters.receiver = {};
+  parameters.receiver.noise_db = 18.0;
+  parameters.receiver.noise_slope_db_per_m = 1.0;
+  return parameters;
+}
+
+class FitNoiseCommand : public ::testing::Test {
+ protected:
+  FitNoiseCommand() {
+    data_io::WriteGltf(Scene{.vertices_m = {{50, 50, 50}, {51, 50, 50}, {50, 51, 50}},
+                             .triangles = {{0, 1, 2}},
+                             .triangle_material = {0},
+                             .material_names = {"box"}},
+                       world_.scene());
+    data_io::WriteParameters(world_.params(), NoiseAlone());
+    std::vector<data_io::TimedPose> poses;
+    for (int i = 0; i < kPings; ++i) poses.push_back({static_cast<double>(i), {}});
+    data_io::WritePoses(world_.poses(), poses);
+    const Outcome simulated =
+        RunSonarcal(world_.SimulateArguments() + " -q --noise --bits 8 --out " + Quoted(real_));
+    EXPECT_EQ(simulated.status, 0) << simulated.err;
+  }
+
+  std::string Arguments(const std::string& extra = "") const {
+    return "fit --noise-only -q --real " + Quoted(real_) + " --out " + Quoted(world_ / "out") + " " + extra;
+  }
+
+  // The recording with its first frames alone.
+  void Keep(int frames) {
+    const auto recording = data_io::OpenRecording(real_);
+    std::vector<Frame> kept;
+    for (int i = 0; i < frames; ++i) kept.push_back(recording->ReadFrame(i));
+    data_io::WriteRecording(MemoryRecording(recording->info(), std::move(kept)), world_ / "kept");
+    real_ = world_ / "kept";
+  }
+
+  TinyWorld world_;
+  std::filesystem::path real_ = world_ / "real";
+};
+
+TEST_F(FitNoiseCommand, FindsTheNoiseOfASyntheticSonar) {
+  const Outcome outcome = RunSonarcal(Arguments());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("noise law of 10 pings, judged on 3 pings that neither"));
+  EXPECT_THAT(outcome.out, HasSubstr("whitened residual"));
+
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
+  EXPECT_EQ(json["format"], "sonar-fit/1");
+  EXPECT_EQ(json["frames_held_out"], (std::vector<int>{10, 11, 12, 13, 14}));
+  const nlohmann::json& agreement = json["agreement"];
+  EXPECT_EQ(agreement["frames_chosen_on"], (std::vector<int>{10, 11}));
+  EXPECT_EQ(agreement["frames_judged_on"], (std::vector<int>{12, 13, 14}));
+  EXPECT_EQ(agreement["judged_apart_from_choice"], true);
+  // 24 x 60 x 3 pixels: the 95 % point of KS is 1.36 / sqrt(4320) = 0.021, less for grey levels.
+  EXPECT_LT(agreement["frames_judged"]["ks"].get<double>(), 0.03);
+  EXPECT_NEAR(json["residuals"]["whitened"]["mean"].get<double>(), 0.0, 0.02);
+  EXPECT_NEAR(json["residuals"]["whitened"]["spread"].get<double>(), 1.0, 0.04);
+  int chosen = 0;
+  for (const nlohmann::json& choice : json["model_choice"]) chosen += choice["chosen"].get<bool>();
+  EXPECT_EQ(chosen, 1);
+  for (const nlohmann::json& parameter : json["parameters"]) {
+    EXPECT_EQ(parameter["sigma"].is_number(), parameter["status"] == "free") << parameter;
+  }
+
+  const ParameterSet fitted = data_io::ReadParameters(world_ / "out/params.json");
+  EXPECT_EQ(fitted.model, EchoModel::kAcoustic);
+  const ReceiverParameters truth = NoiseAlone().receiver;
+  // On the display alone levels are known, as parts of the span: at the middle of the window.
+  const auto shown = [](const DisplayParameters<double>& display, double level_db) {
+    return (level_db - display.db_min) / (display.db_max - display.db_min);
+  };
+  ASSERT_TRUE(fitted.receiver.noise_db);
+  double level_db = *fitted.receiver.noise_db + 2.5 * fitted.receiver.noise_slope_db_per_m +
+                    sim::TimeVariedGainDb(fitted.receiver.time_varied_gain, 2.5, 0.0);
+  if (fitted.receiver.noise_after_gain_db) {
+    level_db = sim::LevelOfPower(sim::PowerOfLevel(level_db) +
+                                 sim::PowerOfLevel(*fitted.receiver.noise_after_gain_db));
+  }
+  EXPECT_NEAR(shown(fitted.display, level_db),
+              shown(NoiseAlone().display, *truth.noise_db + 2.5 * truth.noise_slope_db_per_m), 0.01);
+}
+
+TEST_F(FitNoiseCommand, TheReportShowsTheLawAndWhatItLeaves) {
+  ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
+  const std::string html = testing::ReadFile(world_ / "out/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  for (const char* part : {"receiver.noise_db", "Whitened residual", "<svg", "The recording is synthetic",
+                           "Candidates", "neither it nor the choice among candidates has seen"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_THAT(html, Not(HasSubstr("Judged on what was fitted")));
+}
+
+TEST_F(FitNoiseCommand, OneFrameIsJudgedOnBandsNotFittedAndThatIsSaid) {
+  Keep(1);
+  const Outcome outcome = RunSonarcal(Arguments());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const char* said = "judged on every second band of 8 range bins, not fitted, of the ping fitted";
+  EXPECT_THAT(outcome.out, HasSubstr(said));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr(said));
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
+  EXPECT_EQ(json["agreement"]["judged_on_held_out"], true);
+  EXPECT_EQ(json["agreement"]["odd_bands_held_out"], true);
+  EXPECT_NE(json["agreement"]["frames_judged"], json["agreement"]["frames_used"]);
+}
+
+TEST_F(FitNoiseCommand, FewHeldOutFramesChooseAndJudgeAndThatIsSaid) {
+  Keep(6);
+  const Outcome outcome = RunSonarcal(Arguments("--held-out 2,5"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("judged on 2 pings that it was not fitted to, but that chose it"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("Chosen and judged on the same data"));
+  const nlohmann::json agreement = testing::ReadJsonFile(world_ / "out/fit.json")["agreement"];
+  EXPECT_EQ(agreement["judged_apart_from_choice"], false);
+  EXPECT_EQ(agreement["frames_chosen_on"], agreement["frames_judged_on"]);
+}
+
+TEST_F(FitNoiseCommand, TheWindowFoundIsSaid) {
+  const Outcome outcome = RunSonarcal(Arguments("--find-background --reject-beyond 3"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("found by rule"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("found by rule"));
+  const nlohmann::json window = testing::ReadJsonFile(world_ / "out/fit.json")["window"];
+  EXPECT_EQ(window["found_by_rule"], true);
+  EXPECT_LT(window["range_m"][0].get<double>(), window["range_m"][1].get<double>());
+}
+
+TEST_F(FitNoiseCommand, MistakesCostOneSentence) {
+  const auto expect_failure = [&](const std::string& arguments, int status, const std::string& part) {
+    const Outcome outcome = RunSonarcal(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+    EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
+  };
+  expect_failure(Arguments("--held-out 99"), 1, "frame 99 is held out");
+  expect_failure(Arguments("--range-min 4.4"), 1, "range bins in the window");
+  expect_failure(Arguments("--range-min 4 --range-max 1"), 1, "range bins in the window");
+  expect_failure(Arguments("--params " + Quoted(world_ / "none.json")), 1, "none.json");
+  const auto recording = data_io::OpenRecording(real_);
+  std::string all = "0";
+  for (int i = 1; i < recording->frame_count(); ++i) all += fmt::format(",{}", i);
+  expect_failure(Arguments("--held-out " + all), 1, "none is left to fit to");
+}
+
+TEST_F(FitNoiseCommand, ASceneIsWantedWithoutTheFlag) {
+  const Outcome outcome = RunSonarcal("fit --real " + Quoted(real_) + " --out " + Quoted(world_ / "out"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--noise-only"));
+}
+
+}  // namespace
+}  // namespace sonarcal::commands

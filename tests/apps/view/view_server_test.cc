@@ -1,0 +1,218 @@
+// `sonarcal view` by its socket: who is let in, and what a browser is told it may do.
+#include "apps/view/view_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <set>
+
+#include "apps/commands/view_command.h"
+#include "apps/view/view_gate.h"
+#include "apps/view/view_page.h"
+#include "core/types/error.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal::view {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(ViewGate, LetsInOnlyItsOwn) {
+  const ViewGate gate{.port = 8765, .token = "0123456789abcdef"};
+  const ViewCaller page{.method = "GET", .path = "/", .host = "127.0.0.1:8765", .origin = "", .token = ""};
+  EXPECT_FALSE(Refused(gate, page));
+  ViewCaller caller = page;
+  caller.host = "localhost:8765";
+  EXPECT_FALSE(Refused(gate, caller));
+  for (const char* host : {"", "127.0.0.1", "127.0.0.1:80", "evil.example:8765", "evil.example",
+                           "127.0.0.1:8765.evil", "[::1]:8765", "LOCALHOST:8765"}) {
+    caller.host = host;
+    EXPECT_TRUE(Refused(gate, caller)) << host;
+  }
+  caller = page;
+  caller.origin = "http://127.0.0.1:8765";
+  EXPECT_FALSE(Refused(gate, caller));
+  for (const char* origin : {"http://evil.example", "null", "http://127.0.0.1:8766", "https://127.0.0.1:8765",
+                             "http://127.0.0.1:8765.evil.example"}) {
+    caller.origin = origin;
+    EXPECT_TRUE(Refused(gate, caller)) << origin;
+  }
+  caller = page;
+  caller.path = "/api/session";
+  for (const char* token : {"", "0", "0123456789abcdeF", "0123456789abcdef0"}) {
+    caller.token = token;
+    EXPECT_EQ(Refused(gate, caller).value().status, 403) << token;
+  }
+  caller.token = "0123456789abcdef";
+  EXPECT_FALSE(Refused(gate, caller));
+  for (const char* method : {"PUT", "DELETE", "OPTIONS", "PATCH", "HEAD"}) {
+    caller.method = method;
+    EXPECT_EQ(Refused(gate, caller).value().status, 405) << method;
+  }
+}
+
+TEST(ViewGate, TokensAreLongAndDiffer) {
+  std::set<std::string> tokens;
+  for (int i = 0; i < 100; ++i) {
+    tokens.insert(RandomToken());
+    EXPECT_EQ(tokens.begin()->size(), 32U);
+  }
+  EXPECT_EQ(tokens.size(), 100U);
+}
+
+TEST(ViewPage, HoldsWhatThePageNames) {
+  const PageFile* page = FindPageFile("/");
+  ASSERT_NE(page, nullptr);
+  const std::string html(page->bytes);
+  for (const PageFile& file : PageFiles()) {
+    EXPECT_GT(file.bytes.size(), 100U) << file.path;
+    EXPECT_EQ(file.bytes.find("https://cdn"), std::string_view::npos) << file.path;
+  }
+  std::size_t named = 0;
+  for (std::size_t at = 0; (at = html.find("=\"/", at)) != std::string::npos; ++named) {
+    at += 2;
+    EXPECT_NE(FindPageFile(html.substr(at, html.find('"', at) - at)), nullptr) << html.substr(at, 20);
+  }
+  EXPECT_GE(named, 6U);
+  EXPECT_EQ(FindPageFile("/../view_command.cc"), nullptr);
+}
+
+class ViewServerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    commands::ViewOptions options;
+    options.common = {.json = false, .quiet = true};
+    options.scene = world_.scene();
+    options.sonar = world_.sonar().string();
+    options.params = world_.params();
+    options.poses = world_.poses();
+    options.rays.sampling = sim::Sampling::kBeams;
+    options.rays.rays = RayGridSize{96, 200};
+    session_ = std::make_unique<ViewSession>(commands::SetUpView(options));
+    api_ = std::make_unique<ViewApi>(*session_, "");
+    server_ = std::make_unique<ViewServer>(*api_, 0);
+    server_->Start();
+  }
+
+  httplib::Client Client() const { return httplib::Client("127.0.0.1", server_->port()); }
+  httplib::Headers Token() const { return {{kViewTokenHeader, server_->token()}}; }
+
+  testing::TinyWorld world_;
+  std::unique_ptr<ViewSession> session_;
+  std::unique_ptr<ViewApi> api_;
+  std::unique_ptr<ViewServer> server_;
+};
+
+TEST_F(ViewServerTest, HandsOutThePageAndAnswersWithTheToken) {
+  auto client = Client();
+  const auto page = client.Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  EXPECT_THAT(page->body, HasSubstr("sonarcal"));
+  const std::string policy = page->get_header_value("Content-Security-Policy");
+  EXPECT_THAT(policy, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(policy, HasSubstr("frame-ancestors 'none'"));
+  EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
+  EXPECT_FALSE(page->has_header("Access-Control-Allow-Origin"));
+  EXPECT_EQ(client.Get("/api/session")->status, 403);
+  const auto session = client.Get("/api/session", Token());
+  EXPECT_EQ(session->status, 200);
+  EXPECT_EQ(session->get_header_value("Content-Type"), "application/json");
+  EXPECT_EQ(session->body, api_->Answer("GET", "/api/session", {}).body);
+  EXPECT_THAT(server_->url(), HasSubstr("/#" + server_->token()));
+}
+
+TEST_F(ViewServerTest, TurnsAwayForeignHostsAndOrigins) {
+  for (const auto& [header, value] : {std::pair{"Host", "evil.example"},
+                                      {"Host", "evil.example:8765"},
+                                      {"Origin", "http://evil.example"},
+                                      {"Origin", "null"}}) {
+    httplib::Headers headers = Token();
+    headers.emplace(header, value);
+    for (const char* path : {"/", "/api/session"}) {
+      const auto answer = Client().Get(path, headers);
+      ASSERT_TRUE(answer);
+      EXPECT_EQ(answer->status, 403) << header << ' ' << value;
+    }
+    EXPECT_EQ(Client().Post("/api/render", headers, "{}", "application/json")->status, 403);
+  }
+  EXPECT_EQ(Client().Options("/api/render")->status, 405);
+  EXPECT_EQ(Client().Put("/api/render", "{}", "application/json")->status, 405);
+}
+
+TEST_F(ViewServerTest, UnknownPathsBadAndLargeBodies) {
+  for (const char* path : {"/nothing", "/etc/passwd", "/../../etc/passwd", "/%2e%2e/view.js", "/view.js/"}) {
+    EXPECT_EQ(Client().Get(path)->status, 404) << path;
+  }
+  EXPECT_EQ(Client().Get("/api/nothing", Token())->status, 404);
+  EXPECT_EQ(Client().Post("/view.js", Token(), "", "text/plain")->status, 404);
+  const auto bad = Client().Post("/api/render", Token(), "{\"parameters\":", "application/json");
+  EXPECT_EQ(bad->status, 400);
+  EXPECT_EQ(std::count(bad->body.begin(), bad->body.end(), '\n'), 0);
+  EXPECT_THAT(bad->body, HasSubstr("request:1"));
+  const std::string large(kMostViewRequestBytes + 1, ' ');
+  EXPECT_EQ(Client().Post("/api/render", Token(), large, "application/json")->status, 413);
+  // Chunks, which do not tell how many will come.
+  const auto chunked = Client().Post(
+      "/api/render", Token(),
+      [&](std::size_t, httplib::DataSink& sink) {
+        sink.write(large.data(), large.size());
+        sink.done();
+        return true;
+      },
+      "application/json");
+  EXPECT_TRUE(!chunked || chunked->status == 413);
+  EXPECT_EQ(Client().Get("/")->status, 200);  // it is still there
+}
+
+TEST_F(ViewServerTest, HasItsPortAlone) {
+  EXPECT_THROW(ViewServer(*api_, server_->port()), DataError);
+  const int port = server_->port();
+  server_->Stop();
+  EXPECT_FALSE(Client().Get("/"));
+  ViewServer again(*api_, port);
+  again.Start();
+  EXPECT_EQ(httplib::Client("127.0.0.1", port).Get("/")->status, 200);
+}
+
+// The program as a user has it: the address on stdout, an end by Ctrl-C.
+TEST(ViewCommand, PrintsItsAddressAndEndsByCtrlC) {
+  const testing::TinyWorld world;
+  int out[2] = {};
+  ASSERT_EQ(pipe(out), 0);
+  const std::string scene = world.scene().string();
+  const std::string sonar = world.sonar().string();
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(out[1], STDOUT_FILENO);
+    close(out[0]);
+    execl(SONARCAL_BINARY, "sonarcal", "view", "--scene", scene.c_str(), "--sonar", sonar.c_str(), "--port",
+          "0", "--json", "--quiet", nullptr);
+    _exit(127);
+  }
+  close(out[1]);
+  std::string text;
+  char buffer[512];
+  ssize_t count = 0;
+  while (text.find('}') == std::string::npos && (count = read(out[0], buffer, sizeof(buffer))) > 0) {
+    text.append(buffer, static_cast<std::size_t>(count));
+  }
+  const nlohmann::json address = nlohmann::json::parse(text);
+  EXPECT_EQ(address["host"], "127.0.0.1");
+  httplib::Client client("127.0.0.1", address["port"].get<int>());
+  EXPECT_EQ(client.Get("/api/session", {{kViewTokenHeader, address["token"].get<std::string>()}})->status,
+            200);
+  kill(child, SIGINT);
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  close(out[0]);
+}
+
+}  // namespace
+}  // namespace sonarcal::view

@@ -1,0 +1,102 @@
+#include "apps/workflow/scene_geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/types/error.h"
+#include "core/types/pose.h"
+#include "core/types/units.h"
+
+namespace sonarcal::workflow {
+namespace {
+
+// A wall square across the view at 3 m, "steel" on the left and "wood" on the right.
+Scene Wall() {
+  Scene scene;
+  const auto add = [&](const char* material, float left_m, float right_m) {
+    const int first = static_cast<int>(scene.vertices_m.size());
+    for (const auto& [x_m, z_m] : {std::pair{left_m, -5.0F}, std::pair{right_m, -5.0F},
+                                   std::pair{right_m, 5.0F}, std::pair{left_m, 5.0F}}) {
+      scene.vertices_m.emplace_back(x_m, 3.0F, z_m);
+    }
+    scene.triangles.insert(scene.triangles.end(),
+                           {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
+    scene.triangle_material.insert(scene.triangle_material.end(), 2, scene.MaterialIndex(material));
+  };
+  add("steel", -5.0F, 0.0F);
+  add("wood", 0.0F, 5.0F);
+  return scene;
+}
+
+SonarModel FlatSonar() {
+  SonarModel sonar;
+  sonar.axes = {1.0, 5.0, 400, {}};
+  for (int beam = 0; beam < 40; ++beam) sonar.axes.beam_azimuth_rad.push_back(RadFromDeg(beam - 19.5));
+  sonar.azimuth_beam_width_deg = 1.0;
+  sonar.elevation_beam_width_deg = 2.0;
+  return sonar;
+}
+
+TEST(SceneGeometryTest, AWallIsMetAtItsAnglesAndMaterials) {
+  const SceneGeometry scene(Wall(), FlatSonar());
+  const CellGeometry geometry = scene.At(Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}});
+  int met = 0;
+  for (int beam = 0; beam < 40; ++beam) {
+    for (int bin = 0; bin < 400; ++bin) {
+      if (geometry.material(bin, beam) == CellGeometry::kNothing) continue;
+      ++met;
+      EXPECT_EQ(scene.material_names()[geometry.material(bin, beam)], beam < 20 ? "steel" : "wood");
+      // The incidence on a wall square ahead is the angle from its normal, and the range 3 m over its cosine.
+      const double incidence_rad = geometry.incidence_rad(bin, beam);
+      EXPECT_NEAR(DegFromRad(incidence_rad), std::abs(beam - 19.5), 1.2);
+      EXPECT_NEAR(1.0 + (bin + 0.5) * 0.01, 3.0 / std::cos(incidence_rad), 0.012);
+    }
+  }
+  EXPECT_GE(met, 40);
+  EXPECT_LE(met, 200);
+}
+
+TEST(SceneGeometryTest, ResidualsGoToTheirAngleAndMaterial) {
+  const SonarModel sonar = FlatSonar();
+  const SceneGeometry scene(Wall(), sonar);
+  const CellGeometry geometry = scene.At(Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}});
+  const PolarImage real{sonar.axes, {}, Grid<float>(400, 40, 100.0F)};
+  PolarImage simulated = real;
+  for (int bin = 0; bin < 400; ++bin) {
+    for (int beam = 20; beam < 40; ++beam) simulated.value(bin, beam) = 151.0F;
+  }
+  GeometryResiduals residuals(scene.material_names());
+  residuals.Add(geometry, real, simulated, Mask(400, 40), Mask(400, 40));
+  const metrics::ResidualTable& by_material = residuals.tables()[1];
+  ASSERT_EQ(by_material.classes.size(), 3U);
+  EXPECT_NEAR(*by_material.classes[0].sums.whole.bias(), 0.0, 1e-12);
+  EXPECT_NEAR(*by_material.classes[1].sums.whole.bias(), 0.2, 1e-6);
+  EXPECT_EQ(by_material.classes[2].name, "(nothing met)");
+  const metrics::ResidualTable& by_incidence = residuals.tables()[0];
+  EXPECT_NEAR(*by_incidence.classes[1].sums.whole.bias(), 0.1, 0.02) << "as much steel as wood";
+  EXPECT_FALSE(by_incidence.classes[10].sums.whole.bias());
+}
+
+// "wood" is met in beams 20 to 39, from 3 m in the middle to 3 m over the cosine of 20 degrees.
+TEST(SceneGeometryTest, TheBoxOfAnObjectHoldsWhatTheSceneShowsOfItAndItsMargin) {
+  const SceneGeometry scene(Wall(), FlatSonar());
+  const Pose pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}};
+  const int first = 200;  // bins of 10 mm from 1 m
+  const int last = static_cast<int>((3.0 / std::cos(RadFromDeg(19.75)) - 1.0) / 0.01);
+  const metrics::PixelBox tight = scene.ObjectBox(pose, {.material = "wood", .margin = {0, 0}});
+  EXPECT_EQ(tight.bin_begin, first);
+  EXPECT_NEAR(tight.bin_end, last + 1, 1);
+  EXPECT_EQ(tight.beam_begin, 20);
+  EXPECT_EQ(tight.beam_end, 40);
+  const metrics::PixelBox wide = scene.ObjectBox(pose, {.material = "wood"});
+  EXPECT_EQ(wide, (metrics::PixelBox{first - 12, tight.bin_end + 12, 8, 40}));
+  EXPECT_TRUE(scene
+                  .ObjectBox({RotationFromYawPitchRoll(RadFromDeg(60.0), 0.0, 0.0), {0.0, 0.0, 0.0}},
+                             {.material = "wood"})
+                  .empty());
+  EXPECT_THROW(scene.ObjectBox(pose, {.material = "glass"}), DataError);
+}
+
+}  // namespace
+}  // namespace sonarcal::workflow

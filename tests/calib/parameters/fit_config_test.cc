@@ -1,0 +1,95 @@
+#include "calib/parameters/fit_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/types/error.h"
+#include "tests/support/temp_dir.h"
+
+namespace sonarcal::calib {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::TempDir;
+using testing::WriteFile;
+
+TEST(FitConfigTest, AFileIsReadWhole) {
+  const TempDir dir;
+  WriteFile(dir / "fit.json",
+            R"({"format": "sonar-fit-config/1", "free": ["materials"], "fixed": ["material.wall.*"],
+    "bounds": {"material.floor.gsab.D": [0.5, 3]}, "held_out": [2]})");
+  const FitConfig config = ReadFitConfig(dir / "fit.json");
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor", "wall"});
+  const std::vector<bool> free = ApplyFitConfig(config, catalog);
+  int free_count = 0;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (free[i]) {
+      ++free_count;
+      EXPECT_THAT(catalog[i].name, HasSubstr("material.floor.gsab."));
+    }
+    if (catalog[i].name == "material.floor.gsab.D") {
+      EXPECT_EQ(catalog[i].lower, 0.5);
+      EXPECT_EQ(catalog[i].upper, 3.0);
+    }
+  }
+  EXPECT_EQ(free_count, 6);
+  EXPECT_THAT(SplitFrames(config, 4).used, ElementsAre(0, 1, 3));
+}
+
+TEST(FitConfigTest, PriorsAreOfValuesAndBecomePriorsOfCoordinates) {
+  const TempDir dir;
+  WriteFile(dir / "fit.json", R"({"format": "sonar-fit-config/1", "free": ["materials"],
+    "priors": {"material.floor.gsab.C": [0.002, 0.0002], "material.floor.gsab.D": [1.8, 0.1],
+               "material.wall.*": "none"}})");
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor", "wall"});
+  ApplyFitConfig(ReadFitConfig(dir / "fit.json"), catalog);
+  for (const CatalogEntry& entry : catalog) {
+    if (entry.name == "material.floor.gsab.C") {
+      EXPECT_DOUBLE_EQ(entry.prior.value().coordinate, std::log(0.002));
+      EXPECT_DOUBLE_EQ(entry.prior.value().sigma, 0.1);
+    } else if (entry.name == "material.floor.gsab.D") {
+      EXPECT_DOUBLE_EQ(entry.prior.value().coordinate, 1.8);
+      EXPECT_DOUBLE_EQ(entry.prior.value().sigma, 0.1);
+    } else if (entry.name.starts_with("material.wall.")) {
+      EXPECT_TRUE(std::isinf(entry.prior.value().sigma));
+    } else {
+      EXPECT_FALSE(entry.prior.has_value());
+    }
+  }
+  WriteFile(dir / "fit.json",
+            "{\"format\": \"sonar-fit-config/1\",\n\"priors\": {\"source_level_db\": [200, 0]}}");
+  EXPECT_THAT([&] { ReadFitConfig(dir / "fit.json"); },
+              ::testing::ThrowsMessage<DataError>(HasSubstr("sigma > 0")));
+}
+
+TEST(FitConfigTest, AnUnknownKeyIsRefusedWithItsLine) {
+  const TempDir dir;
+  WriteFile(dir / "fit.json", "{\"format\": \"sonar-fit-config/1\",\n\"fre\": []}");
+  try {
+    ReadFitConfig(dir / "fit.json");
+    FAIL() << "accepted";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("fit.json:2"));
+    EXPECT_THAT(error.what(), HasSubstr("fre"));
+  }
+}
+
+TEST(FitConfigTest, ByDefaultTheLastThirdIsHeldOut) {
+  EXPECT_THAT(SplitFrames({}, 1).held_out, ElementsAre());
+  EXPECT_THAT(SplitFrames({}, 2).held_out, ElementsAre(1));
+  EXPECT_THAT(SplitFrames({}, 6).held_out, ElementsAre(4, 5));
+}
+
+TEST(FitConfigTest, FramesThatDoNotExistOrLeaveNoneAreRefused) {
+  FitConfig config;
+  config.held_out = {5};
+  EXPECT_THROW(SplitFrames(config, 5), DataError);
+  config.held_out = {0, 1};
+  EXPECT_THROW(SplitFrames(config, 2), DataError);
+}
+
+}  // namespace
+}  // namespace sonarcal::calib

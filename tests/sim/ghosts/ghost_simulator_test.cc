@@ -1,0 +1,133 @@
+// Ghosts as a Simulator has them: with the rays of its own, in the images, and none without a mirror.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/scenes/scenes.h"
+#include "sim/simulator.h"
+#include "tests/sim/ghost_world.h"
+#include "tests/sim/thread_limit.h"
+
+namespace sonarcal::sim {
+namespace {
+
+using namespace testing;  // NOLINT: the helpers of tests/sim
+
+TEST(Ghosts, LevelDoesNotDependOnTheNumberOfRays) {
+  const GhostAcoustics acoustics;
+  const Pose pose{RotationFromYawPitchRoll(0.3, -0.1, 0.1), {6.0, 4.0, 0.8}};
+  Scene tank = MakeTank({.surface = true});
+  tank.material_names = {"default", "mirror", "surface"};
+  GhostAcoustics six = acoustics;
+  six.parameters.mirrors = {{"default", {10.0}}, {"mirror", {6.0}}, {"surface", {0.7}}};
+  six.parameters.materials["mirror"] = six.parameters.materials["default"];
+  const auto total = [&](int cols, int rows) {
+    const Grid<float> power = six.Power(six.Trace(tank, pose, six.Fan(cols, rows)));
+    double sum = 0.0;
+    for (const float value : power.values()) sum += value;
+    return sum;
+  };
+  const double few = total(kBeams, 400);
+  const double many = total(3 * kBeams, 1600);
+  EXPECT_GT(many, 0.0);
+  EXPECT_NEAR(few / many, 1.0, 0.01);
+}
+
+TEST(Ghosts, SameOnAnyNumberOfThreads) {
+  const GhostAcoustics acoustics;
+  Scene scene;
+  AddQuad(scene, {0.5, 0.5, -3}, {0, 6, 0}, {0, 0, 6}, "mirror");
+  AddQuad(scene, {-0.1, 3.5, -0.15}, {0.25, 0, 0}, {0, 0, 0.4}, "plate");
+  const auto power = [&](int threads) {
+    return WithThreads(
+        threads, [&] { return acoustics.Power(acoustics.Trace(scene, Pose{}, acoustics.Fan(kBeams, 200))); });
+  };
+  EXPECT_EQ(power(1), power(2));
+  EXPECT_EQ(power(1), power(4));
+}
+
+class TankWithMirrors : public ::testing::Test {
+ protected:
+  static SimulationOptions Options() {
+    SimulationOptions options;
+    options.fan = {.sampling = Sampling::kBeams, .cols = 2 * kBeams, .rows = 300, .elevation_span_deg = 60.0};
+    options.noise = true;
+    return options;
+  }
+
+  Simulator simulator_{MakeTank({.surface = true}), GhostSonar(), Options()};
+  Pose pose_{RotationFromYawPitchRoll(0.3, -0.1, 0.0), {6.0, 4.0, 0.8}};
+  ParameterSet parameters_ = GhostParameters();
+};
+
+// Without a mirror in the scene: not a ray more, not a bit changed.
+TEST_F(TankWithMirrors, NoMirrorNoGhosts) {
+  parameters_.display = {.db_min = 60.0, .db_max = 160.0};
+  ParameterSet none = parameters_;
+  none.mirrors.clear();
+  const std::int64_t before = simulator_.caster().rays_cast();
+  const Grid<float> without = simulator_.Render(pose_, none).value;
+  EXPECT_EQ(simulator_.caster().rays_cast() - before, simulator_.fan().size());
+  EXPECT_EQ(simulator_.Render(pose_, parameters_).value, without) << "'mirror' is no material of the tank";
+  EXPECT_EQ(simulator_.caster().rays_cast() - before, 2 * simulator_.fan().size());
+  EXPECT_TRUE(simulator_.TraceGhosts(pose_, parameters_).echoes.empty());
+  EXPECT_EQ(simulator_.RenderEchoes(simulator_.TraceEchoes(pose_), none).value, without);
+}
+
+// Expected and sampled images show the ghosts; a mirror that loses everything is none.
+TEST_F(TankWithMirrors, ImagesShowThem) {
+  parameters_.display = {.db_min = 60.0, .db_max = 160.0};
+  const EchoList echoes = simulator_.TraceEchoes(pose_);
+  const Grid<float> without = simulator_.RenderExpected(echoes, parameters_).value;
+  for (const char* name : {"floor", "wall", "surface"}) parameters_.mirrors[name].loss_db = 1.0;
+  const GhostList ghosts = simulator_.TraceGhosts(pose_, parameters_);
+  const Grid<float> with = simulator_.RenderExpected(echoes, parameters_, ghosts).value;
+  int brighter = 0;
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_GE(with.values()[i], without.values()[i] - 1e-3F);
+    brighter += with.values()[i] > without.values()[i] + 2.0F ? 1 : 0;
+  }
+  EXPECT_GT(brighter, 200);
+  EXPECT_EQ(simulator_.Render(pose_, parameters_).value,
+            simulator_.RenderEchoes(echoes, parameters_, 0, ghosts).value);
+  for (auto& [name, mirror] : parameters_.mirrors) mirror.loss_db = 200.0;
+  const Grid<float> lost = simulator_.RenderExpected(echoes, parameters_, ghosts).value;
+  for (std::size_t i = 0; i < lost.size(); ++i) EXPECT_NEAR(lost.values()[i], without.values()[i], 1e-3);
+}
+
+// What is sent at 30 degrees is outside of beams that end at 25.6, and comes back into them by a wall.
+TEST(Ghosts, WhatIsSentAsideComesBack) {
+  Scene scene;
+  AddQuad(scene, {1.0, 0.5, -1}, {0, 6, 0}, {0, 0, 2}, "mirror");
+  AddQuad(scene, {-0.1, 3.4, -0.1}, {0.2, 0, 0}, {0, 0, 0.2}, "plate");
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams, .cols = 2 * kBeams, .rows = 400, .elevation_span_deg = 60.0};
+  const Simulator simulator(scene, GhostSonar(), options);
+  ParameterSet parameters = GhostParameters();
+  const auto plates = [&] {
+    const GhostList list = simulator.TraceGhosts(Pose{}, parameters);
+    return std::count_if(list.echoes.begin(), list.echoes.end(), [&](const GhostEcho& echo) {
+      return list.material_names[echo.material] == "plate";
+    });
+  };
+  EXPECT_EQ(plates(), 0);
+  parameters.beam.transmit_even_deg = 26.0;
+  parameters.beam.transmit_end_deg = 40.0;
+  EXPECT_GT(plates(), 20);
+  const GhostPower power(simulator.caster().material_names(), {simulator.sonar(), kAlphaDbPerM}, parameters);
+  for (const GhostEcho& echo : simulator.TraceGhosts(Pose{}, parameters).echoes) {
+    if (!echo.both_ways) continue;
+    EXPECT_NEAR(echo.leg.azimuth_rad, std::atan2(2.0, 3.4), 0.03);
+    // Heard from where the plate is, after it was sent where the cosine has fallen.
+    const double fallen = std::cos(0.5 * kPi * (echo.leg.azimuth_rad * 180.0 / kPi - 26.0) / 14.0);
+    double straight_ahead = 0.0;
+    power.ForEachArrival(echo, [&](const GhostArrival& arrival) {
+      if (arrival.azimuth_rad == double{echo.other.azimuth_rad}) straight_ahead = arrival.power;
+    });
+    EXPECT_NEAR(straight_ahead / power.OneWay(echo), fallen * fallen, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal::sim

@@ -1,0 +1,123 @@
+#include "sim/paper/echo_histogram.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "sim/simulator.h"
+#include "tests/sim/meshes.h"
+#include "tests/sim/slow_paper_model.h"
+
+namespace sonarcal::sim {
+namespace {
+
+using namespace testing;  // NOLINT: the helpers of tests/sim
+
+Scene Tank() {
+  Scene scene;
+  AddQuad(scene, {-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, "floor");
+  AddBox(scene, {-1.0, 3.0, 0.0}, {-0.2, 3.8, 0.9}, "box");
+  return scene;
+}
+
+SonarModel TestSonar() {
+  return MakeSonar({-12, -9, -7, -4, -2, 0, 1, 3, 6, 10}, 24.0, 1.5, 8.0, 130);
+}
+
+const Pose kPose{RotationFromYawPitchRoll(0.1, -0.1, 0.05), {0, 0, 1.1}};
+
+EchoList TankEchoes() {
+  const SonarModel sonar = TestSonar();
+  const RayFan fan(sonar, {.sampling = Sampling::kFrustum, .cols = 111, .rows = 80});
+  return Trace(RayCaster(Tank()), fan, kPose, sonar.axes);
+}
+
+// Everything the histogram keeps, counted again echo by echo.
+TEST(EchoHistogram, EqualsARecount) {
+  const EchoList echoes = TankEchoes();
+  const PolarAxes axes = TestSonar().axes;
+  const EchoHistogram histogram = GatherEchoes(echoes, axes);
+  struct Recount {
+    double weight = 0.0, log_range = 0.0, two_way = 0.0;
+    std::map<std::uint32_t, double> nodes;
+  };
+  std::map<std::pair<int, int>, Recount> recount;
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
+    const double range_m = echoes.range_m[echo];
+    const int row = static_cast<int>(std::floor((range_m - 1.5) / (6.5 / 130 / kRangeSteps)));
+    Recount& cell = recount[{row, echoes.Beam(echo)}];
+    const double weight = 1.0 / echoes.rays_per_beam[echoes.Beam(echo)];
+    cell.weight += weight;
+    cell.log_range += weight * 40.0 * std::log10(range_m);
+    cell.two_way += weight * 2.0 * range_m;
+    const double position = echoes.incidence_rad[echo] * 180.0 / kPi / 0.25;
+    for (int node = 0; node <= 360; ++node) {  // hat functions
+      const double share = 1.0 - std::abs(position - node);
+      if (share > 0.0) cell.nodes[echoes.material[echo] * 361U + node] += share * weight;
+    }
+  }
+
+  ASSERT_EQ(histogram.cells.size(), recount.size());
+  ASSERT_EQ(histogram.row_start.size(), 130U * kRangeSteps + 1);
+  EXPECT_EQ(histogram.row_start.back(), histogram.cells.size());
+  auto expected = recount.begin();  // by row, then column
+  for (std::size_t i = 0; i < histogram.cells.size(); ++i, ++expected) {
+    const EchoHistogram::Cell& cell = histogram.cells[i];
+    ASSERT_EQ(std::pair(cell.row, cell.col), expected->first);
+    EXPECT_GE(i, histogram.row_start[cell.row]);
+    EXPECT_LT(i, histogram.row_start[cell.row + 1]);
+    EXPECT_NEAR(cell.weight, expected->second.weight, 1e-12);
+    EXPECT_NEAR(cell.log_range, expected->second.log_range, 1e-11);
+    EXPECT_NEAR(cell.two_way_range_m, expected->second.two_way, 1e-11);
+    std::map<std::uint32_t, double> nodes;
+    for (std::uint32_t entry = cell.first_entry; entry < cell.last_entry; ++entry) {
+      nodes[histogram.entries[entry].node] += histogram.entries[entry].weight;
+    }
+    for (const auto& [node, weight] : expected->second.nodes) {
+      EXPECT_NEAR(nodes[node], weight, 1e-7 * weight + 1e-12);  // a float
+      nodes.erase(node);
+    }
+    for (const auto& [node, weight] : nodes) EXPECT_LT(weight, 1e-12) << "a node that no echo touches";
+  }
+}
+
+TEST(EchoHistogram, WeightsSumToTheShareOfRaysThatCameBack) {
+  const EchoList echoes = TankEchoes();
+  const EchoHistogram histogram = GatherEchoes(echoes, TestSonar().axes);
+  std::vector<double> share(10, 0.0);
+  for (const auto& cell : histogram.cells) share[cell.col] += cell.weight;
+  std::vector<int> count(10, 0);
+  for (std::size_t echo = 0; echo < echoes.size(); ++echo) ++count[echoes.Beam(echo)];
+  for (int beam = 0; beam < 10; ++beam) {
+    EXPECT_NEAR(share[beam] * echoes.rays_per_beam[beam], count[beam], 1e-9);
+    EXPECT_GT(count[beam], 100);
+  }
+}
+
+TEST(EchoHistogram, NoEchoesNoCells) {
+  EchoList none;
+  none.material_names = {"floor"};
+  const EchoHistogram histogram = GatherEchoes(none, TestSonar().axes);
+  EXPECT_TRUE(histogram.cells.empty());
+  EXPECT_EQ(histogram.row_start, std::vector<std::uint32_t>(130 * kRangeSteps + 1, 0));
+}
+
+// Trace once, shade many.
+TEST(EchoHistogram, ShadingCastsNoRay) {
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams, .cols = 50, .rows = 40};
+  const Simulator simulator(Tank(), TestSonar(), options);
+  const EchoList echoes = simulator.TraceEchoes(kPose);
+  EXPECT_EQ(simulator.caster().rays_cast(), 50 * 40);
+  ParameterSet parameters;
+  parameters.materials["default"] = {};
+  parameters.display = {.db_min = 100.0, .db_max = 200.0};
+  PolarImage before = simulator.RenderExpected(echoes, parameters);
+  parameters.materials["default"].gsab.c = 1.0;
+  EXPECT_NE(simulator.RenderExpected(echoes, parameters).value, before.value);
+  simulator.RenderEchoes(echoes, parameters);
+  EXPECT_EQ(simulator.caster().rays_cast(), 50 * 40);
+}
+
+}  // namespace
+}  // namespace sonarcal::sim

@@ -1,0 +1,153 @@
+#include "sim/physics/speckle.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/math/random.h"
+
+namespace sonarcal::sim {
+namespace {
+
+const std::vector<DisplayParameters<double>> kDisplays = {
+    {.db_min = 0.0, .db_max = 60.0},
+    {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftLog, .soft_db = -1.8},
+    {.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftAmplitude, .soft_db = -1.8},
+    {.db_min = 0.0, .db_max = 30.0, .law = DisplayLaw::kPower, .exponent = 0.5}};
+
+TEST(SpeckleTest, CumulativeFunctionsHaveTheirClosedForms) {
+  for (const double x : {1e-6, 0.1, 1.0, 3.0, 20.0}) {
+    EXPECT_NEAR(SpeckleCdf(1.0, x), 1.0 - std::exp(-x), 1e-12);
+    EXPECT_NEAR(SpeckleCdf(2.0, x), 1.0 - std::exp(-2.0 * x) * (1.0 + 2.0 * x), 1e-12);
+    EXPECT_NEAR(SpeckleCdf(1.0 + 1e-9, x), SpeckleCdf(1.0, x), 1e-7);
+    EXPECT_NEAR(SpeckleCdf(1.0, x, SpeckleLaw::kWeighted), SpeckleCdf(1.0, x), 1e-12);
+    EXPECT_NEAR(SpeckleCdf(2.0, x, SpeckleLaw::kWeighted), SpeckleCdf(2.0, x), 1e-12);
+    EXPECT_NEAR(SpeckleCdf(2.0 - 1e-7, x, SpeckleLaw::kWeighted), SpeckleCdf(2.0, x), 1e-4);
+  }
+  EXPECT_EQ(SpeckleCdf(1.4, 0.0), 0.0);
+  EXPECT_EQ(SpeckleCdf(1.4, -1.0), 0.0);
+}
+
+TEST(SpeckleTest, SurvivalKeepsItsDigitsInTheTail) {
+  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted}) {
+    for (const double looks : {1.0, 1.35, 3.0}) {
+      for (const double x : {0.0, 0.05, 0.8, 4.0}) {
+        EXPECT_NEAR(SpeckleSurvival(looks, x, law), 1.0 - SpeckleCdf(looks, x, law), 1e-12);
+      }
+      // Far out, the logarithm falls by density / survival.
+      const double step = std::log(SpeckleSurvival(looks, 60.0, law) / SpeckleSurvival(looks, 60.002, law));
+      EXPECT_NEAR(step / 0.002, SpeckleDensity(looks, 60.001, law) / SpeckleSurvival(looks, 60.001, law),
+                  1e-6);
+    }
+  }
+}
+
+TEST(SpeckleTest, DensityIsTheDerivative) {
+  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted}) {
+    for (const double looks : {1.0, 1.35, 3.0}) {
+      for (const double x : {0.05, 0.8, 4.0}) {
+        const double difference =
+            (SpeckleCdf(looks, x + 1e-5, law) - SpeckleCdf(looks, x - 1e-5, law)) / 2e-5;
+        EXPECT_NEAR(SpeckleDensity(looks, x, law), difference, 1e-6);
+      }
+    }
+  }
+}
+
+TEST(SpeckleTest, BothLawsHaveMeanOneAndVarianceOneOverLooks) {
+  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted}) {
+    for (const double looks : {1.0, 1.35, 1.8, 3.0}) {
+      double mean = 0.0;
+      double square = 0.0;
+      constexpr double kStep = 1e-3;
+      for (double x = 0.5 * kStep; x < 50.0; x += kStep) {
+        const double above = 1.0 - SpeckleCdf(looks, x, law);
+        mean += kStep * above;
+        square += kStep * 2.0 * x * above;
+      }
+      EXPECT_NEAR(mean, 1.0, 1e-5);
+      EXPECT_NEAR(square - mean * mean, 1.0 / looks, 1e-4);
+    }
+  }
+}
+
+TEST(SpeckleTest, OneLookOnALogarithmHasTheKnownMeanAndSpread) {
+  // A display so wide that neither clip matters: 100 dB either side.
+  const DisplayParameters<double> display{.db_min = -100.0, .db_max = 100.0};
+  EXPECT_NEAR(200.0 * MeanDisplayed(display, 1.0, 1.0) - 100.0, -2.507, 2e-3);
+  EXPECT_NEAR(200.0 * MeanDisplayed(display, 3.0, 1.0) - 100.0, MeanLogSpeckleDb(3.0), 1e-3);
+  double square = 0.0;  // E[v^2] = integral of 2 v (1 - F)
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double v = (i + 0.5) / kSteps;
+    square += 2.0 * v * (1.0 - DisplayedCdf(display, 1.0, 1.0, v)) / kSteps;
+  }
+  const double mean = MeanDisplayed(display, 1.0, 1.0);
+  EXPECT_NEAR(200.0 * std::sqrt(square - mean * mean), 5.570, 2e-3);
+}
+
+TEST(SpeckleTest, MeanOfASquareLawIsTheMeanPower) {
+  const DisplayParameters<double> display{
+      .db_min = 0.0, .db_max = 30.0, .law = DisplayLaw::kPower, .exponent = 2.0};
+  for (const double looks : {1.0, 2.5}) EXPECT_NEAR(MeanDisplayed(display, looks, 20.0), 0.02, 1e-5);
+}
+
+TEST(SpeckleTest, DrawsAgreeWithTheLawThroughEachDisplay) {
+  constexpr int kDraws = 200000;
+  const CounterRandom random(7);
+  for (const DisplayParameters<double>& display : kDisplays) {
+    for (const double level_db : {-3.0, 12.0, 28.0}) {
+      const double power = PowerOfLevel(level_db);
+      double sum = 0.0;
+      double rounded = 0.0;
+      double square = 0.0;
+      int zeros = 0;
+      for (int i = 0; i < kDraws; ++i) {
+        const auto [u, unused] = random.Uniform2(i);
+        const double v = std::clamp(DisplayValue(display, -power * std::log(u)), 0.0, 1.0);
+        sum += v;
+        square += v * v;
+        rounded += std::round(15.0 * v) / 15.0;
+        zeros += v == 0.0;
+      }
+      const double mean = sum / kDraws;
+      const double sigma = std::sqrt((square / kDraws - mean * mean) / kDraws);
+      EXPECT_NEAR(MeanDisplayed(display, 1.0, power), mean, 5.0 * sigma + 1e-5);
+      EXPECT_NEAR(MeanDisplayedGrey(display, 1.0, power, 15), rounded / kDraws, 6.0 * sigma + 1e-4);
+      const double zero_share = DisplayedCdf(display, 1.0, power, 0.0);
+      EXPECT_NEAR(zero_share, static_cast<double>(zeros) / kDraws,
+                  5.0 * std::sqrt(zero_share * (1.0 - zero_share) / kDraws) + 1e-12);
+    }
+  }
+}
+
+TEST(SpeckleTest, WeightedLooksAreThoseThatAreDrawn) {
+  constexpr int kDraws = 200000;
+  const double w = LooksAsWeights(1.35).second;
+  const CounterRandom random(11);
+  for (const double x : {0.1, 0.7, 2.0}) {
+    int below = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const auto [u, v] = random.Uniform2(i);
+      below += (-std::log(u) - w * std::log(v)) / (1.0 + w) <= x;
+    }
+    const double share = SpeckleCdf(1.35, x, SpeckleLaw::kWeighted);
+    EXPECT_NEAR(share, static_cast<double>(below) / kDraws, 5.0 * std::sqrt(share * (1.0 - share) / kDraws));
+  }
+}
+
+TEST(SpeckleTest, TableFollowsTheMeanAtEveryLevel) {
+  for (const DisplayParameters<double>& display : kDisplays) {
+    const MeanDisplayTable table(display, 1.4);
+    for (double level_db = -90.0; level_db < 100.0; level_db += 3.37) {
+      EXPECT_NEAR(table(PowerOfLevel(level_db)), MeanDisplayed(display, 1.4, PowerOfLevel(level_db)), 5e-5)
+          << level_db;
+    }
+    EXPECT_GE(table(0.0), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal::sim

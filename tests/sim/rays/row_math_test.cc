@@ -1,0 +1,274 @@
+// Rows in single precision against the formulas one at a time, in double.
+#include "sim/rays/row_math.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/math/random.h"
+#include "sim/rays/ray_fan.h"
+#include "sim/scenes/sonar_presets.h"
+
+namespace sonarcal::sim {
+namespace {
+
+TEST(RowMath, DirectionsAreThoseOfTheFan) {
+  const SonarModel sonar = FindSonarPreset("p900-45").sonar;
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(0.7, -0.2, 0.5, 0.4).normalized();
+  const Eigen::Matrix3f rotation = turn.toRotationMatrix().cast<float>();
+  for (const RayFanOptions& options :
+       {RayFanOptions{.sampling = Sampling::kFrustum, .cols = 300, .rows = 41},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41, .stagger = true},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 300, .rows = 41, .stagger_rows = true},
+        RayFanOptions{.sampling = Sampling::kBeams,
+        .cols = 300,
+        .rows = 11,
+        .elevation_span_deg = 176.0,
+        .stagger = true,
+        .stagger_rows = true}}) {
+    const RayFan fan(sonar, options);
+    std::vector<float> x(fan.cols());
+    std::vector<float> y(fan.cols());
+    std::vector<float> z(fan.cols());
+    for (int row = 0; row < fan.rows(); ++row) {
+      fan.RowDirections(row, rotation, x.data(), y.data(), z.data());
+      for (int col = 0; col < fan.cols(); ++col) {
+        const Eigen::Vector3f expected = rotation * fan.Direction(row, col);
+        ASSERT_LT((Eigen::Vector3f(x[col], y[col], z[col]) - expected).norm(), 5e-7F) << row << ' ' << col;
+      }
+    }
+  }
+}
+
+TEST(RowMath, HalfTangentsOfEveryAngle) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const int count = 2000;
+  std::vector<float> d[3];
+  std::vector<float> n[3];
+  std::vector<double> angle_rad;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d along =
+        Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const Eigen::Vector3d aside = along.unitOrthogonal();
+    // Down to a thousandth of a degree.
+    const double delta = i % 2 == 0 ? 1.7e-5 * (1 + i) : (i + 0.5) / count * 0.5 * std::numbers::pi;
+    const double sign = i % 3 == 0 ? -1.0 : 1.0;
+    const Eigen::Vector3d of =
+        sign * std::exp(normal(random)) * (std::cos(delta) * along + std::sin(delta) * aside);
+    for (int k = 0; k < 3; ++k) {
+      d[k].push_back(static_cast<float>(along[k]));
+      n[k].push_back(static_cast<float>(of[k]));
+    }
+    angle_rad.push_back(delta);
+  }
+  std::vector<float> found(count);
+  row_math::HalfTangents(d[0].data(), d[1].data(), d[2].data(), n[0].data(), n[1].data(), n[2].data(), count,
+                         found.data());
+  // Five roundings of single precision.
+  for (int i = 0; i < count; ++i) EXPECT_NEAR(2.0 * std::atan(found[i]), angle_rad[i], 6e-7) << angle_rad[i];
+}
+
+TEST(RowMath, EchoStepsFollowTheLevel) {
+  std::vector<float> table;
+  constexpr int kSteps = 1000;
+  for (int i = 0; i <= kSteps + 1; ++i) table.push_back(std::sin(3.0F * static_cast<float>(i) / kSteps));
+  const row_math::EchoLevel level{.offset = 2.0F, .per_log = 0.3F, .per_m = 0.01F, .limit = 2.5F};
+  const int count = 501;
+  std::vector<float> range_m(count);
+  std::vector<float> half_tangent(count);
+  std::vector<float> weight(count);
+  for (int i = 0; i < count; ++i) {
+    range_m[i] = 0.05F + 0.1F * static_cast<float>(i);
+    half_tangent[i] = static_cast<float>(i) / (count - 1);
+    weight[i] = i % 2 == 0 ? 1e6F : 2e5F;
+  }
+  std::vector<std::int32_t> steps(count);
+  row_math::EchoSteps(level, {table.data(), kSteps}, range_m.data(), half_tangent.data(), weight.data(),
+                      count, steps.data());
+  for (int i = 0; i < count; ++i) {
+    const double r = range_m[i];
+    const double echo = std::min(2.5, 2.0 - 0.3 * std::log(r) - 0.01 * r + std::sin(3.0 * half_tangent[i]));
+    EXPECT_NEAR(steps[i] / static_cast<double>(weight[i]), echo, 1e-5) << i;
+  }
+}
+
+TEST(RowMath, NormalPairsAreThoseOfTheCounter) {
+  const std::uint64_t seed = 0x123456789ABCDEFULL;
+  constexpr int kCount = 100'003;
+  constexpr std::uint32_t kFirst = 4'000'000'000U;
+  std::vector<float> a(kCount);
+  std::vector<float> b(kCount);
+  std::vector<std::int32_t> offset(kCount);
+  for (int i = 0; i < kCount; ++i) offset[i] = 2 * i + i % 3;
+  row_math::NormalPairs(seed, kFirst, offset.data(), kCount, a.data(), b.data());
+  double largest = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    const auto [x, y] = NormalPairOfRay(seed, kFirst + static_cast<std::uint32_t>(offset[i]));
+    largest = std::max({largest, std::abs(x - a[i]), std::abs(y - b[i])});
+  }
+  // Twenty-four bits of a turn, and of a number near 1 under the logarithm (radius 3e-4 is its resolution).
+  EXPECT_LT(largest, 1e-3);
+}
+
+TEST(RowMath, ErrorsGrowByEitherLaw) {
+  const std::vector<float> range_m = {0.5F, 3.0F, 12.0F};
+  const std::vector<float> azimuth_rad = {-0.2F, 0.0F, 0.3F};
+  const std::vector<float> a = {1.0F, -2.0F, 0.5F};
+  const std::vector<float> b = {-1.0F, 0.5F, 2.0F};
+  std::vector<float> r(3);
+  std::vector<float> t(3);
+  for (const bool root : {true, false}) {
+    row_math::Disturb({.per_reference_square = 1.0F / 25.0F, .root = root}, 0.02F, 0.004F, range_m.data(),
+                      azimuth_rad.data(), a.data(), b.data(), 3, r.data(), t.data());
+    for (int i = 0; i < 3; ++i) {
+      const double square = 1.0 + range_m[i] * range_m[i] / 25.0;
+      const double g = root ? std::sqrt(square) : square;
+      EXPECT_NEAR(r[i], range_m[i] + 0.02 * g * a[i], 1e-6);
+      EXPECT_NEAR(t[i], azimuth_rad[i] + 0.004 * g * b[i], 1e-6);
+    }
+  }
+}
+
+TEST(RowMath, PixelsWithinTheImageAndTheOneForTheRest) {
+  const std::vector<float> range_m = {0.0F, 1.0F, 2.0F, 3.0F, 2.0F, 2.0F, std::nextafter(3.0F, 0.0F)};
+  const std::vector<std::int32_t> bin = {0, 0, 3, 4, -1, 3, 4};
+  const std::vector<std::int32_t> beam = {0, 6, 2, 2, 2, -1, 0};
+  std::vector<std::int32_t> pixel(range_m.size());
+  row_math::Pixels(range_m.data(), 1.0F, 3.0F, bin.data(), beam.data(), 7, 999, 7, pixel.data());
+  EXPECT_THAT(pixel, ::testing::ElementsAre(999, 6, 23, 999, 999, 999, 28));
+}
+
+TEST(RowMath, BinsWithinAndWithout) {
+  const std::vector<float> value = {0.99F, 1.0F, 1.25F, 2.74F, 2.76F, 3.0F, -5.0F, 1e9F};
+  std::vector<std::int32_t> bin(value.size());
+  row_math::Bins(value.data(), 1.0F, 4.0F, 8, static_cast<int>(value.size()), bin.data());
+  EXPECT_EQ(bin, (std::vector<std::int32_t>{-1, 0, 1, 6, 7, -1, -1, -1}));
+}
+
+constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
+constexpr float kEnd = std::numeric_limits<float>::infinity();
+constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+constexpr float kLargest = std::numeric_limits<float>::max();
+
+// So many of one value that vectors are filled, and one more.
+std::vector<float> Row(float value) {
+  return std::vector<float>(17, value);
+}
+
+TEST(RowMath, BinsOfWhatIsNoPlaceInTheImage) {
+  for (const float value : {kNoNumber, kEnd, -kEnd, kLargest, -kLargest, -kLeast, 8.0F}) {
+    std::vector<std::int32_t> bin(17);
+    row_math::Bins(Row(value).data(), 0.0F, 1.0F, 8, 17, bin.data());
+    EXPECT_THAT(bin, ::testing::Each(-1)) << value;
+  }
+  for (const float value : {0.0F, kLeast, 0.5F}) {
+    std::vector<std::int32_t> bin(17);
+    row_math::Bins(Row(value).data(), 0.0F, 1.0F, 8, 17, bin.data());
+    EXPECT_THAT(bin, ::testing::Each(0)) << value;
+  }
+}
+
+TEST(RowMath, PixelsOfRangesThatAreNone) {
+  const std::vector<std::int32_t> first(17, 0);
+  for (const float range_m : {kNoNumber, kEnd, -kEnd, 0.0F, -1.0F, 3.0F, kLargest}) {
+    std::vector<std::int32_t> pixel(17);
+    row_math::Pixels(Row(range_m).data(), 0.0F, 3.0F, first.data(), first.data(), 7, 999, 17, pixel.data());
+    EXPECT_THAT(pixel, ::testing::Each(999)) << range_m;
+  }
+}
+
+TEST(RowMath, EchoStepsFromEveryRange) {
+  const std::vector<float> table(12, 0.25F);
+  for (const row_math::EchoLevel& level :
+       {row_math::EchoLevel{.offset = 2.0F, .per_log = 0.3F, .per_m = 0.01F, .limit = 2.5F},
+        row_math::EchoLevel{.offset = -1.0F, .per_log = 0.0F, .per_m = 0.0F, .limit = 2.5F}}) {
+    for (const float range_m : {0.0F, kLeast, 1e-4F, 1.0F, 1e4F, kLargest, kEnd}) {
+      for (const float half_tangent : {0.0F, kLeast, 0.5F, 1.0F}) {
+        std::vector<std::int32_t> steps(17);
+        row_math::EchoSteps(level, {table.data(), 10}, Row(range_m).data(), Row(half_tangent).data(),
+                            Row(1e6F).data(), 17, steps.data());
+        const double metres = std::clamp<double>(range_m, 1e-4, 1e6);
+        const double echo = std::clamp(
+            level.offset - level.per_log * std::log(metres) - level.per_m * metres + 0.25, -2.5, 2.5);
+        for (const std::int32_t of : steps) EXPECT_NEAR(of, 1e6 * echo, 2.0) << range_m;
+      }
+    }
+  }
+}
+
+TEST(RowMath, RaisedWeightsBeyondTheTable) {
+  const std::vector<float> table = {1.0F, 2.0F, 4.0F, 4.0F};
+  const auto weight = [&](float at, float raise) {
+    std::vector<float> found(17);
+    row_math::RaisedWeights({table.data(), 2}, at, 1.0F, Row(raise).data(), Row(3.0F).data(), 17,
+                            found.data());
+    return found;
+  };
+  for (const float far : {-0.1F, -1e30F, -kEnd}) EXPECT_THAT(weight(0.0F, far), ::testing::Each(3.0F));
+  for (const float far : {1.1F, 1e30F, kEnd}) EXPECT_THAT(weight(0.0F, far), ::testing::Each(12.0F));
+  EXPECT_THAT(weight(0.25F, 0.0F), ::testing::Each(4.5F));
+}
+
+TEST(RowMath, CellWeightsOfEveryCell) {
+  for (const double slope : {-1e6, -3.0, -0.01, 0.0, 0.2, 40.0}) {
+    for (const double height : {1e-6, 0.05, 3.0, 30.0}) {
+      for (const double limit : {0.0, 0.1, 2.0, 1e7}) {
+        for (const double cosine : {0.0, 1e-20, 0.3, 1.0}) {
+          const double top = std::clamp(slope + 0.5 * height, -limit, limit);
+          const double bottom = std::clamp(slope - 0.5 * height, -limit, limit);
+          const double expected = std::atan(top * cosine) - std::atan(bottom * cosine);
+          std::vector<float> found(17);
+          row_math::CellWeights(Row(static_cast<float>(cosine)).data(), Row(static_cast<float>(limit)).data(),
+                                Row(1.0F).data(), static_cast<float>(slope), static_cast<float>(height), 17,
+                                found.data());
+          for (const float of : found)
+            ASSERT_NEAR(of, expected, 1e-6 + 1e-3 * expected) << slope << ' ' << height << ' ' << limit;
+        }
+      }
+    }
+  }
+}
+
+TEST(RowMath, HalfTangentsOfNormalsOfEveryLength) {
+  for (const float length : {0.0F, kLeast, 1e-15F, 1e-6F, 1.0F, 1e15F}) {
+    std::vector<float> found(17, -1.0F);
+    row_math::HalfTangents(Row(0.6F).data(), Row(0.0F).data(), Row(0.8F).data(), Row(0.0F).data(),
+                           Row(0.0F).data(), Row(length).data(), 17, found.data());
+    const double expected = std::tan(0.5 * std::acos(0.8));
+    for (const float of : found) EXPECT_NEAR(of, length >= 1e-15F ? expected : 0.0, 1e-6) << length;
+  }
+}
+
+TEST(RowMath, PatchPowersFarAndNear) {
+  const std::vector<float> table(12, 2.0F);
+  for (const float range_m : {1e-3F, 1.0F, 80.0F, 1e4F}) {
+    std::vector<float> power(17);
+    row_math::PatchPowers({table.data(), 10}, 0.05F, Row(range_m).data(), Row(1.0F).data(), Row(3.0F).data(),
+                          17, power.data());
+    const double r = range_m;
+    const double expected = 6.0 * std::exp(-0.05 * r) / (r * r);
+    for (const float of : power) EXPECT_NEAR(of, expected, 1e-5 * expected + 1e-37) << range_m;
+  }
+}
+
+TEST(RowMath, ASumWithAnEndlessTermIsEndless) {
+  std::vector<double> a(37, 1.0);
+  const std::vector<double> b(37, 2.0);
+  EXPECT_EQ(row_math::Dot(a.data(), b.data(), 37), 74.0);
+  a[20] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(row_math::Dot(a.data(), b.data(), 37), std::numeric_limits<double>::infinity());
+  a[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(row_math::Dot(a.data(), b.data(), 37)));
+}
+
+}  // namespace
+}  // namespace sonarcal::sim
