@@ -23,7 +23,7 @@ namespace sonarcal::workflow {
 
 namespace {
 
-// Says which way out there is, where the scales differ.
+// States in which way the scales differ.
 void CheckScales(const ImageScale& real, const ImageScale& simulated, double tolerance_db) {
   const auto check = [&](const char* field, const std::optional<double>& a, const std::optional<double>& b) {
     if (!a || !b || std::abs(*a - *b) <= tolerance_db) return;
@@ -51,10 +51,10 @@ struct Pair {
   Frame real;
   Frame simulated;
   metrics::FrameMetrics metrics;
-  std::string error;  // why it could not be compared
+  std::string error;  // reason why the pair cannot be compared; empty: none
 };
 
-// Pairs of frames: read one after the other, as recordings ask for, and compared side by side.
+// Pairs of frames. Reads one after the other, because recordings ask for that. Compares in parallel.
 class PairComparer {
  public:
   PairComparer(const RecordingSource& real, const RecordingSource& simulated,
@@ -63,7 +63,7 @@ class PairComparer {
           return metrics::FrameComparer(compare_);
         }) {}
 
-  // In the order of `frames`. Throws DataError for the first that can't be compared.
+  // Returns pairs in the order of `frames`. Throws DataError for the first pair that cannot be compared.
   std::vector<Pair> Compare(std::span<const int> frames) {
     std::vector<Pair> pairs;
     for (const int frame : frames) pairs.push_back(Read(frame));
@@ -194,7 +194,8 @@ metrics::MetricsReport CompareRecordings(const RecordingSource& real, const Reco
   }
   report.aggregate = metrics::AggregateFrames(report.frames, std::move(levels));
   if (options.noise_floor) {
-    // Both frames are real here: one rule for both, and no simulated object to look near to.
+    // Both frames are real here. They are segmented by one rule, and there is no simulated object to search
+    // around.
     metrics::CompareOptions of_floor = report.options;
     of_floor.simulated_object = metrics::SimulatedObject::kSameRule;
     of_floor.region_margin_m.reset();
@@ -239,7 +240,7 @@ std::vector<int> SpreadFrames(const metrics::MetricsReport& report, const std::v
                               std::size_t count) {
   std::set<int> chosen(always.begin(), always.end());
   const std::size_t frames = report.frames.size();
-  // Halves, quarters, eighths ... of the recording, until there are enough.
+  // Takes halves, quarters, eighths ... of the recording until there are enough frames.
   for (std::size_t parts = 1; parts <= 2 * frames; parts *= 2) {
     for (std::size_t i = 0; i <= parts; ++i) {
       if (chosen.size() >= count) return {chosen.begin(), chosen.end()};

@@ -1,9 +1,9 @@
-// Compares a simulated recording with a real one: all metrics, by frame and together.
+// Compares a simulated recording with a real one: all metrics, per frame and aggregated.
 //
 //   const Comparison comparison = Compare(*real, *simulated);
 //   std::cout << metrics::MetricsJson(comparison.metrics);
 //
-// Two recordings through the metrics, frame by frame: what `compare` writes and what `fit` judges itself by.
+// CompareRecordings is the inner part. `compare` writes its result, and `fit` uses it for the evaluation.
 #pragma once
 
 #include <functional>
@@ -24,35 +24,36 @@ namespace sonarcal::workflow {
 
 struct CompareRecordingsOptions {
   metrics::CompareOptions compare;
-  // Grey levels as displayed, whatever dB the two scales state. A fit needs it: the paper's dB range is one
-  // of its parameters, no property of the recording.
+  // Compares grey levels as displayed and ignores the dB scales that the recordings state. A fit needs this:
+  // the dB range of the paper's model is a fitted parameter, not a property of the recording.
   bool as_displayed = false;
-  bool noise_floor = true;  // measure it, which compares the real recording with itself
-  // To compare, same number in both; empty: all, and both must have as many.
+  bool noise_floor = true;  // measures the noise floor by comparing the real recording with itself
+  // Frame numbers, the same in both recordings. Empty: all; both recordings must then have the same count.
   std::vector<int> frames = {};
-  // With compare.object: by frame, where the object is searched (apps/workflow/scene_geometry.h, ObjectBoxes).
+  // With compare.object: search box of the object per frame (apps/workflow/scene_geometry.h, ObjectBoxes).
   std::map<int, metrics::PixelBox> boxes = {};
   std::function<void(int frames_done)> progress = {};
 };
 
-// Samples that hold a measurement in both; absent: all, or the two have other axes, and nothing to compare.
+// Samples that hold a measurement in both recordings. Absent: all samples do, or the axes differ and the
+// recordings cannot be compared.
 std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& simulated);
 
-// Told of each pair as it is compared. `metrics.masks` is set.
+// Receives each pair after its comparison. `metrics.masks` is set.
 using OnComparedFrame = std::function<void(const PolarImage& real, const PolarImage& simulated,
                                            const metrics::FrameMetrics& metrics)>;
 
-// The frames that CompareRecordings compares: those asked for, or all. Throws DataError where they are not in
-// both.
+// Returns the frames that CompareRecordings compares: `asked`, or all if it is empty. Throws DataError if a
+// frame is missing in one recording.
 std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
                                  const std::vector<int>& asked);
 
-// Throws DataError where the recordings do not have the same frames, or a pair can't be compared.
+// Throws DataError if the recordings have different frames or if a pair cannot be compared.
 metrics::MetricsReport CompareRecordings(const RecordingSource& real, const RecordingSource& simulated,
                                          const CompareRecordingsOptions& options,
                                          const OnComparedFrame& on_frame = {});
 
-// A pair of frames with its metrics, `metrics.masks` set.
+// A pair of frames with its metrics. `metrics.masks` is set.
 struct ComparedFrame {
   PolarImage real;
   PolarImage simulated;
@@ -75,18 +76,18 @@ std::vector<ComparedFrame> ComparedFrames(const RecordingSource& real, const Rec
 std::vector<int> SpreadFrames(const metrics::MetricsReport& report, const std::vector<int>& always,
                               std::size_t count);
 
-// A recording's name for people: its source, and that it is synthetic where it is.
+// Name of a recording for display: its source, and "synthetic" if it is simulated.
 std::string RecordingName(const RecordingInfo& info);
 
-// Numbers of a few frames that show a comparison fairly: those with the lowest, the middle and the highest
-// intensity error in the polar view, in the order of the recording. At most three.
+// Returns the numbers of at most three representative frames: those with the lowest, the median and the
+// highest intensity error in the polar view, in the order of the recording.
 std::vector<int> TellingFrames(const metrics::MetricsReport& report);
 
-// At most `count` of `frames`, evenly spread and in their order, the first and the last among them.
+// Returns at most `count` of `frames`, evenly spread and in their order. Includes the first and the last.
 std::vector<int> EvenlySpread(const std::vector<int>& frames, int count);
 
 struct CompareOptions {
-  std::vector<int> frames = {};  // same numbers in both; empty: all, and both must have as many
+  std::vector<int> frames = {};  // same numbers in both; empty: all, and both must have equally many
   ComparisonOptions comparison = {};
   int sweep_steps = 21;
   std::optional<Interval> sweep_range = {};
@@ -94,7 +95,7 @@ struct CompareOptions {
   FromFile<std::string> against = {};  // text of an earlier metrics.json
   FromFile<ParameterSet> params = {};
 
-  // `frames` is not among them: on the command line it is a text of ranges.
+  // Omits `frames`: on the command line it is a text of ranges.
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
     ComparisonOptions::Visit(self.comparison, visit);
@@ -126,9 +127,9 @@ struct Comparison {
   metrics::MetricsReport metrics;    // with residuals
 };
 
-// `scene`: for residuals by incidence angle and material (`residuals_by_scene`) and for the box of the object;
-// may be null. `on_frame` receives each pair of images with masks. Throws UsageError for options that
-// contradict each other, DataError if frames are missing or cannot be compared.
+// `scene`, may be null: needed for residuals by incidence angle and material (`residuals_by_scene`) and for
+// the box of the object. `on_frame` receives each pair of images with masks. Throws UsageError for options
+// that contradict each other, DataError if frames are missing or cannot be compared.
 Comparison Compare(const RecordingSource& real, const RecordingSource& simulated,
                    const CompareOptions& options = {}, const Scene* scene = nullptr,
                    bool residuals_by_scene = true, const Listener& listener = {},

@@ -1,7 +1,7 @@
 // Options of every task that compares images: how the object is found and which pixels are measured.
 //
-// The law of the background that `sonarcal fit --noise-only` writes into params.json, as plain numbers for
-// metrics/segmentation/likelihood_ratio.h.
+// BackgroundLawOf converts the background law that `sonarcal fit --noise-only` writes into params.json to
+// plain numbers for metrics/segmentation/likelihood_ratio.h.
 #pragma once
 
 #include <filesystem>
@@ -60,12 +60,12 @@ struct ComparisonOptions {
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit);
 
-  // The rule of segmentation with its settings, without background law.
+  // Segmentation rule with its settings, without background law.
   metrics::SegmentationOptions Rule() const;
   std::optional<metrics::ObjectSearch> Search() const;
 
-  // Options for images with these axes. Throws UsageError for options that contradict each other, DataError if
-  // the region or the background does not fit the axes or no pixel is left.
+  // Options for images with these axes. Throws UsageError for options that contradict each other, DataError
+  // if the region or the background does not fit the axes or if no pixel remains.
   metrics::CompareOptions For(const PolarAxes& axes) const;
 };
 
@@ -184,9 +184,9 @@ void ComparisonOptions::Visit(Self& self, Visitor&& visit) {
       self.intensity_domain);
 }
 
-// The noise floor of every pixel, in the unit of the display, without absorption, as the noise is fitted.
-// Throws DataError, beginning with `where`, where the parameters have no noise floor or tapers for another
-// number of beams.
+// Returns the noise floor of every pixel in the unit of the display, without absorption, as the noise fit
+// uses it. Throws DataError, beginning with `where`, if the parameters have no noise floor or have tapers for
+// another number of beams.
 metrics::BackgroundLaw BackgroundLawOf(const ParameterSet& parameters, const PolarAxes& axes,
                                        const std::string& where);
 

@@ -11,11 +11,11 @@
 namespace sonarcal::workflow {
 namespace {
 
-constexpr int kMeansTold = 1024;  // mean values that are told apart
+constexpr int kMeansTold = 1024;  // resolution of the table over mean values
 constexpr int kMostLevels = 1024;
 constexpr std::uint64_t kSeed = 20240107;
 
-// Level whose mean display is `value`, dB; the display rises with it.
+// Returns the level in dB whose mean display is `value`. The mean display rises with the level.
 double LevelShownAs(const sim::MeanDisplayTable& mean_display, const DisplayParameters<double>& display,
                     double value) {
   double low_db = display.db_max - 200.0;
@@ -52,7 +52,7 @@ Grid<float> SpeckleDraw::Draw(const Grid<float>& mean, std::uint64_t seed) const
   for (std::size_t i = 0; i < mean.size(); ++i) {
     const double value = std::clamp(static_cast<double>(mean.values()[i]) / full_scale_, 0.0, 1.0);
     const std::vector<float>& cumulative = cumulative_[static_cast<int>(std::lround(value * kMeansTold))];
-    // Not std::uniform_real_distribution, whose results differ between standard libraries.
+    // std::uniform_real_distribution is not used: its results differ between standard libraries.
     const auto chance = static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53);
     const auto above = std::upper_bound(cumulative.begin(), cumulative.end(), chance);
     drawn.values()[i] =

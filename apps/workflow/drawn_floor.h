@@ -1,10 +1,11 @@
-// The floor of a comparison, drawn from a fitted speckle law, for a recording that holds no frames of one
-// still scene: what the figures would be if the simulation were the truth.
+// Floor of a comparison from a fitted speckle law, for recordings without frames of a static scene: the
+// figures that a perfect simulation would reach.
 //
-// A simulated frame shows the mean over speckle. The power behind each of its pixels follows from the display
-// law; powers of the fitted number of looks are drawn about it, pixel by pixel, and displayed, clipped and
-// rounded as a recording is. The drawn frame then stands in the part of the real one. Pixels are drawn one by
-// one: the grain of beam and pulse is not in it, which matters to SSIM and to outlines after smoothing.
+// A simulated frame is the mean over speckle. The display law gives the mean power of each of its pixels. A
+// power with the fitted number of looks is drawn per pixel, then displayed, clipped and rounded like a
+// recording. The speckled sample then replaces the real frame in the comparison. Limit: pixels are
+// independent, so the samples lack the speckle cell of beam and pulse. This affects SSIM, and outlines after
+// smoothing.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +19,24 @@
 
 namespace sonarcal::workflow {
 
-// Grey levels that the speckle of a law makes of a mean image.
+// Draws speckled samples of a mean image with the speckle law of `parameters`.
 class SpeckleDraw {
  public:
-  // `full_scale` > 0 is the display's largest value. Throws DataError for looks that are not positive.
+  // `full_scale` > 0 is the largest value of the display. Throws DataError if looks are not positive.
   SpeckleDraw(const ParameterSet& parameters, double full_scale);
 
-  // One draw; the same seed gives the same image on every machine. Values of `mean` beyond 0 .. full_scale
-  // count as those.
+  // Returns one sample. The same seed gives the same image on every machine. Clamps `mean` to 0 ..
+  // full_scale.
   Grid<float> Draw(const Grid<float>& mean, std::uint64_t seed) const;
 
  private:
   double full_scale_;
-  int levels_;                                  // but for level 0
-  std::vector<std::vector<float>> cumulative_;  // by mean value: chance of at most each level
+  int levels_;                                  // without level 0
+  std::vector<std::vector<float>> cumulative_;  // per mean value: probability of each level or a lower one
 };
 
-// At most `max_frames` of `frames`, evenly spread; each compared with its draw by `options`, with
-// CompareOptions::object in its box.
+// Compares at most `max_frames` of `frames`, evenly spread, each with a speckled sample of itself by
+// `options`. With CompareOptions::object, searches the object in its box.
 metrics::DrawnFloor DrawFloor(const RecordingSource& simulated, const std::vector<int>& frames,
                               const ParameterSet& parameters, const metrics::CompareOptions& options,
                               const std::map<int, metrics::PixelBox>& boxes = {}, int max_frames = 100);

@@ -57,7 +57,7 @@ std::vector<calib::GreyFrame> Read(const RecordingSource& recording,
   return frames;
 }
 
-// Images as a recording with the frames held out alone.
+// A recording of the held-out frames only; with `images` in place of the recorded ones, if given.
 MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<calib::GreyFrame>& frames,
                             const std::vector<PolarImage>* images) {
   RecordingInfo info = recorded.info();
@@ -75,7 +75,7 @@ MemoryRecording AsRecording(const RecordingSource& recorded, const std::vector<c
   return {std::move(info), std::move(all)};
 }
 
-// Mean absolute difference over the pixels that count, of full scale.
+// Mean absolute difference over the used pixels, as a fraction of full scale.
 std::optional<double> MeanDifference(const std::vector<PolarImage>& a, const std::vector<PolarImage>& b,
                                      const std::vector<calib::GreyFrame>& frames) {
   double sum = 0.0;
@@ -91,7 +91,7 @@ std::optional<double> MeanDifference(const std::vector<PolarImage>& a, const std
   return sum / count;
 }
 
-// Mean of `value` over boxes of 2 x half + 1 pixels, cut off at the image's edge.
+// Mean of `value` over boxes of 2 x half + 1 pixels, clipped at the edge of the image.
 Grid<double> BoxMean(const Grid<double>& value, int half_bins, int half_beams) {
   const int rows = value.rows();
   const int cols = value.cols();
@@ -161,7 +161,7 @@ class RecordingExplainer {
     if (options_.on_note && !sentence.empty()) options_.on_note(sentence);
   }
 
-  // A speckled draw of a step's model in each of the frames held out.
+  // Speckled sample of a step's model in each held-out frame.
   std::vector<PolarImage> Drawn(const calib::ExplainedStep& step) const {
     std::vector<PolarImage> images;
     for (std::size_t f = 0; f < held_out_.size(); ++f) {
@@ -176,13 +176,13 @@ class RecordingExplainer {
     return images;
   }
 
-  // What a step shows of the frames held out.
+  // Images of a step's model in the held-out frames.
   struct Shown {
     std::vector<PolarImage> expected;
-    std::vector<PolarImage> draws;  // empty, where the step knows of no speckle
+    std::vector<PolarImage> draws;  // empty if the step models no speckle
   };
 
-  // The frames with those pixels alone about which the object is.
+  // Held-out frames that use only the pixels around the object.
   std::vector<calib::GreyFrame> AboutObject() const {
     const metrics::CompareOptions& rule = options_.comparison;
     const std::optional<Mask>& valid = recording_.info().valid;
@@ -273,7 +273,7 @@ class RecordingExplainer {
     return Compared(frames, images, poses).aggregate.micro.polar;
   }
 
-  // The frames against images that were simulated from `poses`.
+  // Compares the frames with images that were simulated from `poses`.
   metrics::MetricsReport Compared(const std::vector<calib::GreyFrame>& frames,
                                   const std::vector<PolarImage>& images,
                                   const std::vector<Pose>& poses) const {

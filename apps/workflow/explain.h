@@ -1,8 +1,7 @@
 // Ablation study: evaluates the parts of the acoustic model one after the other on held-out frames.
 //
-// What each part of the acoustic model is worth for a recording (calib/selection/explanation.h), in the
-// figures that `compare` has, and what the bright cells of the frames held out come from
-// (sim/gathered/echo_causes.h).
+// Adds to calib/selection/explanation.h the figures that `compare` reports, and a map of the causes of the
+// bright pixels in the held-out frames (sim/gathered/echo_causes.h).
 #pragma once
 
 #include <functional>
@@ -27,20 +26,25 @@ struct ExplainRecordingOptions {
   std::optional<std::vector<int>> held_out = {};  // absent: the last third
   calib::FitOptions fit = {};
   metrics::CompareOptions comparison = {};
-  bool hold_noise = false;  // as ExplainOptions has it
+  bool hold_noise = false;  // as in ExplainOptions
   bool poses = false;
   std::function<void(const std::string& sentence)> on_note = {};
   std::function<void(calib::ExplainedPart)> on_step = {};
 };
 
-// About the object as found in the recorded image: this far beyond it, in pixels.
+// Margin around the object found in the recorded image, in pixels.
 inline constexpr int kAboutBins = 20;
 inline constexpr int kAboutBeams = 4;
 
-// A step's agreement with frames held out. Errors are mean absolute differences of the expected image, of
-// full scale: over the whole polar image; about the object as found in the recorded image, the same pixels
-// for all steps; and over the object as found in either image or in both. Occupancy is that of the expected
-// image too, from `speckle` on of a draw.
+// Agreement of one step with held-out frames. Errors are mean absolute differences between the expected image
+// and the recorded one, as fractions of full scale:
+//
+//   intensity_error  whole polar image
+//   about_error      around the object found in the recorded image, the same pixels for all steps
+//   union_error      object found in either image
+//   overlap_error    object found in both images
+//
+// Occupancy uses the expected image, and from step `speckle` on a speckled sample.
 struct StepFigures {
   std::optional<double> intensity_error = {};
   std::optional<double> about_error = {};
@@ -50,7 +54,7 @@ struct StepFigures {
   std::optional<double> ns_over_nr = {};
 };
 
-// The steps as some of the frames held out judge them; vectors are by step.
+// Evaluation of the steps on some of the held-out frames. Vectors have one element per step.
 struct JudgedSteps {
   std::vector<int> frames;
   std::vector<StepFigures> figures = {};
@@ -60,15 +64,15 @@ struct JudgedSteps {
   std::vector<double> median_error = {};
   std::vector<calib::LikelihoodDifference> error_change = {};
   std::vector<calib::Verdict> verdict = {};
-  // What a draw of the last step's model itself differs from its expected image by, over the whole image and
-  // about the object: the error that is left to speckle and noise.
+  // Difference between a speckled sample of the last step's model and its expected image, over the whole
+  // image and around the object: the error that remains because of speckle and noise.
   std::optional<double> floor_error = {};
   std::optional<double> about_floor_error = {};
 };
 
-// What the recorded cells of a frame come from, as indices into ExplainedRecording::cause_names.
+// Causes of the recorded pixels of a frame, as indices into ExplainedRecording::cause_names.
 struct CauseMap {
-  int index = 0;             // of the frame
+  int index = 0;             // frame index
   Grid<std::uint8_t> cause;  // range_bins x beams
   Grid<int> lobe_of;         // EchoCauses::lobe_of where `cause` is a side lobe in azimuth, else -1
   PolarImage recorded;
@@ -78,28 +82,29 @@ struct ExplainedRecording {
   RayGridSize rays;
   calib::FrameSplit split;
   calib::Explanation explanation;
-  JudgedSteps judged;  // by all frames held out together
+  JudgedSteps judged;  // over all held-out frames together
   // Metrics of the last step on these frames, as `compare` computes them: of its expected image, and of a
   // speckled sample if the step models speckle.
   std::optional<metrics::MetricsReport> metrics_after = {};
   std::optional<metrics::MetricsReport> sample_metrics_after = {};
-  std::vector<JudgedSteps> by_frame;  // by each alone
-  // The first two are kNotBright and kUnexplained.
+  std::vector<JudgedSteps> by_frame;  // per held-out frame
+  // The first two names belong to kNotBright and kUnexplained.
   std::vector<std::string> cause_names;
-  std::vector<CauseMap> maps;        // of the frames held out
-  std::vector<double> cause_shares;  // of the bright cells of all maps, by name; the first is 0
+  std::vector<CauseMap> maps;        // per held-out frame
+  std::vector<double> cause_shares;  // share of the bright pixels of all maps, per name; the first is 0
 };
 
 inline constexpr std::uint8_t kNotBright = 0;
 inline constexpr std::uint8_t kUnexplained = 1;
 
-// Bright is a pixel about which, over three widths of beam and pulse, the recorded power is on average twice
-// the noise floor; unexplained one of these about which it is `kUnexplainedRatio` times what is expected. All
-// others have the cause that gives most of what is expected there.
+// Classes of pixels, from power averaged over a box of three widths of beam and pulse. Bright: the recorded
+// mean exceeds kBrightRatio times the noise floor. Unexplained: bright, and the recorded mean exceeds
+// kUnexplainedRatio times the expected mean. All other bright pixels have the cause with the largest expected
+// power.
 inline constexpr double kBrightRatio = 2.0;
 inline constexpr double kUnexplainedRatio = 3.0;
 
-// Throws DataError where the recording, the scene or the parameters can't be used.
+// Throws DataError if the recording, the scene or the parameters cannot be used.
 ExplainedRecording ExplainRecording(const RecordingSource& recording, const Scene& scene,
                                     const ParameterSet& given, const ExplainRecordingOptions& options);
 

@@ -38,7 +38,7 @@ constexpr double kRarest = 1e-3;
 
 using RenderFrame = std::function<PolarImage(int frame)>;
 
-// What parameters expect in each frame of a recording, on its own grey scale.
+// Expected images of all frames of a recording, on its grey scale.
 class ExpectedRecording final : public RecordingSource {
  public:
   ExpectedRecording(const RecordingSource& recorded, RenderFrame render, const std::string& name)
@@ -117,8 +117,8 @@ calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator
                             choice);
 }
 
-// Where every frame was taken from, as far as the fit moved poses: frames held out follow the mount offset,
-// and where each frame has a pose of its own, theirs are fitted too, with everything else held.
+// Poses of all frames after the fit. Held-out frames follow the mount offset. If each frame has a free pose,
+// the poses of the held-out frames are fitted too, with all other parameters fixed.
 std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
                                             const calib::FrameSplit& split,
@@ -140,7 +140,7 @@ std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, co
   return fitted;
 }
 
-// Mean power of a pose's echoes, without noise; pixels, beams fastest.
+// Mean power of the echoes at a pose, without noise. One value per pixel, beams fastest.
 std::vector<double> EchoesExpected(const sim::Simulator& simulator, const ParameterSet& parameters,
                                    const Pose& world_from_sonar) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
@@ -216,7 +216,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     say(TakeDisplay(recording.info().scale, start));
     start = calib::WithMirrorStart(start, options.config, scene.material_names, sonar);
   }
-  ParameterSet rays_for = start;  // whatever pattern is tried
+  ParameterSet rays_for = start;  // serves every pattern that is tried
   if (std::count(options.choose.begin(), options.choose.end(), calib::ChoiceAxis::kElevation) > 0)
     rays_for.beam.elevation_pattern = ElevationPattern::kCosine;
   const sim::Simulator simulator(scene, sonar,
@@ -243,7 +243,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                       .judged_on_held_out = !split.held_out.empty(),
                       .before = {},
                       .after = {}};
-  // By parameters and poses.
+  // Makes the expected images of given parameters and poses.
   std::function<RenderFrame(const ParameterSet&, const std::vector<data_io::TimedPose>&)> expected_by;
   const sim::ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {

@@ -3,8 +3,8 @@
 //   const RecordingFit fit = Fit(*recording, scene, parameters, {.free = {"materials"}});
 //   if (fit.fit.usable) data_io::WriteParameters("params.json", fit.fit.parameters);
 //
-// A fit of the paper or the acoustic model to a recording, start to end: trace, fit, and judge on frames the
-// fit did not see. What `fit` writes as files, and other commands report.
+// Traces, fits the paper's or the acoustic model and evaluates on held-out frames. `fit` writes the result as
+// files, other commands report it.
 #pragma once
 
 #include <functional>
@@ -30,24 +30,25 @@
 namespace sonarcal::workflow {
 
 struct FitRecordingOptions {
-  RayOptions rays;  // without a sampling: that of the recording, where it states one, else beams
+  RayOptions rays;  // without a sampling: that of the recording if it states one, else beams
   calib::FitConfig config;
   calib::FitOptions fit;
-  // With `object`, all figures, also those before the fit, search the boxes of the poses after the fit.
+  // With `object`, all figures use the boxes at the fitted poses, also those before the fit.
   metrics::CompareOptions comparison;
-  // Pixels the fit looks at, range_bins x beams; absent: all. For what the scene does not contain.
+  // Pixels that the fit uses, range_bins x beams; absent: all. Excludes objects that the scene does not
+  // contain.
   std::optional<Mask> pixels = {};
-  // Acoustic model: what is chosen by the likelihood of the held-out frames before the fit, in this order.
+  // Acoustic model: properties that the likelihood of the held-out frames selects before the fit, in this
+  // order.
   std::vector<calib::ChoiceAxis> choose = {};
-  // The parameters that a simulated recording was made with, set beside the fitted ones; absent: those that
-  // ReadTruth finds.
+  // True parameters of a simulated recording, reported beside the fitted ones. Absent: those of ReadTruth.
   std::optional<ParameterSet> truth = {};
-  bool keep_images = true;  // of at most 16 compared frames, for pictures
+  bool keep_images = true;  // keeps images of at most 16 compared frames for pictures
   std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
-  std::function<void(const std::string& sentence)> on_note = {};          // what a user should not miss
+  std::function<void(const std::string& sentence)> on_note = {};          // messages for the user
 };
 
-// Incidence angles at which a material is seen in the frames used, but for its rarest 0.1 % at either end.
+// Incidence angles at which a material is seen in the frames used, without the rarest 0.1 % at either end.
 struct IncidenceRange {
   double low_deg = 0.0;
   double high_deg = 0.0;
@@ -56,59 +57,59 @@ struct IncidenceRange {
 struct RecordingFit {
   RayGridSize rays;        // as cast
   RayOptions ray_options;  // with a sampling
-  calib::FitResult fit;    // its report complete: frames, rays, times
+  calib::FitResult fit;    // with a complete report: frames, rays, times
   ParameterSet initial;
-  // Of every frame of the recording, where the fit moved poses; empty: as recorded.
+  // Poses of all frames of the recording if the fit moved poses. Empty: as recorded.
   std::vector<data_io::TimedPose> poses = {};
-  std::map<std::string, IncidenceRange> seen;  // by material; absent: not seen
-  // Expected images against recorded ones, with the initial and the fitted parameters. Of the held-out
-  // frames; of the frames used where none is held out.
+  std::map<std::string, IncidenceRange> seen;  // per material; absent: not seen
+  // Metrics of the expected images with the initial and the fitted parameters, on the held-out frames. If no
+  // frame is held out, on the frames used.
   bool judged_on_held_out = true;
   metrics::MetricsReport before;
   metrics::MetricsReport after;
-  // The same of a speckled sample in place of the expected image, which no detector finds grain in: what
-  // occupancy and distributions are to be read from. The acoustic model only.
+  // As `before` and `after`, for a speckled sample instead of the expected image. Occupancy and distributions
+  // are read from these, because a detector needs speckle to behave as on a recording. Acoustic model only.
   std::optional<metrics::MetricsReport> sample_before = {};
   std::optional<metrics::MetricsReport> sample_after = {};
-  // Two speckled samples with the fitted parameters against each other, on a few of the frames judged:
-  // the agreement that a recording of the model itself would reach. The acoustic model only.
+  // Metrics of two speckled samples of the fitted model against each other, on a few of the evaluated frames:
+  // the agreement that a recording of the model itself would reach. Acoustic model only.
   std::optional<metrics::MetricsReport> sample_pair = {};
-  std::optional<calib::ModelChoice> choice = {};  // where one was asked for
-  // Of poses shown more than once, whether fitted or held out: what they tell by themselves, beside the fit.
-  // The acoustic model only.
+  std::optional<calib::ModelChoice> choice = {};  // absent if no choice was requested
+  // Levels of repeated poses, fitted or held out, beside those of the fit. Acoustic model only.
   StillPoses still = {};
-  // What the scene does not explain: by frame used, one weight a pixel; empty: all counted in full.
+  // Weights of pixels that do not match the scene: per frame used, one weight per pixel. Empty: all weights
+  // are 1.
   std::vector<Grid<float>> weights = {};
-  // Images and metrics of compared frames: at most three examples before the fit, these and others after it.
+  // Images and metrics of compared frames: at most three examples before the fit; these and others after it.
   // Empty without FitRecordingOptions::keep_images.
   std::vector<ComparedFrame> frames_before = {};
   std::vector<ComparedFrame> frames_after = {};
 };
 
-// The display a recording states wins over that of the parameters: levels are read through it. Returns what
-// to say of that, or nothing.
+// Replaces the display in `parameters` by the one that the recording states, if any. Returns a message about
+// the change, or an empty text.
 std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 
-// Of the rays that the acoustic model wants, as many as are asked for; images that are not expected ones are
-// speckled samples.
+// Simulation options with the rays of the acoustic model, in the number that `rays` asks for. Images are
+// speckled samples unless the expected image is requested.
 sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                           const ParameterSet& parameters);
 
-// Throws DataError where frames of the split were made with other settings than the rest, and would be taken
-// for other echoes.
+// Throws DataError if frames of the split have different sonar settings, because the fit would attribute the
+// difference to echoes.
 void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& split);
 
 // Pixels of a recording that hold a measurement, 1 or 0; empty: all.
 std::vector<std::uint8_t> ValidPixels(const RecordingInfo& info, const std::optional<Mask>& pixels = {});
 
-// Needs a pose with every frame. Throws DataError where the recording, the scene or the parameters can't be
-// used for a fit; an end without a usable solution is no error but `fit.usable`, and is not judged.
+// Each frame needs a pose. Throws DataError if the recording, the scene or the parameters cannot be used for
+// a fit. A fit without a usable solution is no error: `fit.usable` is false and there is no evaluation.
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
                           const FitRecordingOptions& options);
 
 struct FitOptions {
   FromFile<calib::FitConfig> config = {};
-  // Each overrides the member of `config`, if it is not empty.
+  // Each of these overrides the member of `config` if it is not empty.
   std::vector<int> held_out = {};
   std::vector<std::string> free = {};
   std::vector<std::string> fixed = {};
@@ -166,12 +167,13 @@ struct FitOptions {
   }
 };
 
-// Free parameters, bounds and held-out frames by the options, the model of `start` and the scene's materials.
+// Returns free parameters, bounds and held-out frames from the options, the model of `start` and the
+// materials of `scene`.
 calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene);
 
-// Needs a pose with each frame. Throws UsageError for options that contradict each other, DataError if the
-// recording, the scene or the parameters cannot be used, calib::FitStopped if the listener stops the fit. A fit
-// without a usable solution is no error, see RecordingFit::fit.
+// Each frame needs a pose. Throws UsageError for options that contradict each other, DataError if the
+// recording, the scene or the parameters cannot be used, calib::FitStopped if the listener stops the fit. A
+// fit without a usable solution is no error, see RecordingFit::fit.
 RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
                  const FitOptions& options = {}, const Listener& listener = {});
 

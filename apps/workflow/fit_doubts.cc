@@ -11,7 +11,7 @@ namespace sonarcal::workflow {
 
 namespace {
 
-constexpr double kWorseShare = 0.01;  // of the figure before: the last digit that figures are quoted to
+constexpr double kWorseShare = 0.01;  // fraction of the figure before; figures are printed to this accuracy
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::vector<std::string> WorseFigures(const RecordingFit& fit) {
   const metrics::IntensityDomain domain = fit.after.options.intensity_domain;
   const metrics::ViewSummary& before = fit.before.aggregate.macro.polar;
   const metrics::ViewSummary& after = fit.after.aggregate.macro.polar;
-  // No detector finds an object of speckle in an image without any: occupancy is that of a sample.
+  // Occupancy is that of a sample: no detector finds an object of speckle in an image without speckle.
   if (fit.sample_before && fit.sample_after) {
     add("IoU", "speckled sample", fit.sample_before->aggregate.macro.polar.At("iou"),
         fit.sample_after->aggregate.macro.polar.At("iou"), 1.0);
@@ -53,7 +53,7 @@ namespace {
 // Below this IoU between two samples, segmentation is too uncertain to test a pose.
 constexpr double kMinOwnIou = 0.2;
 
-// Summary over the frames of `report` that `of` has too.
+// Summary of `report` over the frames that `of` contains too.
 metrics::ViewSummary OverFramesOf(const metrics::MetricsReport& report, const metrics::MetricsReport& of) {
   std::vector<metrics::FrameMetrics> frames;
   for (const metrics::FrameMetrics& frame : report.frames) {

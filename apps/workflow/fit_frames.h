@@ -1,5 +1,5 @@
-// What a fit is made from, for whoever wants to look at its model without fitting: the checks of a recording,
-// and its frames as the models of calib/ take them.
+// Checks of a recording before a fit, and its frames in the form that the models of calib/ take. Also for
+// callers that inspect a model without a fit.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,16 @@
 
 namespace sonarcal::workflow {
 
-// Throws DataError where the recording holds no grey levels, or the parameters' model cannot be fitted to it.
+// Throws DataError if the recording holds no grey levels or if the model of `initial` cannot be fitted to it.
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options);
 
-// The echoes behind each pixel, by pose.
+// Returns the echoes behind each pixel, one histogram per pose.
 std::vector<sim::EchoHistogram> TraceFrames(const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
                                             const FitRecordingOptions& options);
 
-// The frames of these indices. `echoes` and `poses` are those of the whole recording.
+// Return the frames with these indices. `echoes` and `poses` are those of the whole recording.
 std::vector<calib::FitFrame> PaperFrames(const RecordingSource& recording,
                                          const std::vector<sim::EchoHistogram>& echoes,
                                          const std::vector<int>& indices, const FitRecordingOptions& options);
@@ -29,7 +29,7 @@ std::vector<calib::AcousticFrame> AcousticFrames(const RecordingSource& recordin
                                                  const FitRecordingOptions& options,
                                                  const DisplayParameters<double>& display);
 
-// What the paper's model expects, 0..1 of full scale.
+// Expected image of the paper's model, 0..1 of full scale.
 PolarImage PaperImage(const sim::EchoHistogram& echoes, const sim::ImageGeometry& geometry,
                       const sim::PaperParameters<double>& parameters);
 

@@ -13,7 +13,7 @@ namespace sonarcal::workflow {
 
 class FrameGatherer {
  public:
-  // `scene` must outlive this; null: there are no residuals by incidence and material.
+  // `scene` must outlive this object. Null: no residuals by incidence and material.
   FrameGatherer(const RecordingSource& real, const RecordingSource& simulated, const SceneGeometry* scene);
 
   // `frame.masks` must be set.
@@ -33,7 +33,7 @@ class FrameGatherer {
   int without_geometry_ = 0;
 };
 
-// All tables of residuals that a report holds.
+// Returns all residual tables of a report.
 std::vector<metrics::ResidualTable> AllResiduals(const metrics::MetricsReport& metrics);
 
 }  // namespace sonarcal::workflow

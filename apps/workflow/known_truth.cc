@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Levels closer than this are the same, dB.
+// Levels that differ by less than this are equal, dB.
 constexpr double kSameLevelDb = 1e-6;
 
 ParameterSet FromTruthFile(const fs::path& file) {
@@ -46,7 +46,7 @@ ParameterSet FromTruthFile(const fs::path& file) {
   return truth;
 }
 
-// The materials of a scene that the truth knows.
+// Materials of `scene` that `truth` gives values for.
 std::vector<std::string> KnownMaterials(const ParameterSet& truth, const Scene& scene) {
   std::vector<std::string> names;
   for (const std::string& name : scene.material_names) {
@@ -73,7 +73,7 @@ std::vector<NamedValue> AcousticValues(ParameterSet truth, const std::vector<std
   for (const std::string& name : materials) truth.materials[name] = truth.Material(name);
   const bool has_noise = truth.receiver.noise_db.has_value();
   if (!has_noise) truth.receiver.noise_db = 0.0;
-  // A width of 0 is the sonar's own.
+  // A width of 0 stands for that of the sonar.
   const auto resolve = [](double& width, double own) {
     if (!(width > 0.0)) width = own;
   };
@@ -92,7 +92,7 @@ std::vector<NamedValue> AcousticValues(ParameterSet truth, const std::vector<std
   return values;
 }
 
-// Whether an echo of the same curve has the same level, so that A, C and E mean the same.
+// Tests whether an echo of the same curve has the same level, so that A, C and E mean the same.
 bool SameLevels(const ParameterSet& truth, const ParameterSet& fitted) {
   const auto level_db = [](const ParameterSet& p) {
     return p.model == EchoModel::kPaper ? p.source_level_db - p.display.db_min

@@ -1,4 +1,4 @@
-// The parameters that a SIMULATED recording was made with, set beside what a fit of it found.
+// True parameters of a simulated recording, reported beside the values that a fit of it found.
 #pragma once
 
 #include <optional>
@@ -10,15 +10,15 @@
 
 namespace sonarcal::workflow {
 
-// Reads what stands in a recording's folder, `info.source`: `params.json`, which `simulate` and `reproduce`
-// write into a synthetic recording, or a `truth.json` of another simulation with the keys gsab,
-// noise_level_db, source_level_db, cell and reflection_pressure. Nothing where neither is there. Throws
-// DataError for a file that cannot be read.
+// Reads the truth from the folder of a recording, `info.source`. The file is `truth.json` of another
+// simulation (keys gsab, noise_level_db, source_level_db, cell and reflection_pressure), or else the
+// `params.json` that `simulate` and `reproduce` write into a synthetic recording. Returns nullopt if neither
+// exists. Throws DataError for a file that cannot be read.
 std::optional<ParameterSet> ReadTruth(const RecordingInfo& info);
 
-// Enters the true values into the parameters and curves of `report`, a fit that found `fitted`. A value
-// enters only where it means the same in both: nothing of the paper's model beside one of the other two, and
-// no level where source level and gain (paper: source level and db_min) differ from the truth's.
+// Enters the true values into the parameters and curves of `report`, whose fit found `fitted`. Skips values
+// that do not mean the same in both: all values if only one of the two models is the paper's, and amplitudes
+// and curves if the sum of source level and gain differs (paper: source level minus db_min).
 void AddTruth(const ParameterSet& truth, const ParameterSet& fitted, const Scene& scene,
               const SonarModel& sonar, calib::FitReport& report);
 

@@ -8,11 +8,11 @@ namespace sonarcal::workflow {
 
 // Each function may be empty.
 struct Listener {
-  // After each piece of work: what is done ("Tracing"), pieces done, pieces in all (0: unknown).
+  // Called after each piece of work with its name ("Tracing"), pieces done, and pieces in all (0: unknown).
   std::function<void(const std::string& step, int done, int total)> progress = {};
-  // What a user should know, one sentence each. Warnings begin with "warning: ".
+  // Called with a message for the user, one sentence each. Warnings begin with "warning: ".
   std::function<void(const std::string& sentence)> message = {};
-  // Asked between the steps of a solver. A fit ends with calib::FitStopped as soon as it returns true.
+  // Called between the steps of a solver. If it returns true, the fit ends with calib::FitStopped.
   std::function<bool()> stop = {};
 
   void Progress(const std::string& step, int done, int total) const {

@@ -22,7 +22,7 @@ RayGridSize AsCast(const RayGridSize& grid, const SonarModel& sonar, sim::Sampli
   return {(grid.cols + beams - 1) / beams * beams, grid.rows};
 }
 
-// Absolute differences of images, gathered pose by pose.
+// Absolute differences of images, collected pose by pose.
 class Differences {
  public:
   void Add(const Grid<float>& image, const Grid<float>& truth) {
@@ -143,7 +143,7 @@ DisplayParameters<double> DisplayUpToBrightest(const sim::RayCaster& caster, con
                                                const std::vector<Pose>& poses, const RayGridSize& grid,
                                                double span_db) {
   sim::PaperParameters<double> paper = sim::PaperParametersFor(parameters, caster.material_names());
-  paper.display = {.db_min = 0.0, .db_max = 1.0};  // echoes in dB
+  paper.display = {.db_min = 0.0, .db_max = 1.0};  // displays echoes in dB
   const double absorption_db_per_m =
       sim::AbsorptionDbPerM(simulation.absorption, sonar.frequency_hz, simulation.water);
   const sim::RayFan fan(sonar, {.sampling = sim::Sampling::kBeams, .cols = grid.cols, .rows = grid.rows});

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kWidestFrustumDeg = 120.0;  // in elevation
 
-// Other models want columns that stand alike, and have rays of their own (sim/rays/acoustic_fan.h); where
-// `beams` are asked of them by name, these.
+// Rays of the other models if `beams` are requested by name. These models need columns that stand alike, and
+// by default have a fan of their own (sim/rays/acoustic_fan.h).
 constexpr int kOtherColumnsPerBeam = 2;
 constexpr int kOtherBeamRows = 400;
 
@@ -114,7 +114,7 @@ ThreadLimit::~ThreadLimit() = default;
 
 namespace {
 
-// The value of a detail, as SimulatedRecordingInfo (apps/workflow/simulate.h) writes it; empty: none.
+// Value of a detail, as SimulatedRecordingInfo (apps/workflow/simulate.h) writes it. Empty: none.
 std::string Detail(const RecordingInfo& info, const std::string& name) {
   for (const auto& [key, value] : info.details) {
     if (key == name) return value;
@@ -128,7 +128,7 @@ struct StatedRays {
   RayGridSize grid;
 };
 
-// From "1500x1200, frustum" and "even".
+// Parses details such as "1500x1200, frustum" and "even".
 std::optional<StatedRays> Stated(const RecordingInfo& info) {
   if (!info.synthetic || Detail(info, "model") != "paper") return std::nullopt;
   const std::string text = Detail(info, "rays");

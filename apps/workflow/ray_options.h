@@ -1,7 +1,8 @@
-// How a scene is sampled: rays, normals, absorption, threads.
+// Options for sampling a scene: rays, normals, absorption, threads.
 //
-// Sampling of a recording that the paper's model simulated. The paper gives each ray the same weight, so the
-// two samplings have different images (docs/guide/rays.md), and a fit with the other sampling is biased.
+// ChooseRays takes the sampling from a recording that the paper's model simulated. The paper gives each ray
+// the same weight, so the two samplings give different images (docs/guide/rays.md), and a fit with the other
+// sampling is biased.
 #pragma once
 
 #include <memory>
@@ -14,7 +15,7 @@
 
 namespace sonarcal::workflow {
 
-inline constexpr RayGridSize kFrustumRays = {1500, 1200};  // the paper's
+inline constexpr RayGridSize kFrustumRays = {1500, 1200};  // as in the paper
 
 struct RayOptions {
   std::optional<sim::Sampling> sampling;  // absent: SamplingFor
@@ -57,26 +58,26 @@ struct RayOptions {
   RayOptions() = default;
   explicit RayOptions(sim::Sampling default_sampling) : sampling(default_sampling) {}
 
-  // The one asked for; else for the paper's model `beams`, which need the fewest rays (docs/guide/rays.md). The
-  // acoustic model has rays of its own, and the scatterers of the coherent one stand on the rays, of which
-  // there are to be many: `frustum`.
+  // Returns the requested sampling, else the default of the model. Paper: `beams`, which need the fewest rays
+  // (docs/guide/rays.md). Others: `frustum`. The acoustic model then uses a fan of its own. The coherent
+  // model places its scatterers on the rays and needs many of them.
   sim::Sampling SamplingFor(EchoModel model) const;
 
-  // Fan, trace, absorption and water of a simulation of this sonar by a model: `beams` are staggered for the
-  // paper's.
+  // Returns fan, trace, absorption and water for a simulation of this sonar by a model. For the paper's model
+  // `beams` are staggered.
   sim::SimulationOptions For(const SonarModel& sonar, const Water& water,
                              EchoModel model = EchoModel::kPaper) const;
 
-  // The same for these parameters and their model. Of other models than the paper's rays are those of
-  // sim/rays/acoustic_fan.h unless a pinhole is asked for, and the fan reaches as far as the beam hears,
-  // however many rays are asked for; a pinhole's as far as it can.
+  // As above, for these parameters and their model. Except for the paper's model, the rays are those of
+  // sim/rays/acoustic_fan.h unless a frustum is requested. That fan covers all elevations that the beam
+  // receives, for any number of rays; a frustum covers as much as it can.
   //
-  // Both throw UsageError for fewer columns than beams, where each beam takes columns of its own.
+  // Both throw UsageError if there are fewer columns than beams and each beam needs columns of its own.
   sim::SimulationOptions For(const SonarModel& sonar, const Water& water,
                              const ParameterSet& parameters) const;
 };
 
-// Options of the azimuth that is cast and of ghosts.
+// Describes the options for the azimuth that is cast and for ghosts.
 template <typename Order, typename Margin, typename Visitor>
 void VisitReach(Order& ghost_order, Margin& margin_deg, Visitor&& visit) {
   visit(OptionInfo{.name = "ghost_order",
@@ -91,14 +92,15 @@ void VisitReach(Order& ghost_order, Margin& margin_deg, Visitor&& visit) {
         margin_deg);
 }
 
-// Throws UsageError where a weight is chosen for a model that takes none: only the paper's sums over rays.
+// Throws UsageError if a ray weight is chosen for a model other than the paper's. Only that model sums over
+// rays.
 void CheckRayWeight(sim::RayWeight weight, EchoModel model);
 
-// Sentence about the number of rays if it differs from --rays, because each beam takes whole columns; else
-// empty.
+// Returns a sentence about the number of rays if it differs from --rays because each beam takes whole
+// columns. Otherwise returns an empty text.
 std::string RaysNote(const RayOptions& options, const sim::Simulator& simulator);
 
-// Holds the program to `threads` threads as long as it lives; 0 for all cores.
+// Limits the program to `threads` threads during its lifetime; 0: all cores.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
@@ -112,7 +114,7 @@ class ThreadLimit {
 };
 
 struct RaysForFit {
-  RayOptions rays;      // as they are to be cast
+  RayOptions rays;      // as they will be cast
   std::string note;     // what was taken from the recording; empty: nothing
   std::string warning;  // how the requested rays differ from the recording's; empty: they agree
 };

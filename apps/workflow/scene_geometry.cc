@@ -52,7 +52,7 @@ SceneGeometry::SceneGeometry(const sim::RayCaster& caster, const SonarModel& son
 CellGeometry SceneGeometry::At(const Pose& world_from_sonar) const {
   const sim::EchoList echoes = sim::Trace(*caster_, fan_, world_from_sonar, axes_);
   const auto materials = static_cast<int>(material_names().size());
-  // Solid angle, and solid angle times incidence, of each material in each cell.
+  // Solid angle, and solid angle times incidence, of each material in each pixel.
   std::vector<Grid<float>> solid_angle(materials, Grid<float>(axes_.range_bins, axes_.beam_count()));
   std::vector<Grid<float>> weighted = solid_angle;
   for (std::size_t i = 0; i < echoes.size(); ++i) {

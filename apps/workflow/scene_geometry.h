@@ -1,8 +1,8 @@
-// What the scene shows each cell of a polar image: the angle at which the beam meets it, and its material. So
-// that a comparison can say at which angles and on which materials the simulation is wrong.
+// Material and incidence angle behind each pixel of a polar image. A comparison uses them to report at which
+// angles and on which materials the simulation is wrong.
 //
-// A cell that several rays meet has the material that most of their solid angle meets, and the mean angle of
-// those rays, weighted by solid angle.
+// A pixel with several rays has the material with the largest solid angle, and the mean incidence of the rays
+// on that material, weighted by solid angle.
 #pragma once
 
 #include <map>
@@ -23,10 +23,10 @@ struct CellGeometry {
   static constexpr int kNothing = -1;
 
   Grid<int> material;         // range_bins x beam_count; kNothing where no ray meets anything
-  Grid<float> incidence_rad;  // 0 .. pi/2; 0 where nothing is met
+  Grid<float> incidence_rad;  // 0 .. pi/2; 0 where no ray meets anything
 };
 
-// Throws DataError where none of the scene's materials is the object.
+// Throws DataError if no material of the scene has the name of the object.
 void CheckObject(const metrics::ObjectSearch& object, const std::vector<std::string>& material_names);
 
 class SceneGeometry {
@@ -38,12 +38,12 @@ class SceneGeometry {
 
   CellGeometry At(const Pose& world_from_sonar) const;
 
-  // The box in which the object is searched in a frame of this pose: around every cell that shows anything of
-  // the material within the sonar's elevation beam width. The rays are always the same, so that compare, fit,
-  // explain and view search the same box. Throws DataError as CheckObject.
+  // Returns the search box of the object in a frame from this pose: around every pixel that shows any of its
+  // material within the elevation beam width of the sonar. The rays are always the same, so that compare,
+  // fit, explain and view search the same box. Throws DataError as CheckObject.
   metrics::PixelBox ObjectBox(const Pose& world_from_sonar, const metrics::ObjectSearch& object) const;
 
-  // Boxes of these poses, by index.
+  // Boxes for these poses, by index.
   std::map<int, metrics::PixelBox> ObjectBoxes(const std::vector<data_io::TimedPose>& poses,
                                                const metrics::ObjectSearch& object) const;
 
@@ -52,13 +52,13 @@ class SceneGeometry {
  private:
   SceneGeometry(std::unique_ptr<const sim::RayCaster> own, const SonarModel& sonar);
 
-  std::unique_ptr<const sim::RayCaster> own_;  // null where the caster is another's
+  std::unique_ptr<const sim::RayCaster> own_;  // null if the caller owns the caster
   const sim::RayCaster* caster_;
   PolarAxes axes_;
   sim::RayFan fan_;
 };
 
-// Residuals by incidence angle (classes of 5 degrees) and by material, over the frames that are added.
+// Residuals by incidence angle (classes of 5 degrees) and by material, over all added frames.
 class GeometryResiduals {
  public:
   explicit GeometryResiduals(const std::vector<std::string>& material_names);
@@ -66,7 +66,7 @@ class GeometryResiduals {
   void Add(const CellGeometry& geometry, const PolarImage& real, const PolarImage& simulated,
            const Mask& real_object, const Mask& simulated_object, const Mask* valid = nullptr);
 
-  // "incidence" and "material", the latter with a last class for cells where nothing is met.
+  // Tables "incidence" and "material". The latter ends with a class for pixels where no ray meets anything.
   const std::vector<metrics::ResidualTable>& tables() const { return tables_; }
 
  private:

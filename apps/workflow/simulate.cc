@@ -22,7 +22,7 @@ std::string WaterText(const Water& water) {
                      water.ph, water.depth_m);
 }
 
-// What the random numbers of a model stand for.
+// Meaning of the random numbers of a model.
 std::string NoiseText(const sim::Simulator& simulator, const ParameterSet& parameters, bool expected) {
   if (expected)
     return fmt::format("none: expected image, the mean over {}", parameters.model == EchoModel::kPaper
@@ -47,7 +47,7 @@ SonarChoice ChooseSonar(const std::string& name_or_file) {
                                    [&](const sim::SonarPreset& p) { return p.name == name_or_file; });
   if (preset != presets.end()) return {preset->sonar, preset->water, {}};
   const std::filesystem::path path = name_or_file;
-  if (!std::filesystem::exists(path)) sim::FindSonarPreset(name_or_file);  // throws, naming the presets
+  if (!std::filesystem::exists(path)) sim::FindSonarPreset(name_or_file);  // throws and lists the presets
   const bool sonar_only = path.extension() == ".json" && !data_io::IsRecordingFolder(path);
   const RecordingInfo info = sonar_only ? data_io::ReadSonarFile(path) : data_io::OpenRecording(path)->info();
   return {info.sonar, info.water, path};
@@ -79,12 +79,12 @@ std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
 
 namespace {
 
-// What of a model's parameters a recorder would have to have set alike.
+// Parameters of a model that correspond to settings of a recorder.
 SonarSettings SettingsOf(const ParameterSet& parameters) {
   SonarSettings settings;
   settings.compression =
       parameters.display.law == DisplayLaw::kPower ? Compression::kPower : Compression::kLogarithm;
-  // The paper's model knows no gain over range, on or off.
+  // The paper's model has no time-varied gain.
   if (parameters.model != EchoModel::kPaper)
     settings.time_varied_gain = parameters.receiver.time_varied_gain != TimeVariedGain::kNone;
   return settings;
@@ -148,7 +148,7 @@ FrameInfo SimulatedRecording::frame_info(int index) const {
 Frame SimulatedRecording::ReadFrame(int index) const {
   Frame frame{frame_info(index), {}};
   const Pose& pose = *frame.info.world_from_sonar;
-  // Without noise the acoustic model's images are the expected ones, in one pass over the rays.
+  // Without noise, the images of the acoustic model are the expected ones, in one pass over the rays.
   if (expected_ && parameters_.model != EchoModel::kAcoustic) {
     const bool coherent = parameters_.model == EchoModel::kCoherent;
     frame.image = ExpectedFrame(simulator_, simulator_.TraceEchoes(pose), parameters_,

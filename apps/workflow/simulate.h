@@ -1,8 +1,9 @@
-// Simulates what a sonar sees of a scene from given poses.
+// Simulates the images of a sonar in a scene from given poses.
 //
 //   const auto recording = Simulate(scene, ChooseSonar("p900-45"), parameters, poses);
 //
-// A simulation as a recording: what `simulate` writes, and what other commands compare or fit in memory.
+// SimulateRecording is the inner part, for callers that have a simulator. `simulate` writes its result, other
+// commands compare it or fit it in memory.
 //
 //   const SonarChoice choice = ChooseSonar("p900-45");
 //   const WaterChoice water = ChooseWater(parameters, choice.water);
@@ -31,43 +32,44 @@ namespace sonarcal::workflow {
 
 struct SonarChoice {
   SonarModel sonar;
-  std::optional<Water> water;                  // that the preset or file gives
-  std::optional<std::filesystem::path> input;  // the file, where it is one
+  std::optional<Water> water;                  // as the preset or the file states it
+  std::optional<std::filesystem::path> input;  // the file; absent for a preset
 };
 
-// A preset's name (sim/scenes/sonar_presets.h), a recording of any format, or a JSON file with a `sonar`
-// object. Throws UsageError where it is neither a name nor there, DataError where the file is damaged.
+// Accepts the name of a preset (sim/scenes/sonar_presets.h), a recording of any format, or a JSON file with a
+// `sonar` object. Throws UsageError if it is neither a preset nor an existing file, DataError if the file is
+// damaged.
 SonarChoice ChooseSonar(const std::string& name_or_file);
 
 struct WaterChoice {
   Water water;
-  std::string note;  // a sentence where the choice needs saying; else empty
+  std::string note;  // a sentence if the user should know of the choice; else empty
 };
 
-// The parameters' water wins over the sonar's, and that is said; where neither gives one, fresh water at 15
-// C.
+// The water of the parameters takes precedence over that of the sonar, with a note. Default: fresh water at
+// 15 C.
 WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Water>& of_sonar);
 
-// What should not be missed of the parameters' mirrors, a sentence each: those that are no material of the
-// scene, or that the paper's model has none.
+// Returns one warning per mirror in `parameters` that has no effect: its name is no material of the scene, or
+// the paper's model is used, which has no mirrors.
 std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
                                        const std::vector<std::string>& material_names);
 
-// What a recording says of itself that `simulator` makes: synthetic, by which model, rays and noise.
-// `scene_path` as in RecordingInfo; empty for none. `expected`: its frames are those of ExpectedFrame.
+// Returns the description of a recording that `simulator` makes: synthetic, model, rays and noise.
+// `scene_path` as in RecordingInfo; empty: none. `expected`: its frames are those of ExpectedFrame.
 RecordingInfo SimulatedRecordingInfo(const sim::Simulator& simulator, const ParameterSet& parameters,
                                      const std::string& scene_path, bool expected = false);
 
-// The expected image of echoes that were traced before, and of ghosts (not of the paper's model), in whole
-// grey levels, as fits and comparisons score it.
+// Expected image of traced echoes and of ghosts (except in the paper's model). Rounded to whole grey levels,
+// as fits and comparisons evaluate it.
 PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& echoes,
                          const ParameterSet& parameters, const sim::GhostList& ghosts);
 
-// Frames that are rendered when they are read, so that a recording of any length is written in constant
-// memory. Frame i is of pose i, its noise of seed + i: the same frame each time, in any order.
+// A recording that renders each frame when it is read, so that writing needs constant memory. Frame i has
+// pose i and noise of seed + i. It is the same each time, in any order of reading.
 class SimulatedRecording final : public RecordingSource {
  public:
-  // Told of each frame as it is made: for outputs beside the image.
+  // Receives each frame after it is rendered, for outputs beside the image.
   using OnFrame = std::function<void(int index, const Pose& world_from_sonar, const PolarImage& image)>;
 
   // `simulator` must outlive the recording.
@@ -89,7 +91,7 @@ class SimulatedRecording final : public RecordingSource {
   bool expected_;
 };
 
-// The same, all of it made at once. `progress` is told after each frame.
+// Renders all frames at once, as SimulatedRecording would. Calls `progress` after each frame.
 std::unique_ptr<MemoryRecording> SimulateRecording(const sim::Simulator& simulator,
                                                    const std::vector<data_io::TimedPose>& poses,
                                                    const ParameterSet& parameters,
@@ -97,11 +99,11 @@ std::unique_ptr<MemoryRecording> SimulateRecording(const sim::Simulator& simulat
                                                    const std::function<void(int frames_done)>& progress = {},
                                                    bool expected = false);
 
-// Range along each ray of the fan in metres, rows x columns of rays; 0 where a ray gives no echo.
+// Range along each ray of the fan in metres, rows x columns of rays; 0 for a ray without echo.
 Grid<float> RangeAlongRays(const sim::EchoList& echoes, const sim::RayFan& fan);
 
 struct SimulateOptions {
-  std::optional<EchoModel> model = {};  // absent: that of the parameters
+  std::optional<EchoModel> model = {};  // absent: as in the parameters
   RayOptions rays = {};
   int bits = 8;        // 8, 12 or 16
   bool noise = false;  // the coherent model has noise unless `expected`
@@ -150,14 +152,14 @@ struct PreparedSimulation {
 PreparedSimulation PrepareSimulation(const SimulateOptions& options, const SonarChoice& sonar,
                                      ParameterSet parameters);
 
-// Whether images of this model contain random numbers.
+// Returns true if images of this model contain random numbers.
 bool IsRandom(const SimulateOptions& options, EchoModel model);
 
 // Sentences that a user should read before the images.
 std::vector<std::string> SimulationMessages(const SimulateOptions& options, const sim::Simulator& simulator,
                                             const PreparedSimulation& prepared);
 
-// Renders one frame per pose. `scene_path` is stated by the recording, see RecordingInfo. Throws UsageError as
+// Renders one frame per pose. The recording states `scene_path`, see RecordingInfo. Throws UsageError as
 // PrepareSimulation, DataError without poses or if the scene cannot be used.
 std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice& sonar,
                                           const ParameterSet& parameters,

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kAgreeSigmas = 3.0;
 
-// Where the floor names no level, it is the same everywhere.
+// Empty without a noise level: the shape is then constant.
 std::vector<double> NoiseShapeDb(const ReceiverParameters& receiver, const PolarAxes& axes,
                                  double absorption_db_per_m) {
   if (!receiver.noise_db) return {};

@@ -1,5 +1,5 @@
-// Poses that a recording shows more than once, the scene standing still: noise told from speckle there
-// (calib/noise/still_frames.h), and both set beside what a fit of the scene says.
+// Repeated poses of a recording with a static scene. Separates noise from speckle there
+// (calib/noise/still_frames.h) and compares both with a fit of the scene.
 #pragma once
 
 #include <cstdint>
@@ -16,31 +16,31 @@ namespace sonarcal::workflow {
 
 struct StillPose {
   calib::StillLevels levels;
-  // Of the fitted scene, where there is one.
+  // Values of the fitted scene, if there is one.
   std::optional<double> fitted_noise_db = {};
   std::optional<double> fitted_noise_sigma_db = {};
   std::optional<calib::SceneEchoes> scene = {};
 
-  // Fitted less told, in sigmas of both; absent without a fit.
+  // Fitted noise level minus the level measured here, in standard deviations of both. Absent without a fit.
   std::optional<double> NoiseDeviation() const;
-  bool NoiseAgrees() const;  // within three
+  bool NoiseAgrees() const;  // within three standard deviations
 };
 
 struct StillPoses {
   std::vector<StillPose> poses;
-  std::vector<std::string> refused;  // of poses that are shown more than once, why nothing was told
+  std::vector<std::string> refused;  // repeated poses that could not be measured, with the reason
 
   bool empty() const { return poses.empty() && refused.empty(); }
 };
 
-// Frames by pose, poses with two frames or more. Frames without a pose are taken for one.
+// Frames grouped by pose, for poses with two frames or more. Frames without a pose form one group.
 std::vector<std::vector<int>> FramesByPose(const RecordingSource& recording);
 
-// What the fitted scene says of a frame: expected echo power by pixel, without noise.
+// Returns the echo power that the fitted scene expects in a frame, per pixel, without noise.
 using ExpectedEchoes = std::function<std::vector<double>(int frame)>;
 
-// By the display, looks and floors of `parameters`. With `report` and `expected` the fitted scene is
-// compared.
+// Uses display, looks and noise floor of `parameters`. Compares with the fitted scene if `report` and
+// `expected` are given.
 StillPoses TellStillPoses(const RecordingSource& recording, const ParameterSet& parameters,
                           double absorption_db_per_m, const std::vector<std::uint8_t>& use,
                           const calib::FitReport* report = nullptr, const ExpectedEchoes& expected = {});
