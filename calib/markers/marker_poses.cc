@@ -21,7 +21,7 @@ constexpr double kMostMisfit = 200.0;
 
 struct StartedFrame {
   std::vector<MarkerObservation> seen;
-  std::vector<PoseCandidate> candidates;
+  std::vector<MarkerPoseCandidate> candidates;
 };
 
 // s^2 by the median of the markers' misfits, which wrong ones do not move. A frame of few markers fits itself
@@ -186,11 +186,11 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
     AddResiduals(left_out[i], true, result.map, result.focal_scale, camera, port, frame);
     frame.rms_px = RmsOf(frame.markers);
     all.insert(all.end(), frame.markers.begin(), frame.markers.end());
-    const std::vector<PoseCandidate>& candidates = started[i].candidates;
+    const std::vector<MarkerPoseCandidate>& candidates = started[i].candidates;
     if (candidates.size() < 2) continue;
     const double nats = (candidates[1].cost - candidates[0].cost) / adjustment.noise_factor2;
     if (nats < options.ambiguous_nats)
-      frame.other = OtherPose{candidates[1].world_from_camera * mount.camera_from_sonar, nats};
+      frame.other = OtherMarkerPose{candidates[1].world_from_camera * mount.camera_from_sonar, nats};
   }
   result.rms_px = RmsOf(all);
   return result;

@@ -48,7 +48,7 @@ struct MarkerResidual {
   std::array<Eigen::Vector2d, 4> projected_px;
 };
 
-struct OtherPose {
+struct OtherMarkerPose {
   Pose world_from_sonar;
   double nats = 0.0;  // by which the one that was kept is more likely
 };
@@ -61,7 +61,7 @@ struct MarkerFramePose {
   Matrix6d sonar_covariance = Matrix6d::Zero();
   double rms_px = 0.0;  // of the distances of all corners that count
   std::vector<MarkerResidual> markers;
-  std::optional<OtherPose> other;
+  std::optional<OtherMarkerPose> other;
 };
 
 struct MarkerPoses {

@@ -152,10 +152,10 @@ struct FrameOnlyCost {
 };
 
 // The pose refined from a guess. Nothing where it leaves what can be seen.
-std::optional<PoseCandidate> Refined(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
-                                     const Camera& camera, const FlatPort* port, const Pose& guess) {
+std::optional<MarkerPoseCandidate> Refined(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
+                                           const Camera& camera, const FlatPort* port, const Pose& guess) {
   Pose pose = guess;
-  PoseCandidate candidate;
+  MarkerPoseCandidate candidate;
   // Twice: the second about a reference that is nearly the answer.
   for (int round = 0; round < 2; ++round) {
     const Eigen::Quaterniond reference = pose.rotation;
@@ -196,9 +196,9 @@ std::vector<double> MarkerMisfits(const std::vector<MarkerObservation>& seen, co
   return misfits;
 }
 
-std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
-                                              const MarkerMap& map, const Camera& camera,
-                                              const FlatPort* port) {
+std::vector<MarkerPoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
+                                                    const MarkerMap& map, const Camera& camera,
+                                                    const FlatPort* port) {
   // Guesses that lie in one valley need one refinement.
   constexpr double kGuessesApartM = 0.03;
   constexpr double kGuessesApartDeg = 3.0;
@@ -210,15 +210,15 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservatio
         guesses, [&](const Pose& other) { return AreSame(guess, other, kGuessesApartM, kGuessesApartDeg); });
     if (!is_known) guesses.push_back(guess);
   }
-  std::vector<PoseCandidate> candidates;
+  std::vector<MarkerPoseCandidate> candidates;
   for (const Pose& guess : guesses) {
     const auto refined = Refined(seen, map, camera, port, guess);
     if (refined) candidates.push_back(*refined);
   }
-  std::ranges::stable_sort(candidates, {}, &PoseCandidate::cost);
-  std::vector<PoseCandidate> different;
-  for (const PoseCandidate& candidate : candidates) {
-    const bool is_known = std::ranges::any_of(different, [&](const PoseCandidate& other) {
+  std::ranges::stable_sort(candidates, {}, &MarkerPoseCandidate::cost);
+  std::vector<MarkerPoseCandidate> different;
+  for (const MarkerPoseCandidate& candidate : candidates) {
+    const bool is_known = std::ranges::any_of(different, [&](const MarkerPoseCandidate& other) {
       return AreSame(candidate.world_from_camera, other.world_from_camera, kApartM, kApartDeg);
     });
     if (!is_known) different.push_back(candidate);

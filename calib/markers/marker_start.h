@@ -15,16 +15,16 @@
 
 namespace sonarcal::calib {
 
-struct PoseCandidate {
+struct MarkerPoseCandidate {
   Pose world_from_camera;
   double cost = 0.0;  // half the sum of squared whitened residuals, large ones counting less
 };
 
 // Best first, different by more than a centimetre or half a degree. Every observation is of a marker of the
 // map, once. Empty where no pose puts all markers before the camera.
-std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
-                                              const MarkerMap& map, const Camera& camera,
-                                              const FlatPort* port);
+std::vector<MarkerPoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
+                                                    const MarkerMap& map, const Camera& camera,
+                                                    const FlatPort* port);
 
 // The squared length of each marker's whitened residual at a pose; infinite where it is not seen.
 std::vector<double> MarkerMisfits(const std::vector<MarkerObservation>& seen, const MarkerMap& map,

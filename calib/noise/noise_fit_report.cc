@@ -210,8 +210,8 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   if (law.display.law == DisplayLaw::kPower) {
     builder.Add("display.exponent", "", -1, law.display.exponent, start.display.exponent, 0.0, 10.0);
   }
-  builder.Add("receiver.looks", "", layout.log_looks, law.receiver.looks, start.receiver.looks, kFewestLooks,
-              kMostLooks, law.receiver.looks);
+  builder.Add("receiver.looks", "", layout.log_looks, law.receiver.looks, start.receiver.looks,
+              kMinNoiseLooks, kMaxNoiseLooks, law.receiver.looks);
   if (layout.noise_db >= 0) {
     builder.Add("receiver.noise_db", "dB", layout.noise_db, *law.receiver.noise_db,
                 start.receiver.noise_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);

@@ -299,7 +299,7 @@ Eigen::VectorXd Next(const NoiseLayout& layout, const Eigen::VectorXd& from, con
   const auto clamp = [&next](int place, double lower, double upper) {
     if (place >= 0) next[place] = std::clamp(next[place], lower, upper);
   };
-  clamp(layout.log_looks, std::log(kFewestLooks), std::log(kMostLooks));
+  clamp(layout.log_looks, std::log(kMinNoiseLooks), std::log(kMaxNoiseLooks));
   clamp(layout.span_db, kLeastSpanDb, kMostSpanDb);
   return next;
 }
@@ -335,7 +335,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
   std::vector<double> gains;
   for (solution.iterations = 0; solution.iterations < options.max_iterations; ++solution.iterations) {
     // At its bound and pushed beyond it, the number of looks stays there.
-    const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(kFewestLooks) &&
+    const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(kMinNoiseLooks) &&
                             at_best.score[layout.log_looks] < 0.0;
     Eigen::MatrixXd information = at_best.information;
     Eigen::MatrixXd curvature = at_best.curvature;

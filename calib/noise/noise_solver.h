@@ -38,8 +38,8 @@ struct NoiseSolution {
   bool looks_at_bound = false;
 };
 
-inline constexpr double kFewestLooks = 1.0;
-inline constexpr double kMostLooks = 100.0;
+inline constexpr double kMinNoiseLooks = 1.0;
+inline constexpr double kMaxNoiseLooks = 100.0;
 inline constexpr double kLeastSpanDb = 5.0;
 inline constexpr double kMostSpanDb = 400.0;
 inline constexpr double kMostLevelDb = 500.0;  // either side of 0; of tapers and the soft floor too

@@ -364,10 +364,10 @@ class Explainer {
     const double looks = result_.steps.back().parameters.receiver.looks;
     constexpr double kBeside = 1.005;
     // The lower end, one look, is normal: speckle of a single ping has one look.
-    if (looks > kMostLooks / kBeside) {
+    if (looks > kMaxSimulatedLooks / kBeside) {
       result_.warnings.push_back(
           fmt::format("step '{}': receiver.looks ended at the end of its range, {:.3g} of {:g} to {:g}",
-                      ToString(ExplainedPart::kSpeckle), looks, kFewestLooks, kMostLooks));
+                      ToString(ExplainedPart::kSpeckle), looks, kMinSimulatedLooks, kMaxSimulatedLooks));
     }
   }
 

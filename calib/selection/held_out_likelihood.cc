@@ -224,8 +224,8 @@ double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::ve
     with.receiver.looks = std::exp(log_looks);
     return LogLikelihood(frames, mean_power, with, every);
   };
-  double a = std::log(kFewestLooks);
-  double b = std::log(kMostLooks);
+  double a = std::log(kMinSimulatedLooks);
+  double b = std::log(kMaxSimulatedLooks);
   double c = b - kGolden * (b - a);
   double d = a + kGolden * (b - a);
   double at_c = at(c);

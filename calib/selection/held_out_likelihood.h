@@ -82,9 +82,9 @@ struct LikelihoodDifference {
 // a - b, of the same pixels in the same blocks; of errors, of full scale.
 LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelihood& b);
 
-// The number of looks, kFewestLooks..kMostLooks, that explains the frames best about these means.
-inline constexpr double kFewestLooks = 1.0;  // what can be simulated
-inline constexpr double kMostLooks = 40.0;
+// The number of looks, kMinSimulatedLooks..kMaxSimulatedLooks, that explains the frames best about these means.
+inline constexpr double kMinSimulatedLooks = 1.0;  // what can be simulated
+inline constexpr double kMaxSimulatedLooks = 40.0;
 double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::vector<double>>& mean_power,
                  const ParameterSet& parameters);
 
