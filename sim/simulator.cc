@@ -40,7 +40,7 @@ Simulator::Simulator(std::shared_ptr<const RayCaster> caster, SonarModel sonar, 
 
 Simulator::~Simulator() = default;
 
-// Surfaces that reflect, and the rays that look for ghosts in them.
+// Reflecting surfaces, and the rays that search for multipath echoes.
 struct Simulator::Mirrors {
   std::vector<char> reflects;
   double transmit_end_deg;
@@ -49,7 +49,7 @@ struct Simulator::Mirrors {
   RayFan fan;
 };
 
-// Null where the scene has no mirror.
+// Returns null if the scene has no mirror.
 std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSet& parameters,
                                                                int thin) const {
   if (parameters.mirrors.empty()) return nullptr;
@@ -146,7 +146,7 @@ PaperImageOptions Simulator::PaperOptions(int frame_idx) const {
   return options;
 }
 
-// A ray of the margin would count as one of the outer beam.
+// A ray of the margin would count as a ray of the outer beam.
 void Simulator::RefuseMargin() const {
   if (options_.fan.azimuth_margin_deg > 0.0) {
     throw DataError("rays: the paper model takes no azimuth margin, but it is {} degrees",
@@ -169,7 +169,7 @@ PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& p
   return image;
 }
 
-// A draw where noise is wanted, else what is expected.
+// Speckled sample if noise is on, otherwise the expected image.
 PolarImage Simulator::RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters,
                                     int frame_idx) const {
   const AcousticGeometry geometry{sonar_, absorption_db_per_m_};

@@ -1,6 +1,7 @@
-// A scene, a sonar and a pose in; an image out.
+// Renders sonar images from a scene, a sonar and poses.
 //
-// A Simulator holds what does not change from frame to frame: the ray tracer's structure and the fan of rays.
+// A Simulator holds the data that all frames share: the ray tracer's acceleration structure and the fan of
+// rays.
 //
 //   Simulator simulator(scene, sonar, options);
 //   PolarImage image = simulator.Render(world_from_sonar, parameters, frame_idx);
@@ -31,14 +32,14 @@ struct SimulationOptions {
   AbsorptionFormula absorption = AbsorptionFormula::kAuto;
   Water water;
   int bits = 8;  // 8, 12 or 16: the image's full scale is 2^bits - 1
-  // Paper: range and azimuth errors; acoustic: speckle and receiver noise. Coherent images have both in any
-  // case.
+  // Paper model: range and azimuth errors. Acoustic model: speckle and receiver noise. Coherent images always
+  // have both.
   bool noise = false;
-  std::uint64_t seed = 1;  // of the noise; frame i uses seed + i
-  // Acoustic and coherent: the scatterers' phases come from `seed` in every frame, so that speckle stays as
-  // long as nothing moves; receiver noise is fresh in each.
+  std::uint64_t seed = 1;  // seed of the noise; frame i uses seed + i
+  // Acoustic and coherent: the scatterers' phases come from `seed` in every frame, so speckle stays constant
+  // while nothing moves. Receiver noise is new in each frame.
   bool frozen_speckle = false;
-  int ghost_order = 1;  // of the paths by mirrors that are followed, 1 or 2; none without a mirror
+  int ghost_order = 1;  // max number of reflections on a multipath, 1 or 2; has no effect without a mirror
 
   void Check() const;
   double full_scale() const { return static_cast<double>((1 << bits) - 1); }
@@ -46,41 +47,41 @@ struct SimulationOptions {
 
 class Simulator {
  public:
-  // Throws DataError for options, a scene or a sonar that cannot be used.
+  // Throws DataError for an unusable option, scene or sonar.
   Simulator(Scene scene, SonarModel sonar, SimulationOptions options);
-  // Of a scene that others trace as well, its structure built once.
+  // Uses a scene that others trace too; its acceleration structure is built once.
   Simulator(std::shared_ptr<const RayCaster> caster, SonarModel sonar, SimulationOptions options);
   ~Simulator();
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  // The echoes of a pose: geometry only.
+  // Echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;
 
-  // The ghosts of a pose by the materials that the parameters call mirrors; where the scene has none of them
-  // no ray is cast and the list is empty. Of the parameters only which mirrors there are counts, and of the
-  // beam what GhostFanOptions takes: losses may change without tracing again. `thin`: by so many times fewer
-  // rows and columns of rays.
+  // Multipath echoes of a pose, by the materials that the parameters declare as mirrors. If the scene has no
+  // mirror, casts no ray and returns an empty list. Depends on the parameters only through the list of
+  // mirrors and the beam fields that GhostFanOptions reads, so losses may change without a new trace. `thin`
+  // divides the number of ray rows and columns.
   GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters, int thin = 1) const;
 
-  // The image of a pose by the model that the parameters name, in whole grey levels.
+  // Image of a pose by the model that the parameters name, in whole grey levels.
   PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
 
-  // The same from echoes that were traced before, and ghosts (not of the paper's model). Not for kCoherent,
-  // whose scatterers lie between the rays: a programmer's mistake.
+  // Renders echoes that were traced before, and multipath echoes (not for the paper's model). Must not be
+  // called for kCoherent, which places scatterers between the rays (SONARCAL_CHECK).
   PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx = 0,
                           const GhostList& ghosts = {}) const;
 
-  // What every pixel would show on average, over range and azimuth errors (paper) or speckle (acoustic, and
-  // coherent, which has the same mean power); not rounded.
+  // Expected image, not rounded: the mean over range and azimuth errors (paper) or over speckle (acoustic,
+  // and coherent, which has the same mean power).
   PolarImage RenderExpected(const EchoList& echoes, const ParameterSet& parameters,
                             const GhostList& ghosts = {}) const;
 
-  // What the acoustic model sends through beam and pulse.
+  // Scattered power of the acoustic model, before beam and pulse.
   ScatterMap Scatter(const EchoList& echoes, const ParameterSet& parameters,
                      const GhostList& ghosts = {}) const;
 
-  // Of a frame's random numbers.
+  // Random seeds of frame `frame_idx`.
   DrawSeeds SeedsOf(int frame_idx) const;
 
   const SonarModel& sonar() const { return sonar_; }
@@ -103,7 +104,7 @@ class Simulator {
   double absorption_db_per_m_;
   mutable std::mutex mirrors_mutex_;
   mutable std::map<int, std::shared_ptr<const Mirrors>>
-      mirrors_;  // by `thin`, of the materials last asked for
+      mirrors_;  // by `thin`, for the materials of the last call
 };
 
 }  // namespace sonarcal::sim

@@ -17,14 +17,14 @@
 namespace sonarcal::sim {
 namespace {
 
-// Steps of a table over a peak's width or a beam's: straight lines between them are right to 1e-5 of it.
+// Table steps per width of a peak or beam. Linear interpolation is then accurate to 1e-5 of the peak.
 constexpr double kStepsAWidth = 300.0;
 
 int TableSteps(double whole_in_widths) {
   return static_cast<int>(std::clamp(kStepsAWidth * whole_in_widths, 4096.0, 131072.0));
 }
 
-// values[0 .. steps + 1] over 0..1.
+// Table of `value` over 0..1: values[0 .. steps + 1].
 template <typename Value>
 std::vector<float> Tabulated(int steps, const Value& value) {
   std::vector<float> table;
@@ -33,14 +33,15 @@ std::vector<float> Tabulated(int steps, const Value& value) {
   return table;
 }
 
-// Everything about a frame that its rays share. A ray's power is what is the same for all (`factor`), times
-// what hangs on range and incidence (row_math::PatchPowers), on elevation and on its column.
+// Data shared by all rays of a frame. The power of a ray is a product of a common factor (`factor`), a
+// function of range and incidence (row_math::PatchPowers), a function of elevation, and the width of its
+// column.
 class PatchShader {
  public:
   PatchShader(const RayFan& fan, const std::vector<std::string>& material_names,
               const AcousticGeometry& geometry, const ParameterSet& parameters)
       : fan_(fan),
-        // Two-way transmission loss, of which 40 log10 R and the patch's R^2 leave 1 / R^2.
+        // Two-way absorption. Spreading (40 log10 R) and the patch's R^2 together leave 1 / R^2.
         loss_per_m_(static_cast<float>(2.0 * TransmissionLossDb(1.0, geometry.absorption_db_per_m) *
                                        std::numbers::ln10 / 10.0)),
         factor_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)) {
@@ -81,7 +82,7 @@ class PatchShader {
     std::vector<float> power;
   };
 
-  // Power of each hit, before `factor`. Hits are of one block of columns.
+  // Power of each hit, before `factor`. All hits are in one block of columns.
   void Shade(const RowHits& hits, Buffers& of) const {
     const int first_col = hits.col[0];
     const int cols = hits.col[hits.count - 1] + 1 - first_col;
@@ -104,11 +105,11 @@ class PatchShader {
 
  private:
   const RayFan& fan_;
-  float loss_per_m_;  // nepers of power
+  float loss_per_m_;  // nepers of power per metre
   double factor_;
-  std::vector<std::vector<float>> strength_;  // by material, over tan(incidence / 2)
+  std::vector<std::vector<float>> strength_;  // per material, over tan(incidence / 2)
   int strength_steps_ = 0;
-  std::vector<float> elevation_;  // the beam's response times the cosine, from the lowest elevation up
+  std::vector<float> elevation_;  // beam response times cosine, from the lowest elevation up
   int elevation_steps_ = 0;
   double lowest_rad_ = 0.0;
   double span_rad_ = 0.0;
@@ -134,7 +135,7 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
     shader.Shade(hits, of);
     for (int i = 0; i < hits.count; ++i) {
       const float range_m = hits.range_m[i];
-      // A ray that starts on a surface meets it at range 0, where the loss has no value.
+      // A ray that starts on a surface hits it at range 0, where the transmission loss is undefined.
       if (!(range_m > 0.0F && range_m >= nearest_m && range_m < farthest_m)) continue;
       scatter.Add(rows, range_m, hits.col[i], shader.factor() * of.power[i]);
     }

@@ -1,6 +1,6 @@
-// Power that a scene scatters, in one pass over the rays: cast, shaded and summed as they are met, with no
-// list of echoes in between. What MakeScatterMap (sim/acoustic/acoustic_image.h) makes of the same rays, to
-// single precision; its formulas are stated there.
+// Power that a scene scatters, in one pass: rays are cast, shaded and summed without a list of echoes. Equals
+// MakeScatterMap (sim/acoustic/acoustic_image.h) of the same rays to single precision; the formulas are
+// stated there.
 #pragma once
 
 #include "sim/acoustic/acoustic_image.h"
@@ -8,11 +8,12 @@
 
 namespace sonarcal::sim {
 
-// For fans of the sampling `beams` and normals of the mesh. The same on any number of threads.
+// Requires a fan with the sampling `beams`; uses normals of the mesh. The result does not depend on the
+// number of threads.
 ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                           const AcousticGeometry& geometry, const ParameterSet& parameters);
 
-// The same by whichever way these rays and normals allow.
+// Uses CastScatterMap if the fan and the normals permit it, otherwise traces a list of echoes.
 ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                        const AcousticGeometry& geometry, const ParameterSet& parameters,
                        const TraceOptions& options);

@@ -32,8 +32,8 @@ std::complex<double> WeightedSum(const std::vector<double>& weight, const std::c
                             [](double w, const std::complex<double>& v) { return w * v; });
 }
 
-// Sums `fine` (fine rows x columns) through both responses to bins x beams, those of field or of power. The
-// pulse first: it leaves fewer rows for the azimuth response, which may be as wide as the fan.
+// Filters `fine` (fine rows x columns) with both responses, of field or of power, to bins x beams. The pulse
+// comes first because it leaves fewer rows for the azimuth response, which may be as wide as the fan.
 template <typename T>
 Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
                          const ParameterSet& parameters, const ScatterMap& scatter, ResponseOf of) {
@@ -66,7 +66,7 @@ Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
   return out;
 }
 
-// Each power as `value` (0..1 of full scale, clipped) shows it.
+// Image of `value` of each power (0..1 of full scale, clipped).
 template <typename Value>
 PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const ParameterSet& parameters,
                      double full_scale, const Value& value) {
@@ -83,7 +83,7 @@ PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const Par
   return image;
 }
 
-// As the display shows a power, clipped.
+// Display law, clipped to 0..1.
 auto AsShown(const DisplayParameters<double>& display) {
   return [display](double power) { return std::clamp(DisplayValue(display, power), 0.0, 1.0); };
 }
@@ -127,13 +127,13 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   std::vector<GsabParameters<double>> materials;
   for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
 
-  // Each by itself on all cores, then summed in the order of the rays: sums are the same on any number of
-  // them.
+  // Each power is computed separately on all cores, then summed in the order of the rays, so sums do not
+  // depend on the number of threads.
   std::vector<double> powers(echoes.size());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, echoes.size(), 4096),
       [&](const tbb::blocked_range<std::size_t>& range) {
-        // Neighbours in a row of beams share their elevation.
+        // Neighbouring rays of a row share their elevation.
         float elevation_rad = std::numeric_limits<float>::quiet_NaN();
         double elevation_power = 1.0;
         for (std::size_t echo = range.begin(); echo != range.end(); ++echo) {

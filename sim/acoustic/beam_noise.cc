@@ -8,11 +8,11 @@
 namespace sonarcal::sim {
 namespace {
 
-constexpr double kCutDb = -40.0;  // a beam's response to noise is cut below this
+constexpr double kCutDb = -40.0;  // level at which a beam's response to noise is cut off
 constexpr double kSourcesPerWidth = 4.0;
 
-// Weights of each beam for directions of noise, numbered along a coordinate in which beams have one shape.
-// `place` takes an azimuth to that coordinate, `field` is a beam's response at whole numbers of it.
+// Weights of each beam for the noise directions, numbered along a coordinate in which all beams have one
+// shape. `place` converts an azimuth to that coordinate; `field` is a beam's response at whole numbers of it.
 template <typename Place, typename Field>
 std::vector<ResponseWindow> Windows(const std::vector<double>& centres_rad,
                                     const AzimuthResponse<double>& response, const Place& place,

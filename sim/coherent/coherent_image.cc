@@ -29,7 +29,7 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kPulseReachInWidths = 2.5;  // 2^-25, -75 dB
 constexpr int kElementsATask = 40;
 
-// Streams of the random numbers, apart from those of the acoustic model's draws.
+// Streams of random numbers. They differ from the streams of the acoustic model's speckle.
 enum Stream : std::uint32_t {
   kAmplitudes = 0x1000,
   kSpots = 0x2000,
@@ -40,11 +40,11 @@ enum Stream : std::uint32_t {
 
 struct Scatterer {
   double range_m;
-  double sine;  // of its azimuth
+  double sine;  // sine of its azimuth
   Complex amplitude;
 };
 
-// What one patch sends back, before the array.
+// Power that one patch sends back, before the array.
 class PatchPower {
  public:
   PatchPower(const CoherentGeometry& geometry, const ParameterSet& parameters)
@@ -73,7 +73,7 @@ class PatchPower {
   std::vector<GsabParameters<double>> materials_;
 };
 
-// Draws the scatterers of what the fan sees.
+// Draws scatterers for the surfaces that the fan hits.
 class ScattererSource {
  public:
   ScattererSource(const CoherentGeometry& geometry, const Pose& world_from_sonar,
@@ -81,12 +81,12 @@ class ScattererSource {
       : geometry_(geometry),
         patch_(geometry, parameters),
         sonar_from_world_(world_from_sonar.rotation.conjugate().toRotationMatrix()),
-        // What lies just beyond the window still reaches into its last bins.
+        // Echoes from just beyond the window still reach its last bins.
         hits_(geometry.caster.Cast(geometry.fan, world_from_sonar,
                                    geometry.sonar.axes.range_max_m +
                                        kPulseReachInWidths * PulseLengthM(geometry.sonar, parameters))) {}
 
-  // In the order of the rays.
+  // Scatterers in the order of the rays.
   std::vector<Scatterer> Draw(std::uint64_t seed, int look) const {
     const CounterRandom amplitudes(seed, kAmplitudes + static_cast<std::uint32_t>(look));
     const CounterRandom spots(seed, kSpots + static_cast<std::uint32_t>(look));
@@ -106,7 +106,7 @@ class ScattererSource {
   }
 
  private:
-  // A scatterer on the plane that the ray met, at (u, v) of its cell. `unit` has a mean square of 2.
+  // Scatterer on the plane that the ray hit, at (u, v) of the ray's cell. `unit` has a mean square of 2.
   Scatterer Place(int row, int col, double u, double v, const Complex& unit) const {
     const std::size_t ray = static_cast<std::size_t>(row) * geometry_.fan.cols() + col;
     const int triangle = hits_.triangle[ray];
@@ -114,7 +114,7 @@ class ScattererSource {
         sonar_from_world_ * geometry_.caster.TriangleNormal(triangle).cast<double>();
     const Eigen::Vector3d centre = geometry_.fan.Direction(row, col).cast<double>();
     Eigen::Vector3d direction = geometry_.fan.DirectionWithin(row, col, u, v);
-    // Where the plane is all but edge on the spot could lie anywhere: the ray's own hit then.
+    // If the plane is nearly edge-on, the spot could lie anywhere. The ray's own hit is used instead.
     double stretch = centre.dot(normal) / direction.dot(normal);
     if (!(stretch > 0.5 && stretch < 2.0)) {
       stretch = 1.0;
@@ -132,12 +132,12 @@ class ScattererSource {
   FanHits hits_;
 };
 
-// Scatterers of what is seen in mirrors, one or two for each echo.
+// Scatterers of multipath echoes: one or two per echo.
 std::vector<Scatterer> DrawGhosts(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                                   const ParameterSet& parameters, std::uint64_t seed, int look) {
   std::vector<Scatterer> all;
   if (geometry.mirrors == nullptr) return all;
-  // Spots of each look apart from those of others.
+  // Each look has its own spots.
   const CounterRandom of_look(seed, kGhostSpots + static_cast<std::uint32_t>(look));
   const auto spots_seed = static_cast<std::uint64_t>(of_look.Uniform2(0).first * 0x1p53);
   const PolarAxes& axes = geometry.sonar.axes;
@@ -164,8 +164,8 @@ std::vector<Scatterer> DrawGhosts(const CoherentGeometry& geometry, const Pose& 
   return all;
 }
 
-// Adds the echo of every scatterer to some of the elements: field is range_bins x count, their real parts and
-// imaginary parts apart so that the innermost loop is plain arithmetic on rows of numbers.
+// Adds the echo of every scatterer to `count` elements. The field is range_bins x count. Real and imaginary
+// parts are stored separately so that the innermost loop is plain arithmetic on rows of numbers.
 void Receive(const std::vector<Scatterer>& scatterers, const PolarAxes& axes, double pulse_m,
              const double* position, int count, Grid<double>& real, Grid<double>& imaginary) {
   const double pitch = count > 1 ? position[1] - position[0] : 0.0;
@@ -187,7 +187,7 @@ void Receive(const std::vector<Scatterer>& scatterers, const PolarAxes& axes, do
                field.real() * step.imag() + field.imag() * step.real()};
     }
     for (int bin = first; bin <= last; ++bin) {
-      // The root of the power response.
+      // Square root of the power response.
       const double envelope =
           GaussianResponse(axes.range_centre_m(bin) - scatterer.range_m, pulse_m * std::numbers::sqrt2);
       double* real_row = real.row(bin).data();
@@ -200,8 +200,8 @@ void Receive(const std::vector<Scatterer>& scatterers, const PolarAxes& axes, do
   }
 }
 
-// The field at every element, range_bins x elements. Each task has elements of its own and goes through all
-// scatterers in their order: the sums are the same on any number of threads.
+// Field at every element, range_bins x elements. Each task owns some elements and adds all scatterers in
+// their order, so the sums do not depend on the number of threads.
 Grid<Complex> ElementFields(const std::vector<Scatterer>& scatterers, const PolarAxes& axes, double pulse_m,
                             const LineArray& array) {
   const int elements = static_cast<int>(array.shading.size());
@@ -220,9 +220,9 @@ Grid<Complex> ElementFields(const std::vector<Scatterer>& scatterers, const Pola
   return fields;
 }
 
-// Noise of unit power in each element, as a receiver matched to the pulse lets it through: white noise in
-// steps finer than pulse and bin, filtered with the transmitted envelope q(x) = 2^-(2 x / length)^2, whose
-// autocorrelation is the field of an echo.
+// Noise of unit power in each element, filtered by a receiver that is matched to the pulse. White noise in
+// steps finer than pulse and bin is filtered with the transmitted envelope q(x) = 2^-(2 x / length)^2. The
+// autocorrelation of this envelope is the field of an echo.
 class ElementNoise {
  public:
   ElementNoise(const PolarAxes& axes, double pulse_m, int elements, const CounterRandom& random)
@@ -262,17 +262,17 @@ class ElementNoise {
   std::vector<double> filter_;
 };
 
-// Factors of the receiver on power.
+// Receiver factors on power.
 struct ReceiverPower {
-  std::vector<double> gain;         // by bin
-  std::vector<double> sensitivity;  // by beam, to echoes
+  std::vector<double> gain;         // per bin
+  std::vector<double> sensitivity;  // per beam; applies to echoes only
   Grid<double> floor;
   BeamForming beam_forming;
 };
 
-// Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the beamformer
-// apart, as it is linear, so that the floor may differ from beam to beam. Where a lens forms the beams,
-// `noise` has one element per beam and passes no beamformer.
+// Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the linear
+// beamformer separately, so the noise floor may differ between beams. If a lens forms the beams, `noise` has
+// one element per beam and passes no beamformer.
 void AddPower(const Grid<Complex>& fields, const Beamformer& beamformer, const ElementNoise& noise,
               const ReceiverPower& receiver, double weight, Grid<double>& power) {
   tbb::parallel_for(0, power.rows(), [&](int bin) {

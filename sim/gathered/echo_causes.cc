@@ -18,8 +18,8 @@
 namespace sonarcal::sim {
 namespace {
 
-// A window of a response from its peak to where it first stops falling on either side; what is left out is 0,
-// so that windows stay of one length.
+// Main lobe of a response: from its peak to where it first stops falling on either side. All other weights
+// are set to 0, so the window keeps its length.
 ResponseWindow MainLobe(ResponseWindow window) {
   std::vector<double>& weight = window.weight;
   const auto peak = std::max_element(weight.begin(), weight.end());
@@ -32,7 +32,7 @@ ResponseWindow MainLobe(ResponseWindow window) {
   return window;
 }
 
-// The echoes of a list that `keep` wants.
+// Echoes for which `keep` is true.
 template <typename Keep>
 EchoList Only(const EchoList& echoes, const Keep& keep) {
   EchoList kept = echoes;
@@ -78,7 +78,7 @@ std::vector<double> CellPowers(const EchoPower& echoes, const std::vector<std::s
   return powers;
 }
 
-// The steps from a pose to its causes.
+// Computes the causes of one pose step by step.
 class CauseFinder {
  public:
   CauseFinder(const Simulator& simulator, const Pose& pose, const ParameterSet& parameters)
@@ -163,7 +163,7 @@ class CauseFinder {
     if (found_.causes.back().kind == CauseKind::kAzimuthLobe) found_.lobe_of = StrongestLobes();
   }
 
-  // Remembers what each beam hears of every column through side lobes, bin by bin.
+  // Stores the power that each beam receives from every column through side lobes, bin by bin.
   void AddLobes(const EchoPower& echoes, const std::vector<double>& cells, const PowerResponse& whole,
                 const PowerResponse& main) {
     const PolarAxes& axes = simulator_.sonar().axes;
@@ -217,7 +217,7 @@ class CauseFinder {
     return strongest;
   }
 
-  // Ghosts by the mirrors that they go by, however often.
+  // Multipath echoes, grouped by the set of mirrors on their path.
   void AddGhosts() {
     const GhostList ghosts = simulator_.TraceGhosts(pose_, parameters_);
     std::map<std::set<std::uint16_t>, GhostList> by_mirrors;
@@ -247,8 +247,8 @@ class CauseFinder {
   const std::vector<std::string>& materials_;
   std::vector<double> gain_;
   std::vector<double> columns_;
-  std::vector<double> by_column_;        // power of each column of each bin
-  std::vector<ResponseWindow> windows_;  // of each beam, side lobes alone
+  std::vector<double> by_column_;        // power of each column in each bin
+  std::vector<ResponseWindow> windows_;  // per beam, side lobes only
   EchoCauses found_;
 };
 

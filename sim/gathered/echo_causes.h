@@ -1,14 +1,14 @@
-// What the power expected in each pixel comes from: one image for each cause, which together are the acoustic
-// model's expected power.
+// Contributions to the expected power of each pixel: one image per cause. Their sum is the acoustic model's
+// expected power.
 //
-//   material        echoes of it through the beams' main lobes
+//   material        its echoes through the beams' main lobes
 //   elevation lobe  echoes of a material through a side lobe of the elevation pattern
-//   azimuth lobe    echoes of any material through side lobes in azimuth; of which beam's cell, LobeOf says
-//   ghost           by way of one mirror, there or back or both; or of several
-//   noise           the receiver's floor
+//   azimuth lobe    echoes of any material through side lobes in azimuth; lobe_of gives their direction
+//   ghost           multipath echoes by one mirror, on one leg or both; or by several mirrors
+//   noise           noise floor of the receiver
 //
-// A main lobe ends where the response first stops falling away from its peak. Ghosts are counted whole,
-// through whatever lobe they come.
+// A main lobe ends where the response first stops falling away from its peak. Multipath echoes are counted as
+// a whole, through whichever lobe they arrive.
 #pragma once
 
 #include <string>
@@ -25,14 +25,14 @@ enum class CauseKind { kMaterial, kElevationLobe, kAzimuthLobe, kGhost, kNoise }
 
 struct EchoCause {
   CauseKind kind = CauseKind::kNoise;
-  std::string name;    // "floor", "ghost by the wall", "noise": in words, unique
+  std::string name;    // unique text: "floor", "ghost by the wall", "noise"
   Grid<double> power;  // range_bins x beams
 };
 
 struct EchoCauses {
-  std::vector<EchoCause> causes;  // noise first; those of no power anywhere are left out
-  // Beam whose direction gives most of what comes through side lobes in azimuth, range_bins x beams; -1 where
-  // nothing does. Empty where there are no side lobes.
+  std::vector<EchoCause> causes;  // noise first; causes without power are omitted
+  // Direction, as a beam index, that contributes most power through side lobes in azimuth; range_bins x
+  // beams. -1 in pixels without such power. Empty if there are no side lobes.
   Grid<int> lobe_of;
 
   // Index of the largest cause of each pixel.

@@ -13,7 +13,7 @@
 namespace sonarcal::sim {
 namespace {
 
-// What each echo gives to the cells and nodes around it.
+// Shares of each echo for the cells and nodes around it.
 std::vector<EchoShare> Shares(const EchoList& echoes, const PolarAxes& axes, const EchoPowerOptions& options,
                               int rows) {
   const double step_m = axes.range_bin_m() / options.range_steps;

@@ -1,11 +1,11 @@
-// A frame's echoes, gathered by where they arrive: the power that a patch of unit backscattering strength
-// would return there, by its incidence on its material. The mean power of the acoustic model is linear in the
-// backscatter curves, so this is all that a fit of materials, beam, pulse and receiver needs of the geometry:
-// no ray is cast while it runs.
+// Echoes of a frame, gathered by where they arrive: the power that a patch of unit backscattering strength
+// would return, by its incidence on its material. The mean power of the acoustic model is linear in the
+// backscatter curves. A fit of materials, beam, pulse and receiver therefore needs no other geometry and
+// casts no ray.
 //
-// Cells are fine rows of range (an echo is shared between the two nearest, so that power changes smoothly
-// with range) times columns of the ray fan. Incidence is kept on the grid of sim/paper/echo_histogram.h; a
-// curve is its values at the nodes, joined by straight lines in power.
+// Cells are fine rows of range times columns of the ray fan. An echo is shared between the two nearest rows,
+// so power changes smoothly with range. Incidence uses the grid of sim/paper/echo_histogram.h. A curve is
+// piecewise linear in power between its values at the nodes.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct EchoPower {
     float power = 0.0F;      // sum of 10^(-(40 log10 R + 2 alpha R) / 10) R^2 dOmega / cos(delta) el(phi)
   };
 
-  int range_steps = 0;  // rows a range bin
+  int range_steps = 0;  // rows per range bin
   int rows = 0;         // range_steps x range bins
   int cols = 0;
   int materials = 0;
@@ -42,17 +42,17 @@ struct EchoPower {
 struct EchoPowerOptions {
   double absorption_db_per_m = 0.0;
   ElevationResponse elevation{ElevationPattern::kGaussian, 0.0, 0.0};  // none
-  int range_steps = 4;                                                 // at least 4 a pulse length
+  int range_steps = 4;                                                 // at least 4 per pulse length
 };
 
-// What one echo gives to a node of one cell, row * cols + col.
+// Share of one echo for a node of one cell, row * cols + col.
 struct EchoShare {
   std::uint32_t cell;
   std::uint32_t node;
   float power;
 };
 
-// Sums shares by cell and node; the rest of `frame`, all but cells and entries, is kept.
+// Sums shares by cell and node. Keeps the other members of `frame`.
 EchoPower SumShares(EchoPower frame, const std::vector<EchoShare>& shares);
 
 EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,

@@ -10,7 +10,7 @@
 namespace sonarcal::sim {
 namespace {
 
-// Likely reason why no ray of a pose meets the scene, from the scene's bounding box.
+// Likely reason why no ray of a pose hits the scene, from the scene's bounding box.
 std::string LikelyReason(const PolarAxes& axes, const Eigen::AlignedBox3f& box,
                          const Pose& world_from_sonar) {
   const Eigen::Vector3f sonar_m = world_from_sonar.position_m.cast<float>();

@@ -1,4 +1,5 @@
-// Poses from which a sonar sees nothing of a scene, which is most often a mistake in units, axes or poses.
+// Detects poses from which a sonar sees nothing of a scene. The usual cause is a mistake in units, axes or
+// poses.
 #pragma once
 
 #include <string>
@@ -8,11 +9,11 @@
 
 namespace sonarcal::sim {
 
-// Indices of the poses from which no ray of the simulator meets the scene within the range window. Casts few
-// rays for a pose that sees something, all of them for one that does not.
+// Indices of the poses from which no ray of the simulator hits the scene within the range window. Casts few
+// rays for a pose that sees something, all rays for one that does not.
 std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar);
 
-// A sentence for `empty` poses, with the likely reason for the first of them.
+// Warning about the `empty` poses, with the likely reason for the first of them.
 std::string EmptyFramesWarning(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
                                const std::vector<int>& empty);
 

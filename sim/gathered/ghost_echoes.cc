@@ -14,7 +14,7 @@
 namespace sonarcal::sim {
 namespace {
 
-// Angles at which ghosts are kept, degrees: each among CoarseIncidenceDeg.
+// Angles of the nodes for multipath echoes, degrees. Each is among CoarseIncidenceDeg.
 const std::vector<double>& NodesDeg(CurvePart part) {
   static const std::vector<double> kTilts = [] {
     std::vector<double> nodes;
@@ -30,7 +30,7 @@ const std::vector<double>& NodesDeg(CurvePart part) {
   return part == CurvePart::kPeaks ? kTilts : kIncidences;
 }
 
-// An angle between two nodes, as fine nodes of an EchoPower.
+// Angle between two nodes, given as fine nodes of an EchoPower.
 struct OnNodes {
   std::uint32_t first = 0;
   std::uint32_t second = 0;

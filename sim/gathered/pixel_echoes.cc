@@ -15,9 +15,9 @@
 namespace sonarcal::sim {
 namespace {
 
-// Share of a fine node between two coarse ones.
+// Share of a fine node between two coarse nodes.
 struct NodeShare {
-  int node = 0;  // and the next
+  int node = 0;  // this node and the next
   double of_next = 0.0;
 };
 
@@ -33,7 +33,7 @@ std::array<NodeShare, kIncidenceNodes> CoarseShares() {
   return shares;
 }
 
-// Power by incidence node and column of the ray fan: a line of columns for each node that occurs. Reused from
+// Power by incidence node and column of the ray fan: one line of columns per node that occurs. Reused from
 // bin to bin.
 class NodeLines {
  public:
@@ -59,7 +59,7 @@ class NodeLines {
     reach_[slot].first = std::min(reach_[slot].first, column);
     reach_[slot].second = std::max(reach_[slot].second, column);
   }
-  // Nodes that occur, in their order.
+  // Nodes that occur, sorted.
   std::vector<std::uint32_t> Sorted() const {
     std::vector<std::uint32_t> sorted = nodes_;
     std::sort(sorted.begin(), sorted.end());
@@ -76,10 +76,10 @@ class NodeLines {
 
  private:
   std::size_t columns_;
-  std::vector<int> slot_;  // by node, -1 where it does not occur
+  std::vector<int> slot_;  // per node, -1 if it does not occur
   std::vector<std::uint32_t> nodes_;
   std::vector<double> power_;
-  std::vector<std::pair<int, int>> reach_;  // first and last column of each line that holds anything
+  std::vector<std::pair<int, int>> reach_;  // first and last column with data, per line
 };
 
 }  // namespace

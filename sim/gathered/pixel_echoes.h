@@ -1,14 +1,18 @@
-// The echoes behind each pixel of a frame through a fixed point spread function: sim/gathered/echo_power.h
-// after sim/gathered/power_response.h. A pixel's mean power is then a short sum over incidence nodes,
+// Echoes of each pixel of a frame through a fixed point spread function: sim/gathered/echo_power.h after
+// sim/gathered/power_response.h. The mean power of a pixel is then a short sum over incidence nodes,
 //
 //   S(r, b) = sum over entries of weight x sigma_material(incidence),
 //
-// and a fit of backscatter curves and receiver needs nothing else: no ray and no blur.
+// so a fit of backscatter curves and receiver needs no ray and no blur.
 //
-// Nodes are coarser than those of EchoPower where curves are smooth: half a degree up to 20 degrees, one up
-// to 40, two beyond. Joined by straight lines in power, a Gaussian of half-width 3 degrees is within 0.02 dB,
-// one of 1 degree within 0.14 dB; a cosine of any exponent up to 4 within 0.02 dB up to 80 degrees. What is
-// less than kNegligibleShare of a pixel's sum is left out.
+// Nodes are coarser than those of EchoPower because curves are smooth: every half degree up to 20 degrees,
+// every degree up to 40, every two degrees beyond. Interpolation is linear in power. Its errors:
+//
+//   Gaussian of half-width 3 degrees           0.02 dB
+//   Gaussian of half-width 1 degree            0.14 dB
+//   cosine of exponent up to 4, to 80 degrees  0.02 dB
+//
+// Entries below kNegligibleShare of a pixel's sum are omitted.
 #pragma once
 
 #include <array>
@@ -41,8 +45,8 @@ struct PixelEchoes {
 PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,
                               double negligible_share = kNegligibleShare);
 
-// The same from a pose: traces the simulator's fan, gathers its echoes by the elevation response, and sends
-// them through beam and pulse of the parameters; and the two steps of it one by one.
+// Traces the simulator's fan from a pose, gathers its echoes with the elevation response, and applies beam
+// and pulse of the parameters. EchoesOfPose and ThroughBeamAndPulse are the two steps of GatherPixelEchoes.
 EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
                        const ParameterSet& parameters);
 PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
@@ -53,12 +57,12 @@ PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from
 // (above - below) x scale, entry by entry.
 PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale);
 
-// What a pixel needs to know of a curve at a node: its power, and the derivatives by A, B, C, D, E and F.
+// Values of a curve at a node: its power, and the derivatives by A, B, C, D, E and F.
 inline constexpr int kCurveTerms = 7;
-inline constexpr int kCurveStride = 8;  // in a table: aligned for vector instructions
+inline constexpr int kCurveStride = 8;  // stride in a table, aligned for vector instructions
 
-// Adds a pixel's echoes, material by material: `sums` holds kCurveStride values for each material, `curves`
-// as many for each node of each material. Of materials that the pixel does not show, nothing is touched.
+// Adds a pixel's echoes, material by material. `sums` holds kCurveStride values per material, `curves`
+// kCurveStride values per node of each material. Leaves materials that do not occur in the pixel unchanged.
 inline void AddCurves(const PixelEchoes& echoes, std::size_t pixel, std::span<const double> curves,
                       std::span<double> sums) {
   const auto nodes = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());

@@ -1,6 +1,6 @@
-// The point spread function of a sonar as a linear map in power, from cells of echoes
-// (sim/gathered/echo_power.h) to pixels: the pulse along range, the beam pattern along azimuth. It serves an
-// image and each of its derivatives alike, several at once.
+// Point spread function of a sonar as a linear map in power, from cells of echoes (sim/gathered/echo_power.h)
+// to pixels: the pulse along range, the beam pattern along azimuth. It processes an image and its derivatives
+// together.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ std::vector<std::size_t> RowStarts(const EchoPower& echoes);
 
 class PowerResponse {
  public:
-  // `azimuth`: for each beam, its weights for the columns. `pulse`: weights of the fine rows for a bin, first
-  // counted from the bin's own first row.
+  // `azimuth`: weights of each beam for the columns. `pulse`: weights of a bin for the fine rows, counted
+  // from the bin's own first row.
   PowerResponse(int bins, int range_steps, std::vector<ResponseWindow> azimuth, ResponseWindow pulse);
 
   // `cells` holds `count` values for each cell of `echoes`, cell by cell.
@@ -36,7 +36,7 @@ class PowerResponse {
   int bins() const { return bins_; }
   int beams() const { return static_cast<int>(azimuth_.size()); }
   const ResponseWindow& azimuth(int beam) const { return azimuth_[beam]; }
-  // Fine rows [first, last) that a bin hears, and how much of one.
+  // Fine rows [first, last) that contribute to a bin, and the weight of one of them.
   std::pair<int, int> RowsOfBin(int bin) const;
   double PulseWeight(int bin, int row) const {
     return pulse_.weight[row - bin * range_steps_ - pulse_.first];
@@ -49,8 +49,8 @@ class PowerResponse {
   ResponseWindow pulse_;
 };
 
-// The response of a sonar to echoes on columns at these azimuths (sim/physics/beam_and_pulse.h). Throws
-// DataError where the beam's width is unknown.
+// Response of a sonar to echoes in columns at these azimuths (sim/physics/beam_and_pulse.h). Throws DataError
+// if the beam width is unknown.
 PowerResponse MakePowerResponse(const SonarModel& sonar, const ParameterSet& parameters,
                                 const std::vector<double>& column_azimuth_rad, int range_steps);
 

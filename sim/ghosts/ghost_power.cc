@@ -36,7 +36,7 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
   }
 }
 
-// What a leg does to the power of an echo that goes out or comes back by it, reflections apart.
+// Factor of one leg on the power of an echo, without reflections.
 double GhostPower::OfLeg(const GhostLeg& leg) const {
   const double spreading_m = leg.spreading_m;
   const double loss_db = TransmissionLossDb(spreading_m, absorption_db_per_m_) +
@@ -81,7 +81,7 @@ std::optional<ArrivalGrid::Between> ArrivalGrid::Place(double azimuth_rad) const
   const auto above = std::upper_bound(columns_.begin() + 1, columns_.end() - 1, azimuth_rad);
   const int index = static_cast<int>(above - columns_.begin()) - 1;
   const double fraction = (azimuth_rad - columns_[index]) / (*above - columns_[index]);
-  // Rounding of single precision apart.
+  // Tolerance for rounding to single precision.
   if (fraction < -0.5001 || fraction > 1.5001) return std::nullopt;
   return Between{index, std::clamp(fraction, 0.0, 1.0)};
 }
@@ -93,7 +93,8 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
   const PolarAxes& axes = geometry.sonar.axes;
   const ArrivalGrid grid(scatter.column_azimuth_rad, axes.range_min_m,
                          axes.range_bin_m() / scatter.range_steps, scatter.power.rows());
-  // What costs time on all cores; sums in the order of the list, the same on any number of threads.
+  // Computes powers on all cores, then sums in the order of the list, so the result does not depend on the
+  // number of threads.
   std::vector<double> one_way(ghosts.echoes.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, one_way.size(), 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) one_way[i] = power.OneWay(ghosts.echoes[i]);

@@ -1,20 +1,20 @@
-// What ghosts (sim/ghosts/ghost_trace.h) add to the power that a scene scatters. An echo that goes out by leg
-// a and comes back by leg b, of lengths L, spreading S, has the mean power
+// Power of multipath echoes (sim/ghosts/ghost_trace.h), added to the power that a scene scatters. An echo
+// that goes out by leg a and comes back by leg b, of lengths L and spreading distances S, has the mean power
 //
 //   10^((SL + G - alpha (La + Lb)) / 10) / (Sa Sb)^2  10^(-(losses of all reflections) / 10)
 //     sigma(delta_a, delta_b)  A  sqrt(el(phi_a) el(phi_b))
 //
 // at range (La + Lb) / 2, from the azimuth of b. A = Sa^2 dOmega / cos(delta_a) is the patch of the ray that
-// found it. Each end has half of the two-way elevation pattern. Between two directions a surface scatters by
-// GsabBetweenPower (sim/physics/gsab.h).
+// found it. Each end has half of the two-way elevation pattern (in dB). Between two directions a surface
+// scatters by GsabBetweenPower (sim/physics/gsab.h).
 //
-// The two ways of one pair of legs have the same length, so that for each scatterer the two echoes arrive in
-// phase. A beam that hears both, from azimuths h to either side of their middle, hears the field f(h) + f(-h)
-// and not twice the power: where both come from one direction, as by a floor or the surface of the water,
-// four times the power of one (the enhancement of backscatter). Beside the two echoes a third stands for the
-// product, at the middle and of twice the power of one times the response at h. For Gaussian beams that is
-// exact; for others as far as their main lobe is one. Echoes of different lengths have phases apart: their
-// powers add.
+// The two directions of travel along one pair of legs have the same length, so for each scatterer the two
+// echoes arrive in phase. A beam receives the field f(h) + f(-h), where h is half the difference of their
+// azimuths. If both come from one direction, as with a floor or the water surface, this is four times the
+// power of one echo (enhanced backscatter). A third arrival therefore represents the product term: at the
+// mean azimuth, with twice the power of one echo times the response at h. This is exact for Gaussian beams,
+// and for others as far as their main lobe is Gaussian. Echoes of different lengths have independent phases:
+// their powers add.
 #pragma once
 
 #include <cmath>
@@ -29,7 +29,7 @@
 
 namespace sonarcal::sim {
 
-// One arrival of a ghost at the sonar: power as in a ScatterMap.
+// One arrival of a multipath echo at the sonar; power as in a ScatterMap.
 struct GhostArrival {
   double range_m = 0.0;
   double azimuth_rad = 0.0;
@@ -38,23 +38,23 @@ struct GhostArrival {
 
 class GhostPower {
  public:
-  // The arguments must outlive it. Throws DataError where the beam's azimuth width is unknown.
+  // The arguments must outlive it. Throws DataError if the beam's azimuth width is unknown.
   GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
              const ParameterSet& parameters);
 
-  // Of one way, out by `leg` and back by `other`.
+  // Power in one direction of travel: out by `leg`, back by `other`.
   double OneWay(const GhostEcho& echo) const;
 
-  // The same where source level, gain, losses and backscatter are one: what the geometry alone does.
+  // As OneWay with source level, gain, losses and backscatter set to 1: the factor of the geometry.
   double UnitOneWay(const GhostEcho& echo) const;
 
-  // Calls take(GhostArrival) for each: one, or three where the echo goes both ways.
+  // Calls take(GhostArrival) for each arrival: one, or three if the echo travels both ways.
   template <typename Take>
   void ForEachArrival(const GhostEcho& echo, Take&& take) const {
     ForEachArrival(echo, OneWay(echo), take);
   }
 
-  // The same where OneWay is known.
+  // As above, with `power` = OneWay(echo) known.
   template <typename Take>
   void ForEachArrival(const GhostEcho& echo, double power, Take&& take) const {
     const double range_m = echo.range_m();
@@ -75,7 +75,7 @@ class GhostPower {
  private:
   double OfLeg(const GhostLeg& leg) const;
   double MirrorLossDb(const GhostLeg& leg) const;
-  // 0 where next to nothing.
+  // Response at the mean azimuth to an echo at `azimuth_rad`; 0 if negligible.
   double InCommon(double azimuth_rad, double middle_rad) const;
 
   double level_;
@@ -84,11 +84,11 @@ class GhostPower {
   AzimuthResponse<double> azimuth_;
   TransmitPattern transmit_;
   std::vector<GsabParameters<double>> materials_;
-  std::vector<double> loss_db_;  // of a reflection by each material; infinity where it is no mirror
+  std::vector<double> loss_db_;  // per material, of one reflection; infinity if it is no mirror
 };
 
-// Where an arrival lies among the columns of a fan and fine rows of range: shared between the two nearest of
-// either. Outside of them it is not heard; half a step beyond either end still counts as the end.
+// Grid of a fan's columns and fine rows of range. An arrival is shared between the two nearest columns and
+// rows. Arrivals outside the grid are dropped; up to half a step beyond either end counts as the end.
 class ArrivalGrid {
  public:
   // `column_azimuth_rad` must outlive it.
@@ -112,7 +112,7 @@ class ArrivalGrid {
   }
 
  private:
-  // Index and fraction of the way to the next.
+  // Index, and fraction of the distance to the next.
   struct Between {
     int index = 0;
     double fraction = 0.0;
@@ -125,8 +125,8 @@ class ArrivalGrid {
   int rows_;
 };
 
-// Adds the list to a map. What arrives between two columns or rows is shared between them; outside of them
-// it is not heard.
+// Adds the list to a map. An arrival between two columns or rows is shared between them; arrivals outside the
+// map are dropped.
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter);
 

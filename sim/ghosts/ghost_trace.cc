@@ -17,7 +17,8 @@ namespace sonarcal::sim {
 namespace {
 
 constexpr std::uint32_t kSpotsStream = 0x4000;
-// Rays start this far off the surface they leave, of the largest coordinate: some ten roundings.
+// Distance of a ray's start from the surface it leaves, relative to the largest coordinate: about ten
+// rounding errors.
 constexpr double kClearance = 1e-5;
 
 struct Tracing {
@@ -28,26 +29,26 @@ struct Tracing {
   Eigen::Vector3d sonar_m;
   Eigen::Matrix3d world_from_sonar;
   double clearance_m = 0.0;
-  double leftmost_rad = 0.0;  // that the fan covers
+  double leftmost_rad = 0.0;  // azimuth limits of the fan
   double rightmost_rad = 0.0;
 };
 
-// A bundle that was reflected, and the ray that it began as.
+// Reflected bundle, and the ray that it started as.
 struct Seen {
   RayBundle bundle;
-  int triangle = 0;  // that it was reflected by
+  int triangle = 0;  // triangle of the last reflection
   int col = 0;
   GhostLeg leg;  // azimuth, elevation and mirrors so far
 };
 
-// The patch that a leg ends at.
+// Patch at the end of a leg.
 struct Patch {
   Eigen::Vector3d point_m;
-  Eigen::Vector3d normal;  // towards where the leg comes from
+  Eigen::Vector3d normal;  // on the side that the leg comes from
   Eigen::Vector3d back;    // along the leg, unit length
   int col = 0;
   int triangle = 0;
-  int mirror_triangle = 0;  // the last that the leg was reflected by
+  int mirror_triangle = 0;  // triangle of the leg's last reflection
   GhostLeg leg;
 };
 
@@ -55,7 +56,7 @@ float AngleRad(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) 
   return static_cast<float>(std::atan2(direction.cross(normal).norm(), std::abs(direction.dot(normal))));
 }
 
-// Bundles of a row of the fan that met a mirror, reflected there.
+// Bundles of a fan's row that hit a mirror, after the reflection.
 std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, int row) {
   const RayFan& fan = tracing.fan;
   std::vector<Seen> seen;
@@ -75,7 +76,7 @@ std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, 
   return seen;
 }
 
-// The same of rays at random spots of the row's cells.
+// As FirstReflections, for rays at random spots of the row's cells.
 std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
   const RayFan& fan = tracing.fan;
   const CounterRandom spots(*tracing.options.spots_seed, kSpotsStream);
@@ -103,12 +104,13 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
   return seen;
 }
 
-// Sends the bundles on to what they meet. Those that met another mirror, reflected there, replace `seen`.
+// Traces the bundles to their next intersection. Returns the patches; bundles that hit another mirror are
+// reflected there and replace `seen`.
 std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Seen>& seen) {
   FreeRays rays;
   for (const Seen& one : seen) {
     const RayBundle& bundle = one.bundle;
-    // The other leg takes some of the way, too, but how little is not known before.
+    // The other leg also uses part of the path, but its length is not known yet.
     const double left_m = 2.0 * tracing.options.range_max_m - bundle.length_m;
     const Eigen::Vector3d normal = tracing.caster.TriangleNormal(one.triangle).cast<double>();
     const double aside_m = std::copysign(tracing.clearance_m, normal.dot(bundle.direction));
@@ -152,14 +154,15 @@ bool IsHeard(const GhostOptions& options, const GhostLeg& leg) {
   return leg.azimuth_rad >= options.heard_left_rad && leg.azimuth_rad <= options.heard_right_rad;
 }
 
-// Whether an echo out by `leg`, which may be sent, and back by `other`, or the reverse, is of the list.
+// True if the list includes the echo out by `leg` (within the transmitted azimuths) and back by `other`, or
+// the reverse.
 bool IsWanted(const Tracing& tracing, const GhostLeg& leg, const GhostLeg& other) {
   return leg.azimuth_rad >= tracing.leftmost_rad && leg.azimuth_rad <= tracing.rightmost_rad &&
          (IsHeard(tracing.options, leg) || IsHeard(tracing.options, other)) &&
          IsKept(tracing.options, 0.5F * (leg.length_m + other.length_m));
 }
 
-// A leg that leaves the sonar in a direction of the world, by flat mirrors if any.
+// Leg that leaves the sonar in a direction of the world, possibly by flat mirrors.
 GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d& from_sonar,
                  float incidence_rad) {
   const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * from_sonar;
@@ -172,8 +175,8 @@ GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d&
   return leg;
 }
 
-// The straight legs of patches, in their order; nothing where the scene is in the way or the echo would lie
-// outside the range window.
+// Straight legs of patches, in their order. Nothing for a patch that is occluded or whose echo lies outside
+// the range window.
 std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const std::vector<Patch>& patches) {
   std::vector<std::optional<GhostLeg>> legs(patches.size());
   std::vector<std::size_t> of_ray;
@@ -213,7 +216,7 @@ void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patche
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
     GhostEcho echo = EchoOf(tracing, row, patch);
-    // There and back by two mirrors each is an echo of third order and more.
+    // An echo by two mirrors on both legs is of third order or higher.
     if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m()) &&
         IsHeard(tracing.options, echo.leg)) {
       echoes.push_back(echo);
@@ -227,16 +230,16 @@ void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patche
   }
 }
 
-// Echoes out by the mirror that showed a patch and back by one flat mirror, and the reverse: the second leg
-// by the sonar's image behind that mirror. Of two flat mirrors the one of the earlier plane shows the patch,
-// so that no pair comes twice.
+// Adds echoes that go out by the mirror that showed a patch and back by one flat mirror, and the reverse. The
+// second leg goes by the sonar's image behind that mirror. If both mirrors are flat, only the one with the
+// lower plane index may show the patch, so no pair occurs twice.
 void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>& patches,
                       std::int32_t plane_idx, std::vector<GhostEcho>& echoes) {
   struct Candidate {
     const Patch* patch;
     GhostLeg leg;
-    Eigen::Vector3d back;      // from the patch towards the image
-    Eigen::Vector3d mirror_m;  // where the way meets the mirror's plane
+    Eigen::Vector3d back;      // from the patch to the image
+    Eigen::Vector3d mirror_m;  // intersection of the path with the mirror's plane
     double to_mirror_m;
   };
   const MirrorSurface::Plane& plane = tracing.mirrors.planes()[plane_idx];
@@ -258,7 +261,7 @@ void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>&
     candidates.push_back({&patch, leg, back, mirror_m, share * length_m});
     to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);
   }
-  // What each meets first must be the mirror, and the rest of the way be free.
+  // The first intersection must be on the mirror, and the rest of the path must be free.
   const FanHits hits = tracing.caster.Meet(to_mirror);
   std::vector<std::size_t> met;
   FreeRays to_sonar;
@@ -315,7 +318,7 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
 }
 
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam) {
-  constexpr double kWidestMarginDeg = 60.0;  // that RayFanOptions allows
+  constexpr double kWidestMarginDeg = 60.0;  // limit of RayFanOptions
   RayFanOptions options = fan;
   if (fan.sampling == Sampling::kBeams) {
     options.cols = std::max(fan.cols / 4, 1);

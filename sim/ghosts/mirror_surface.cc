@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kCreaseDeg = 40.0;
 constexpr double kSmallestSpreadingM = 0.01;
-// Normals of triangles of one plane differ by rounding.
+// Tolerance for the rounding of normals of triangles in one plane.
 constexpr double kFlatWithin = 1e-5;
 
 Eigen::Vector3d Mirrored(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
@@ -54,7 +54,7 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
   for (const Eigen::Vector3f& vertex : scene.vertices_m) {
     largest_coordinate_m_ = std::max(largest_coordinate_m_, double{vertex.cwiseAbs().maxCoeff()});
   }
-  // Vertices at one place may be several of the mesh, one a triangle.
+  // The mesh may have several vertices at one position, one per triangle.
   using Place = std::pair<std::uint16_t, std::array<float, 3>>;
   struct Meeting {
     Eigen::Vector3d normal;
@@ -76,8 +76,8 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
           {NormalOf(at), std::atan2(one.cross(other).norm(), one.dot(other))});
     }
   }
-  // Planes whose figures fall to either side of a rounding are two: no path is found twice for that, as a
-  // triangle is of one of them.
+  // A plane whose values fall on both sides of a rounding step is stored twice. This finds no path twice,
+  // because a triangle belongs to one plane only.
   const auto PlaneThrough = [](const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) -> Plane {
     int largest = 0;
     normal.cwiseAbs().maxCoeff(&largest);
@@ -123,7 +123,7 @@ RayBundle MirrorSurface::Reflected(const RayBundle& bundle, int triangle, double
   RayBundle out = bundle;
   out.point_m = bundle.At(range_m);
   out.length_m += range_m;
-  // Where the neighbouring directions meet the plane of the triangle.
+  // Intersections of the neighbouring directions with the plane of the triangle.
   out.offset_m += range_m * bundle.turn;
   const Eigen::RowVector2d off_plane_m = own.transpose() * out.offset_m;
   out.offset_m -= along * off_plane_m / along.dot(own);
@@ -137,7 +137,7 @@ RayBundle MirrorSurface::Reflected(const RayBundle& bundle, int triangle, double
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d of_corner = corner_normal_[corners_of_[triangle] + i].cast<double>();
       const Eigen::Vector3d& next = corner[(i + 1) % 3];
-      // Weight of this corner, 1 there and 0 on the opposite side, and its gradient.
+      // Weight of this corner (1 there, 0 on the opposite side), and its gradient.
       const Eigen::Vector3d gradient =
           twice_area.cross(corner[(i + 2) % 3] - next) / twice_area.squaredNorm();
       sum += std::clamp(gradient.dot(out.point_m - next), 0.0, 1.0) * of_corner;

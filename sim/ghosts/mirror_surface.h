@@ -1,9 +1,10 @@
-// Surfaces of a scene that reflect like mirrors: which triangles they are, and how rays leave them.
+// Surfaces of a scene that reflect like mirrors: their triangles, and the reflection of rays.
 //
-// A mirror may be curved. A mesh of flat triangles would then break what it reflects into facets, so normals
-// are taken between the corners of a triangle: at a corner, the mean of the normals of all triangles of the
-// same material that meet there and turn away by no more than 40 degrees, weighted by their angles at the
-// corner. Beyond 40 degrees lies an edge, where floor meets wall. Flat surfaces stay exactly flat.
+// A mirror may be curved. A mesh of flat triangles would break its reflection into facets, so normals are
+// interpolated between the corners of a triangle. The normal at a corner is a mean over the triangles of the
+// same material that meet there, weighted by their angles at the corner. Triangles that turn away by more
+// than 40 degrees are excluded, because there is an edge, such as between floor and wall. Flat surfaces stay
+// exactly flat.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,39 +15,39 @@
 
 namespace sonarcal::sim {
 
-// A thin bundle of rays on its way: its axis, and how two directions that leave the sonar at a right angle
-// to the axis and to each other part from it.
+// Thin bundle of rays: its axis, and the divergence of two directions that leave the sonar perpendicular to
+// the axis and to each other.
 struct RayBundle {
-  Eigen::Vector3d point_m;    // where the axis was last reflected; the sonar to begin with
+  Eigen::Vector3d point_m;    // last reflection of the axis; at first the sonar
   Eigen::Vector3d direction;  // unit vector
-  double length_m = 0.0;      // from the sonar to `point_m`
-  bool bent = false;          // by a curved mirror: it no longer spreads with its length
-  Eigen::Matrix<double, 3, 2> offset_m = Eigen::Matrix<double, 3, 2>::Zero();  // at `point_m`, a radian
-  Eigen::Matrix<double, 3, 2> turn;                                            // of the direction, a radian
+  double length_m = 0.0;      // path from the sonar to `point_m`
+  bool bent = false;          // reflected by a curved mirror: no longer spreads with its length
+  Eigen::Matrix<double, 3, 2> offset_m = Eigen::Matrix<double, 3, 2>::Zero();  // at `point_m`, per radian
+  Eigen::Matrix<double, 3, 2> turn;                                            // of the direction, per radian
 
   RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards);
 
   Eigen::Vector3d At(double range_m) const { return point_m + range_m * direction; }
 
-  // The root of the bundle's cross-section a steradian, `range_m` from `point_m`: what stands for range in
-  // spherical spreading. Its own length where no mirror was curved. At a focus, where a wave of some length
-  // comes to no point, a centimetre.
+  // Square root of the bundle's cross-section per steradian, `range_m` from `point_m`. It replaces range in
+  // spherical spreading. Equals the bundle's length if no mirror was curved. At least a centimetre at a
+  // focus, because a wave has no point focus.
   double SpreadingM(double range_m) const;
 };
 
 class MirrorSurface {
  public:
-  // `reflects`: one a material of the scene, which must outlive the surface.
+  // `reflects`: one value per material of the scene. The scene must outlive the surface.
   MirrorSurface(const Scene& scene, const std::vector<char>& reflects);
 
   bool Reflects(int triangle) const { return reflects_[scene_.triangle_material[triangle]] != 0; }
 
-  // The bundle after it met the triangle `range_m` from its point. Where a normal between corners would send
-  // it through the surface, as may happen at grazing, the triangle's own is taken.
+  // Bundle after its reflection by the triangle, `range_m` from its point. If an interpolated normal would
+  // send it through the surface, as at grazing incidence, the triangle's own normal is used.
   RayBundle Reflected(const RayBundle& bundle, int triangle, double range_m) const;
 
-  // Flat mirrors by their planes, normal . point = offset; which of them a triangle lies in, none where it is
-  // no mirror or curved.
+  // Planes of flat mirrors, normal . point = offset. PlaneOf returns the plane of a triangle, or kNoPlane if
+  // it is no mirror or curved.
   struct Plane {
     Eigen::Vector3d normal;
     double offset_m;
@@ -59,7 +60,7 @@ class MirrorSurface {
   const std::vector<Plane>& planes() const { return planes_; }
   std::int32_t PlaneOf(int triangle) const { return plane_of_[triangle]; }
 
-  // Of any of the scene's vertices.
+  // Largest absolute coordinate of the scene's vertices.
   double largest_coordinate_m() const { return largest_coordinate_m_; }
 
  private:
@@ -67,10 +68,10 @@ class MirrorSurface {
 
   const Scene& scene_;
   std::vector<char> reflects_;
-  std::vector<std::int32_t> corners_of_;        // of a triangle: first of three in corner_normal_, or kFlat
+  std::vector<std::int32_t> corners_of_;        // per triangle: first of three in corner_normal_, or kFlat
   std::vector<Eigen::Vector3f> corner_normal_;  // unit length
   std::vector<Plane> planes_;
-  std::vector<std::int32_t> plane_of_;  // one a triangle
+  std::vector<std::int32_t> plane_of_;  // per triangle
   double largest_coordinate_m_ = 0.0;
 };
 

@@ -35,7 +35,7 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
     }
   }
 
-  // Dense weights of one cell, cleared through the list of nodes it touched.
+  // Dense weights of one cell, cleared through the list of nodes that it touched.
   std::vector<double> node_weight(static_cast<std::size_t>(histogram.materials) * kIncidenceNodes, 0.0);
   std::vector<std::uint32_t> touched;
   const auto add = [&](std::uint32_t node, double weight) {
@@ -68,8 +68,8 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
         add(first, weight * (1.0 - fraction));
         add(first + 1, weight * fraction);
       }
-      if (cell.weight == 0.0) continue;  // rays that count nothing
-      // An echo of an outer margin, or rounded across a border, is at it.
+      if (cell.weight == 0.0) continue;  // rays of weight 0
+      // Clamps an echo of an outer margin, or one rounded across a border, to the cell's border.
       const double width_rad = edges_rad[col + 1] - edges_rad[col];
       cell.range_offset = static_cast<float>(std::clamp(range_sum / cell.weight, -0.5, 0.5));
       cell.azimuth_offset = static_cast<float>(std::clamp(azimuth_sum / cell.weight / width_rad, -0.5, 0.5));

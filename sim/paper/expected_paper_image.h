@@ -1,13 +1,12 @@
-// The mean of the paper's image over its range and azimuth errors, from an EchoHistogram: the forward model
-// that renders and that Ceres differentiates.
+// Expected image of the paper's model: the mean over its range and azimuth errors, computed from an
+// EchoHistogram. This forward model renders images, and Ceres differentiates it.
 //
-// Each cell's echoes are taken to be spread over the cell about their mean place, and each is spread over its
-// neighbours by the Gaussian errors of its own range (sim/physics/jitter.h, sim/paper/paper_blur.h). Without
-// errors it is the sharp image. The clamp to [0, I] is applied to the mean, as if the many rays of a pixel
-// had averaged out.
+// The echoes of each cell are spread over the cell about their mean position, then over neighbouring cells by
+// the Gaussian errors at the cell's range (sim/physics/jitter.h, sim/paper/paper_blur.h). Without errors the
+// image is sharp. The clamp to [0, I] applies to the mean, as if the many rays of a pixel had averaged out.
 //
-// Derivatives come from the same formulas with dual numbers for scalars: cell by cell, where the physics is.
-// The blur is linear, so it carries each derivative as it carries the image itself.
+// Derivatives come from the same formulas with dual numbers as scalars, cell by cell. The blur is linear, so
+// it applies to each derivative as it applies to the image.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -53,7 +52,7 @@ std::vector<T> ShadeCells(const EchoHistogram& histogram, const ImageGeometry& g
   return values;
 }
 
-// The numbers alone of parameters in dual numbers.
+// Values of parameters that are dual numbers.
 template <typename Dual>
 PaperParameters<double> ValuesOf(const PaperParameters<Dual>& p) {
   PaperParameters<double> values;
@@ -69,7 +68,7 @@ PaperParameters<double> ValuesOf(const PaperParameters<Dual>& p) {
   return values;
 }
 
-// The derivatives that numbers carry, one list for each.
+// Derivatives of dual numbers, one list per parameter.
 template <typename Dual>
 std::vector<std::vector<double>> PartsOf(const std::vector<Dual>& duals) {
   std::vector<std::vector<double>> parts(Dual::DIMENSION, std::vector<double>(duals.size()));
@@ -101,7 +100,7 @@ RowErrors<T> ErrorsOfRows(const EchoHistogram& histogram, const ImageGeometry& g
 
 }  // namespace internal
 
-// The image at one set of parameters, and what its derivatives there need. Histogram and geometry must
+// Image at one set of parameters, with the data that its derivatives need. Histogram and geometry must
 // outlive it.
 class PaperImageEvaluation {
  public:
@@ -113,8 +112,8 @@ class PaperImageEvaluation {
   // Sums of normalised echoes before the clamp to 0..1, row-major (range_bins x beams).
   const std::vector<double>& sums() const { return sums_; }
 
-  // The derivatives of the sums that `parameters` carries: one image each. `Dual` is a number `a` with
-  // derivatives `v[0 .. DIMENSION)`, such as ceres::Jet; its `a` are the parameters of this image.
+  // Derivatives of the sums, one image per derivative that `parameters` carries. `Dual` has a value `a` and
+  // derivatives `v[0 .. DIMENSION)`, as ceres::Jet; its values must equal the parameters of this image.
   template <typename Dual>
   std::vector<std::vector<double>> Derivatives(const PaperParameters<Dual>& parameters) const;
 
@@ -158,7 +157,7 @@ std::vector<std::vector<double>> PaperImageEvaluation::Derivatives(
   return derivatives;
 }
 
-// The image in units of full scale, 0..1, row-major (range_bins x beams).
+// Expected image in units of full scale, 0..1, row-major (range_bins x beams).
 inline std::vector<double> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeometry& geometry,
                                               const PaperParameters<double>& parameters) {
   std::vector<double> image = PaperImageEvaluation(histogram, geometry, parameters).sums();
@@ -166,8 +165,8 @@ inline std::vector<double> ExpectedPaperImage(const EchoHistogram& histogram, co
   return image;
 }
 
-// The image in dual numbers, as in PaperImageEvaluation::Derivatives. Derivatives are 0 where the
-// image is clamped.
+// Expected image in dual numbers, as in PaperImageEvaluation::Derivatives. Derivatives are 0 where the image
+// is clamped.
 template <typename Dual>
 std::vector<Dual> ExpectedPaperImage(const EchoHistogram& histogram, const ImageGeometry& geometry,
                                      const PaperParameters<Dual>& parameters) {

@@ -1,4 +1,4 @@
-// What of a frame the expected image needs besides its echoes.
+// Properties of a frame that the expected image needs besides its echoes.
 #pragma once
 
 #include <cmath>

@@ -12,15 +12,15 @@
 namespace sonarcal::sim {
 namespace {
 
-// Blurs reach this many standard deviations.
+// Reach of the blur in standard deviations.
 constexpr double kBlurReach = 4.0;
 
-// From this many bins on, a range error hides where in its bin an echo was: the cells of a bin are blurred as
-// one.
+// Range errors of at least this many bins hide the position of an echo within its bin. The cells of a bin are
+// then blurred together.
 constexpr double kWideBlurBins = 4.0;
 
-// Rows of cells whose azimuth errors differ by less than this share one kernel, corrected to first order:
-// what remains is the square of it.
+// Rows of cells whose azimuth errors differ relatively by less than this share one kernel. A first-order
+// correction leaves an error of the square of this difference.
 constexpr double kSharedKernel = 0.01;
 
 template <typename Body>
@@ -30,8 +30,9 @@ void ForRows(int count, const Body& body) {
   });
 }
 
-// From an interval into another: of what is spread evenly over it, and what its mean's offset by the whole of
-// the interval adds, by which one half weighs more than the other.
+// Weights from one interval to another. `even`: for echoes spread evenly over the interval. `moment`:
+// derivative with respect to the offset of their mean, in units of the interval; one half then counts more
+// than the other.
 struct HalvesWeight {
   BlurWeight even;
   BlurWeight moment;
@@ -95,7 +96,7 @@ PaperBlur::AzimuthKernel PaperBlur::MakeAzimuthKernel(double sigma_rad) const {
   };
   int reach_beams = 0;
   if (geometry_.beams_are_even) {
-    // One beam's weights to its right, mirrored, serve every beam.
+    // Weights of one beam to its right, mirrored, serve every beam.
     while (reach_beams + 1 < beams() && edges[reach_beams + 1] - edges[1] <= reach_rad) ++reach_beams;
     for (int to = -reach_beams; to <= reach_beams; ++to) put(0, std::abs(to), to < 0 ? -1.0 : 1.0);
   }
@@ -162,7 +163,7 @@ void PaperBlur::MakeRangeWeights() {
   range_start_.push_back(range_weights_.size());
 }
 
-// Beams [first, last) that the errors of a row's cells carry them to.
+// Beams [first, last) that receive echoes of a row's cells through the errors.
 std::pair<int, int> PaperBlur::TouchedBeams(std::span<const double> cells, int out_row) const {
   int touched_first = beams();
   int touched_last = 0;
@@ -178,7 +179,7 @@ std::pair<int, int> PaperBlur::TouchedBeams(std::span<const double> cells, int o
   return {touched_first, touched_last};
 }
 
-// Sets to 0 what becomes part of the row.
+// Extends the touched beams of a row and sets the added ones to 0.
 void PaperBlur::Widen(Rows& rows, int out_row, int beams, std::pair<int, int> touched) {
   const auto [first, last] = touched;
   if (first >= last) return;
@@ -198,8 +199,8 @@ double PaperBlur::AtMiddle(std::span<const double> of_rows_of_cells, int row) co
   return 0.5 * (group[(group_ - 1) / 2] + group[group_ / 2]);
 }
 
-// Adds each cell to the beams its errors carry it to. `weight_of(row)` gives two factors: the weight of a
-// target is the first times the kernel's value plus the second times its slope.
+// Adds each cell to the beams that its errors reach. `weight_of(row)` returns two factors: a target's weight
+// is the first times the kernel's value plus the second times its slope.
 template <typename WeightOf>
 void PaperBlur::Spread(std::span<const double> cells, Rows& rows, WeightOf weight_of) const {
   SONARCAL_CHECK(cells.size() == histogram_.cells.size(), "{} values for {} cells", cells.size(),

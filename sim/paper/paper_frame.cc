@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLargestStep = 0x1p30;
 
-// Strength of a material over tan(incidence / 2), of full scale: finer where its lobes are narrow.
+// Strength of a material over tan(incidence / 2), in units of full scale.
 std::vector<float> StrengthTable(const GsabParameters<double>& gsab, double span_db, int steps) {
   std::vector<float> table;
   for (int i = 0; i <= steps + 1; ++i) {
@@ -26,15 +26,15 @@ std::vector<float> StrengthTable(const GsabParameters<double>& gsab, double span
   return table;
 }
 
-// Everything about a frame that its rays share.
+// Data shared by all rays of a frame.
 class RowShader {
  public:
   RowShader(const RayFan& fan, const SonarModel& sonar, const PaperParameters<double>& parameters,
             double absorption_db_per_m, const PaperImageOptions& options)
       : fan_(fan), axes_(sonar.axes), seed_(options.noise_seed), edges_rad_(sonar.axes.BeamEdgesRad()) {
     const double span_db = parameters.display.db_max - parameters.display.db_min;
-    // Two-way loss is linear in ln R and R: spreading alone at ln R = 1, absorption alone at R = 1. What is
-    // left of the sonar equation is the echo at 1 m without absorption or strength.
+    // Two-way loss is linear in ln R and R: spreading alone at ln R = 1, absorption alone at R = 1. The rest
+    // of the sonar equation is the echo at 1 m without absorption and strength.
     level_.per_log = static_cast<float>(2.0 * TransmissionLossDb(std::numbers::e, 0.0) / span_db);
     level_.per_m = static_cast<float>(2.0 * TransmissionLossDb(1.0, absorption_db_per_m) / span_db);
     level_.offset = static_cast<float>(NormalisedPaperEcho(parameters, 0.0, 0.0));
@@ -68,7 +68,7 @@ class RowShader {
 
   double steps_of_one() const { return steps_of_one_; }
 
-  // Arrays of a row's hits, one set a thread.
+  // Arrays for the hits of a row, one set per thread.
   struct Buffers {
     explicit Buffers(int cols)
         : weight(cols),
@@ -95,7 +95,7 @@ class RowShader {
     std::vector<std::int32_t> pixel;
   };
 
-  // `sums` of every pixel, beams fastest, and behind them of what lies outside the image.
+  // Adds hits to `sums`: one sum per pixel, beams fastest, then one for all rays outside the image.
   void Add(const RowHits& hits, Buffers& of, std::vector<std::int64_t>& sums) const {
     Shade(hits, of);
     const float* range_m = hits.range_m;
@@ -125,7 +125,7 @@ class RowShader {
   }
 
  private:
-  // Of one number a column, those of the hits: the array itself where every ray hit.
+  // Selects the hits from an array with one number per column. Returns the array itself if every ray hit.
   const float* OfHits(const float* of_columns, const RowHits& hits, std::vector<float>& buffer) const {
     if (hits.count == fan_.cols()) return of_columns;
     for (int i = 0; i < hits.count; ++i) buffer[i] = of_columns[hits.col[i]];
@@ -167,9 +167,9 @@ class RowShader {
   std::optional<std::uint64_t> seed_;
   std::vector<double> edges_rad_;
   row_math::EchoLevel level_;
-  std::vector<std::vector<float>> strengths_;  // by material
+  std::vector<std::vector<float>> strengths_;  // per material
   int table_steps_ = 0;
-  double steps_of_one_ = 0.0;  // of the fixed-point sum, for a ray that is a pixel's whole echo
+  double steps_of_one_ = 0.0;  // fixed-point value of a ray that is a pixel's whole echo
   std::vector<std::int32_t> beam_;
   std::vector<float> azimuth_rad_;
   std::vector<float> weight_;

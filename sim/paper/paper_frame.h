@@ -1,12 +1,12 @@
-// The paper's polar image of a pose in one pass: rays are cast, shaded, displaced and summed row by row, and
-// nothing of a ray is kept.
+// Polar image of the paper's model from a pose, in one pass: rays are cast, shaded, displaced and summed row
+// by row, and no ray is stored.
 //
-// The same image as RenderPaperImage (sim/paper/paper_image.h, where the formulas' order is stated) makes of
-// the traced echoes, with the same errors of range and azimuth for the same seed, in single precision: sums
-// differ by less than a hundredth of a grey level of 255, but where rounding moves a ray across a bin's
-// border. For normals of the mesh; those of the point cloud need the echoes.
+// Equals RenderPaperImage (sim/paper/paper_image.h, which states the order of the formulas) of the traced
+// echoes, in single precision. The same seed gives the same range and azimuth errors. Sums differ by less
+// than a hundredth of a grey level of 255, except where rounding moves a ray across a bin's border. Requires
+// normals of the mesh; normals of the point cloud need the list of echoes.
 //
-// It depends on the seed and the fan alone, not on the number of threads.
+// The image depends on the seed and the fan, not on the number of threads.
 #pragma once
 
 #include "sim/paper/paper_image.h"

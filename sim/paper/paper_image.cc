@@ -13,8 +13,8 @@
 namespace sonarcal::sim {
 namespace {
 
-// Sums of normalised echoes are kept in steps of 2^-40: whole numbers add up the same in any order. Even the
-// largest echoes of all rays of 512 beams in one pixel stay within 64 bits.
+// Fixed-point scale of the sums of normalised echoes: steps of 2^-40. Integers give the same sum in any
+// order. Even the largest echoes of all rays of 512 beams in one pixel fit into 64 bits.
 constexpr double kFixedPoint = 0x1p40;
 
 }  // namespace

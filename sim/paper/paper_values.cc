@@ -10,8 +10,10 @@ ParameterSet PaperValues(const SonarModel& sonar, const std::vector<std::string>
   ParameterSet values;
   values.source_level_db = kPaperSourceLevelDb;
   values.display = PaperDisplay();
-  for (const std::string& name : material_names) values.materials[name];  // GSAB: defaults are Table 4's
-  // To a tenth of a millimetre: the P900-45's bin is 2.54 cm, its window no whole number of bins.
+  // GSAB: the defaults are those of Table 4
+  for (const std::string& name : material_names) values.materials[name];
+  // Rounds to a tenth of a millimetre: the P900-45's bin is 2.54 cm, and its window is not a whole number of
+  // bins.
   values.jitter.sigma_range_m = std::round(0.5e4 * sonar.axes.range_bin_m()) * 1e-4;
   const double beam_deg = sonar.azimuth_beam_width_deg > 0.0 ? sonar.azimuth_beam_width_deg
                                                              : DegFromRad(sonar.axes.beam_spacing_rad());

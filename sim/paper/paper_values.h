@@ -1,16 +1,17 @@
-// The paper's own values (Park 2024 Tables 4 and 5), and one rule for what the paper leaves open: dB_min,
-// dB_max and the sizes of the range and azimuth errors. Every command that needs a start for the paper's
-// model takes it from here.
+// Values of the paper (Park 2024 Tables 4 and 5), and one rule for the values that the paper does not give:
+// dB_min, dB_max and the sizes of the range and azimuth errors. Every command takes its start values for the
+// paper's model from here.
 //
-// Display. The paper divides a pixel's sum by the number of rays per beam, and few of a beam's rays fall into
-// one pixel: with the whole range of levels for dB_min .. dB_max, images are nearly black. So
+// Display. The paper divides a pixel's sum by the number of rays per beam, but only few rays of a beam fall
+// into one pixel. If dB_min .. dB_max covered the whole range of levels, images would be nearly black.
+// Therefore
 //
-//   dB_min = SL - 50 dB: a target of 0 dB (GSAB = 1) is black from the range R on where 2 TL = 50 dB, which
+//   dB_min = SL - 50 dB: a target of 0 dB (GSAB = 1) is black beyond the range R where 2 TL = 50 dB, which
 //            is 12.7 m at 900 kHz in fresh water, beyond the paper's window of 9 m;
 //   dB_max = dB_min + 3 dB: a pixel that holds 1 % of its beam's rays, x dB above dB_min, has x / 3 % of
 //            full scale.
 //
-// With the paper's source level of 200 dB that is 150 to 153 dB.
+// With the paper's source level of 200 dB, the display covers 150 to 153 dB.
 //
 // Errors. Half a range bin and half a beam, at the sonar's own frequency.
 #pragma once
@@ -31,7 +32,7 @@ inline DisplayParameters<double> PaperDisplay(double source_level_db = kPaperSou
   return {.db_min = db_min, .db_max = db_min + kPaperDisplaySpanDb};
 }
 
-// The rule as text for reports.
+// Text of the rule for reports.
 inline constexpr const char* kPaperDisplayRule =
     "The paper does not give dB_min, dB_max and the sizes of the range and azimuth errors. The rule here is "
     "the "
@@ -41,7 +42,7 @@ inline constexpr const char* kPaperDisplayRule =
     "rays "
     "of its beam, of which few fall into one pixel.";
 
-// The paper's values with that rule, for a sonar of this range bin and beam. Each material has the GSAB
+// Values of the paper with this rule, for the sonar's range bin and beam width. Each material has the GSAB
 // values of Table 4 under its own name.
 ParameterSet PaperValues(const SonarModel& sonar, const std::vector<std::string>& material_names);
 

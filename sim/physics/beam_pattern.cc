@@ -3,13 +3,13 @@
 namespace sonarcal::sim {
 namespace {
 
-// A bound on |ApertureField| at v > 1 that falls all the way.
+// Monotonically falling upper bound of |ApertureField| at v > 1.
 double ApertureEnvelope(double v, double taper) {
   const double mean = 1.0 - 0.5 * taper;
   return ((1.0 - taper) + 0.5 * taper / (v * v - 1.0)) / (std::numbers::pi * v * mean);
 }
 
-// The v beyond which the field stays below `level`.
+// Value of v beyond which the field stays below `level`.
 double ApertureReach(double level, double taper) {
   double low = 1.0;
   double high = 2.0;
@@ -24,7 +24,7 @@ double ApertureReach(double level, double taper) {
   return high;
 }
 
-// Spacing of the beams about one of them.
+// Spacing of the beams near one beam.
 double BeamSpacingRad(const AzimuthShape<double>& shape, double beam_azimuth_rad) {
   if (shape.beam_azimuth_rad == nullptr) return shape.beam_spacing_rad;
   const std::vector<double>& centres = *shape.beam_azimuth_rad;
@@ -32,7 +32,7 @@ double BeamSpacingRad(const AzimuthShape<double>& shape, double beam_azimuth_rad
   return *above - *(above - 1);
 }
 
-// Integral of 10^(level / 10) over a step of 1 in which the level runs linearly.
+// Integral of 10^(level / 10) over a step of 1 in which the level is linear.
 double StepIntegral(double from_db, double to_db) {
   const double exponent = 0.1 * std::numbers::ln10 * (to_db - from_db);
   const double mean = std::abs(exponent) < 1e-6 ? 1.0 + 0.5 * exponent : std::expm1(exponent) / exponent;

@@ -17,7 +17,7 @@ LineArray ArrayOfLength(double wavelengths, int elements, double taper) {
   LineArray array;
   double sum = 0.0;
   for (int i = 0; i < elements; ++i) {
-    const double place = (i + 0.5) / elements - 0.5;  // of the length
+    const double place = (i + 0.5) / elements - 0.5;  // in units of the length
     const double cosine = std::cos(std::numbers::pi * place);
     array.position_wavelengths.push_back(place * wavelengths);
     array.shading.push_back((1.0 - taper) + taper * cosine * cosine);
@@ -43,8 +43,8 @@ LineArray MakeLineArray(double half_power_width_rad, double taper) {
     throw DataError("azimuth beam width {} degrees: an array is made for 0.05 .. 60", width_deg);
   }
   if (!(taper >= 0.0 && taper <= 1.0)) throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", taper);
-  // The length, by halving: main lobes of all tapers lie between those of half and of twice the wavelength
-  // over the width.
+  // Bisection for the length. For every taper, the main lobe lies between those of half and of twice the
+  // wavelength divided by the width.
   const double sine = std::sin(0.5 * half_power_width_rad);
   double shortest = 0.2 / sine;
   double longest = 1.0 / sine;
@@ -53,8 +53,8 @@ LineArray MakeLineArray(double half_power_width_rad, double taper) {
     const double middle = 0.5 * (shortest + longest);
     (ArrayOfLength(middle, elements, taper).Power(sine) > 0.5 ? shortest : longest) = middle;
   }
-  // As many elements as the length needs at half a wavelength; fewer of them change its width by O(1 / n^2),
-  // so the length is found once more by the ratio.
+  // Number of elements for a spacing of half a wavelength. Fewer elements change the width by O(1 / n^2), so
+  // the length is then refined by bisection of the ratio.
   const int fewer = std::max(static_cast<int>(std::ceil(2.0 * longest)), 4);
   double length = longest;
   double low = 0.9 * length;

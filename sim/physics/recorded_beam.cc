@@ -26,7 +26,7 @@ std::vector<double> AzimuthTableDb(const std::vector<double>& psf, const Recorde
   if (psf.empty() || !(psf[middle] > 0.0)) {
     throw DataError("{}: azimuth response has nothing in its middle, expected its peak there", what);
   }
-  // Level of the lobe at each offset; 0 power where the psf is 0.
+  // Power of the lobe at each offset; 0 where the psf is 0.
   std::vector<double> lobe(2 * middle + 1, 0.0);
   for (int i = 0; i <= 2 * middle; ++i) {
     const double ratio = (i < count ? psf[i] : psf[0]) / psf[middle];
@@ -40,7 +40,7 @@ std::vector<double> AzimuthTableDb(const std::vector<double>& psf, const Recorde
   for (int i = 0; i <= 2 * middle; ++i) {
     double power = PowerFromDb(kQuietestDb);
     for (int j = 0; j <= 2 * middle; ++j) {
-      // The largest, not the sum: where the psf names a level it is that level.
+      // Takes the max, not the sum, so that the result equals the psf where the psf gives a level.
       power = std::max(power, lobe[j] * GaussianResponse<double>(i - j, options.main_lobe_beams));
     }
     table_db[i] = lobe[i] > 0.0 ? DbFromPower(lobe[i]) : DbFromPower(power);

@@ -9,12 +9,12 @@
 namespace sonarcal::sim {
 namespace {
 
-constexpr double kGaussianWidths = 4.0;  // of elevation, where there are no side lobes
+constexpr double kGaussianWidths = 4.0;  // elevation beam widths, if there are no side lobes
 constexpr double kMostElevationDeg = 176.0;
-constexpr double kRowDeg = 0.107;  // on average; crowded, a sixth of that at the horizon
+constexpr double kRowDeg = 0.107;  // mean row height; with crowding, a sixth of it at the horizon
 constexpr double kCrowding = 6.0;
-// Of azimuth: they hold the main lobe of every pattern and the side lobes over -35 dB of a Hann-shaded
-// array's.
+// Azimuth margin in beam widths. It holds the main lobe of every pattern, and the side lobes above -35 dB of
+// a Hann-shaded array.
 constexpr double kMarginWidths = 3.0;
 constexpr double kMostMarginDeg = 20.0;
 constexpr double kColumnsPerWidth = 4.0;

@@ -1,10 +1,12 @@
-// The rays that the acoustic model wants where nobody asks for others.
+// Default rays of the acoustic model.
 //
-// Beams have flanks: the fan reaches beyond the outer beams, and in elevation to where a beam of this width
-// hears next to nothing. With side lobes that is nowhere: the floor right below a sonar returns its echo from
-// straight on, and without it a noise floor comes out 0.3 dB too high. Rows crowd about the horizon, so that
-// a floor far away has no combs. Rays are staggered both ways: a likelihood goes up and down from one pose to
-// the next as rays come and go at edges, and staggered it does so by a fifth of what it would.
+// - Margin: the fan reaches beyond the outer beams because beams have flanks.
+// - Elevation: the fan ends where a beam of this width has almost no response. With side lobes it has no such
+//   end: the floor right below a sonar returns a strong echo at normal incidence. Without that echo an
+//   estimated noise floor is 0.3 dB too high.
+// - Row crowding: rows are denser at the horizon, so that a distant floor shows no comb pattern.
+// - Stagger: rays are staggered in both directions. A likelihood fluctuates from one pose to the next because
+//   rays hit or miss edges; staggering reduces this fluctuation to a fifth.
 #pragma once
 
 #include "core/types/parameters.h"
@@ -13,7 +15,7 @@
 
 namespace sonarcal::sim {
 
-// Throws DataError where neither parameters nor sonar know the beam's width.
+// Throws DataError if neither the parameters nor the sonar give the beam width.
 RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters);
 
 }  // namespace sonarcal::sim

@@ -1,6 +1,6 @@
-// Embree's queries, whichever of its versions 3 and 4 is installed: the one place that knows the difference.
-// Version 3 takes the coherence flag in a context, version 4 in a structure of arguments. Not for other
-// headers: nothing of Embree shows outside the sources that include this.
+// Queries of Embree 3 or 4, whichever is installed. Only this file handles their difference: version 3 takes
+// the coherence flag in a context, version 4 in an arguments structure. Include this file in sources only, so
+// that no other header depends on Embree.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>)
@@ -66,7 +66,7 @@ class Query {
 };
 #endif
 
-// Embree is built for flush-to-zero; restores the thread's mode at the end of its scope.
+// Sets flush-to-zero, as Embree recommends. Restores the thread's mode at the end of the scope.
 class FlushDenormals {
  public:
   FlushDenormals() : saved_(_mm_getcsr()) {

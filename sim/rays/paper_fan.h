@@ -1,14 +1,15 @@
-// The rays of `beams` that the paper's model wants where nobody asks for others: columns x rows, staggered.
+// Default rays of the paper's model with the sampling `beams`: columns x rows, staggered.
 //
-// The fewest, in steps of ten rows, that leave 99.9 % of the pixels within one grey level of an image of 64
-// times 1500 x 1200 rays, in each of the program's scenes, on a display of 60 dB up to the brightest echo.
-// Found for the P900-45 by
+// The number of rows is the smallest, in steps of ten, that keeps 99.9 % of the pixels within one grey level
+// of a reference image. The reference has 64 times 1500 x 1200 rays and a display of 60 dB up to the
+// brightest echo. The condition holds in each built-in scene; the bridge pier needs the most rows
+// (docs/studies/rays.md). Command for the P900-45:
 //
 //   sonarcal rays --scene paper/SCENE.gltf --sonar p900-45 --params paper/params.json
 //     --poses paper/poses_SCENE.json --display-db 60 --sampling beams --rays 512x320 --rays 512x330
 //
-// of whose scenes the bridge pier asks for most (docs/studies/rays.md). For any sonar: fewer than 255 rows stripe a
-// floor by more than a level whatever their span, and two columns are what the edges of pipes take.
+// For any sonar and any elevation span, fewer than 255 rows draw stripes of more than one level on a floor.
+// Edges of pipes need two columns per beam.
 #pragma once
 
 #include "core/types/sonar_model.h"

@@ -18,13 +18,13 @@
 namespace sonarcal::sim {
 namespace {
 
-// Rays are cast in tiles of neighbouring rows and columns, a packet each: rays that lie near each other on
-// both sides meet fewer boxes of the tree than as many in a line (a third of the time is saved in the tank).
+// Size of a tile of neighbouring rows and columns. Each tile is one packet: rays that are close in both
+// directions visit fewer boxes of the tree than the same number of rays in a line.
 constexpr int kTileRows = 4;
 constexpr int kTileCols = 4;
 constexpr int kPacket = kTileRows * kTileCols;
 
-// Lane of a tile's ray.
+// Lane of a ray of a tile.
 constexpr int LaneOf(int row, int col) {
   return row * kTileCols + col;
 }
@@ -49,7 +49,7 @@ bool AnyHit(const RTCRayHit16& packet) {
                      [](unsigned id) { return id != RTC_INVALID_GEOMETRY_ID; });
 }
 
-// The hits of a row, one tile after the other.
+// Hits of a row, one tile after the other.
 class HitsOfRow {
  public:
   explicit HitsOfRow(int cols)
@@ -60,8 +60,8 @@ class HitsOfRow {
 
   void Clear() { count_ = 0; }
 
-  // `count` rays of a tile's row from column `first` on, the first of them in this lane. Written whether hit
-  // or not, and written over by the next where not: no branch to be guessed.
+  // Adds `count` rays of a tile's row: the first has column `first` and lane `lane`. Misses are written too
+  // and overwritten by the next ray, which avoids a branch.
   void Add(int first, int count, int lane, const RTCRayHit16& packet, const float* half_tangent,
            const std::vector<std::uint16_t>& materials) {
     for (int i = 0; i < count; ++i, ++lane) {
@@ -101,8 +101,8 @@ struct RayCaster::Embree {
 
 RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_unique<Embree>()) {
   scene_.Validate("scene");
-  // AVX2 kernels on all processors that have AVX2, also with AVX-512: rays then hit the same edges. The
-  // variable selects other kernels for tests.
+  // AVX2 kernels on every processor that has AVX2, also with AVX-512, so that rays hit the same edges. The
+  // environment variable selects other kernels for tests.
   const char* kernels = std::getenv("SONARCAL_EMBREE");
   embree_->device = rtcNewDevice(kernels != nullptr ? kernels : "max_isa=avx2");
   if (embree_->device == nullptr) {
@@ -110,11 +110,11 @@ RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_
                                          static_cast<int>(rtcGetDeviceError(nullptr))));
   }
   embree_->scene = rtcNewScene(embree_->device);
-  // Watertight edges: a ray between two triangles must not fall through the tank's floor.
+  // Watertight edges: a ray must not pass between two triangles of a closed surface.
   rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
 
   RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  // Embree reads vertices 16 bytes at a time, beyond the end of the last one.
+  // Embree reads vertices 16 bytes at a time, so it reads beyond the end of the last one.
   scene_.vertices_m.reserve(scene_.vertices_m.size() + 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene_.vertices_m.data(),
                              0, sizeof(Eigen::Vector3f), scene_.vertices_m.size());
@@ -143,7 +143,7 @@ std::int64_t RayCaster::rays_cast() const {
   return embree_->rays_cast.load();
 }
 
-// What the rays of some columns of a fan share.
+// Data shared by the rays of some columns of a fan.
 struct RayCaster::Casting {
   Casting(const RayFan& of, const Pose& world_from_sonar, double range_m)
       : fan(of),
@@ -160,8 +160,9 @@ struct RayCaster::Casting {
   int cols;
 };
 
-// Rays of the rows from `row` on that a tile covers. `met(first, count, packet)` follows each tile, whose
-// rows hold `count` rays from column `first` on; rays beyond the fan's last row count as misses.
+// Casts the rays of one row of tiles, which begins at the fan's row `row`. Calls `met(first, count, packet)`
+// after each tile: its rows hold `count` rays from column `first` on. Rays beyond the fan's last row count as
+// misses.
 template <typename Met>
 void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, Met&& met) const {
   const int rows = std::min(kTileRows, casting.fan.rows() - row);
@@ -230,7 +231,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
   return hits;
 }
 
-// The hits of rows begin .. end - 1, row by row.
+// Passes the hits of rows begin .. end - 1 to `take`, row by row.
 void RayCaster::CastRowsOf(const Casting& casting, int begin, int end,
                            const std::function<void(const RowHits&)>& take) const {
   RowBuffers buffers(casting.cols);
@@ -286,7 +287,7 @@ void FreeRays::Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards
 
 namespace {
 
-// Fills `ray` (an RTCRay16) with the rays from `first` on, and `valid` with -1 where there is one.
+// Fills `ray` (an RTCRay16) with the rays from `first` on. Sets `valid` to -1 for each lane that holds a ray.
 template <typename Packet>
 void Load(const FreeRays& rays, std::size_t first, Packet& ray, int* valid) {
   const std::size_t count = std::min<std::size_t>(kPacket, rays.size() - first);
@@ -343,7 +344,7 @@ std::vector<char> RayCaster::Obstructed(const FreeRays& rays) const {
     Load(rays, first, packet, valid);
     query.Occluded16(valid, embree_->scene, &packet);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
-      // Embree's mark of a ray that met something.
+      // Embree marks an occluded ray this way.
       obstructed[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;
     }
   }

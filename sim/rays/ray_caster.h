@@ -1,6 +1,6 @@
-// The one place that casts rays: Embree behind a wall.
+// Casts rays. The only interface to Embree.
 //
-// A caster is built once for a scene and used from any number of threads.
+// A caster is built once per scene. Any number of threads may use it.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@
 
 namespace sonarcal::sim {
 
-// What each ray met, in the order of the rays.
+// First intersection of each ray, in the order of the rays.
 struct FanHits {
   std::vector<float> range_m;          // infinity for a miss
   std::vector<std::int32_t> triangle;  // index into Scene::triangles; -1 for a miss
 };
 
-// Those of a fan's row of rays that met something; arrays of `count`.
+// Hits of one row of a fan; arrays of `count` elements.
 struct RowHits {
   int row = 0;
   int count = 0;
@@ -31,8 +31,8 @@ struct RowHits {
   const std::uint16_t* material = nullptr;
 };
 
-// Calls `of_run(first, count)` for each run of hits of one material: a row seldom shows more than a few, and
-// each is shaded at once.
+// Calls `of_run(first, count)` for each run of hits on one material, so that a run is shaded in one step. A
+// row seldom has more than a few runs.
 template <typename OfRun>
 void ForEachMaterial(const RowHits& hits, OfRun&& of_run) {
   for (int first = 0; first < hits.count;) {
@@ -43,7 +43,7 @@ void ForEachMaterial(const RowHits& hits, OfRun&& of_run) {
   }
 }
 
-// Rays that start anywhere, in world coordinates; arrays of one length. Directions are unit vectors.
+// Rays with any origin, in world coordinates; arrays of one length. Directions are unit vectors.
 struct FreeRays {
   std::array<std::vector<float>, 3> origin_m;
   std::array<std::vector<float>, 3> direction;
@@ -56,30 +56,30 @@ struct FreeRays {
 
 class RayCaster {
  public:
-  // The scene is kept, once: Embree reads its mesh where it lies. Hand it over by std::move where it is
-  // large. Throws DataError for an invalid scene, std::runtime_error where Embree cannot start.
+  // Keeps the scene; Embree reads the mesh in place. Pass a large scene with std::move. Throws DataError for
+  // an invalid scene, std::runtime_error if Embree cannot start.
   explicit RayCaster(Scene scene);
   ~RayCaster();
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
-  // Casts every ray of the fan from `world_from_sonar` on all cores; nothing beyond max_range_m is met.
+  // Casts every ray of the fan from `world_from_sonar` on all cores. Surfaces beyond max_range_m are misses.
   FanHits Cast(const RayFan& fan, const Pose& world_from_sonar, double max_range_m) const;
 
-  // The same, each row handed to `take` as soon as it is known: from all cores at once, in no order. The
-  // arrays are gone when `take` returns.
+  // Casts the fan and passes the hits of each row to `take`. `take` is called from all cores, in any order.
+  // The arrays are valid only during the call.
   void CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                 const std::function<void(const RowHits&)>& take) const;
 
-  // The same in blocks of columns: rays of a block come row by row, the rows in order, on one thread; blocks
-  // from all cores at once. Whoever sums by column gets the same sums on any number of threads.
+  // Casts the fan in blocks of columns. The rows of a block come in order on one thread; blocks run on all
+  // cores. Sums per column therefore do not depend on the number of threads.
   void CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                    const std::function<void(const RowHits&)>& take) const;
 
-  // What each of the rays met first, on the calling thread: for callers that run on all cores themselves.
+  // First intersection of each ray. Single-threaded, for callers that run on all cores themselves.
   FanHits Meet(const FreeRays& rays) const;
 
-  // Whether anything lies on each of the rays, 1 or 0; likewise.
+  // 1 for each ray that hits anything, otherwise 0. Single-threaded.
   std::vector<char> Obstructed(const FreeRays& rays) const;
 
   // Unit normal of a triangle in world coordinates.
@@ -88,7 +88,7 @@ class RayCaster {
   const std::vector<std::string>& material_names() const { return scene_.material_names; }
   const Scene& scene() const { return scene_; }
 
-  // Rays cast so far. A fit of materials adds nothing to it.
+  // Number of rays cast so far. A fit of materials does not increase it.
   std::int64_t rays_cast() const;
 
  private:
@@ -101,7 +101,7 @@ class RayCaster {
                   const std::function<void(const RowHits&)>& take) const;
 
   Scene scene_;
-  std::unique_ptr<Embree> embree_;  // goes before the scene it reads
+  std::unique_ptr<Embree> embree_;  // declared after the scene it reads, so destroyed first
   std::vector<Eigen::Vector3f> normals_;
 };
 

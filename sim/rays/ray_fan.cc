@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWidestPinholeDeg = 85.0;
 
-// Of each of `count`, by golden sections: any number of neighbours is spread evenly over -1/2 .. 1/2.
+// One value in -1/2 .. 1/2 for each of `count`, by golden sections: any run of neighbours is spread evenly.
 std::vector<double> GoldenSections(int count) {
   std::vector<double> parts;
   for (int i = 0; i < count; ++i) {
@@ -69,7 +69,8 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     cols_ = options.cols;
     const double left = std::tan(left_rad);
     const double right = std::tan(right_rad);
-    // Of a pinhole a level line bends to the middle; by solid angle, the outer beams see it too.
+    // A level line in a pinhole image bends towards the centre. With solid-angle weights, the outer beams
+    // cover the full elevation too.
     const bool all_of_span = options.weight == RayWeight::kSolidAngle;
     const double outermost = all_of_span ? std::min(std::cos(left_rad), std::cos(right_rad)) : 1.0;
     const double top = std::tan(0.5 * span_rad) / outermost;
@@ -81,7 +82,7 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     slope_height_ = 2.0 * top / rows_;
   } else {
     const int cols_per_beam = (options.cols + beams - 1) / beams;
-    // A margin's columns are as wide as the nearest within the beams.
+    // Columns of the margin are as wide as the nearest column within the beams.
     const auto add_margin = [&](double edge_rad, double width, bool left) {
       const int count = static_cast<int>(std::ceil(margin_rad / width - 1e-9));
       for (int i = 0; i < count; ++i) {
@@ -153,7 +154,8 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
   if (options.weight == RayWeight::kSolidAngle) WeighBySolidAngle();
 }
 
-// A column counts by its width over the mean of its beam's, a cell by its height over the mean row's.
+// Weights by solid angle. kBeams: a column counts by its width relative to the mean of its beam, a cell by
+// its height relative to the mean row.
 void RayFan::WeighBySolidAngle() {
   const double rows_per_rad = rows_ / span_rad_;
   if (sampling_ == Sampling::kBeams) {
@@ -182,7 +184,7 @@ void RayFan::WeighBySolidAngle() {
     column_near_.push_back(static_cast<float>(column_cosine_[col]));
     slope_limit_.push_back(static_cast<float>(limit / column_cosine_[col]));
   }
-  // An angle is less than its tangent, and that is greatest where the plane is nearest.
+  // Upper bound: an angle is less than its tangent, which is greatest where the plane is nearest.
   largest_weight_ = largest * slope_height_;
 }
 
@@ -260,12 +262,14 @@ double RayFan::ElevationRad(int row, int col) const {
 
 double RayFan::SolidAngleSr(int row, int col) const {
   if (sampling_ == Sampling::kFrustum) {
-    // A cell of the plane at unit distance, seen along a ray of length l: area x (1 / l) / l^2.
+    // Solid angle of a cell of the plane at unit distance, seen along a ray of length l: area x (1 / l) /
+    // l^2.
     const double tangent = column_sine_[col] / column_cosine_[col];
     const double length = std::sqrt(1.0 + tangent * tangent + row_slope_[row] * row_slope_[row]);
     return slope_width_ * slope_height_ / (length * length * length);
   }
-  // Of a cell about the ray, cos(elevation) = cos(e) cos(r) - sin(e) sin(r) for a row at e and a raise of r.
+  // Cell about the ray: cos(elevation) = cos(e) cos(r) - sin(e) sin(r) for a row at e and an elevation offset
+  // r.
   const double raised = RaisedRad(row, col);
   const double cosine = raised == 0.0
                             ? row_cosine_[row]

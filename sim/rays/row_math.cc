@@ -16,7 +16,7 @@ namespace sonarcal::sim::row_math {
 
 SONARCAL_VECTOR_VERSIONS
 double Dot(const double* __restrict a, const double* __restrict b, int count) {
-  // Sums of their own for each place in a vector, several vectors at once.
+  // Separate sums for each vector lane, several vectors at once.
   constexpr int kLanes = 16;
   double sums[kLanes] = {};
   int i = 0;
@@ -45,7 +45,7 @@ void Directions(const float* __restrict x, const float* __restrict y, float acro
 
 namespace {
 
-// Of angles within half a radian, by the first terms of their series.
+// Sine and cosine of an angle within half a radian, by the first terms of their series.
 struct SmallTurn {
   explicit SmallTurn(float angle_rad) {
     const float square = angle_rad * angle_rad;
@@ -102,11 +102,11 @@ void CellWeights(const float* __restrict cosine, const float* __restrict limit,
   for (int i = 0; i < count; ++i) {
     const float top = upper < limit[i] ? upper : limit[i];
     const float bottom = lower > -limit[i] ? lower : -limit[i];
-    // The height less what lies beyond keeps the digits that top - bottom loses.
+    // The height minus the parts beyond the limits keeps the digits that top - bottom would lose.
     const float within = height - (upper - top) - (bottom - lower);
     const float kept = within > 0.0F ? within : 0.0F;
     const float near = cosine[i];
-    // An elevation is atan(slope x cosine), a difference of two the arc of (a - b) / (1 + a b).
+    // An elevation is atan(slope x cosine). The difference of two is the arctangent of (a - b) / (1 + a b).
     const float beside = 1.0F + top * bottom * near * near;
     const float turned = beside < 0.0F ? std::numbers::pi_v<float> : 0.0F;
     weight[i] = per_rad[i] * (std::atan(kept * near / beside) + turned);
@@ -185,7 +185,7 @@ namespace {
 
 constexpr int kLanes = 64;
 
-// Philox2 (core/math/random.h), a lane for each index.
+// Philox2 (core/math/random.h), one lane per index.
 void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset,
                       std::uint32_t* word0, std::uint32_t* word1) {
   for (int i = 0; i < kLanes; ++i) {
@@ -204,7 +204,7 @@ struct PhiloxLanes {
 };
 
 __attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by, __m256i key) {
-  // 32 x 32 bit products of the even lanes and of the odd ones; high and low halves put side by side.
+  // 32 x 32 bit products of the even and of the odd lanes. Their high and low halves are then interleaved.
   const __m256i even = _mm256_mul_epu32(lanes.word0, by);
   const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(lanes.word0, 32), by);
   const __m256i high = _mm256_blend_epi32(_mm256_srli_epi64(even, 32), odd, 0xAA);
@@ -213,7 +213,7 @@ __attribute__((target("avx2"))) inline void Round(PhiloxLanes& lanes, __m256i by
   lanes.word1 = low;
 }
 
-// Four vectors at a time: one's products are under way while the others' are used.
+// Four vectors at a time, which hides the latency of the multiplications.
 __attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::uint32_t first,
                                                      const std::int32_t* offset, std::uint32_t* word0,
                                                      std::uint32_t* word1) {
@@ -261,13 +261,14 @@ void NormalPairs(std::uint64_t seed, std::uint32_t first, const std::int32_t* __
                  float* __restrict a, float* __restrict b) {
   for (int start = 0; start < count; start += kLanes) {
     const int here = count - start < kLanes ? count - start : kLanes;
-    std::int32_t whole[kLanes] = {};  // the last offsets, where they fill no whole set of lanes
+    std::int32_t whole[kLanes] = {};  // last offsets, if they do not fill all lanes
     if (here < kLanes) std::copy_n(offset + start, here, whole);
     alignas(32) std::uint32_t first_word[kLanes];
     alignas(32) std::uint32_t second_word[kLanes];
     PhiloxWords(seed, first, here < kLanes ? whole : offset + start, first_word, second_word);
-    // Box and Muller. Turns lie within half a one of 0, where single precision serves a sine best. Sine and
-    // cosine in loops of their own: a compiler that takes them together finds no vectors for both.
+    // Box-Muller transform. Angles lie within half a turn of 0, where a single-precision sine is most
+    // accurate. Sine and cosine have separate loops because the compiler does not vectorise a loop that
+    // contains both.
     constexpr float kStep = 0x1p-32F;
     constexpr float kWholeTurn = 2.0F * std::numbers::pi_v<float>;
     float radius[kLanes];

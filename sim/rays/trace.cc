@@ -18,7 +18,7 @@ class DepthNormals {
   DepthNormals(const RayFan& fan, const FanHits& hits, const TraceOptions& options)
       : fan_(fan), hits_(hits), options_(options) {}
 
-  // Not normalised; nothing where a difference is missing in either direction.
+  // Normal vector, not normalised. Nothing if a difference is missing in either direction.
   std::optional<Eigen::Vector3f> At(int row, int col) const {
     const auto along_row = Difference(row, col, 0, options_.step);
     const auto along_col = Difference(row, col, options_.step, 0);
@@ -70,13 +70,13 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   options.Check();
   const FanHits hits = caster.Cast(fan, world_from_sonar, axes.range_max_m);
   const auto is_echo = [&](std::size_t ray) {
-    // A ray that starts on a surface meets it at range 0, where the loss has no value.
+    // A ray that starts on a surface hits it at range 0, where the transmission loss is undefined.
     return hits.triangle[ray] >= 0 && hits.range_m[ray] > 0.0F && hits.range_m[ray] >= axes.range_min_m &&
            hits.range_m[ray] < axes.range_max_m;
   };
 
-  // Rows are counted, then filled in place: the list comes out in the order of the rays on any number of
-  // threads.
+  // Counts the echoes of each row, then fills the list in place. The list is in the order of the rays on any
+  // number of threads.
   std::vector<std::size_t> row_start(fan.rows() + 1, 0);
   const auto for_rows = [&](auto&& body) {
     tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {

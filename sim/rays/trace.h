@@ -1,4 +1,4 @@
-// From hits to echoes: geometry only, nothing acoustic, so that a scene is traced once and shaded many times.
+// Converts ray hits into echoes. Echoes hold geometry only, so a scene is traced once and shaded many times.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,13 @@
 
 namespace sonarcal::sim {
 
-// How the surface normal at a hit is found.
-//   geometric  from the mesh.
-//   depth      from the point cloud (Park 2024 Eq. 8): the cross product of differences to the rays `step`
-//              columns right and rows down. Where one of those missed, or lies across a jump in range of more
-//              than `jump_ratio`, the ray on the other side is used; where that fails too, the mesh's normal.
+// Source of the surface normal at a hit.
+//
+//   geometric  Normal of the mesh.
+//   depth      Normal of the point cloud (Park 2024 Eq. 8): the cross product of differences to the rays `step`
+//              columns right and rows down. If one of those missed, or lies across a jump in range of more
+//              than `jump_ratio`, the ray on the other side is used. If that fails too, the mesh's normal is
+//              used.
 enum class NormalSource { kGeometric, kDepth };
 constexpr auto WordsOf(std::type_identity<NormalSource>) {
   return Words<NormalSource, 2>{{{"geometric", NormalSource::kGeometric}, {"depth", NormalSource::kDepth}}};
@@ -23,23 +25,23 @@ constexpr auto WordsOf(std::type_identity<NormalSource>) {
 struct TraceOptions {
   NormalSource normals = NormalSource::kGeometric;
   int step = 2;              // k of Eq. 8: 2 or 3
-  double jump_ratio = 0.05;  // of range
+  double jump_ratio = 0.05;  // fraction of the range
 
   void Check() const;
 };
 
-// The echoes of one frame, one for each ray that met something within the sonar's range window; structure of
-// arrays, all of the same length, in the order of the rays.
+// Echoes of one frame: one per ray that hits a surface within the sonar's range window. Structure of arrays,
+// all of one length, in the order of the rays.
 struct EchoList {
   std::vector<std::uint32_t> ray;  // index in the fan
   std::vector<std::uint16_t> material;
   std::vector<float> range_m;
   std::vector<float> azimuth_rad;
   std::vector<float> elevation_rad;
-  std::vector<float> incidence_rad;   // between ray and normal, 0 .. pi/2
-  std::vector<float> solid_angle_sr;  // that the ray stands for
+  std::vector<float> incidence_rad;   // angle between ray and normal, 0 .. pi/2
+  std::vector<float> solid_angle_sr;  // solid angle that the ray represents
 
-  // Of the fan that was traced: grid column of a ray, beam of a column, rays a beam has in all.
+  // Properties of the traced fan: number of grid columns, beam of each column, number of rays per beam.
   int cols = 0;
   std::vector<int> beam_of_column;
   std::vector<int> rays_per_beam;
@@ -51,8 +53,8 @@ struct EchoList {
   int Beam(std::size_t echo) const { return beam_of_column[ray[echo] % cols]; }
 };
 
-// Casts the fan and keeps what lies within the range window of `axes`. A hit nearer than the window shadows
-// what is behind it and gives no echo.
+// Casts the fan and keeps the hits within the range window of `axes`. A hit nearer than the window gives no
+// echo, but it hides surfaces behind it.
 EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                const PolarAxes& axes, const TraceOptions& options = {});
 
