@@ -20,8 +20,7 @@ int main(int argc, char** argv) {
   workflow::FitOptions options{.free = {"material.floor.gsab.C"}};
   options.rays.rays = RayGridSize{256, 60};
   const workflow::RecordingFit fit = workflow::Fit(*recording, scene, truth, options);
-  std::cout << "floor, C: " << fit.fit.parameters.Material("floor").gsab.C
-            << ", intensity error: " << *fit.after.aggregate.macro.polar.At("intensity_error.whole").value
-            << '\n';
+  std::cout << "floor, C: " << fit.fit.parameters.Material("floor").gsab.c
+            << ", IoU: " << *fit.after.aggregate.macro.polar.At("iou").value << '\n';
   return fit.fit.usable ? 0 : 1;
 }
