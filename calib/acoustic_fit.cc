@@ -20,29 +20,29 @@
 namespace sonarcal::calib {
 namespace {
 
-// Rounds about a new point, at most; and the move, in parts of what a round may move, below which no other
-// round follows.
+// Max number of rounds, each about a new point. Rounds end if the largest move, as a fraction of its reach,
+// is below kSettled.
 constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
-constexpr double kShrink = 0.1;  // of the reach, after a move that was taken back
+constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 
-// Times that poses and radiometry are refined in turn by likelihood, after the first, at most; and the fall
-// of cost for each free entry of a pose, in nats, that calls for another turn. Half a nat is what noise moves
-// one parameter by.
+// Max number of repeated refinements of poses and radiometry, and the min fall of cost for another one, in
+// nats per free entry of a pose. Noise moves one parameter by about half a nat.
 constexpr int kPoseRepeats = 3;
 constexpr double kPoseFall = 0.05;
 
-// How far, in parts of what a round may move, the last solve may move poses that joint steps have settled.
+// Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
 constexpr double kHeld = 0.02;
 
-// Times that frames go to better poses beside those reached, at most, and by how much better they are.
+// Max number of moves to better poses away from the present ones, and the min gain of a move.
 constexpr int kMovesToBetter = 3;
 constexpr double kBetterNats = 1.0;
 
-// Rounds of weighing down what the scene does not explain.
+// Rounds of reducing the weight of pixels that do not match the scene.
 constexpr int kWeightRounds = 2;
 
-// How far a round may move a geometric parameter from its point: poses by a quarter of beam and pulse.
+// Reach of a geometric parameter in one round: for poses a quarter of a speckle cell, otherwise a fifth of
+// its value.
 double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& model) {
   constexpr double kOfWidth = 0.2;
   constexpr double kOfGrain = 0.25;
@@ -52,7 +52,7 @@ double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& 
                          : kOfGrain * model.grain().beams * DegFromRad(axes.beam_spacing_rad());
 }
 
-// The configuration that lets geometric parameters move about a point only as far as they are linear there.
+// Configuration with a trust region for geometric parameters, in which the model is nearly linear.
 FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const std::vector<int>& geometric,
                const ParameterValues& point, double scale) {
   FitConfig near = config;
@@ -70,7 +70,7 @@ FitConfig WithDefaults(FitConfig config, const ParameterSet& initial,
   return config;
 }
 
-// The steps of a fit, one after the other.
+// Runs the steps of a fit one after the other.
 class AcousticFitter {
  public:
   AcousticFitter(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
@@ -115,7 +115,7 @@ class AcousticFitter {
     if (options_.progress) options_.progress(line);
   }
 
-  // Goes on from the values reached, about the point that echoes are taken about.
+  // Continues from the present values, about the point of the last linearisation.
   void Refit(bool rough) {
     if (!fit_.usable) return;
     FitOptions options = again_;
@@ -124,15 +124,15 @@ class AcousticFitter {
     iterations_ += fit_.report.iterations;
   }
 
-  // Everything but the geometry, the others held where they are.
+  // Configuration that fixes all geometric parameters.
   FitConfig RadiometryOnly() const {
     FitConfig config = config_;
     for (const int entry : geometric_) config.fixed.push_back(catalog_[entry].name);
     return config;
   }
 
-  // How far frames of one pose tell the same hangs on the echoes: by a first look, from which no value is
-  // taken.
+  // The correlation of frames from one pose depends on the echoes. A first rough fit gives them; its values
+  // are discarded.
   void ShareRepeats() {
     if (!model_.has_repeats()) return;
     ParameterValues values = model_.initial_values();
@@ -147,7 +147,7 @@ class AcousticFitter {
     model_.ShareRepeats(values);
   }
 
-  // Curves and receiver first: about a wrong level no geometry can be told.
+  // Fits curves and receiver first, because a wrong level would lead the geometry astray.
   void FitRadiometryFirst() {
     if (radiometric_.empty() && !geometric_.empty()) return;
     FitOptions start = options_;
@@ -159,8 +159,9 @@ class AcousticFitter {
     cost_initial_ = fit_.report.cost_initial;
   }
 
-  // From far to near, radiometry following: curves fitted about wrong poses are blurred ones. The nearest
-  // stage, which looks along ridges too, comes again as long as it gains more than noise does.
+  // Refines poses in stages of decreasing reach, each followed by the radiometry, because curves fitted at
+  // wrong poses are blurred. The last stage also searches along ridges. It repeats while it gains more than
+  // noise does.
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
     const std::vector<PoseStage> stages = PoseStages(model_.grain());
@@ -170,7 +171,7 @@ class AcousticFitter {
     }
   }
 
-  // Returns by how much the poses alone lowered their cost.
+  // Returns the fall of cost from the poses alone.
   double RefineStage(const PoseStage& stage) {
     if (!fit_.usable) return 0.0;
     const double fall = RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
@@ -193,7 +194,7 @@ class AcousticFitter {
     }
   }
 
-  // What poses are free hang together with, by steps that are each traced.
+  // Fits poses together with the parameters that are correlated with them. Each step is traced.
   void FitJointly() {
     if (!fit_.usable) return;
     std::vector<int> active = geometric_;
@@ -206,8 +207,8 @@ class AcousticFitter {
       if (fit.usable) values = std::move(fit.values);
     };
     ParameterValues values = fit_.values;
-    // As rays come and go at edges, a frame's cost is rough by up to what noise moves a parameter by, either
-    // way.
+    // The cost of a frame is rough because rays appear and disappear at edges, by up to the effect of noise
+    // on a parameter in either direction.
     settled_ =
         TakeJointSteps(model_, catalog_, active, {.least = NoiseOfCost(), .roughness = 2.0 * NoiseOfCost()},
                        settle, values, options_.progress);
@@ -215,12 +216,11 @@ class AcousticFitter {
     near_ = Near(config_, model_, geometric_, values, kHeld);
   }
 
-  // What noise moves a parameter by lowers the cost by half a nat, counted in grains.
+  // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
   double NoiseOfCost() const { return 0.5 * model_.grain().bins * model_.grain().beams; }
 
-  // Everything together about an ever better point. A point that proves worse, once traced, is taken back,
-  // and the next one lies nearer; one that is neither better nor worse by what noise does to it ends the
-  // rounds.
+  // Solves for all parameters about a sequence of points. If a point proves worse after tracing, the fit goes
+  // back and reduces the reach. A change of cost below the noise ends the rounds.
   void FitInRounds() {
     settled_ = geometric_.empty();
     const double noise = NoiseOfCost();
@@ -262,7 +262,7 @@ class AcousticFitter {
     }
   }
 
-  // Rounds follow a valley down; a better one beside it is gone to, and all follows it.
+  // Moves to better poses that rounds cannot reach, because rounds only follow one valley, and refits there.
   void GoToBetterPoses() {
     for (int move = 0; move < kMovesToBetter && !poses_.empty() && fit_.usable; ++move) {
       Say("looking for poses that explain the frames better");
@@ -302,7 +302,7 @@ class AcousticFitter {
       report.parameters[i].lower = catalog_[i].lower;
       report.parameters[i].upper = catalog_[i].upper;
     }
-    // Poses that nobody freed are data, not parameters.
+    // Poses that are not free are data, not parameters.
     std::erase_if(report.parameters, [](const FittedParameter& parameter) {
       return parameter.name.starts_with("pose.") && parameter.status == ParameterStatus::kFixed;
     });
@@ -316,7 +316,7 @@ class AcousticFitter {
     return result;
   }
 
-  // Of the pixels that count, those that count for less than half.
+  // Share of the used pixels that have a weight below 0.5.
   double DownWeightedShare() const {
     std::size_t low = 0;
     std::size_t counted = 0;
@@ -331,14 +331,14 @@ class AcousticFitter {
   }
 
   const FitOptions& options_;
-  FitConfig config_;  // what is known, priors included
-  FitConfig near_;    // and how far geometry may move from the present point
+  FitConfig config_;  // with priors
+  FitConfig near_;    // as above, with the trust region about the present point
   AcousticFrameModel model_;
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> free_;
   std::vector<int> radiometric_;  // free entries
   std::vector<int> geometric_;
-  std::vector<int> poses_;  // of the geometric ones
+  std::vector<int> poses_;  // pose entries of `geometric_`
   FitOptions again_;
   ModelFit fit_;
   std::vector<double> start_costs_;
@@ -366,8 +366,8 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
   if (powers.empty()) throw DataError("fit: no pixels");
   const auto at = powers.begin() + static_cast<std::ptrdiff_t>(kDarkest * static_cast<double>(powers.size()));
   std::nth_element(powers.begin(), at, powers.end());
-  // Were all of them noise, the darkest fifth of exponential power would end at -ln(0.8) of its mean; of more
-  // looks, nearer to it.
+  // If all of them were noise, the darkest fifth of exponential power would end at -ln(0.8) of its mean. With
+  // more looks it would end closer to the mean.
   const double of_mean = looks > 2.0 ? 1.0 : -std::log1p(-kDarkest);
   return DbFromPower(*at / of_mean);
 }

@@ -19,7 +19,7 @@
 namespace sonarcal::calib {
 namespace {
 
-// Number of pixels of all frames together on which alternatives are searched.
+// Number of pixels of all frames together for the search of alternatives.
 constexpr std::size_t kCoarsePixels = 40'000;
 constexpr int kExchangeIterations = 40;
 constexpr int kProfileIterations = 12;
@@ -32,9 +32,9 @@ const double kAlikeNats = std::log(100.0);
 // Standard errors by which a parameter of such an optimum may differ and still count as the same.
 constexpr double kSameSigmas = 1.0;
 constexpr double kProfileSigmas = 2.5;
-// A profile that reaches a bound before this share of the way says nothing.
+// A profile that reaches a bound before this fraction of its step is not conclusive.
 constexpr double kMinReach = 0.3;
-// A profile that rises by less than this share of the parabola's rise: no standard error describes it.
+// If a profile rises by less than this fraction of the parabola's rise, no standard error describes it.
 constexpr double kMinRise = 0.3;
 
 constexpr int kMembers = 6;
@@ -57,7 +57,7 @@ std::vector<Curve> Exchanged(const Curve& curve) {
       {e, f, kWeak * c, 1.5, c, WidthOfExponent(d)},
       // The cosine takes the wide Gaussian's place.
       {a, b, e, ExponentOfWidth(f), kWeak * c, f},
-      // And the wide Gaussian takes the narrow one's.
+      // As before, and the wide Gaussian takes the narrow one's place.
       {kWeak * a, 0.5 * b, e, ExponentOfWidth(f), a, b},
       // The narrow Gaussian splits into two; so does the wide one.
       {kWeak * a, 0.5 * b, c, d, a, b},
@@ -87,7 +87,7 @@ struct MaterialEntries {
   int material = 0;
   int first = 0;            // entry of A; the others follow
   std::vector<int> free;    // entries
-  std::vector<int> inside;  // those not at a bound, as indices into FittedPoint::interior
+  std::vector<int> inside;  // entries that are not at a bound, as indices into FittedPoint::interior
 };
 
 class Search {
@@ -165,7 +165,7 @@ class Search {
 
   double Sigma(int inside) const { return std::sqrt(point_.covariance(inside, inside)); }
 
-  // Information about the material's entries that are not at a bound, including their priors.
+  // Information matrix of the material's entries that are not at a bound, including their priors.
   Eigen::MatrixXd Information(const MaterialEntries& material, const ParameterValues& values) const {
     std::vector<int> active;
     for (const int k : material.inside) active.push_back(point_.interior[k]);
@@ -176,8 +176,8 @@ class Search {
     return information;
   }
 
-  // Factor by which the fit's variances exceed those of independent pixels: a nat of cost counts for as
-  // much less. The geometric mean over the material's entries, and never less than 1.
+  // Factor by which the variances of the fit exceed those of independent pixels. A nat of cost counts less by
+  // this factor. Geometric mean over the entries of the material, at least 1.
   double DesignEffect(const MaterialEntries& material, const Eigen::MatrixXd& information) const {
     const Eigen::MatrixXd covariance = point_.covariance(material.inside, material.inside);
     const Eigen::LDLT<Eigen::MatrixXd> of_covariance(covariance);
@@ -234,8 +234,9 @@ class Search {
     }
   }
 
-  // Rise of the cost where entry k is held off its optimum and the material's others follow, over what the
-  // curvature at the optimum predicts; 1 where there is no room to try.
+  // Rise of the cost if entry k is fixed away from its optimum and the other entries of the material are
+  // fitted, divided by the rise that the curvature at the optimum predicts. 1 if there is no room for the
+  // step.
   double RiseOverParabola(const MaterialEntries& material, const Optimum& base,
                           const Eigen::MatrixXd& conditional, Eigen::Index k, double side) const {
     const int held = point_.interior[material.inside[k]];

@@ -7,15 +7,16 @@
 namespace sonarcal::calib {
 namespace {
 
-// One value at a bound may be a curve without that term. From two on, the model asks for what is refused.
+// One value at a bound may be a curve without that term. Two or more mean that the model needs values beyond
+// the bounds.
 constexpr std::size_t kBoundsTolerated = 1;
-// Pixels with echoes that the model clips and the recording does not, as a share.
+// Limit for the share of pixels with echoes that are clipped in the model, minus the share in the recording.
 constexpr double kClippedTolerated = 0.1;
-// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam. With the rounding of
-// a bound.
+// The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam. Includes the
+// rounding of a bound.
 constexpr double kNarrowSpanDb = 1.001;
-// Relative difference of cost by which no optimum is better than another, and the difference of their images
-// (of full scale, RMS) by which they are two.
+// Two optima are equally good below this relative difference of cost. They are different above this RMS
+// difference of their images, as a fraction of full scale.
 constexpr double kEqualCost = 0.01;
 constexpr double kOtherImage = 0.01;
 

@@ -1,5 +1,5 @@
-// Whether a fit of the paper's model is degenerate: whether its values are those of a model that does not
-// describe the recording, pushed to an extreme where it looks least wrong.
+// Signs of a degenerate fit of the paper's model: the model does not describe the recording, and its values
+// went to an extreme where it looks least wrong.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace sonarcal::calib {
 
-// Another place where the search ended, from another start.
+// Another optimum, found from another start.
 struct OtherOptimum {
   double cost = 0.0;
-  double difference = 0.0;  // RMS difference of the two expected images, of full scale
+  double difference = 0.0;  // RMS difference of the two expected images, as a fraction of full scale
 };
 
-// The signs of a degenerate fit that are found, one full sentence each without a full stop; none where the
-// fit is sound. `clipping` and `others` belong to the fitted values.
+// Returns one sentence per sign of a degenerate fit, without a full stop; none for a sound fit. `clipping`
+// and `others` belong to the fitted values.
 std::vector<std::string> DegenerateFitWarnings(const FitReport& report, const PaperClipping& clipping,
                                                const std::vector<OtherOptimum>& others);
 

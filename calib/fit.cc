@@ -21,17 +21,17 @@
 namespace sonarcal::calib {
 namespace {
 
-// Relative change of cost at which a trial start is told from another.
+// Relative change of cost that ends a trial start.
 constexpr double kRoughTolerance = 1e-5;
 constexpr int kRoughIterations = 20;
-constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to tell valleys apart
+constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to distinguish valleys
 constexpr double kLikelihoodTolerance = 1e-2;
 
 // Max number of moves to a better curve, and the min gain of a move.
 constexpr int kMovesToBetter = 2;
 constexpr double kBetterNats = 0.05;
 
-// The state of a fit while it runs: what is still free, and why the rest is not.
+// State of a fit while it runs: the free parameters, and the reason why others are not free.
 class Fitter {
  public:
   Fitter(const FrameModel& model, ParameterValues initial, const FitConfig& config, const FitOptions& options)
@@ -52,12 +52,13 @@ class Fitter {
   ModelFit Run() {
     FreezeUnseen();
     const auto start = std::chrono::steady_clock::now();
-    // A single start from where an earlier fit ended needs no trial.
+    // A single start at the result of an earlier fit needs no trial.
     if (options_.rough || options_.starts > 1 || options_.search_level) SolveFromSeveralStarts();
     bool usable = !report_.start_costs.empty();
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options_.rough) return {.values = state_.values, .report = std::move(report_), .usable = usable};
-    // Each round but the last freezes at least one parameter, so there are at most as many as parameters.
+    // Each round except the last freezes at least one parameter, so the number of parameters limits the
+    // rounds.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {
       Activate();
       if (state_.active.empty()) {
@@ -67,7 +68,7 @@ class Fitter {
       }
       usable = Solve(model_, Tolerance(), options_.max_iterations);
       if (!usable) break;
-      // With priors the two are not alike: the exchanged one is a start, no answer.
+      // With priors the two orders differ in cost: the exchanged values are a start, not a result.
       const bool exchanged = OrderGaussians(catalog_, Free(), state_.values);
       if (exchanged && model_.IsLikelihood()) usable = Solve(model_, Tolerance(), options_.max_iterations);
       if (!usable) break;
@@ -87,7 +88,7 @@ class Fitter {
     if (options_.progress) options_.progress(line);
   }
 
-  // Of what nobody says otherwise: the value given, within a step that would be a surprise.
+  // Default prior: the start value, with a surprisingly large step as standard deviation.
   void SetPriors() {
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       CatalogEntry& entry = catalog_[i];
@@ -142,15 +143,14 @@ class Fitter {
     }
   }
 
-  // Solves roughly from the given curves and from others, and goes on from the best.
+  // Solves roughly from the given curves and from others, and continues from the best.
   void SolveFromSeveralStarts() {
     const ParameterValues given = state_.values;
     ParameterValues best = given;
     double best_cost = std::numeric_limits<double>::infinity();
     Activate();
     if (state_.active.empty()) return;
-    // A round among others goes on from where the last one ended, which blocks of pixels would lead away
-    // from.
+    // A rough fit continues from the last values. Blocks of pixels would lead away from them.
     const std::unique_ptr<FrameModel> coarse = options_.rough ? nullptr : model_.Coarse(kStartPixels);
     const FrameModel& model = coarse != nullptr ? *coarse : model_;
     for (int start = 0; start < options_.starts; ++start) {
@@ -167,7 +167,7 @@ class Fitter {
     state_.values = best;
   }
 
-  // A hundredth of a log-likelihood is nothing that a fit could be judged by.
+  // A hundredth of a nat of log-likelihood is negligible.
   double Tolerance() const {
     if (!model_.IsLikelihood()) return options_.function_tolerance;
     const double cost = CostAt(model_, state_.values, model_.frame_count());
@@ -196,7 +196,7 @@ class Fitter {
     return coordinate <= lower + tolerance || coordinate >= upper - tolerance;
   }
 
-  // Sums for the parameters that are free and not at a bound; `interior_` says which those are.
+  // Sums over the parameters that are free and not at a bound; sets `interior_` to them.
   NormalEquations AccumulateInterior() {
     interior_.clear();
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
@@ -251,8 +251,8 @@ class Fitter {
     return false;
   }
 
-  // With priors nothing is singular, and nothing needs to be held: what the data leave to the prior is
-  // flagged, and so is what they do not determine by itself.
+  // Flags parameters whose value comes mostly from the prior, and those not determined separately. With
+  // priors nothing is singular, so no parameter has to be fixed.
   void FlagWhatPriorsDecide() {
     const CurveAlternatives curves = TestCurves();
     if (interior_.empty()) return;
@@ -262,8 +262,8 @@ class Fitter {
       const CatalogEntry& entry = catalog_[interior_[i]];
       const double step = std::min(entry.prior->sigma, entry.typical_step);
       coordinates.push_back({entry.name, step, entry.logarithmic});
-      // Sigma is not finite if hardly more than one block determines a parameter: it is not identifiable
-      // then.
+      // Sigma is not finite if hardly more than one block determines a parameter. It is then not
+      // identifiable.
       if (!(StandardError(i) <= std::sqrt(kOpenShare) * step) || !std::isfinite(Sigma(i)))
         status_[interior_[i]] = ParameterStatus::kUnidentifiable;
     }
@@ -286,8 +286,8 @@ class Fitter {
     return StandardError(i) * (student_.size() > 0 ? student_(static_cast<Eigen::Index>(i)) : 1.0);
   }
 
-  // Freezes what the data leave open, one parameter after the other until the rest is determined; false where
-  // all are. The sums are those of one point: the rest is solved again before it is believed.
+  // Freezes parameters that the data do not determine, one after the other, until the rest is determined.
+  // Returns false if all were determined. The sums hold at one point only, so the caller must solve again.
   bool FreezeUndetermined() {
     NormalEquations equations = AccumulateInterior();
     std::vector<int> rest = interior_;
@@ -302,8 +302,9 @@ class Fitter {
     return rest.size() < interior_.size();
   }
 
-  // The next parameter to hold, as an index into `indices`: one that makes the information singular, or whose
-  // sigma is larger than a surprising step. Leaves the covariance of all behind where there is none.
+  // Returns the next parameter to freeze, as an index into `indices`: one that makes the information
+  // singular, or whose standard error exceeds a surprisingly large step. If there is none, sets the
+  // covariance of all.
   std::optional<OpenDirection> Undetermined(const NormalEquations& equations,
                                             const std::vector<int>& indices) {
     Eigen::VectorXd steps(indices.size());
@@ -314,7 +315,7 @@ class Fitter {
     }
     if (auto open = LeastDetermined(equations, steps, names)) return open;
     covariance_ = JackknifeCovariance(equations);
-    // A sigma that is not a number, where one block alone determines a parameter, counts as undetermined.
+    // A sigma of NaN, if one block alone determines a parameter, counts as undetermined.
     const Eigen::VectorXd sigma_in_steps = covariance_.diagonal().cwiseSqrt().cwiseQuotient(steps).unaryExpr(
         [](double sigma) { return std::isfinite(sigma) ? sigma : std::numeric_limits<double>::max(); });
     Eigen::Index worst = 0;
@@ -355,7 +356,7 @@ class Fitter {
     }
   }
 
-  // Source level, gain or db_min, and the common factor of all A, C and E shift the same number.
+  // Source level, gain or db_min, and the common factor of all A, C and E change the same number.
   void DescribeGauge() {
     const bool acoustic = FindEntry(catalog_, "receiver.gain_db") >= 0;
     const std::string other = acoustic ? "receiver.gain_db" : "display.db_min";
@@ -398,8 +399,8 @@ class Fitter {
   FitState state_;
   std::vector<int> interior_;
   Eigen::MatrixXd covariance_;
-  Eigen::VectorXd student_;       // of standard errors, by entry of `interior_`; empty: 1
-  std::vector<double> widening_;  // of standard errors, by catalog entry; empty: 1
+  Eigen::VectorXd student_;       // factors on standard errors, per entry of `interior_`; empty: 1
+  std::vector<double> widening_;  // factors on standard errors, per catalog entry; empty: 1
   FitReport report_;
 };
 

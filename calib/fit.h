@@ -1,17 +1,21 @@
-// Fits a model's parameters to recorded polar images by least squares (Ceres).
+// Fits the parameters of an image model to recorded polar images by least squares (Ceres).
 //
-// The residual of a pixel of the paper's model is the expected recorded value minus the recorded one
-// (calib/models/paper_likelihood.h), in units of the noise that the frames show. Frames are given as echo
-// histograms, so a fit of materials casts no ray. Sigmas come from a sandwich covariance over blocks of
-// pixels: neighbouring pixels share speckle grain and range errors, and the plain least-squares covariance
-// would be too small.
+// The model is a FrameModel (calib/models/frame_model.h): the paper's or the acoustic one. FitPaperModel fits
+// the paper's model. Its residual is the expected recorded value minus the recorded one
+// (calib/models/paper_likelihood.h), in units of the noise that the frames show. Its frames are echo
+// histograms, so a fit of materials casts no ray. calib/acoustic_fit.h fits the acoustic model.
 //
-// Parameters that the data do not determine are reported: one whose material is in no frame keeps its value;
-// others have priors, and where the data leave most of a prior's variance, a parameter is reported as
-// unidentifiable. (Without noise there are no priors: then parameters that the data leave open are held at
-// their initial value, and the rest is solved again.)
-// In a fit by likelihood, what other curves fit as well (calib/curve_alternatives.h) is reported alike,
-// without sigma.
+// Standard errors come from a sandwich covariance over blocks of pixels. The plain least-squares covariance
+// would be too small, because neighbouring pixels share speckle cells and range errors.
+//
+// Parameters that the data do not determine are reported:
+//
+// - One whose material is in no frame keeps its value.
+// - The others have priors. One that keeps most of its prior's variance is reported as unidentifiable.
+//   Without noise there are no priors; such parameters are then fixed at their initial value, and the rest is
+//   solved again.
+// - In a fit by likelihood, parameters of curves that other curves fit as well (calib/curve_alternatives.h)
+//   are reported as unidentifiable, without sigma.
 #pragma once
 
 #include <string>
@@ -25,35 +29,36 @@
 
 namespace sonarcal::calib {
 
-// Values of an image as a fit wants them. Throws DataError where they are not grey levels.
+// Returns the values of an image, as a fraction of full scale. Throws DataError if they are not grey levels.
 std::vector<double> MeasuredForFit(const PolarImage& image);
 
-// One grey level, of full scale, where all values are whole; 0 where they are not rounded.
+// Returns one grey level as a fraction of full scale if all values are whole numbers; 0 if they are not
+// rounded.
 double GreyLevel(const PolarImage& image);
 
-// What a fit of any model found.
+// Result of a fit of any model.
 struct ModelFit {
   ParameterValues values;
   FitReport report;
-  bool usable = false;  // false: no solution that may be used
+  bool usable = false;  // false: no usable solution
 };
 
-// Throws DataError for a configuration that names nothing free.
+// Throws DataError if the configuration frees nothing.
 ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
              const FitOptions& options = {});
 
 struct FitResult {
   ParameterSet parameters;
   FitReport report;
-  bool usable = false;  // false: no solution that may be used
+  bool usable = false;  // false: no usable solution
 };
 
-// What a fit of the paper model frees by default. The gauge: source level and db_min stay, so that the level
-// is carried by the materials.
+// Returns the parameters that a fit of the paper's model frees by default. Gauge: source level and db_min are
+// fixed, so that the materials carry the level.
 std::vector<std::string> PaperFreeByDefault();
 
-// All frames share `geometry` and `material_names` (those of the scene). Throws DataError for a configuration
-// that names nothing free, or frames that do not fit the geometry.
+// All frames share `geometry` and `material_names` (those of the scene). Throws DataError if the
+// configuration frees nothing or if frames do not fit the geometry.
 FitResult FitPaperModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                         const std::vector<std::string>& material_names, const ParameterSet& initial,
                         const FitConfig& config, const FitOptions& options = {});

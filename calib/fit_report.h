@@ -1,4 +1,4 @@
-// What a fit found, in the words of `fit.json`.
+// Result of a fit, in the words of `fit.json`.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +29,7 @@ struct FittedParameter {
   double lower = 0.0;
   double upper = 0.0;
   ParameterStatus status = ParameterStatus::kFixed;
-  std::optional<double> truth = {};  // known of simulated recordings only
+  std::optional<double> truth = {};  // known for simulated recordings only
 };
 
 struct ResidualSummary {
@@ -41,16 +41,16 @@ struct FitReport {
   // Reasons to doubt the fit: one full sentence each, without a full stop. Shown before any figure.
   std::vector<std::string> warnings;
   std::vector<FittedParameter> parameters;
-  std::vector<std::string> gauge;                      // what was fixed and why, in words
-  std::vector<std::string> unidentifiable_directions;  // in words
-  std::vector<std::string> other_poses;                // that fit as well, in words
+  std::vector<std::string> gauge;                      // what was fixed and why, one sentence each
+  std::vector<std::string> unidentifiable_directions;  // one sentence each
+  std::vector<std::string> other_poses;                // poses that fit equally well, one sentence each
   std::vector<std::string> correlation_names;          // free parameters
   Eigen::MatrixXd correlation;
   std::vector<FittedCurve> curves;
-  std::optional<ResidualSummary> raw;         // grey levels, of full scale 1; a likelihood has none
-  ResidualSummary whitened;                   // of standard deviation 1 where the model is right
-  std::optional<double> down_weighted_share;  // of the pixels: they count for less than half
-  std::vector<double> start_costs;            // where each start ended, roughly solved
+  std::optional<ResidualSummary> raw;         // grey levels, full scale 1; absent for a likelihood
+  ResidualSummary whitened;                   // has a standard deviation of 1 if the model is right
+  std::optional<double> down_weighted_share;  // share of the pixels with a weight below 0.5
+  std::vector<double> start_costs;            // cost at the end of each start, roughly solved
   double cost_initial = 0.0;
   double cost_final = 0.0;
   int iterations = 0;
@@ -58,17 +58,17 @@ struct FitReport {
   std::vector<int> frames_used;
   std::vector<int> frames_held_out;
   double trace_s = 0.0;
-  double solve_s =
-      0.0;  // of the whole fit; of the acoustic model, what it traces and gathers itself included
+  // Time of the whole fit. For the acoustic model, includes tracing and gathering during the fit.
+  double solve_s = 0.0;
   long rays_cast = 0;
 
   const FittedParameter* Find(const std::string& name) const;
 };
 
-// Whether the true value of any parameter is known.
+// Returns true if the true value of any parameter is known.
 bool HasTruth(const FitReport& report);
 
-// The object of `fit.json` as JSON text; `extra_members` is JSON text of further members, such as
+// Returns the object of `fit.json` as JSON text. `extra_members`: JSON text of further members, such as
 // `"metrics_before": {...}`, or empty.
 std::string FitReportJson(const FitReport& report, const std::string& extra_members = {});
 

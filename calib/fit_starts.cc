@@ -9,7 +9,7 @@
 namespace sonarcal::calib {
 namespace {
 
-// Narrow, middling and wide peaks: A, B, C, D, E, F.
+// Narrow, medium and wide peaks: A, B, C, D, E, F.
 constexpr std::array<std::array<double, 6>, kStartShapeCount> kStartShapes = {
     {{100.0, 2.0, 1.0, 1.0, 10.0, 10.0}, {30.0, 5.0, 1.0, 1.5, 5.0, 16.0}, {10.0, 8.0, 1.0, 2.0, 3.0, 30.0}}};
 
@@ -31,7 +31,7 @@ void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vecto
 
 ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                             const std::vector<bool>& free, const ParameterValues& start) {
-  // Of materials that no frame shows, nothing can be told, and nothing hangs on them.
+  // Ignores materials that no frame shows: they are not determined, and nothing depends on them.
   bool amplitudes_free = true;
   for (std::size_t i = 0; i < catalog.size(); ++i) {
     if (IsAmplitude(catalog[i]) && model.ShowsMaterial(catalog[i].material))

@@ -1,5 +1,5 @@
-// Where a fit starts from. Levels far from the recorded ones leave every pixel at a clamp, where nothing has
-// a slope; and a backscatter curve has more than one valley, as narrow and wide Gaussians can trade places.
+// Start values of a fit. Levels far from the recorded ones clamp every pixel, so that nothing has a slope.
+// And a backscatter curve has several valleys, because narrow and wide Gaussians can trade places.
 #pragma once
 
 #include <array>
@@ -9,24 +9,24 @@
 
 namespace sonarcal::calib {
 
-// A parameter's place in a catalog, -1 where it has none of that name.
+// Returns the index of a parameter in a catalog; -1 if it has none of that name.
 int FindEntry(const std::vector<CatalogEntry>& catalog, const std::string& name);
 
-// Tries dB ranges and common level offsets of all curves on the first frame, as far as they are free, and
-// returns the values that explain it best, within the bounds.
+// Tries dB ranges and common level offsets of all curves on the first frame, as far as they are free. Returns
+// the values that match it best, within the bounds.
 ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                             const std::vector<bool>& free, const ParameterValues& start);
 
-// A, B, C, D, E and F of the curves that a fit starts from besides the given one, relative to C = 1; `shape`
-// counts from 1, any number of them.
+// Returns A, B, C, D, E and F of an alternative start curve, relative to C = 1. `shape` counts from 1 and has
+// no upper limit.
 inline constexpr int kStartShapeCount = 3;
 std::array<double, 6> StartCurve(int shape);
 
-// The values with other curves for the materials that are free: `shape` counts from 1, any number of them.
+// Returns the values with the curve `shape` (see StartCurve) for all free materials.
 ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
                                const ParameterValues& start, int shape);
 
-// Values outside their bounds moved to them.
+// Moves values outside their bounds to the bounds.
 void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
                       ParameterValues& values);
 

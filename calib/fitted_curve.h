@@ -1,5 +1,5 @@
-// A fitted backscatter curve with its uncertainty: what single values of A .. F, which trade off against each
-// other, do not show.
+// A fitted backscatter curve with its uncertainty. The single values A .. F do not show it, because they
+// trade off against each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,11 +14,11 @@ struct FittedCurve {
   std::string material;
   std::vector<double> incidence_deg;
   std::vector<double> backscatter_db;
-  std::vector<double> sigma_db;       // by linear propagation; 1.96 of it either way is a 95 % band
-  std::vector<double> truth_db = {};  // of simulated recordings; empty: not known
+  std::vector<double> sigma_db;       // by linear propagation; +-1.96 of it is a 95 % band
+  std::vector<double> truth_db = {};  // for simulated recordings; empty: unknown
 };
 
-// The curves of the materials that `fitted` entries of the catalog belong to, every degree of 0 .. 90;
+// Returns the curves of the materials that `fitted` catalog entries belong to, for every degree of 0 .. 90.
 // `covariance` is that of the coordinates of these entries, in their order.
 std::vector<FittedCurve> FittedCurves(const std::vector<CatalogEntry>& catalog,
                                       const std::vector<std::string>& material_names,

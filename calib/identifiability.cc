@@ -14,10 +14,10 @@
 namespace sonarcal::calib {
 namespace {
 
-// Parameters that take part in a direction with at least this share of its largest component are named.
+// Names the parameters with at least this fraction of the largest component of a direction.
 constexpr double kNamedShare = 0.3;
 
-// Those that take part, the one that moves most first.
+// Returns the parameters that take part, the largest component first.
 std::vector<int> Participants(const Eigen::VectorXd& direction) {
   std::vector<int> order(direction.size());
   std::iota(order.begin(), order.end(), 0);
@@ -28,7 +28,7 @@ std::vector<int> Participants(const Eigen::VectorXd& direction) {
   return order;
 }
 
-// "a with the opposite of b".
+// Makes the text "a with the opposite of b".
 std::string MovingTogether(const Eigen::VectorXd& direction, const std::vector<int>& participants,
                            const std::vector<std::string>& names) {
   std::string text;
@@ -39,8 +39,8 @@ std::string MovingTogether(const Eigen::VectorXd& direction, const std::vector<i
   return text;
 }
 
-// What is known best of parameters that move together: a product of powers where all are logarithms, a sum
-// otherwise. Empty where nothing of them is known much better than beforehand.
+// Returns the best-determined combination of parameters that move together: a product of powers if all are
+// logarithms, otherwise a sum. Empty if no combination is determined much better than by the prior.
 std::string KnownAllTheSame(const Eigen::MatrixXd& covariance,
                             const std::vector<NamedCoordinate>& coordinates) {
   constexpr double kKnownShare = 0.1;
@@ -118,7 +118,7 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   const Eigen::Index n = equations.information.rows();
   Eigen::MatrixXd information = equations.information;
   if (equations.prior.size() > 0) information.diagonal() += equations.prior;
-  // Scaled to a unit diagonal first: parameters differ by many orders of magnitude.
+  // Scales to a unit diagonal first, because parameters differ by many orders of magnitude.
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
   const auto solve = [&](const Eigen::MatrixXd& of, const auto& right) {
     const Eigen::MatrixXd scaled = scale.asDiagonal() * of * scale.asDiagonal();
@@ -155,7 +155,7 @@ Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
     sum += share;
     square += share.cwiseAbs2();
   }
-  // The quantile of Student's law by its expansion about the normal one (Abramowitz & Stegun 26.7.5).
+  // Expands the quantile of Student's law about the normal one (Abramowitz & Stegun 26.7.5).
   return sum.cwiseAbs2().cwiseQuotient(square).unaryExpr([](double freedom) {
     if (!(freedom >= kFewest)) return std::numeric_limits<double>::infinity();
     const double z2 = z * z;

@@ -16,8 +16,8 @@
 namespace sonarcal::calib {
 namespace {
 
-// Of the damping. Edges that move by more than pulse and beam are wide are linear in nothing: from a whole
-// step of Gauss and Newton to a short one downhill.
+// Damping, from a full Gauss-Newton step to a short step downhill. Strong damping is needed because nothing
+// is linear if edges move by more than the width of pulse and beam.
 constexpr double kLeastDamping = 1e-3;
 constexpr int kTries = 7;
 constexpr double kHarder = 8.0;
@@ -32,20 +32,20 @@ class Stepper {
     }
   }
 
-  // Traces, for the cost alone.
+  // Traces at `values`. Returns the cost there.
   double CostAbout(const ParameterValues& values) {
     model_.Linearise(values, {});
     return CostHere(values);
   }
 
-  // About the point that was traced last.
+  // Cost in the model about the last traced point.
   double CostHere(const ParameterValues& values) const {
     double cost = CostAt(model_, values, model_.frame_count());
     for (const int entry : active_) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
     return cost;
   }
 
-  // Traces, for slopes too.
+  // Traces at `values`, with derivatives.
   void Linearise(const ParameterValues& values) { model_.Linearise(values, geometric_); }
 
   struct Found {
@@ -53,7 +53,7 @@ class Stepper {
     double cost = 0.0;
   };
 
-  // What the frames leave open, where it was known to be beforehand, if that costs nothing.
+  // Moves the directions that the frames do not determine back to their priors, if this costs nothing.
   std::optional<Found> Return(const ParameterValues& values, double cost, double roughness) {
     const NormalEquations equations =
         Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
@@ -69,8 +69,8 @@ class Stepper {
     return trial;
   }
 
-  // A step down from the point that the model is linear about; nothing where no damping makes one, or none
-  // that promises to be worth it.
+  // Returns a step downhill from the point of linearisation. Nullopt if no damping finds one, or if none
+  // promises enough gain.
   std::optional<Found> Step(const ParameterValues& values, double cost, double least, double roughness) {
     const NormalEquations equations =
         Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
@@ -94,7 +94,7 @@ class Stepper {
       if (promised < least) return std::nullopt;
       Found trial{.values = Moved(values, step), .cost = 0.0};
       trial.cost = CostAbout(trial.values);
-      // Poses are what is tried: curves may bend before they are judged.
+      // Refits the curves before the comparison: the trial is about poses, and curves may adapt.
       if (settle_) {
         settle_(trial.values);
         trial.cost = CostHere(trial.values);
@@ -106,8 +106,9 @@ class Stepper {
     return std::nullopt;
   }
 
-  // Points of the bottom of the valley differ by what rays at edges did to the slopes that led there, each
-  // anew: their mean is nearer to the bottom than any of them, if tracing does not say otherwise.
+  // Returns the mean of the points whose costs are equal within the roughness, unless tracing shows a higher
+  // cost there. These points differ by random errors of the slopes, from rays at edges. Their mean is closer
+  // to the bottom of the valley than each of them.
   ParameterValues AmongAlike(const std::vector<Found>& reached, double roughness) {
     const auto lowest = std::min_element(reached.begin(), reached.end(),
                                          [](const Found& a, const Found& b) { return a.cost < b.cost; });
@@ -131,17 +132,19 @@ class Stepper {
   }
 
  private:
-  // As columns, in sigmas of the priors.
+  // Directions as columns, in units of the prior sigmas.
   struct Split {
-    Eigen::MatrixXd told;  // directions of which the frames tell more than is known beforehand
-    Eigen::MatrixXd open;  // along the others, what rays at edges do to slopes would be followed
+    Eigen::MatrixXd told;  // directions with more information from the frames than from the prior
+    // the others; steps along them would follow errors of the slopes from rays at edges
+    Eigen::MatrixXd open;
   };
   Split Directions(const Eigen::MatrixXd& of_frames) const {
     const Eigen::VectorXd sigma = Scales();
     const double pixels_a_grain = model_.grain().bins * model_.grain().beams;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * of_frames *
                                                                 sigma.asDiagonal() / pixels_a_grain);
-    const Eigen::Index open = (solver.eigenvalues().array() < 1.0 / kOpenShare).count();  // they ascend
+    // eigenvalues ascend
+    const Eigen::Index open = (solver.eigenvalues().array() < 1.0 / kOpenShare).count();
     return {.told = solver.eigenvectors().rightCols(of_frames.rows() - open),
             .open = solver.eigenvectors().leftCols(open)};
   }

@@ -1,11 +1,11 @@
-// Steps of poses and curves together, each judged by images traced anew.
+// Steps of poses and curves together, each tested by tracing again.
 //
-// Pitch and the slope of a floor's curve over range hang together, and so do height and level: fitting the
-// one with the other held creeps along their valley, and a model that is linear in the pose, solved to its
-// end, leaves it. A step of Gauss and Newton over all of them, damped (Levenberg, Marquardt), goes down the
-// valley at once; it is taken only where the cost of the scene traced from the new poses is lower, or no
-// higher than it varies by from pose to pose. Where the steps end is the mean of the points whose costs are
-// alike so.
+// Pitch is correlated with the slope of the floor's backscatter curve over range, and height with the level.
+// Fitting one with the other fixed creeps along their valley. A model that is linear in the pose, solved to
+// its end, leaves the valley. A damped Gauss-Newton step (Levenberg, Marquardt) over all of them follows the
+// valley directly. It is accepted only if the cost of the scene traced from the new poses is lower, or higher
+// by no more than its variation from pose to pose. The result is the mean of the points whose costs are equal
+// within that variation.
 #pragma once
 
 #include <functional>
@@ -17,20 +17,19 @@
 namespace sonarcal::calib {
 
 struct JointStepOptions {
-  int steps = 6;  // at most
-  // Fall of the cost, in half of -2 log likelihood, that a step must promise.
+  int steps = 6;  // max
+  // Min predicted fall of the cost, half of -2 log likelihood.
   double least = 1.0;
-  // By how much the cost of a frame goes up and down from one pose to the next, as rays come and go at edges.
-  // A step may cost so much, times the root of the number of frames: along a flat valley each lower cost
-  // would else be the last, by chance.
+  // Variation of the cost of a frame from one pose to the next, because rays appear and disappear at edges. A
+  // step may raise the cost by this, times the root of the number of frames. Otherwise a low cost by chance
+  // would stop the steps in a flat valley.
   double roughness = 0.0;
 };
 
-// Moves the entries `active` of `values`, within their bounds; `catalog` is the model's, with bounds and
-// priors. `settle`, where given, fits what needs no tracing, about the model's present point, for every step
-// tried.
-// The model is linear about the values reached, in those of the entries that are geometric. Returns whether
-// the steps came to an end before they were used up.
+// Moves the entries `active` of `values` within their bounds. `catalog` is that of the model, with bounds and
+// priors. `settle`, if given, fits the parameters that need no tracing, about the present point of the model,
+// in every trial. Afterwards the model is linearised about the final values in the geometric entries of
+// `active`. Returns false if the max number of steps ended the search.
 bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                     const std::vector<int>& active, const JointStepOptions& options,
                     const std::function<void(ParameterValues&)>& settle, ParameterValues& values,

@@ -1,4 +1,4 @@
-// A camera's image of a point: pinhole, OpenCV's polynomial distortion, and a flat port where there is one.
+// Projection of a point by a camera: pinhole, polynomial distortion of OpenCV, and optionally a flat port.
 //
 // With (x, y) = (X / Z, Y / Z) and r^2 = x^2 + y^2 (OpenCV's documentation of calib3d):
 //
@@ -29,7 +29,8 @@ Eigen::Matrix<T, 2, 1> Distorted(const Camera& camera, const Eigen::Matrix<T, 2,
           y * a + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (s3 + r2 * s4)};
 }
 
-// The pixel of a direction in the camera frame, focal lengths times `focal_scale`. False behind the camera.
+// Projects a direction in the camera frame to a pixel. `focal_scale` multiplies both focal lengths. Returns
+// false for a direction behind the camera.
 template <typename T>
 bool PixelOfDirection(const Camera& camera, const T& focal_scale, const Eigen::Matrix<T, 3, 1>& direction,
                       Eigen::Matrix<T, 2, 1>& pixel) {
@@ -41,7 +42,8 @@ bool PixelOfDirection(const Camera& camera, const T& focal_scale, const Eigen::M
   return true;
 }
 
-// The pixel of a point in the camera frame, metres; `port` null: none. False where it is not seen.
+// Projects a point in the camera frame, metres, to a pixel. `port`: null for none. Returns false if the point
+// is not visible.
 template <typename T>
 bool PixelOfPoint(const Camera& camera, const FlatPort* port, const T& focal_scale,
                   const Eigen::Matrix<T, 3, 1>& point_m, Eigen::Matrix<T, 2, 1>& pixel) {
@@ -51,9 +53,9 @@ bool PixelOfPoint(const Camera& camera, const FlatPort* port, const T& focal_sca
          PixelOfDirection(camera, focal_scale, direction, pixel);
 }
 
-// Where a pixel's ray meets the plane `depth_m` ahead of the camera, as (X, Y) / depth. Straight lines of the
-// world are straight in these coordinates, through a port to the extent that they lie near that plane;
-// without a port the depth does not matter. Nothing where the distortion does not reach that pixel, or the
+// Intersection of a pixel's ray with the plane `depth_m` ahead of the camera, as (X, Y) / depth. Straight
+// lines of the world are straight in these coordinates. Through a port this holds for lines near that plane;
+// without a port the depth does not matter. Nullopt if the distortion does not reach that pixel or if the
 // plane is not behind the port.
 inline std::optional<Eigen::Vector2d> StraightFromPixel(const Camera& camera, const FlatPort* port,
                                                         double depth_m, const Eigen::Vector2d& pixel) {
@@ -72,7 +74,7 @@ inline std::optional<Eigen::Vector2d> StraightFromPixel(const Camera& camera, co
       const Eigen::Vector2d behind = xy - step;
       slope.col(k) = (Distorted(camera, ahead) - Distorted(camera, behind)) / (2.0 * kStep);
     }
-    // A distortion that folds over maps two directions to one pixel, and the outer one is not real.
+    // A distortion that folds over maps two directions to one pixel. The outer one is not real.
     if (!(slope.determinant() > 0.0)) return std::nullopt;
     xy -= slope.inverse() * miss;
     found = miss.norm() < kClose;
@@ -87,7 +89,7 @@ inline std::optional<Eigen::Vector2d> StraightFromPixel(const Camera& camera, co
   return Eigen::Vector2d(point.head<2>() / depth_m);
 }
 
-// The inverse of StraightFromPixel. Nothing where no pixel is.
+// Inverse of StraightFromPixel. Nullopt if there is no pixel.
 inline std::optional<Eigen::Vector2d> PixelFromStraight(const Camera& camera, const FlatPort* port,
                                                         double depth_m, const Eigen::Vector2d& straight) {
   const Eigen::Vector3d point = depth_m * straight.homogeneous();

@@ -1,19 +1,19 @@
 // Refraction at a flat port: the direction in which a camera behind a window sees a point in the water.
 //
-// The camera stands in air at the origin; the window's inner face lies at distance d along the unit normal n,
-// is t thick (index g), and water (index w) begins behind it. For a point at depth z along n and at the
-// distance r from the axis through the camera, the ray that leaves the camera with the tangent q = tan(angle
-// in air) meets it where, by Snell's law sin = g sin_g = w sin_w,
+// The camera is in air at the origin. The inner face of the window lies at distance d along the unit normal
+// n. The window is t thick (index g), and water (index w) begins behind it. For a point at depth z along n
+// and distance r from the axis through the camera, the ray that leaves the camera with tangent q = tan(angle
+// in air) reaches it, by Snell's law sin = g sin_g = w sin_w, if
 //
 //   d q + t q / sqrt(g^2 + (g^2 - 1) q^2) + h q / sqrt(w^2 + (w^2 - 1) q^2) = r,   h = z - d - t.
 //
-// With m = q / r, which stays finite on the axis, this is F(m, r^2, z) = 0; F rises and is concave in m for
-// indices >= 1, so Newton's steps from m = 0 come up to the root from below and never pass it. The direction
-// is n + m (P - z n). There is no other ray (Fermat). The light's colour and the window's curvature are not
-// modelled. Treibitz et al. 2012 and Agrawal et al. 2012 say why
-// a pinhole with distortion cannot stand in for it: the shift depends on depth.
+// With m = q / r, which stays finite on the axis, this is F(m, r^2, z) = 0. F rises and is concave in m for
+// indices >= 1, so Newton's steps from m = 0 approach the root from below and never pass it. The direction is
+// n + m (P - z n). There is no other ray (Fermat). Not modelled: the colour of the light, the curvature of
+// the window. A pinhole with distortion cannot replace this model, because the shift depends on depth
+// (Treibitz et al. 2012, Agrawal et al. 2012).
 //
-// Templated on the scalar: with Ceres' jets, the last Newton step carries the derivative (implicit function).
+// Templated on the scalar. With Ceres' jets, the last Newton step carries the derivative (implicit function).
 #pragma once
 
 #include <Eigen/Core>
@@ -23,8 +23,7 @@
 
 namespace sonarcal::calib {
 
-// The terms of F(m) and its slope: one layer, of index n and depth h, contributes h m / sqrt(n^2 + (n^2-1)
-// q^2).
+// Contribution of one layer of index n and depth h to F(m), h m / sqrt(n^2 + (n^2 - 1) q^2), and its slope.
 template <typename T>
 struct PortLayer {
   T value;
@@ -40,8 +39,9 @@ PortLayer<T> LayerOf(const T& depth_m, double index, const T& m, const T& r2) {
   return {depth_m * m / root, depth_m * n2 / (root2 * root)};
 }
 
-// Direction in the camera frame, of unit length along the normal, in which `point_m` is seen. False where the
-// point is not behind the window, or so far aside that no ray reaches it (a camera that touches the window).
+// Computes the direction in the camera frame in which `point_m` is seen, with unit length along the normal.
+// Returns false if the point is not behind the window or if no ray reaches it so far from the axis (a camera
+// that touches the window).
 template <typename T>
 bool DirectionThroughPort(const FlatPort& port, const Eigen::Matrix<T, 3, 1>& point_m,
                           Eigen::Matrix<T, 3, 1>& direction) {
@@ -61,7 +61,7 @@ bool DirectionThroughPort(const FlatPort& port, const Eigen::Matrix<T, 3, 1>& po
                      (T(port.distance_m) + glass.slope + water.slope);
     m += change;
     if (!(m * m * r2 < T(kMostTangent2))) return false;
-    // One step more than the value needs, as a jet's derivative lags one step behind.
+    // Takes one step more than the value needs, because the derivative of a jet lags one step behind.
     if (!(change * change > T(1e-26) * m * m)) {
       direction = normal + m * aside;
       return true;
@@ -70,15 +70,16 @@ bool DirectionThroughPort(const FlatPort& port, const Eigen::Matrix<T, 3, 1>& po
   return false;
 }
 
-// The other way: the ray in the water that a direction in the camera's air becomes, from where it leaves the
-// window; `in_water` of unit length. False for a direction that does not meet the window.
+// Inverse: computes the ray in the water of a direction in the air of the camera. `start_m`: its start on the
+// outer face of the window. `in_water` has unit length. Returns false for a direction that does not meet the
+// window.
 inline bool RayBehindPort(const FlatPort& port, const Eigen::Vector3d& in_air, Eigen::Vector3d& start_m,
                           Eigen::Vector3d& in_water) {
   const double length = in_air.norm();
   const double cosine = port.normal.dot(in_air) / length;
   if (!(cosine > 0.0)) return false;
-  const Eigen::Vector3d sine = in_air / length - cosine * port.normal;  // its length is the sine
-  const auto aside = [&](double index) -> Eigen::Vector3d {             // a metre along the normal
+  const Eigen::Vector3d sine = in_air / length - cosine * port.normal;  // length is the sine of the angle
+  const auto aside = [&](double index) -> Eigen::Vector3d {             // offset per metre along the normal
     return sine / std::sqrt(index * index - sine.squaredNorm());
   };
   const double index = port.water_index;

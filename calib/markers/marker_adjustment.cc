@@ -17,9 +17,9 @@ namespace {
 
 using Block = std::array<double, 6>;
 
-constexpr int kRounds = 4;  // of poses and noise in turn; the factor is then still to a thousandth
+constexpr int kRounds = 4;  // of poses and noise in turn; the factor is then constant to 1/1000
 
-// How far a marker is from its place in the map, in standard deviations.
+// Offset of a marker from its place in the map, in standard deviations.
 struct MapPrior {
   MarkerMapSigma sigma;
 
@@ -121,7 +121,7 @@ class Adjuster {
     std::array<double, 8> residual{};
     problem_->EvaluateResidualBlock(block, false, &cost, residual.data(), nullptr);
     const double squared = 2.0 * cost;
-    // Huber's weight, which is what the solution counted it with.
+    // Huber's weight, as in the solution.
     const double length = std::sqrt(squared);
     return weighted && length > kMarkerHuber ? kMarkerHuber * length : squared;
   }
@@ -181,7 +181,7 @@ class Adjuster {
   const bool refine_focal_;
   std::vector<Eigen::Quaterniond> references_;
   std::vector<Block> blocks_;
-  std::map<int, Block> steps_;  // of the markers that are seen
+  std::map<int, Block> steps_;  // of the visible markers
   double focal_ = 1.0;
   double freedom_ = 0.0;
   std::unique_ptr<ceres::Problem> problem_;

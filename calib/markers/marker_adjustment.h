@@ -1,4 +1,4 @@
-// The joint refinement behind marker_poses.h: all frames, and on request markers and focal length, by Ceres.
+// Joint refinement behind marker_poses.h: all frames, and on request markers and focal length, by Ceres.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@ namespace sonarcal::calib {
 struct AdjustedFrame {
   std::vector<MarkerObservation> seen;
   Pose world_from_camera;
-  // Position in the world's axes, rotation about the camera's (marker_poses.h).
+  // Position in world axes, rotation about the axes of the camera (marker_poses.h).
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
@@ -26,8 +26,8 @@ struct Adjustment {
   double focal_scale_sigma = 0.0;
 };
 
-// From poses near the answer; `noise_factor2` is a first guess. Throws DataError where the frames do not
-// determine what is free.
+// Needs start poses near the solution; `noise_factor2` is a first guess. Throws DataError if the frames do
+// not determine the free parameters.
 Adjustment Adjust(std::vector<AdjustedFrame> frames, const MarkerMap& map, const Camera& camera,
                   const FlatPort* port, bool refine_focal, double noise_factor2);
 

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWindowOfCell = 0.45;  // half the window across an edge, of a cell's width
+constexpr double kWindowOfCell = 0.45;  // half the window across an edge, as a fraction of a cell's width
 constexpr double kLeastWindowPx = 1.0;
 constexpr double kMostWindowPx = 3.0;
 constexpr int kLeastSamples = 4;
@@ -21,7 +21,7 @@ constexpr double kMostScatterPx = 1.0;
 constexpr int kPasses = 8;
 constexpr double kStillPx = 1e-3;
 
-// Camera and port as a change of coordinates: straight ones in units of about a pixel.
+// Coordinates in which camera and port leave lines straight, in units of about a pixel.
 class Straightener {
  public:
   Straightener(const Camera& camera, const FlatPort* port, double depth_m)
@@ -56,7 +56,7 @@ std::optional<double> GreyAt(const Grid<std::uint8_t>& grey, const Vector2d& pix
          b * ((1.0 - a) * grey(row + 1, col) + a * grey(row + 1, col + 1));
 }
 
-// Grey across the edge, from inside to outside.
+// Grey profile across the edge, from inside to outside.
 struct Profile {
   double first = 0.0;
   double last = 0.0;
@@ -78,9 +78,9 @@ std::optional<Profile> ProfileAt(const Grid<std::uint8_t>& grey, const Vector2d&
   return profile;
 }
 
-// A line in straight coordinates, with what its samples say of it.
+// A line in straight coordinates, with statistics of its samples.
 struct EdgeLine {
-  Vector2d centre;     // of the samples
+  Vector2d centre;     // mean of the samples
   Vector2d direction;  // unit length
   Vector2d normal;
   double samples = 0.0;
@@ -133,8 +133,7 @@ std::optional<EdgeLine> FitLine(const std::vector<Vector2d>& points, const Vecto
 
 using Quad = std::array<Vector2d, 4>;
 
-// Half the window across the edge from corner e: as far as the border of one cell reaches where it is
-// narrowest.
+// Half the window across the edge from corner e: within the border of one cell where that is narrowest.
 double WindowPx(const Quad& pixels, int e, int cells) {
   const Vector2d& a = pixels[e];
   const Vector2d along = (pixels[(e + 1) % 4] - a).normalized();
@@ -190,7 +189,7 @@ std::optional<EdgeLine> MeasureEdge(const Grid<std::uint8_t>& grey, const Straig
   return FitLine(points, (b - a).normalized());
 }
 
-// Where line e - 1 and line e meet: corner e.
+// Intersections of line e - 1 and line e: corner e.
 std::optional<Quad> Corners(const std::array<EdgeLine, 4>& lines) {
   Quad corners;
   for (int e = 0; e < 4; ++e) {
@@ -214,7 +213,7 @@ std::optional<Quad> ToPixels(const Straightener& straightener, const Quad& strai
   return pixels;
 }
 
-// From offset and slope of each line, which are independent, to the corners' pixels.
+// Propagates offset and slope of each line, which are independent, to the corner pixels.
 std::optional<Matrix8d> CornerCovariance(const std::array<EdgeLine, 4>& lines, const Quad& straight,
                                          const Straightener& straightener) {
   double scatter2 = 0.0;
@@ -226,7 +225,7 @@ std::optional<Matrix8d> CornerCovariance(const std::array<EdgeLine, 4>& lines, c
   const double sample_variance = scatter2 / std::max(1.0, freedom);
   if (!(sample_variance < kMostScatterPx * kMostScatterPx)) return std::nullopt;
 
-  Matrix8d slope = Matrix8d::Zero();  // corners after (offset, slope) of each line
+  Matrix8d slope = Matrix8d::Zero();  // derivatives of the corners by (offset, slope) of each line
   for (int e = 0; e < 4; ++e) {
     const int previous = (e + 3) % 4;
     Eigen::Matrix2d normals;
@@ -252,7 +251,7 @@ std::optional<Matrix8d> CornerCovariance(const std::array<EdgeLine, 4>& lines, c
     variance(2 * e) = sample_variance / lines[e].samples;
     variance(2 * e + 1) = sample_variance / lines[e].spread2;
   }
-  // Below this no edge is known: interpolation and the camera's own calibration are not better.
+  // Min standard deviation of an edge, because interpolation and camera calibration are not more accurate.
   constexpr double kFloorPx = 0.005;
   return slope * variance.asDiagonal() * slope.transpose() + kFloorPx * kFloorPx * Matrix8d::Identity();
 }
@@ -265,7 +264,7 @@ double MarkerDepthM(const MarkerQuad& quad, double size_m, const Camera& camera,
     side_px = std::max(side_px, (quad.corners_px[(k + 1) % 4] - quad.corners_px[k]).norm());
   const double focal_px = std::sqrt(camera.fx_px * camera.fy_px);
   if (port == nullptr) return focal_px * size_m / side_px;
-  // Near the axis water magnifies by its index, and all distances are from the window.
+  // Near the axis, water magnifies by its index, and all distances count from the window.
   return port->outer_m() + std::max(1e-3, port->water_index * focal_px * size_m / side_px - port->distance_m);
 }
 
@@ -298,7 +297,7 @@ std::optional<MarkerObservation> RefineMarkerCorners(const Grid<std::uint8_t>& g
     pixels = *moved;
     if (moved_px < kStillPx) break;
   }
-  // A line that ran off to another edge: bits of the marker, or what lies beside it.
+  // Rejects a line that moved to another edge: bits of the marker, or something beside it.
   for (int k = 0; k < 4; ++k) {
     const double side_px = (quad.corners_px[(k + 1) % 4] - quad.corners_px[k]).norm();
     if ((pixels[k] - quad.corners_px[k]).norm() > std::max(3.0, side_px / cells)) return std::nullopt;

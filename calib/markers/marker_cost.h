@@ -1,7 +1,7 @@
-// What one marker in one image says: its four corners as projected less as measured, whitened by the
-// covariance of calib/markers/marker_corners.h, eight numbers. For Ceres.
+// Residual of one marker in one image, for Ceres: its four projected corners minus the measured ones,
+// whitened by the covariance of calib/markers/marker_corners.h. Eight numbers.
 //
-// Parameters, each about a reference that is held beside it, so that they stay near 0:
+// Parameters are relative to a reference that is stored beside them, so that they stay near 0:
 //
 //   frame[6]   position of the camera in the world (metres, absolute), then the rotation vector w about the
 //              camera's axes: world_from_camera = (position, reference * Exp(w))
@@ -19,7 +19,7 @@
 
 namespace sonarcal::calib {
 
-// Of a marker of the map in one image.
+// Cost of one marker of the map in one image.
 struct MarkerCost {
   const Camera* camera = nullptr;
   const FlatPort* port = nullptr;  // null: none
@@ -28,7 +28,7 @@ struct MarkerCost {
   std::array<Eigen::Vector2d, 4> corners_px;
   Matrix8d whiten;  // residual = whiten (projected - measured)
 
-  // Pixels of the corners. False where one is not seen.
+  // Projects the corners to pixels. Returns false if one is not visible.
   template <typename T>
   bool Project(const T* frame, const T* step, const T* focal, Eigen::Matrix<T, 8, 1>& pixels) const {
     using Vector3 = Eigen::Matrix<T, 3, 1>;
@@ -66,12 +66,13 @@ struct MarkerCost {
   }
 };
 
-// The inverse of a square root of the covariance.
+// Inverse of a square root of the covariance.
 inline Matrix8d WhiteningOf(const Matrix8d& covariance) {
   return Eigen::LLT<Matrix8d>(covariance).matrixL().solve(Matrix8d::Identity());
 }
 
-// Robust against a marker that is wrong as a whole: squared up to what one in 5000 right ones has.
+// Huber limit of the whitened residual length; one in 5000 correct markers exceeds it. Limits the effect of a
+// marker that is wrong as a whole.
 inline constexpr double kMarkerHuber = 5.5;
 
 }  // namespace sonarcal::calib

@@ -21,7 +21,7 @@ MarkersSeen MarkerDetector::Detect(const Grid<std::uint8_t>& grey) const {
   MarkersSeen seen;
   constexpr int kLeastPx = 16;
   if (grey.rows() < kLeastPx || grey.cols() < kLeastPx) return seen;
-  // OpenCV reads only; its header has no const form of this.
+  // OpenCV only reads the data, but its header has no const form.
   const cv::Mat image(grey.rows(), grey.cols(), CV_8UC1, const_cast<std::uint8_t*>(grey.values().data()));
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;

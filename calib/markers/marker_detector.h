@@ -1,5 +1,5 @@
-// Markers in an image, by OpenCV's ArUco detector, which knows AprilTag's dictionaries too. Corners come as
-// the detector's contours give them, to about a pixel: calib/markers/marker_corners.h refines them.
+// Finds markers in an image with OpenCV's ArUco detector, which also knows AprilTag dictionaries. Corners
+// come from the contours of the detector, to about a pixel; calib/markers/marker_corners.h refines them.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace sonarcal::calib {
 
 struct MarkersSeen {
   std::vector<MarkerQuad> markers;  // by id, each once
-  std::vector<int> seen_twice;      // ids that several places of the image show: none of them can be believed
+  std::vector<int> seen_twice;      // ids found at several places of the image; none of them is reliable
 };
 
 // `dictionary` is one of MarkerDictionaries() (data_io/parameters/marker_map_io.h).
@@ -21,7 +21,7 @@ class MarkerDetector {
  public:
   explicit MarkerDetector(const std::string& dictionary);
 
-  // An image of any size; one too small to hold a marker shows none.
+  // Accepts an image of any size. One that is too small for a marker gives none.
   MarkersSeen Detect(const Grid<std::uint8_t>& grey) const;
 
  private:

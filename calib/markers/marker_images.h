@@ -1,4 +1,4 @@
-// The markers that a folder of pictures shows, picture by picture.
+// Markers in a folder of pictures, picture by picture.
 #pragma once
 
 #include <filesystem>
@@ -14,20 +14,20 @@
 namespace sonarcal::calib {
 
 struct MarkerImage {
-  std::string unreadable;  // why there is no picture; empty: there is one
+  std::string unreadable;  // reason why the picture cannot be used; empty: it can
   std::vector<MarkerObservation> seen;
   std::vector<int> not_in_map;  // ids
   std::vector<int> seen_twice;
-  std::vector<int> unclear;  // found, but too small, cut or blurred for their corners
+  std::vector<int> unclear;  // found, but too small, cut off or blurred for their corners
 };
 
-// Finds them in one picture after the other, with one detector.
+// Finds markers in one picture after the other, with one detector.
 class MarkerFinder {
  public:
-  // `port` null: none. All three must outlive it.
+  // `port`: null for none. All three must outlive this object.
   MarkerFinder(const MarkerMap& map, const Camera& camera, const FlatPort* port);
 
-  // A picture of another size than the camera's is unreadable.
+  // A picture with another size than the camera's counts as unreadable.
   MarkerImage Find(const std::filesystem::path& file) const;
 
  private:
@@ -35,7 +35,7 @@ class MarkerFinder {
   const Camera& camera_;
   const FlatPort* port_;
   MarkerDetector detector_;
-  int cells_ = 0;  // of a marker's side
+  int cells_ = 0;  // along a marker's side
 };
 
 }  // namespace sonarcal::calib

@@ -16,7 +16,7 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr double kMedianOfChi2With8 = 7.344;
-// Beyond this many times the typical a marker is something else: one that is wrong is off by thousands.
+// A marker beyond this multiple of the typical misfit is wrong: wrong ones are off by thousands.
 constexpr double kMostMisfit = 200.0;
 
 struct StartedFrame {
@@ -24,8 +24,8 @@ struct StartedFrame {
   std::vector<MarkerPoseCandidate> candidates;
 };
 
-// s^2 by the median of the markers' misfits, which wrong ones do not move. A frame of few markers fits itself
-// in part: its misfits are smaller by the freedom it has left.
+// Returns s^2 from the median of the markers' misfits, which wrong markers do not move. A frame with few
+// markers partly fits itself: its misfits are smaller by its remaining degrees of freedom.
 double TypicalFactor(const std::vector<StartedFrame>& frames, const MarkerMap& map, const Camera& camera,
                      const FlatPort* port) {
   std::vector<double> factors;
@@ -42,7 +42,7 @@ double TypicalFactor(const std::vector<StartedFrame>& frames, const MarkerMap& m
   return std::max(factors[factors.size() / 2], 1e-6);
 }
 
-// Takes the worst marker out and starts again, as long as one contradicts two others or more.
+// Removes the worst marker and starts again, as long as one contradicts two or more others.
 std::vector<MarkerObservation> WithoutContradictions(StartedFrame& frame, double factor, const MarkerMap& map,
                                                      const Camera& camera, const FlatPort* port) {
   std::vector<MarkerObservation> left_out;
@@ -98,7 +98,7 @@ double RmsOf(const std::vector<MarkerResidual>& markers) {
   return count > 0 ? std::sqrt(sum / count) : 0.0;
 }
 
-// Of a start: whether its markers fit one pose at all.
+// RMS error at a start: shows whether its markers fit one pose at all.
 double StartRmsPx(const StartedFrame& frame, const MarkerMap& map, const Camera& camera,
                   const FlatPort* port) {
   MarkerFramePose pose;
@@ -146,7 +146,7 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
   const double typical = TypicalFactor(started, map, camera, port);
   std::vector<std::vector<MarkerObservation>> left_out(frames.size());
   std::vector<AdjustedFrame> adjusted;
-  std::vector<std::size_t> place;  // of each adjusted frame
+  std::vector<std::size_t> place;  // index of each adjusted frame
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!result.frames[i].refused.empty()) continue;
     left_out[i] = WithoutContradictions(started[i], typical, map, camera, port);

@@ -28,7 +28,7 @@ const Marker& MarkerOf(const MarkerMap& map, int id) {
   return *marker;
 }
 
-// Poses object-from-camera that OpenCV finds; its camera is the straight coordinates.
+// Poses object-from-camera that OpenCV finds. Its camera is the straight coordinates.
 std::vector<Pose> Solutions(const CvPoints3& object, const CvPoints2& image, int method) {
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
@@ -36,7 +36,7 @@ std::vector<Pose> Solutions(const CvPoints3& object, const CvPoints2& image, int
     cv::solvePnPGeneric(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rotations, translations,
                         false, static_cast<cv::SolvePnPMethod>(method));
   } catch (const cv::Exception&) {
-    return {};  // corners that no plane explains: others are tried
+    return {};  // no plane matches the corners; other methods are tried
   }
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
@@ -65,7 +65,8 @@ struct Corners {
     }
   }
 
-  // Whether the points leave a plane by no more than a fiftieth of their extent: near enough for a start.
+  // Returns true if the points deviate from a plane by at most 1/50 of their extent, which is enough for a
+  // start.
   bool LieInAPlane() const {
     Eigen::Matrix3Xd points(3, object.size());
     for (std::size_t i = 0; i < object.size(); ++i) points.col(i) << object[i].x, object[i].y, object[i].z;
@@ -139,7 +140,7 @@ std::vector<MarkerCost> CostsOf(const std::vector<MarkerObservation>& seen, cons
 constexpr std::array<double, 6> kNoStep{};
 constexpr double kNoScale = 1.0;
 
-// A marker where the map has it, by a camera as given: the frame alone is free.
+// Cost with a fixed marker and camera: only the frame is free.
 struct FrameOnlyCost {
   MarkerCost cost;
 
@@ -151,12 +152,12 @@ struct FrameOnlyCost {
   }
 };
 
-// The pose refined from a guess. Nothing where it leaves what can be seen.
+// Refines the pose from a guess. Nullopt if a marker leaves the visible region.
 std::optional<MarkerPoseCandidate> Refined(const std::vector<MarkerObservation>& seen, const MarkerMap& map,
                                            const Camera& camera, const FlatPort* port, const Pose& guess) {
   Pose pose = guess;
   MarkerPoseCandidate candidate;
-  // Twice: the second about a reference that is nearly the answer.
+  // Refines twice, the second time about a reference that is nearly the solution.
   for (int round = 0; round < 2; ++round) {
     const Eigen::Quaterniond reference = pose.rotation;
     std::array<double, 6> frame{pose.position_m.x(), pose.position_m.y(), pose.position_m.z()};
@@ -199,7 +200,7 @@ std::vector<double> MarkerMisfits(const std::vector<MarkerObservation>& seen, co
 std::vector<MarkerPoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>& seen,
                                                     const MarkerMap& map, const Camera& camera,
                                                     const FlatPort* port) {
-  // Guesses that lie in one valley need one refinement.
+  // Guesses in one valley need one refinement.
   constexpr double kGuessesApartM = 0.03;
   constexpr double kGuessesApartDeg = 3.0;
   constexpr double kApartM = 0.01;
