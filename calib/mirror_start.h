@@ -1,4 +1,5 @@
-// What a fit of mirrors begins with where nobody gives it: the losses, and how far aside is sent.
+// Start values and free parameters of mirrors: their losses, and how far the transmitter sends beside the
+// beams.
 #pragma once
 
 #include <string>
@@ -10,22 +11,22 @@
 
 namespace sonarcal::calib {
 
-// A loss to start from where a mirror is named among what is free, but not in the parameters: that of a
-// surface that reflects a third of the pressure.
+// Start value of a loss that is free but not given: that of a surface that reflects a third of the pressure.
 inline constexpr double kStartLossDb = 10.0;
 
-// How far beyond the outer beams a transmitter is taken to send at first, where that is fitted and not given:
-// it is even over the beams and falls as a cosine of pressure from there on.
+// Start value of the angle beyond the outer beams up to which a transmitter sends, if it is free but not
+// given. The pressure is even over the beams and falls as a cosine beyond them.
 inline constexpr double kStartTransmitDeg = 20.0;
 
-// What a fit frees of mirrors where nobody says: the losses of those that the scene has, and beam.
-// transmit_end_deg where it is not given, as most of what walls show may come in from beside the beams. Empty
-// where the scene has none.
+// Returns the mirror parameters that a fit frees by default: the losses of the mirrors in the scene, and
+// beam.transmit_end_deg if it is not given, because most of what walls reflect may come from beside the
+// beams. Empty if the scene has no mirrors.
 std::vector<std::string> MirrorsFreeByDefault(const ParameterSet& initial,
                                               const std::vector<std::string>& material_names);
 
-// The parameters with what a configuration frees of mirrors: an entry for each `mirror.<material>.loss_db`
-// that it names in full, and a transmitter that sends beyond the beams where its end is free and not given.
+// Returns the parameters with entries for the mirrors that a configuration frees: one for each
+// `mirror.<material>.loss_db` with its full name, and a transmitter that sends beyond the beams if its end is
+// free and not given.
 ParameterSet WithMirrorStart(ParameterSet initial, const FitConfig& config,
                              const std::vector<std::string>& material_names, const SonarModel& sonar);
 

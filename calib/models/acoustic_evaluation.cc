@@ -18,8 +18,8 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
-constexpr std::size_t kAtOnce = 64;  // pixels: their sums stay in the nearest cache
-constexpr double kMostGrowth = 3.0;  // of an echo, by a move that a slope can speak for; nepers of power
+constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-level cache
+constexpr double kMostGrowth = 3.0;  // max growth of an echo for which its slope holds, nepers of power
 
 GsabParameters<ceres::Jet<double, sim::kCurveTerms - 1>> AsDuals(const GsabParameters<double>& g) {
   using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
@@ -43,8 +43,8 @@ std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::ve
   return table;
 }
 
-// The same of each material's two parts, one after the other (sim/gathered/ghost_echoes.h). The slow part's
-// node is the angle of a mean cosine.
+// As above, for the two parts of each material, one after the other (sim/gathered/ghost_echoes.h). A node of
+// the slow part is the angle of a mean cosine.
 std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vector<std::string>& names) {
   using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
   const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();
@@ -65,7 +65,7 @@ std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vec
   return table;
 }
 
-// What is left of the power of each way's echoes by its reflections.
+// Fraction of the power that the reflections of each path leave.
 std::vector<double> PassedByWays(const ParameterSet& parameters, const std::vector<std::string>& names,
                                  const std::vector<sim::GhostWay>& ways) {
   std::vector<double> passed;
@@ -160,14 +160,15 @@ bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& 
     valid = valid && mean > 0.0 && std::isfinite(mean);
     sums.power[i] = power;
     sums.mean[i] = mean;
-    // Far from the point a linear echo may fall below nothing: then nothing is heard.
+    // Far from the point, linear echoes may become negative: they count as 0.
     sums.of_echo[i] = power > 0.0 ? gain_[bin] / mean : 0.0;
     sums.of_noise[i] = kNeperPerDb * before_gain / mean;
   }
   return valid;
 }
 
-// Adds to a pixel's sums what beam, pulse and pose have moved, and leaves what more of it would add.
+// Adds the effect of changes in beam, pulse and pose to the sums of a pixel. Leaves the derivatives by
+// further changes in `sums.slopes`.
 void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratch& scratch,
                                       Sums& sums) const {
   const std::size_t stride = materials_ * sim::kCurveStride;
@@ -230,7 +231,7 @@ void AcousticEvaluation::FillJacobian(std::span<const std::uint32_t> pixels, con
         });
         break;
       case Of::kMirror: {
-        std::vector<double> times;  // that each way is reflected by it
+        std::vector<double> times;  // number of reflections at it, per path
         for (const sim::GhostWay& way : echoes_.ghosts.ways)
           times.push_back(static_cast<double>(std::count(way.begin(), way.end(), columns_[k].mirror)));
         fill([&](std::size_t i) {
@@ -255,7 +256,7 @@ void AcousticEvaluation::FillJacobian(std::span<const std::uint32_t> pixels, con
   }
 }
 
-// Residuals, their slopes and information, into the places of the pixels.
+// Writes residuals, slopes and information to the places of the pixels.
 void AcousticEvaluation::FillLikelihood(std::span<const std::uint32_t> pixels,
                                         const std::vector<double>& mean, std::size_t first_pixel,
                                         PixelTerms& terms) const {
@@ -281,7 +282,8 @@ void AcousticEvaluation::FillLikelihood(std::span<const std::uint32_t> pixels,
     const LikelihoodTerm term = recorded.censoring == Censoring::kNone
                                     ? LikelihoodTerm{residual[i], slope[i]}
                                     : PowerLikelihood(recorded, mean[i], looks_);
-    // Of a likelihood to the power of a weight: residual and slope by its root, information by it.
+    // A weight is an exponent of the likelihood: residual and slope are multiplied by its root, information
+    // by the weight.
     const double share = recorded_.repeat_share.empty() ? 1.0 : recorded_.repeat_share[pixel];
     const double weight = share * (recorded_.weight.empty() ? 1.0 : recorded_.weight[pixel]);
     if (!recorded_.repeat_share.empty()) terms.repeat_factor[at] = std::sqrt(share);

@@ -1,8 +1,8 @@
 // A frame of the acoustic model at one set of values: the mean power of each pixel, its derivatives, and the
-// likelihood of what was recorded there. This is where a fit of the acoustic model spends its time.
+// likelihood of the recorded values. A fit of the acoustic model spends most of its time here.
 //
-// Curves are tabulated once for all pixels, with their derivatives; a pixel then sums its few incidence
-// nodes, material by material, and those of its ghosts, way by way.
+// Curves and their derivatives are tabulated once for all pixels. A pixel then sums its few incidence nodes,
+// material by material, and those of its ghosts, path by path.
 #pragma once
 
 #include <cstdint>
@@ -20,22 +20,23 @@
 
 namespace sonarcal::calib {
 
-// What was recorded in a frame.
+// Recorded data of a frame.
 struct RecordedFrame {
   std::span<const RecordedPower> power;  // range_bins x beams
-  std::span<const std::uint8_t> use;     // 1 for the pixels that count; empty: all
-  std::span<const float> weight;         // of each pixel's likelihood, 0..1; empty: 1
-  std::span<const float> repeat_share;   // likewise, for other frames of its pose; empty: 1
+  std::span<const std::uint8_t> use;     // 1 for used pixels; empty: all
+  std::span<const float> weight;         // weight of each pixel's likelihood, 0..1; empty: 1
+  // weight that accounts for other frames of the same pose, 0..1; empty: 1
+  std::span<const float> repeat_share;
 };
 
-// What a unit of a geometric parameter does to the echoes of a frame. Of beam and pulse it adds echoes by
-// incidence, as levels of curves hang on them; of a pose it multiplies, whatever the curves, as a flank that
-// moves grows by its own parts and never falls below nothing.
+// Change of the echoes of a frame per unit of a geometric parameter. Beam and pulse add echoes by incidence,
+// which the levels of curves multiply. A pose multiplies the power, whatever the curves, so that a moving
+// edge grows in proportion and never becomes negative.
 struct EchoSlope {
-  int entry = 0;  // of the catalog
+  int entry = 0;  // catalog entry
   sim::PixelEchoes echoes = {};
-  sim::PixelEchoes ghosts = {};       // laid out as GhostEchoes::pixels of the frame; empty: none
-  std::vector<float> logarithm = {};  // d ln(power) by pixel; empty: by echoes
+  sim::PixelEchoes ghosts = {};       // in the layout of GhostEchoes::pixels of the frame; empty: none
+  std::vector<float> logarithm = {};  // d ln(power) per pixel; empty: by echoes
 };
 
 struct FrameEchoes {
@@ -44,7 +45,7 @@ struct FrameEchoes {
   std::vector<EchoSlope> slopes = {};
 };
 
-// What a model knows before it looks at a frame.
+// State of a model that is common to all frames.
 struct AcousticState {
   const std::vector<CatalogEntry>& catalog;
   const std::vector<std::string>& material_names;
@@ -53,7 +54,7 @@ struct AcousticState {
   const ParameterSet& parameters;
   const ParameterValues& values;
   const ParameterValues& point;  // about which echoes are linear
-  bool clips = true;             // whether pixels may end at the display's ends
+  bool clips = true;             // whether pixels may be clipped by the display
 };
 
 class AcousticEvaluation final : public FrameEvaluation {
@@ -68,32 +69,32 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::vector<double> Means() const;
 
  private:
-  // What a column of the Jacobian is of.
+  // Kind of a Jacobian column.
   enum class Of { kCurve, kLevel, kNoise, kNoiseSlope, kGeometry, kMirror, kNothing };
   struct Column {
     Of of = Of::kNothing;
-    std::size_t geometry = 0;  // among a pixel's slopes
-    int mirror = 0;            // a material
+    std::size_t geometry = 0;  // index among a pixel's slopes
+    int mirror = 0;            // material index
   };
   struct CurveColumn {
     std::size_t column = 0;
-    std::size_t sum = 0;  // among a pixel's sums
+    std::size_t sum = 0;  // index among a pixel's sums
   };
-  // Pixels that count, one after the other.
+  // Sums over the used pixels, one after the other.
   struct Sums {
-    std::vector<double> curves;  // kCurveStride for each material of each pixel
-    std::vector<double> ghosts;  // power of each pixel, by way
-    std::vector<double> slopes;  // of each pixel, by geometric parameter
-    std::vector<double> power;   // all materials together
+    std::vector<double> curves;  // kCurveStride values per material and pixel
+    std::vector<double> ghosts;  // power per pixel and path
+    std::vector<double> slopes;  // per pixel and geometric parameter
+    std::vector<double> power;   // sum over all materials
     std::vector<double> mean;
     std::vector<double> of_echo;   // d ln mean / d echo power
-    std::vector<double> of_noise;  // and / d noise level, dB
+    std::vector<double> of_noise;  // d ln mean / d noise level, dB
   };
 
   Column PlanColumn(const AcousticState& state, int entry) const;
-  // False where a mean is not a positive number.
+  // Returns false if a mean is not a positive number.
   bool SumEchoes(std::span<const std::uint32_t> pixels, Sums& sums) const;
-  // What moving by geometric parameters adds to one pixel's sums.
+  // Change of one pixel's sums by geometric parameters.
   struct Scratch {
     std::vector<double> curves;
     std::vector<double> ghosts;
@@ -122,16 +123,16 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::size_t materials_;
   std::vector<Column> columns_;
   std::vector<CurveColumn> curve_columns_;
-  std::vector<double> curves_;   // kCurveStride for each node of each material
-  std::vector<double> parts_;    // and of each part of each, for ghosts
-  std::vector<double> passed_;   // of power by the mirrors of each way
-  std::vector<double> moved_;    // of each geometric parameter, from the point
-  std::vector<double> gain_;     // by bin
-  std::vector<double> range_m_;  // by bin
+  std::vector<double> curves_;   // kCurveStride values per node and material
+  std::vector<double> parts_;    // kCurveStride values per node, part and material, for ghosts
+  std::vector<double> passed_;   // power that the mirrors of each path leave
+  std::vector<double> moved_;    // change of each geometric parameter from the point
+  std::vector<double> gain_;     // per bin
+  std::vector<double> range_m_;  // per bin
   sim::ReceiverNoise noise_;
   double looks_;
   bool clips_;
-  double lowest_;  // power at the bottom of the display, and at its top
+  double lowest_;  // power at the bottom of the display; below, at its top
   double highest_;
 };
 

@@ -20,15 +20,16 @@
 namespace sonarcal::calib {
 namespace {
 
-// Half the distance over which echoes are differenced.
+// Half the step of the central differences of echoes.
 double DifferenceStep(const CatalogEntry& entry, double value, const PolarAxes& axes) {
   constexpr double kOfWidth = 0.03;
   return entry.group == ParameterGroup::kPose ? PoseDifference(axes, entry.index) : kOfWidth * value;
 }
 
-// How much further aside than what is sent ghosts are traced, so that more of it needs no other trace.
+// Ghosts are traced this factor beyond the angle of the transmitter, so that a larger angle needs no new
+// trace.
 constexpr double kTransmitReach = 1.3;
-constexpr double kTransmitGridDeg = 5.0;  // the fan of rays for ghosts changes by so much
+constexpr double kTransmitGridDeg = 5.0;  // step of the azimuth margin of the ghosts' fan of rays
 
 }  // namespace
 
@@ -43,7 +44,7 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
   for (const float value : image.value.values()) {
     const double grey = value;
     if (!std::isfinite(grey)) throw DataError("fit: a recorded pixel is not finite");
-    // A grey level holds what rounds to it. Where it shows no power, it holds all that is less.
+    // A grey level stands for all values that round to it. Level 0 also stands for all lower powers.
     if (grey < 0.5) {
       recorded.push_back({power_of(0.5), Censoring::kAtMost});
     } else if (grey > full_scale - 0.5) {
@@ -200,7 +201,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
       echoes.slopes.back().ghosts = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
     }
     if (entry.group == ParameterGroup::kTransmit) continue;
-    // Beam in azimuth and pulse change nothing of what arrives, only where it is heard.
+    // Azimuth beam pattern and pulse do not change the echoes that arrive, only the pixels where they appear.
     const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
     const auto gather = [&](const ParameterValues& at) {
       return arrives_alike ? sim::ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
@@ -213,7 +214,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
 
 std::vector<float> AcousticFrameModel::LogarithmSlope(int frame, const ParameterValues& above,
                                                       const ParameterValues& below, double difference) const {
-  // Echoes far below the noise change nothing: their logarithm may rest.
+  // Echoes far below the noise have no effect. A floor keeps their logarithm constant.
   constexpr double kOfNoise = 1e-3;
   const ParameterSet parameters = Parameters(above);
   const Grid<double> high = EchoPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
@@ -305,7 +306,7 @@ std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels
   // Curves change faster along range than from beam to beam.
   constexpr int kMostBins = 4;
   constexpr int kMostBeams = 8;
-  constexpr double kWorthwhile = 4.0;  // fewer pixels by less are hardly quicker, and less exact
+  constexpr double kWorthwhile = 4.0;  // fewer pixels by a smaller factor are hardly faster, and less exact
   const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
                                 [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
   const double factor =

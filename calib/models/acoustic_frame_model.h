@@ -1,14 +1,15 @@
-// The acoustic model as a fit sees it: eta is the logarithm of the mean power
+// The acoustic model for a fit. eta is the logarithm of the mean power
 //
 //   mu(r, b) = 10^((SL + G + TVG(r)) / 10) S(r, b) + N(r, b),
 //
-// S the echoes of the scene through beam and pulse (sim/gathered/pixel_echoes.h), N the noise floor; and the
-// residual is that of speckle with a fixed number of looks (calib/models/power_likelihood.h).
+// with S the echoes of the scene through beam and pulse (sim/gathered/pixel_echoes.h) and N the noise floor.
+// The residual is that of speckle with a fixed number of looks (calib/models/power_likelihood.h).
 //
-// Backscatter curves and receiver are exact. What decides where an echo arrives (beam, pulse, pose) enters by
-// the gathered echoes and their differences about a point, the model being linear in it near there:
-// `Linearise` moves the point, and traces and gathers again. Ghosts by the mirrors of the parameters are part
-// of S: exact in their losses, too, and gathered from one trace a point (sim/gathered/ghost_echoes.h).
+// Backscatter curves and receiver are exact. Parameters that decide where an echo arrives (beam, pulse, pose)
+// enter by the gathered echoes and their differences about a point; the model is nearly linear in them there.
+// `Linearise` moves the point, traces and gathers again. Ghosts by the mirrors of the parameters are part of
+// S. Their losses are exact too, and they are gathered from one trace per point
+// (sim/gathered/ghost_echoes.h).
 #pragma once
 
 #include <cstdint>
@@ -31,16 +32,16 @@ struct AcousticFrame {
   int index = 0;  // in the recording
   Pose world_from_sonar;
   std::vector<RecordedPower> recorded;  // range_bins x beams
-  std::vector<std::uint8_t> use = {};   // 1 for the pixels that count; empty: all
+  std::vector<std::uint8_t> use = {};   // 1 for used pixels; empty: all
 };
 
-// The powers behind an image's grey values: what its display shows as a value, or as its ends.
+// Powers behind the grey values of an image. Values at the ends of the display are censored.
 std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const DisplayParameters<double>& display);
 
 class AcousticFrameModel final : public FrameModel {
  public:
-  // Simulator and frames must outlive the model. Traces every frame. Throws DataError where a frame does not
-  // fit the sonar, a material of the scene has no parameters, or there is no noise level.
+  // Simulator and frames must outlive the model. Traces every frame. Throws DataError if a frame does not fit
+  // the sonar, a material of the scene has no parameters, or there is no noise level.
   AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                      const ParameterSet& initial);
 
@@ -64,49 +65,49 @@ class AcousticFrameModel final : public FrameModel {
   const sim::Simulator& simulator() const { return simulator_; }
   const SonarModel& sonar() const { return simulator_.sonar(); }
   const AcousticFrame& frame(int frame) const { return frames_[frame]; }
-  // Mean power of the echoes from a pose, without noise: traces a fan of rays, and ghosts by one thinned as
-  // much, and is linear in nothing.
+  // Mean power of the echoes from a pose, without noise. Traces the rays of `fan`, and ghosts with the same
+  // decimation. Not linearised.
   Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                              const sim::RayFan& fan) const;
   // Mean power including the noise floor.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const sim::RayFan& fan) const;
-  // The simulator's fan with fewer rows and columns by this factor.
+  // Returns the fan of the simulator with rows and columns divided by this factor.
   sim::RayFan ThinnedFan(int factor) const;
 
   const ParameterValues& initial_values() const { return initial_values_; }
-  // The parameters with these values, and what no catalog entry names as given at first.
+  // Returns the parameters with these values. Those without a catalog entry keep their initial value.
   ParameterSet Parameters(const ParameterValues& values) const;
-  // The frame's own pose, then the mount offset that all share.
+  // Pose of the frame, followed by the mount offset that all frames share.
   Pose PoseOf(int frame, const ParameterValues& values) const;
   Pose MountOf(const ParameterValues& values) const { return PoseEntries(kMountFrame, values); }
 
-  // Moves the point that geometry is taken about; `geometric` are the catalog entries that will be active.
+  // Moves the point about which geometry is linear. `geometric`: the catalog entries that will be active.
   void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
 
-  // Lets the pixels that the scene does not explain at these values count less (calib/models/down_weight.h).
+  // Reduces the weight of pixels that do not match the scene at these values (calib/models/down_weight.h).
   void DownWeight(const ParameterValues& values);
-  const std::vector<float>& weights(int frame) const { return weights_[frame]; }  // empty: all count in full
+  const std::vector<float>& weights(int frame) const { return weights_[frame]; }  // empty: all are 1
 
-  // Whether any pose has several frames.
+  // Returns true if any pose has several frames.
   bool has_repeats() const;
 
-  // Lets frames of one pose count together for what they tell together at these values. While nothing moves,
-  // powers of two of them are correlated by rho = (S / mu)^2, S the echoes' part of the mean mu, so that n of
-  // them are worth n / (1 + (n - 1) rho): one where speckle is all there is, n where noise is. Without this a
-  // frozen speckle would be believed n times as much as what was known beforehand.
+  // Weights frames of one pose by the information that they have together at these values. While nothing
+  // moves, the powers of two such frames have the correlation rho = (S / mu)^2, with S the echoes' part of
+  // the mean mu. So n frames count as n / (1 + (n - 1) rho): as one if there is only speckle, as n if there
+  // is only noise. Without this, frozen speckle would count n times against the priors.
   void ShareRepeats(const ParameterValues& values);
 
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
 
-  // By how much a pixel's likelihood counts: for what the scene explains, and what other frames tell too.
+  // Weight of a pixel's likelihood: product of the weights of DownWeight and ShareRepeats.
   double Weight(int frame, std::size_t pixel) const {
     const double share = repeat_shares_[frame].empty() ? 1.0 : repeat_shares_[frame][pixel];
     return share * (weights_[frame].empty() ? 1.0 : weights_[frame][pixel]);
   }
 
-  // The echoes of a frame about the point of the last Linearise.
+  // Echoes of a frame about the point of the last Linearise.
   const FrameEchoes& echoes(int frame) const { return echoes_[frame]; }
 
   std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
@@ -115,10 +116,10 @@ class AcousticFrameModel final : public FrameModel {
   Pose PoseEntries(int frame, const ParameterValues& values) const;
   sim::AcousticGeometry geometry() const { return {simulator_.sonar(), simulator_.absorption_db_per_m()}; }
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
-  // Difference of the logarithms of the echoes of a frame's two poses, over `difference`.
+  // Difference of the logarithms of the echoes at two values of the frame's pose, divided by `difference`.
   std::vector<float> LogarithmSlope(int frame, const ParameterValues& above, const ParameterValues& below,
                                     double difference) const;
-  // What a frame's mirrors show of the scene, as far aside as a transmitter that moves may come to send.
+  // Ghosts in a frame, as far beside the beams as a free transmitter angle may reach.
   sim::GhostList GhostsOf(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
   FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
 
@@ -132,8 +133,8 @@ class AcousticFrameModel final : public FrameModel {
   std::vector<FrameEchoes> echoes_;
   std::vector<std::vector<float>> weights_;
   std::vector<std::vector<float>> repeat_shares_;
-  std::vector<bool> shown_;      // by material: whether any frame has an echo of it
-  std::vector<bool> reflected_;  // or a ghost by way of it
+  std::vector<bool> shown_;      // per material: any frame has an echo of it
+  std::vector<bool> reflected_;  // per material: any frame has a ghost by way of it
 };
 
 }  // namespace sonarcal::calib

@@ -26,7 +26,7 @@ PolarAxes CoarseAxes(const PolarAxes& fine, const PixelBlock& block) {
   return coarse;
 }
 
-// A taper by beam, averaged in power.
+// Taper per beam, averaged in power.
 std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_once) {
   std::vector<double> coarse;
   for (std::size_t first = 0; first < fine.size(); first += beams_at_once) {

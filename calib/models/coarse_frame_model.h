@@ -1,10 +1,11 @@
-// Frames of an acoustic fit with neighbouring pixels taken together, for finding where the likelihood of all
-// pixels had best begin. A block's mean power has as many more looks as it has pixels, and tells of curves
-// and receiver nearly all that they tell one by one, at their cost divided by as much: unlike a few of the
-// pixels, whose best curves can lie a long way from those of all.
+// Frames of an acoustic fit in blocks of neighbouring pixels, for the search of start values.
 //
-// Not exact: within a block, noise and gain are those of its centre, speckle is taken as independent, and a
-// clipped pixel has the power at which it was clipped. Geometry stays at the point of the fine model.
+// The number of looks of a block's mean power is multiplied by its number of pixels. Blocks have nearly all
+// the information of the single pixels on curves and receiver, at a cost divided by the block size. A small
+// sample of the pixels would not do: its best curves can be far from those of all pixels.
+//
+// Approximations: noise and gain of a block are those of its centre, speckle is independent within a block,
+// and a clipped pixel has the power at which it was clipped. Geometry stays at the point of the fine model.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@
 
 namespace sonarcal::calib {
 
-// Pixels that are taken together.
+// Size of a block in pixels.
 struct PixelBlock {
   int bins = 1;
   int beams = 1;
@@ -27,7 +28,7 @@ struct PixelBlock {
 
 class CoarseFrameModel final : public FrameModel {
  public:
-  // The fine model must outlive this one, and not change.
+  // The fine model must outlive this one and must not change.
   CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block);
 
   const std::vector<CatalogEntry>& catalog() const override { return fine_.catalog(); }
@@ -52,11 +53,11 @@ class CoarseFrameModel final : public FrameModel {
     std::vector<float> weight;
   };
   CoarseFrame Gather(int frame) const;
-  // Entries of a block's pixels that count, node by node, as a mean over those pixels.
+  // Echoes of the used pixels of each block, node by node, as a mean over those pixels.
   sim::PixelEchoes BlockEchoes(int frame, const sim::PixelEchoes& fine) const;
 
-  // Calls act(for_pixels) for each block in its order; for_pixels(visit) calls visit(bin, pixel) for each of
-  // the block's fine pixels.
+  // Calls act(for_pixels) for each block in order. for_pixels(visit) calls visit(bin, pixel) for each fine
+  // pixel of the block.
   template <typename Act>
   void ForBlocks(const Act& act) const {
     for (int first_bin = 0; first_bin < fine_.range_bins(); first_bin += block_.bins) {
@@ -74,7 +75,8 @@ class CoarseFrameModel final : public FrameModel {
   const AcousticFrameModel& fine_;
   PixelBlock block_;
   SonarModel sonar_;
-  std::vector<double> gain_of_centre_;  // by fine bin: its time-varied gain over that of its block's centre
+  // per fine bin: its time-varied gain over that of the centre of its block
+  std::vector<double> gain_of_centre_;
   std::vector<CoarseFrame> frames_;
 };
 

@@ -18,8 +18,8 @@ int LargestDivisor(int number, int most) {
   return divisor;
 }
 
-// Cells of the fine histogram that fall into one of the coarse one, summed. A pixel of the coarse image is
-// the mean over its block, so each weight counts for one pixel of it.
+// Sums the cells of the fine histogram within one cell of the coarse one. A pixel of the coarse image is the
+// mean over its block, so each weight counts for one pixel of the block.
 class CellSum {
  public:
   void Add(const sim::EchoHistogram& fine, const sim::EchoHistogram::Cell& cell, double weight_factor,

@@ -1,5 +1,5 @@
-// Frames of the paper's model in blocks of pixels, to search for a start by: a tenth of the work, and nearly
-// what the pixels tell of curves and display.
+// Frames of the paper's model in blocks of pixels, for the search of start values: a tenth of the work, with
+// nearly all the information of the pixels on curves and display.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ struct CoarsePaperFrames {
   std::vector<FitFrame> frames;  // recorded values are means over blocks, not rounded
 };
 
-// Blocks of at most `most` bins x `most` beams that divide the image evenly.
+// Makes blocks of at most `most` bins x `most` beams that divide the image evenly.
 CoarsePaperFrames MakeCoarse(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                              int most = 4);
 

@@ -15,7 +15,7 @@ class RectangleSums {
   RectangleSums(int bins, int beams)
       : stride_(beams + 1), sums_(static_cast<std::size_t>(bins + 1) * stride_, 0.0) {}
 
-  // In order of bins, then beams.
+  // Must be called in order of bins, then beams.
   void Set(int bin, int beam, double value) {
     at(bin + 1, beam + 1) = value + at(bin, beam + 1) + at(bin + 1, beam) - at(bin, beam);
   }
@@ -51,7 +51,7 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
   const std::size_t pixels = static_cast<std::size_t>(bins) * beams;
   SONARCAL_CHECK(recorded.size() == pixels && mean.size() == pixels, "{} and {} pixels, expected {}",
                  recorded.size(), mean.size(), pixels);
-  // Ratios far above would swallow their window: one bright pixel is one bright pixel.
+  // Limits the ratio, so that one very bright pixel does not dominate its window.
   constexpr double kMaxRatio = 1e3;
   RectangleSums ratios(bins, beams);
   RectangleSums counts(bins, beams);

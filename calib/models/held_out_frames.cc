@@ -11,7 +11,7 @@
 namespace sonarcal::calib {
 namespace {
 
-// Empty for a frame of one grey level.
+// Returns an empty text for a frame of one grey level.
 std::string DigestOfPixels(const Grid<float>& image) {
   const auto values = image.values();
   if (std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end()) return {};

@@ -15,11 +15,11 @@
 namespace sonarcal::calib {
 namespace {
 
-// Derivatives carried at once through the shading of cells.
+// Number of derivatives carried together through the shading of cells.
 constexpr int kStride = 8;
 using Dual = ceres::Jet<double, kStride>;
 
-// The blur ties a frame's pixels together, so all are computed at once and handed out run by run.
+// The blur couples the pixels of a frame, so all are computed at once and returned in parts.
 class WholeFrame final : public FrameEvaluation {
  public:
   WholeFrame(PixelTerms terms, std::size_t pixels_per_bin, std::size_t columns)
@@ -44,8 +44,7 @@ class WholeFrame final : public FrameEvaluation {
   std::size_t columns_;
 };
 
-// Errors wider than this many bins and beams are no errors of a ray any more; a configuration may say
-// otherwise.
+// Default limits: range and azimuth errors wider than this many bins and beams are not plausible.
 constexpr double kMaxErrorBins = 3.0;
 constexpr double kMaxErrorBeams = 6.0;
 
@@ -82,11 +81,11 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const sim:
 
 // Sets bounds of curves and display, for quantities that do not depend on the gauge.
 void PaperFrameModel::BoundByLevel() {
-  // An echo 1 m from the sonar: at least this much above dB_min, at most this much above the dB_max given.
-  // The paper's own lies 70 dB above dB_min and 67 dB above dB_max.
+  // Level of an echo 1 m from the sonar: min above dB_min, and max above the given dB_max. The paper's own is
+  // 70 dB above dB_min and 67 dB above dB_max.
   constexpr double kLowestAboveMinDb = -20.0;
   constexpr double kHighestAboveMaxDb = 77.0;
-  // Display spans: a third of the paper's own; the paper's example, 0 to 100 dB, is the widest.
+  // Span of the display: min a third of the paper's own; max as in the paper's example, 0 to 100 dB.
   constexpr double kNarrowestDb = 1.0;
   constexpr double kWidestDb = 100.0;
   // Beyond these, a wide Gaussian and a flat cosine are the same curve.
@@ -117,7 +116,7 @@ void PaperFrameModel::BoundByLevel() {
 // Centres the priors on the paper's own curve for every start, so that the best fit does not depend on the
 // start. Parameters that the frames do not determine stay there and are reported as not determined.
 void PaperFrameModel::AddPriors() {
-  constexpr double kStepsOfLevel = 2.0;  // 20 dB: the gauge is the user's
+  constexpr double kStepsOfLevel = 2.0;  // 20 dB, because the user sets the gauge
   const GsabParameters<double> paper;
   const std::array<double, 6> values = {paper.a, paper.b_deg, paper.c, paper.d, paper.e, paper.f_deg};
   const double gauge = PowerFromDb(sim::kPaperBlackBelowSourceDb - LevelOfOneDb());
@@ -175,7 +174,8 @@ void PaperFrameModel::ForPixels(const ParameterValues& values, const Body& body)
 }
 
 PaperNoise PaperFrameModel::NoiseAbout(const ParameterValues& values) const {
-  // Pixels that determine the knee, as parts of full scale. Faint pixels, in grey levels.
+  // Ranges of bright pixels, which determine the knee, as fractions of full scale, and of faint pixels, in
+  // grey levels.
   constexpr double kBrightLow = 0.25;
   constexpr double kBrightHigh = 0.9;
   constexpr double kFaintLow = 2.0;
@@ -207,7 +207,7 @@ PaperNoise PaperFrameModel::NoiseAbout(const ParameterValues& values) const {
       faint.of += sum;
     }
   });
-  const double least = level > 0.0 ? 0.3 * level : 1e-4;  // a value is rounded to 0.29 of a level
+  const double least = level > 0.0 ? 0.3 * level : 1e-4;  // rounding has a standard deviation of 0.29 levels
   PaperNoise noise;
   noise.sigma = std::max(least, std::sqrt(all.ratio()));
   noise.knee_sigma = std::max(least, std::sqrt(bright.ratio()));
@@ -272,8 +272,8 @@ PaperResidual PaperFrameModel::ResidualOf(double sum, double recorded, double le
   return {std::clamp(sum, 0.0, 1.0) - recorded, clamped ? 0.0 : 1.0};
 }
 
-// Derivatives are those of the forward model in dual numbers; Ceres' own wrapper would carry them through the
-// blur pixel by pixel, which is ten times the work.
+// Derivatives come from the forward model in dual numbers. Ceres' own wrapper would carry them through the
+// blur pixel by pixel, at ten times the cost.
 std::unique_ptr<FrameEvaluation> PaperFrameModel::At(int frame, const ParameterValues& values,
                                                      std::span<const int> active, Terms wanted) const {
   const FitFrame& of = frames_[frame];

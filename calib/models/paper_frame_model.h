@@ -1,12 +1,12 @@
-// The paper's model as a fit sees it: eta is the sum of a pixel's echoes before it is clamped, in units of
-// full scale. Until the noise is known, the residual is the difference of the clamped image to the recorded
-// one; with it, it is that of calib/models/paper_likelihood.h, and priors can be weighed against it.
+// The paper's model for a fit. eta is the sum of a pixel's echoes before clamping, as a fraction of full
+// scale. Until the noise is known, the residual is the clamped image minus the recorded one. With known noise
+// it is that of calib/models/paper_likelihood.h, and priors can be weighed against it.
 //
-// Exact gauges: SL - NL + AG - dB_min (dB_max moving along) and a common factor on A, C and E of all
-// materials are one number; the two Gaussians of a curve may be exchanged. The span dB_max - dB_min is
-// determined by transmission loss alone: where 2 TL hardly varies over the echoes, span and curves (in dB
-// above dB_min) may grow by one factor. So bounds and priors are stated for what no gauge moves: an echo's
-// level above dB_min, 1 m from the sonar, and the span.
+// Exact gauges: SL - NL + AG - dB_min (with dB_max moving along) and a common factor on A, C and E of all
+// materials are one number. The two Gaussians of a curve may be exchanged. Only transmission loss determines
+// the span dB_max - dB_min: if 2 TL hardly varies over the echoes, span and curves (in dB above dB_min) may
+// grow by a common factor. So bounds and priors apply to quantities that no gauge changes: the level of an
+// echo 1 m from the sonar above dB_min, and the span.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +22,12 @@
 namespace sonarcal::calib {
 
 struct FitFrame {
-  int index = 0;  // in the recording
+  int index = 0;  // index in the recording
   sim::EchoHistogram echoes;
   std::vector<double> measured;  // range_bins x beams, 0..1 of full scale
-  // 1 for the pixels that count; empty: all. For what the scene does not contain.
+  // 1 for used pixels; empty: all. Excludes objects that the scene does not contain.
   std::vector<std::uint8_t> use = {};
-  double level = 0.0;  // one grey level, of full scale; 0: values are not rounded
+  double level = 0.0;  // one grey level as a fraction of full scale; 0: values are not rounded
 };
 
 // Shares of the pixels that show an echo, over all frames of a model.
@@ -38,8 +38,8 @@ struct PaperClipping {
 
 class PaperFrameModel : public FrameModel {
  public:
-  // Frames, geometry and names must outlive the model. Throws DataError where a frame does not fit the
-  // geometry, or a material of the scene has no parameters.
+  // Frames, geometry and names must outlive the model. Throws DataError if a frame does not fit the geometry
+  // or if a material of the scene has no parameters.
   PaperFrameModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                   const std::vector<std::string>& material_names, const ParameterSet& initial);
 
@@ -59,20 +59,22 @@ class PaperFrameModel : public FrameModel {
                                       Terms wanted) const override;
   std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
 
-  // The same frames in blocks of pixels: a tenth of the work, and nearly what the pixels tell of curves and
-  // display. It owns its frames; null where the image cannot be divided. Its noise is that of block means.
+  // Returns the same frames in blocks of pixels: a tenth of the work, with nearly all the information on
+  // curves and display. The result owns its frames. Its noise is that of block means. Null if the image
+  // cannot be divided.
   std::unique_ptr<PaperFrameModel> InBlocks() const;
 
   ParameterValues Values(const ParameterSet& parameters) const;
   void Store(const ParameterValues& values, ParameterSet& parameters) const;
 
-  // Pixels are compared as residuals of unit size about this noise from now on.
+  // Sets the noise. From then on residuals are in units of it.
   void SetNoise(const PaperNoise& noise) { noise_ = noise; }
   const PaperNoise& noise() const { return noise_.value(); }
-  // The noise that the frames show about these values.
+  // Noise that the frames show about these values.
   PaperNoise NoiseAbout(const ParameterValues& values) const;
   PaperClipping ClippingAt(const ParameterValues& values) const;
-  // RMS difference of the two images, of full scale, over the pixels that show an echo in either.
+  // RMS difference of the two images, as a fraction of full scale, over the pixels that show an echo in
+  // either.
   double RmsDifference(const ParameterValues& a, const ParameterValues& b) const;
 
  private:
@@ -84,7 +86,7 @@ class PaperFrameModel : public FrameModel {
   PaperResidual ResidualOf(double sum, double recorded, double level) const;
   void BoundByLevel();
   void AddPriors();
-  // Calls body(frame, pixel, sum, recorded) for every pixel that counts.
+  // Calls body(frame, pixel, sum, recorded) for every used pixel.
   template <typename Body>
   void ForPixels(const ParameterValues& values, const Body& body) const;
   template <typename T, typename ValueAt>
@@ -94,7 +96,7 @@ class PaperFrameModel : public FrameModel {
   const sim::ImageGeometry& geometry_;
   const std::vector<std::string>& material_names_;
   ParameterSet given_;
-  sim::PaperParameters<double> initial_;  // and what no catalog entry names
+  sim::PaperParameters<double> initial_;  // also holds parameters without a catalog entry
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> shown_;
   std::optional<PaperNoise> noise_;

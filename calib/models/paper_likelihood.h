@@ -1,16 +1,16 @@
-// The recorded value of a pixel about its value in the paper's model, and the residual of a fit.
+// Expected recorded value of a pixel in the paper's model, and the residual of a fit.
 //
 // A recording holds whole grey levels between 0 and full scale. The expected recorded value of a pixel whose
 // unclamped mean is x is therefore not x:
 //
-//   Near 0 it is rounded. A pixel of a third of a level is recorded as 0, unless it varies from frame to
-//   frame: the rays of a pixel are few, so its variance is proportional to its mean, and that dithers the
-//   rounding. Only the first levels matter, because further up the roundings cancel over many pixels.
+// - Near 0 it is rounded. A pixel of a third of a level is recorded as 0, unless it varies from frame to
+//   frame. The rays of a pixel are few, so its variance is proportional to its mean and dithers the rounding.
+//   Only the first levels matter, because at higher levels the rounding errors cancel over many pixels.
+// - Near full scale it is clipped. With a standard deviation s of single pixels, E[min(x + s n, 1)] has a
+//   soft knee.
 //
-//   Near full scale it is clipped. With a deviation s of single pixels, E[min(x + s n, 1)] has a soft knee.
-//
-// The residual is (expected recorded value - recorded value) / sigma. So it has zero mean at the true
-// parameters, whatever the law of the noise, and pixels at either end of the scale do not pull.
+// The residual is (expected recorded value - recorded value) / sigma. It has zero mean at the true parameters
+// for any law of the noise, and pixels at either end of the scale cause no bias.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,9 @@
 namespace sonarcal::calib {
 
 struct PaperNoise {
-  double sigma = 0.1;            // deviation of a recorded pixel from the model, of full scale
-  double knee_sigma = 0.05;      // the same of a pixel near full scale
-  double variance_levels = 0.7;  // variance over mean of a faint pixel, both in grey levels
+  double sigma = 0.1;            // standard deviation of a recorded pixel from the model, full scale 1
+  double knee_sigma = 0.05;      // as `sigma`, for a pixel near full scale
+  double variance_levels = 0.7;  // variance / mean of a faint pixel, both in grey levels
 };
 
 struct PaperResidual {
@@ -48,10 +48,10 @@ struct ValueAndSlope {
 inline ValueAndSlope RoundedLevels(double x, double variance_over_mean) {
   constexpr double kRoundedBelow = 4.0;  // levels; the curve meets x there
   constexpr int kSteps = 12;
-  // A variance as large as this comes from rays of a whole level and more each: rounding does not matter.
+  // A variance this large comes from rays of a whole level and more each. Rounding then does not matter.
   constexpr double kDithered = 0.7;
   constexpr double kUnrounded = 1.3;
-  // A smaller variance gives a staircase. Roundings cancel beyond its first step.
+  // A smaller variance gives a staircase. Rounding errors cancel beyond its first step.
   constexpr double kFirstStep = 0.12;
   constexpr double kOtherSteps = 0.3;
   if (x >= kRoundedBelow || variance_over_mean >= kUnrounded) return {x, 1.0};
@@ -70,8 +70,8 @@ inline ValueAndSlope RoundedLevels(double x, double variance_over_mean) {
 
 }  // namespace internal
 
-// The expected recorded value of a pixel with this unclamped mean. `level`: one grey level, 0 where values
-// are not rounded. All of full scale 1.
+// Expected recorded value of a pixel with this unclamped mean. `level`: one grey level, 0 if values are not
+// rounded. All as fractions of full scale.
 inline internal::ValueAndSlope ExpectedRecorded(double mean, double level, const PaperNoise& noise) {
   internal::ValueAndSlope result{mean, 1.0};
   if (level > 0.0) {
@@ -93,7 +93,7 @@ inline internal::ValueAndSlope ExpectedRecorded(double mean, double level, const
 
 inline PaperResidual PaperPixelResidual(double mean, double recorded, double level, const PaperNoise& noise) {
   internal::ValueAndSlope expected = ExpectedRecorded(mean, level, noise);
-  // A lit pixel that the model shades below black keeps a slope upwards.
+  // A lit pixel that the model shades below black keeps an upward slope.
   if (mean < 0.0 && recorded > 0.0) expected = {mean, 1.0};
   return {(expected.value - recorded) / noise.sigma, expected.slope / noise.sigma};
 }

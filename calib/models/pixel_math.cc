@@ -24,8 +24,8 @@ __attribute__((always_inline)) inline void Store(const Lanes& lanes, double* to)
   std::memcpy(to, &lanes, sizeof(lanes));
 }
 
-// One pixel's entries of one material, from `e` on, by curves whose first node is `first_node`; returns where
-// the next material begins.
+// Adds the entries of one pixel for one material, from `e` on. `first_node` is the first node of its curves.
+// Returns the start of the next material.
 __attribute__((always_inline)) inline const sim::PixelEchoes::Entry* AddMaterial(
     const sim::PixelEchoes::Entry* e, const sim::PixelEchoes::Entry* last, std::uint32_t next_material,
     std::uint32_t first_node, const double* curves, double* sums) {
@@ -67,7 +67,8 @@ void AddGhosts(const sim::PixelEchoes& ghosts, std::span<const std::uint32_t> pi
                std::span<const double> parts, std::span<const double> passed, double* sums, double* by_way) {
   const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
   const auto ways = static_cast<std::uint32_t>(passed.size());
-  const std::uint32_t of_a_way = static_cast<std::uint32_t>(ghosts.materials) / ways;  // parts
+  // number of parts per path
+  const std::uint32_t of_a_way = static_cast<std::uint32_t>(ghosts.materials) / ways;
   const std::uint32_t materials = of_a_way / sim::kCurveParts;
   const std::size_t stride = std::size_t{materials} * sim::kCurveStride;
   const sim::PixelEchoes::Entry* entries = ghosts.entries.data();
@@ -109,15 +110,16 @@ void Likelihood(const double* __restrict power, const double* __restrict mean, i
 SONARCAL_VECTOR_VERSIONS
 void SingleLookInformation(double lowest, double highest, const double* __restrict mean, int count,
                            double* __restrict information) {
-  // The integrals of ExpectedInformation, summed: with a and b the display's ends over the mean,
-  // (1 + a^2) exp(-a) + a^2 exp(-2 a) / (1 - exp(-a)) - exp(-b).
-  constexpr double kFarthest = 700.0;  // exp(-kFarthest) is as good as 0, and its square times that no NaN
+  // Sum of the integrals of ExpectedInformation: with a and b the ends of the display divided by the mean, (1
+  // + a^2) exp(-a) + a^2 exp(-2 a) / (1 - exp(-a)) - exp(-b).
+  // exp(-kFarthest) is nearly 0, and its product with kFarthest^2 is not NaN
+  constexpr double kFarthest = 700.0;
   for (int i = 0; i < count; ++i) {
     const double a = std::min(lowest / mean[i], kFarthest);
     const double b = std::min(highest / mean[i], kFarthest);
     const double beyond_a = std::exp(-a);
     const double beyond_b = std::exp(-b);
-    // 1 - exp(-a) is no less than a - a^2 / 2, which keeps its digits near 0. Not 0, where a is.
+    // 1 - exp(-a) is at least a - a^2 / 2, which keeps its digits near 0. The min value avoids 0 / 0.
     const double below = std::max(std::max(1.0 - beyond_a, a - 0.5 * a * a), 1e-300);
     const double of_bottom = a * beyond_a;
     information[i] = std::max((1.0 + a * a) * beyond_a + of_bottom * of_bottom / below - beyond_b, 0.0);
@@ -130,7 +132,7 @@ void AddOuterProducts(const double* __restrict rows, const double* __restrict we
                       double* __restrict projection) {
   constexpr int kAtOnce = 8;
   const int width = (n + kLanes - 1) / kLanes * kLanes;
-  // Padded to whole vectors; what is beyond n is never read again.
+  // Pads to whole vectors. Values beyond n are never read.
   static thread_local std::vector<double> scratch;
   scratch.assign(static_cast<std::size_t>(width) * (n + 1), 0.0);
   double* square = scratch.data();

@@ -12,7 +12,7 @@ using Eigen::numext::lgamma;
 
 constexpr double kTiny = 1e-290;
 
-// Density of a Gamma law of mean 1 and L looks.
+// Density of a Gamma law with mean 1 and L looks.
 double Density(double x, double looks) {
   if (looks == 1.0) return std::exp(-x);
   return std::exp(looks * std::log(looks) - lgamma(looks) + (looks - 1.0) * std::log(x) - looks * x);
@@ -28,12 +28,12 @@ LikelihoodTerm Interior(double x, double looks) {
   return {residual, slope};
 }
 
-// Of a probability P = 1 - Q, with d ln P / d eta = slope_of_log; Q where it is the smaller of the two, so
+// Term of a probability P = 1 - Q with d ln P / d eta = slope_of_log. Uses Q if it is the smaller one, so
 // that nearly certain pixels keep their digits.
 LikelihoodTerm Censored(double probability, double rest, double slope_of_log) {
   const double log_probability = rest < 0.5 ? std::log1p(-rest) : std::log(probability);
   const double residual = std::sqrt(-2.0 * log_probability);
-  // Certain: nothing to tell, and 0 / 0 without this.
+  // A certain pixel has no information. Avoids 0 / 0.
   if (residual < 1e-150) return {};
   return {residual, -slope_of_log / residual};
 }
@@ -79,9 +79,9 @@ double ExpectedInformation(double lowest, double highest, double mean, double lo
            (igamma(looks, z) - 2.0 * igamma(looks + 1.0, z) + (1.0 + 1.0 / looks) * igamma(looks + 2.0, z));
   };
   double information = looks;
-  // What lies beyond x has a probability of at most exp(-L (x - 1 - ln x)).
+  // The probability beyond x is at most exp(-L (x - 1 - ln x)).
   const auto is_reached = [looks](double x) { return looks * (x - 1.0 - std::log(x)) < 40.0; };
-  // Everything is clipped.
+  // All values are clipped.
   if ((a > 1.0 && !is_reached(a)) || !(b > 0.0)) return 0.0;
   if (b < 1.0 || is_reached(b)) {
     const double above = looks == 1.0 ? std::exp(-b) : igammac(looks, looks * b);

@@ -15,15 +15,15 @@
 namespace sonarcal::calib {
 namespace {
 
-// Searched about the noise level, dB.
+// Search interval about the noise level, dB.
 constexpr double kReachDb = 25.0;
 
 struct GreyCell {
-  double upper = 0.0;  // end of the cell, of full scale 1
-  double share = 0.0;  // of the pixels
+  double upper = 0.0;  // end of the cell, full scale 1
+  double share = 0.0;  // share of the pixels
 };
 
-// Levels that occur anywhere in the image, each with its share of the background.
+// Returns the levels that occur anywhere in the image, each with its share of the background.
 std::vector<GreyCell> CountGrey(const PolarImage& image, const Mask& background) {
   std::map<float, double> count;
   double pixels = 0.0;
@@ -67,7 +67,7 @@ double KolmogorovSmirnov(const std::vector<GreyCell>& cells, const BackgroundDis
   return largest;
 }
 
-// The lowest point of a function between two ends: a grid, then golden sections.
+// Finds the minimum of a function between two ends by a grid, then golden sections.
 std::pair<double, double> Lowest(const std::function<double(double)>& cost, double low, double high) {
   constexpr int kGrid = 26;
   constexpr double kGolden = 0.6180339887498949;

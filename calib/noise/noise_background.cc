@@ -10,12 +10,12 @@ namespace {
 
 constexpr int kRejections = 6;
 constexpr int kMeasureIterations = 30;
-constexpr int kFewestBands = 8;        // of a window: fewer show no trend with range
+constexpr int kFewestBands = 8;        // per window; fewer show no trend with range
 constexpr double kOneLevel = 0.9;      // share of pixels
 constexpr double kWindowReject = 2.5;  // robust standard deviations, for the law that measures a window
 constexpr double kOneGrey = 1.0;
 constexpr double kAsGood = 1.25;
-constexpr double kPerMedianOff = 1.4826;  // standard deviation of a normal law, by its median distance
+constexpr double kPerMedianOff = 1.4826;  // standard deviation of a normal law / median absolute deviation
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -23,13 +23,13 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// By cell, under the law of best fit to the cells of weight 1.
+// Measure per cell, under the law that fits the cells of weight 1 best.
 std::vector<double> Measure(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
                             const std::vector<double>& weight, const NoiseFitOptions& options) {
   NoiseForm plain = form;
   plain.floor_after_gain = false;
   plain.time_varied_gain = TimeVariedGain::kNone;
-  plain.speckle = sim::SpeckleLaw::kWeighted;  // quicker by far, and near enough
+  plain.speckle = sim::SpeckleLaw::kWeighted;  // much faster, and accurate enough
   NoiseFitOptions quick = options;
   quick.max_iterations = kMeasureIterations;
   const NoiseLaw start = StartOf(plain, counts, cells, 0.0, options.absorption_db_per_m);
@@ -44,7 +44,8 @@ std::vector<double> Measure(const NoiseForm& form, const NoiseCounts& counts, co
   return measure;
 }
 
-// Mean grey by cell, less what rows and columns share, by medians: a few cells with targets pull nothing.
+// Mean grey per cell without the parts common to rows and columns (median polish). A few cells with targets
+// have no effect.
 std::vector<double> PolishedGrey(const NoiseCounts& counts, const NoiseCells& cells) {
   constexpr int kSweeps = 6;
   std::vector<double> grey;
@@ -72,7 +73,7 @@ std::vector<double> PolishedGrey(const NoiseCounts& counts, const NoiseCells& ce
   return grey;
 }
 
-// 1 within `limit` robust standard deviations of the median, else 0; `least`: a limit no smaller than this.
+// 1 within `limit` robust standard deviations of the median, else 0. `least`: min value of the limit.
 std::vector<double> Within(const std::vector<double>& measure, double limit, double least) {
   const double middle = Median(measure);
   std::vector<double> distance;

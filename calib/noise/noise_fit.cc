@@ -20,8 +20,9 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr int kFewestBandsToSplit = 4;
-constexpr int kPingsForDrift = 5;           // from here on sigmas see how pings drift
-constexpr std::size_t kHeldOutToSplit = 4;  // from here on some choose and others judge
+constexpr int kPingsForDrift = 5;  // min number of pings for a covariance that includes their drift
+// min number of held-out pings to select and evaluate on different ones
+constexpr std::size_t kHeldOutToSplit = 4;
 
 struct Pings {
   std::vector<NoiseCounts> each;
@@ -76,7 +77,7 @@ Pings ReadPings(const RecordingSource& recording, const std::vector<int>& frames
   return pings;
 }
 
-// The later of the held-out frames judge, apart from those that chose, as pings near in time are alike.
+// Evaluates on the later held-out frames, apart from those that select, because pings near in time are alike.
 void SetJudges(const std::vector<int>& held_out, const std::vector<int>& frames_used, NoiseFit& fit) {
   fit.judged_on_held_out = !held_out.empty();
   fit.judged_apart_from_choice = held_out.size() >= kHeldOutToSplit;
@@ -88,8 +89,7 @@ void SetJudges(const std::vector<int>& held_out, const std::vector<int>& frames_
   fit.frames_judged_on.assign(held_out.begin() + half, held_out.end());
 }
 
-// Of the cells that count as background those of even bands (0) or odd ones (1); all of them, where no bands
-// are held out.
+// Weights of the background cells in even bands (0) or odd ones (1). All of them if no bands are held out.
 std::vector<double> OfBands(const NoiseFit& fit, int odd) {
   std::vector<double> weight = fit.weight;
   if (!fit.bands_held_out) return weight;
@@ -101,7 +101,7 @@ std::vector<double> OfBands(const NoiseFit& fit, int odd) {
 
 class Fitter {
  public:
-  // `weight` by cell: of those fitted 1, else 0.
+  // `weight` per cell: 1 if fitted, else 0.
   Fitter(const Pings& used, const NoiseCells& cells, const NoiseFitOptions& options,
          std::vector<double> weight)
       : used_(used), cells_(cells), options_(options), weight_(std::move(weight)) {}
@@ -109,11 +109,11 @@ class Fitter {
   struct Fitted {
     NoiseLaw start;
     NoiseSolution solution;
-    std::vector<double> start_costs;  // where each start ended
+    std::vector<double> start_costs;  // cost at the end of each start
   };
 
-  // The best of several starts: a floor that falls with range, and one that rises. One that converged goes
-  // before one that did not.
+  // Returns the best of several starts: a floor that falls with range, and one that rises. Prefers one that
+  // converged.
   Fitted Fit(const NoiseForm& form) const {
     Fitted best;
     std::vector<double> costs;
@@ -132,7 +132,7 @@ class Fitter {
     return best;
   }
 
-  // Sandwich over pings, or over range bands of pings where there are few.
+  // Sandwich over pings, or over range bands of pings if there are few.
   Eigen::MatrixXd Covariance(const NoiseSolution& solution) const {
     const int count = solution.layout.count;
     const Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
@@ -229,21 +229,21 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
     best_form = form;
   };
   for (NoiseForm form : forms) {
-    form.floor_after_gain = false;  // many times quicker, and as telling of the display
+    form.floor_after_gain = false;  // many times faster, and equally informative on the display
     try_form(form);
   }
   const NoiseForm display_chosen = chosen < 0 ? forms.front() : best_form;
   for (const TimeVariedGain gain :
        {TimeVariedGain::kNone, TimeVariedGain::k20LogR, TimeVariedGain::k40LogR}) {
     for (const bool floor_after_gain : {true, false}) {
-      if (gain == TimeVariedGain::kNone && !floor_after_gain) continue;  // tried
+      if (gain == TimeVariedGain::kNone && !floor_after_gain) continue;  // already tried
       NoiseForm form = display_chosen;
       form.time_varied_gain = gain;
       form.floor_after_gain = floor_after_gain;
       try_form(form);
     }
   }
-  if (best_form.floor_after_gain) {  // which a softened display may have stood for
+  if (best_form.floor_after_gain) {  // a softened display may have stood for the second floor
     const NoiseForm floors_chosen = best_form;
     for (NoiseForm form : forms) {
       if (form.display.law == display_chosen.display.law && form.speckle == display_chosen.speckle) continue;

@@ -10,11 +10,11 @@
 namespace sonarcal::calib {
 namespace {
 
-// A parameter is called unidentifiable where its variance exceeds this share of what was assumed beforehand
-// (half of the spread), or its sigma a surprising step of a level.
+// A parameter is unidentifiable if its variance exceeds this share of the prior variance (half of the
+// standard deviation), or if its sigma exceeds a surprisingly large step of a level.
 constexpr double kUntold = 0.25;
 constexpr double kLevelStepDb = 20.0;
-constexpr double kTogether = 0.9;  // a correlation: the two are told as one
+constexpr double kTogether = 0.9;  // a correlation above which two parameters are determined only together
 
 class Builder {
  public:
@@ -49,7 +49,7 @@ class Builder {
     report_.parameters.push_back(parameter);
   }
 
-  // Correlations are told of what is known, but for the tapers.
+  // Reports correlations of the determined parameters, except tapers.
   FitReport Finish(const NoiseCells& cells) {
     const int count = static_cast<int>(told_.size());
     report_.correlation = Eigen::MatrixXd::Identity(count, count);
@@ -76,7 +76,7 @@ class Builder {
     int place = -1;
   };
 
-  // The wider of what the sandwich and the curvature say: each misses a kind of ignorance.
+  // Larger of the variances by sandwich and by curvature, because each misses some uncertainty.
   double Variance(int place) const { return std::max(covariance_(place, place), posterior_(place, place)); }
 
   bool Told(int place, const std::string& unit) const {
@@ -85,7 +85,7 @@ class Builder {
     return variance <= (unit == "dB" ? std::min(most, kLevelStepDb * kLevelStepDb) : most);
   }
 
-  // Where what is said is what was assumed: the pings have no say.
+  // Returns true if the result is the prior: the pings have no information.
   bool IsAssumed(int place) const {
     return posterior_(place, place) * solution_.prior_precision[place] > kUntold;
   }
@@ -102,8 +102,8 @@ class Builder {
     return covariance_(i, j) / std::sqrt(covariance_(i, i) * covariance_(j, j));
   }
 
-  // Level at range 0 and trend of the floor before the gain are told as one where the window is short, or
-  // far away: the level in the window is what the pings know.
+  // In a short or distant window, level at range 0 and trend of the floor before the gain are determined only
+  // together. The pings determine the level in the window.
   void DescribeFloor(const NoiseCells& cells) {
     const NoiseLayout& layout = solution_.layout;
     const auto is_floor = [&](const Parameter& parameter) {
@@ -168,7 +168,7 @@ class Builder {
   const Eigen::MatrixXd& covariance_;
   Eigen::MatrixXd posterior_;
   FitReport report_;
-  std::vector<Parameter> told_;  // but for the tapers
+  std::vector<Parameter> told_;  // except tapers
   std::vector<Parameter> untold_;
 };
 

@@ -16,7 +16,7 @@ double MeanRangeM(const NoiseCells& cells) {
   return 0.5 * (cells.RangeM(0) + cells.RangeM(cells.bands() - 1));
 }
 
-// The least level but 0 that occurs; 0 where none does.
+// Returns the lowest level above 0 that occurs; 0 if there is none.
 int LeastLevelShown(const NoiseCounts& counts) {
   int least = 0;
   for (const auto& cell : counts) {
@@ -27,7 +27,7 @@ int LeastLevelShown(const NoiseCounts& counts) {
   return least;
 }
 
-// The mean power that puts a high quantile of the grey values where it is: clipped zeros do not matter.
+// Mean power that explains a high quantile of the grey values, which clipped zeros do not affect.
 double RoughNoisePower(const NoiseCounts& counts, const NoiseCells& cells,
                        const DisplayParameters<double>& display) {
   std::vector<double> histogram(cells.full_scale + 1);
@@ -61,7 +61,7 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
   NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
   const double level_db = sim::LevelOfPower(RoughNoisePower(counts, cells, form.display));
   if (form.display.law == DisplayLaw::kSoftLog && form.display.soft_db == 0.0) {
-    // Nothing below the soft floor is ever shown: it starts below all that was.
+    // Starts below all recorded values, because nothing below the soft floor is ever shown.
     const double span_db = form.display.db_max - form.display.db_min;
     const double shown_db = (LeastLevelShown(counts) - 0.5) / cells.full_scale * span_db;
     law.display.soft_db =

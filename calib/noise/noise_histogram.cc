@@ -7,7 +7,7 @@
 namespace sonarcal::calib {
 namespace {
 
-// Cells of a dense count, without the levels that do not occur.
+// Converts a dense count. Leaves out levels that do not occur.
 NoiseCounts Sparse(const std::vector<int>& dense, int cells, int levels) {
   NoiseCounts counts(cells);
   for (int cell = 0; cell < cells; ++cell) {

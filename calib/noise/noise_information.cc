@@ -6,7 +6,7 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kStep = 0.1;  // of ln N: 0.4 dB, a few grey levels at the most
+constexpr double kStep = 0.1;  // step of ln N: 0.4 dB, at most a few grey levels
 constexpr double kLeastChance = 1e-12;
 
 }  // namespace
