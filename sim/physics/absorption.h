@@ -1,15 +1,17 @@
 // Absorption and speed of sound in water.
 //
-// Absorption is returned in dB/m, one way. Two formulas:
-//   Ainslie & McColm, J. Acoust. Soc. Am. 103(3), 1998, Eqs. 1-3 (Park 2024 Eq. (17); its Table 2 calls the
-//     result dB/m, but it is dB/km, and its depth is in kilometres).
+// Absorption is in dB/m, one way. Two formulas:
+//
+//   Ainslie & McColm, J. Acoust. Soc. Am. 103(3), 1998, Eqs. 1-3 (Park 2024 Eq. (17); its Table 2 states
+//     dB/m, but the result is in dB/km, and the depth is in kilometres).
 //   Francois & Garrison, J. Acoust. Soc. Am. 72(6), 1982, Part II.
-// Each holds within the limits that its authors state (OutsideLimits). kAuto takes the one whose limits hold:
-// the paper's where it does, else Francois-Garrison. Outside its limits a formula still returns a number, and
-// AbsorptionCaveat says so in words.
+//
+// Each is valid within the limits that its authors state (OutsideLimits). kAuto selects Ainslie-McColm if its
+// limits hold, otherwise Francois-Garrison. Outside its limits a formula still returns a number, and
+// AbsorptionCaveat returns a warning.
 //
 // To add a formula: a function, a value of AbsorptionFormula, its limits in OutsideLimits, a case in
-// AbsorptionDbPerM and a row of published values in tests/sim/physics/absorption_test.cc.
+// AbsorptionDbPerM, and a row of published values in tests/sim/physics/absorption_test.cc.
 #pragma once
 
 #include <fmt/format.h>
@@ -73,13 +75,13 @@ inline double FrancoisGarrisonDbPerM(double frequency_hz, const Water& water) {
   return db_per_km * 1e-3;
 }
 
-// Values of frequency and water outside the limits that the formula's authors state, one phrase each; empty
-// where the formula holds. `formula` is not kAuto.
+// Values of frequency and water outside the limits that the formula's authors state, one phrase each. Empty
+// if the formula is valid. `formula` must not be kAuto.
 //
-// Ainslie-McColm: 100 Hz..1 MHz, -6..35 C, 5..50 ppt, pH 7.7..8.3, to 7 km.
-// Francois-Garrison: up to 500 kHz, where magnesium sulphate or boric acid dominate, from 400 Hz, -1.8..30 C,
-// 30..35 ppt, pH 7.7..8.3, to 3.5 km; above 500 kHz, where water dominates, 0..30 C, 0..40 ppt, to 10 km, and
-// pH does not matter.
+//   Ainslie-McColm                    100 Hz..1 MHz, -6..35 C, 5..50 ppt, pH 7.7..8.3, up to 7 km
+//   Francois-Garrison, to 500 kHz     from 400 Hz, -1.8..30 C, 30..35 ppt, pH 7.7..8.3, up to 3.5 km
+//                                     (magnesium sulphate or boric acid dominates)
+//   Francois-Garrison, above 500 kHz  0..30 C, 0..40 ppt, up to 10 km, any pH (water dominates)
 inline std::vector<std::string> OutsideLimits(AbsorptionFormula formula, double frequency_hz,
                                               const Water& water) {
   std::vector<std::string> outside;
@@ -110,8 +112,7 @@ inline std::vector<std::string> OutsideLimits(AbsorptionFormula formula, double 
   return outside;
 }
 
-// The formula that is used: kAuto becomes Ainslie-McColm, the paper's, where its limits hold, else
-// Francois-Garrison.
+// Formula in use: kAuto becomes Ainslie-McColm, the paper's, if its limits hold, otherwise Francois-Garrison.
 inline AbsorptionFormula ResolvedAbsorption(AbsorptionFormula formula, double frequency_hz,
                                             const Water& water) {
   if (formula != AbsorptionFormula::kAuto) return formula;
@@ -130,8 +131,9 @@ inline std::string_view NameOf(AbsorptionFormula formula) {
   return formula == AbsorptionFormula::kAinslieMcColm ? "Ainslie-McColm" : "Francois-Garrison";
 }
 
-// A sentence where the formula in use is outside its stated limits, with what is outside and both formulas'
-// values: a warning where no formula holds, a note where the other one does. Empty where it holds.
+// Message if the formula in use is outside its stated limits: the values outside, and the results of both
+// formulas. A warning if neither formula is valid, a note if the other one is. Empty if the formula in use is
+// valid.
 inline std::string AbsorptionCaveat(AbsorptionFormula formula, double frequency_hz, const Water& water) {
   const AbsorptionFormula used = ResolvedAbsorption(formula, frequency_hz, water);
   const std::vector<std::string> outside = OutsideLimits(used, frequency_hz, water);
@@ -147,7 +149,7 @@ inline std::string AbsorptionCaveat(AbsorptionFormula formula, double frequency_
       other_holds ? ", and its range holds" : ", outside its range too");
 }
 
-// A sentence that states formula and value, and where the paper's formula is not used, why not.
+// Sentence with formula and value, and the reason if the paper's formula is not used.
 inline std::string AbsorptionStatement(AbsorptionFormula formula, double frequency_hz, const Water& water) {
   const AbsorptionFormula used = ResolvedAbsorption(formula, frequency_hz, water);
   std::string text = fmt::format("Absorption by {}: {:.4f} dB/m one way.", NameOf(used),

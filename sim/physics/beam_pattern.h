@@ -1,24 +1,25 @@
-// Responses of the sonar to an echo that is off in azimuth, elevation or range. Each is a two-way power
-// response, 1 on the axis, named by its full width at half power. Elevation and range are of Gaussian shape,
+// Responses of the sonar to an echo off the axis in azimuth, elevation or range. Each is a two-way power
+// response, 1 on the axis, described by its full width at half power. Range, and by default elevation, have a
+// Gaussian response,
 //
 //   w(x) = 2^(-(2 x / width)^2)
 //
-// A peak of 1 keeps the level of a point target; the level of an extended surface then follows from the area
-// of the resolution cell, whose equivalent width is the integral of the response: width * sqrt(pi / (4 ln
-// 2)).
+// A peak of 1 keeps the level of a point target. The level of an extended surface then follows from the area
+// of the resolution cell. Its equivalent width is the integral of the response: width * sqrt(pi / (4 ln 2)).
 //
-// In azimuth a beam has one of three shapes (AzimuthPattern):
-//   kGaussian  w of the difference in azimuth: a main lobe alone.
-//   kAperture  a line array of length L wavelengths shaded by (1 - t) + t cos^2(pi s), s = -1/2..1/2, t the
-//              taper. Its field is a sum of three sincs of v = L (sin(echo azimuth) - sin(beam azimuth)),
-//                F(v) = sinc(v) + (t / 4) (sinc(v - 1) + sinc(v + 1)) / (1 - t / 2),  sinc(x) = sin(pi x) /
-//                (pi x),
-//              and its power F^2. L is such that the beam at bore-sight has the half-power width; other beams
-//              are wider by 1 / cos(azimuth), as a real array's. Highest side lobe: -13.26 dB at t = 0,
-//              -31.47 dB at t = 1 (Harris, Proc. IEEE 66(1), 1978, Table I). The transmitter is taken as even
-//              over the field of view.
-//   kTable     levels in dB at whole offsets in beams, linear in dB between them, nothing beyond the last.
-//              Its field is the root of its power: the table has no signs.
+// Shapes of a beam in azimuth (AzimuthPattern):
+//
+//   kGaussian  w of the difference in azimuth: a main lobe only.
+//   kAperture  A line array of length L wavelengths shaded by (1 - t) + t cos^2(pi s), s = -1/2..1/2, with t
+//              the taper. Its field is a sum of three sincs of v = L (sin(echo azimuth) - sin(beam azimuth)),
+//                F(v) = sinc(v) + (t / 4) (sinc(v - 1) + sinc(v + 1)) / (1 - t / 2),
+//                sinc(x) = sin(pi x) / (pi x),
+//              and its power F^2. L gives the beam at broadside its half-power width; other beams are wider
+//              by 1 / cos(azimuth), as with a real array. Highest side lobe: -13.26 dB at t = 0, -31.47 dB at
+//              t = 1 (Harris, Proc. IEEE 66(1), 1978, Table I). The transmitter is assumed uniform over the
+//              field of view.
+//   kTable     Levels in dB at whole offsets in beams, linear in dB between them, no response beyond the
+//              last. Its field is the square root of its power: the table has no signs.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +33,7 @@
 
 namespace sonarcal::sim {
 
-// x and half_power_width in one unit; half_power_width > 0.
+// Response at x. x and half_power_width in the same unit; half_power_width > 0.
 template <typename T>
 T GaussianResponse(const T& x, const T& half_power_width) {
   using std::exp;
@@ -46,7 +47,7 @@ T GaussianEquivalentWidth(const T& half_power_width) {
   return half_power_width * T(std::sqrt(std::numbers::pi / (4.0 * std::numbers::ln2)));
 }
 
-// sin(pi x) / (pi x); by its series near 0, where quotient and derivative lose their digits.
+// sin(pi x) / (pi x). Uses a series near 0, where the quotient and its derivative lose digits.
 template <typename T>
 T Sinc(const T& x) {
   using std::sin;
@@ -75,7 +76,7 @@ T SincSlope(const T& x) {
   return (cos(y) - Sinc(x)) / x;
 }
 
-// Field of a line aperture shaded by (1 - taper) + taper cos^2, 1 on the axis; v is its length in wavelengths
+// Field of a line aperture shaded by (1 - taper) + taper cos^2, 1 on the axis. v is the length in wavelengths
 // times the sine off axis. 0 <= taper <= 1.
 template <typename T>
 T ApertureField(const T& v, const T& taper) {
@@ -83,9 +84,9 @@ T ApertureField(const T& v, const T& taper) {
   return Sinc(v) + T(0.25) * taper * sides / (T(1.0) - T(0.5) * taper);
 }
 
-// The v > 0 at which the power of ApertureField is a half: 0.4429 at taper 0, 0.7203 at taper 1. By Newton's
-// method in T itself, so that it carries the derivative by taper. Where the field's power 0.5^(2
-// root_of_half) is sought instead, such as that of an aperture used twice, give root_of_half.
+// Value v > 0 at which the power of ApertureField is 1/2: 0.4429 at taper 0, 0.7203 at taper 1. Newton's
+// method runs in T, so the result carries the derivative by the taper. Pass root_of_half to find the v at
+// which the field is 0.5^root_of_half, e.g. 0.25 for an aperture that is used twice.
 template <typename T>
 T ApertureHalfPower(const T& taper, double root_of_half = 0.5) {
   T v(0.6);
@@ -104,20 +105,20 @@ T ApertureEquivalentWidth(const T& taper) {
   return T(1.0) + T(0.125) * taper * taper / (mean * mean);
 }
 
-// The azimuth response as a fit sees it. The tables must outlive it.
+// Azimuth response as a fit uses it. The tables must outlive it.
 template <typename T>
 struct AzimuthShape {
   AzimuthPattern pattern = AzimuthPattern::kGaussian;
-  T width_rad = T(0.0);                           // full width at half power; not of kTable
+  T width_rad = T(0.0);                           // full width at half power; unused for kTable
   T taper = T(1.0);                               // kAperture
   const std::vector<double>* table_db = nullptr;  // kTable: level at -n..n beams off axis, 2 n + 1 values
-  double beam_spacing_rad = 0.0;                  // kTable: an offset of one beam, where beams are even
-  // kTable: beam centres, for beams that are not even (offsets are then counted in beams, as the table does);
-  // null: every beam_spacing_rad.
+  double beam_spacing_rad = 0.0;                  // kTable: an offset of one beam, if beams are evenly spaced
+  // kTable: beam centres of unevenly spaced beams (offsets are then counted in beams, as in the table); null:
+  // beams are beam_spacing_rad apart.
   const std::vector<double>* beam_azimuth_rad = nullptr;
 };
 
-// Position of an azimuth among beam centres (at least two, increasing): i at centre i, linear between and
+// Position of an azimuth among beam centres (at least two, ascending): i at centre i, linear between and
 // beyond.
 inline double FractionalBeam(const std::vector<double>& beam_azimuth_rad, double azimuth_rad) {
   const auto above = std::upper_bound(beam_azimuth_rad.begin() + 1, beam_azimuth_rad.end() - 1, azimuth_rad);
@@ -125,7 +126,7 @@ inline double FractionalBeam(const std::vector<double>& beam_azimuth_rad, double
   return static_cast<double>(above - 1 - beam_azimuth_rad.begin()) + (azimuth_rad - left) / (*above - left);
 }
 
-// An AzimuthShape made ready to be evaluated many times: the aperture's length is found once.
+// AzimuthShape prepared for many evaluations: the aperture's length is computed once.
 template <typename T>
 class AzimuthResponse {
  public:
@@ -180,7 +181,7 @@ class AzimuthResponse {
     const int last = static_cast<int>(table_db.size()) - 1;
     double position = offset + 0.5 * last;
     const double nearest = std::round(position);
-    if (std::abs(position - nearest) < 1e-9) position = nearest;  // a beam's centre, but for rounding
+    if (std::abs(position - nearest) < 1e-9) position = nearest;  // centre of a beam, up to rounding
     if (position < 0.0 || position > last) return 0.0;
     const int below = std::min(static_cast<int>(position), std::max(last - 1, 0));
     const int above = std::min(below + 1, last);
@@ -192,7 +193,7 @@ class AzimuthResponse {
   T aperture_wavelengths_ = T(0.0);
 };
 
-// Power response of one beam to one echo, 1 on the axis. Where many are wanted, keep an AzimuthResponse.
+// Power response of one beam to one echo, 1 on the axis. For many echoes, keep an AzimuthResponse.
 template <typename T>
 T AzimuthPower(const AzimuthShape<T>& shape, double echo_azimuth_rad, double beam_azimuth_rad) {
   return AzimuthResponse<T>(shape).Power(echo_azimuth_rad, beam_azimuth_rad);
@@ -201,13 +202,12 @@ T AzimuthPower(const AzimuthShape<T>& shape, double echo_azimuth_rad, double bea
 // Field of a line aperture shaded by cos(pi s), s = -1/2..1/2, 1 on the axis: cos(pi v) / (1 - 4 v^2), v as
 // in ApertureField. Highest side lobe -23 dB (Harris 1978, Table I).
 inline double CosineApertureField(double v) {
-  const double e = std::abs(v) - 0.5;  // near which both terms vanish: sin(pi e) / (4 e (1 + e))
+  const double e = std::abs(v) - 0.5;  // both terms vanish near 0: sin(pi e) / (4 e (1 + e))
   return 0.25 * std::numbers::pi * Sinc(e) / (1.0 + e);
 }
 
-// Two-way elevation response of a beam, 1 on the axis, made ready to be evaluated many times. kAperture and
-// kCosine: the field of an aperture on transmit times the same on receive, F(v)^4 in power with v = L
-// sin(elevation).
+// Two-way elevation response of a beam, 1 on the axis, prepared for many evaluations. kAperture and kCosine:
+// the field of an aperture on transmit times the same on receive, F(v)^4 in power with v = L sin(elevation).
 class ElevationResponse {
  public:
   // width_rad: full width at half power, two-way; 0: no pattern.
@@ -229,7 +229,7 @@ class ElevationResponse {
   }
 
  private:
-  // The v at which CosineApertureField is 0.5^(1/4).
+  // Value v at which CosineApertureField is 0.5^(1/4).
   static constexpr double kCosineHalfPower = 0.4254963363382263;
 
   ElevationPattern pattern_;
@@ -238,12 +238,12 @@ class ElevationResponse {
   double aperture_wavelengths_ = 0.0;
 };
 
-// Elevation at which a pattern's main lobe ends, where it first stops falling, radians; pi / 2 where it has
-// no side lobe. To a thousandth of a radian.
+// Elevation at which a pattern's main lobe ends (where it first stops falling), radians, to a thousandth of a
+// radian. pi / 2 if there is no side lobe.
 double MainLobeEndRad(const ElevationResponse& response);
 
-// What a transmitter sends beside the field of view (BeamParameters), as a factor on the power of an echo
-// whose way out begins there.
+// Transmitted power outside the field of view (BeamParameters): a factor on the power of an echo that leaves
+// the sonar at this azimuth.
 class TransmitPattern {
  public:
   explicit TransmitPattern(const BeamParameters& beam)
@@ -262,16 +262,16 @@ class TransmitPattern {
   double end_rad_;
 };
 
-// Azimuths (lowest, highest) outside which the beam's power response stays below `level_db`, < 0. For
-// kAperture by the envelope of its side lobes, which lies at most a few dB above them; -pi/2 or pi/2 where
-// they reach over the side. What is lost by cutting there, as a fraction of the integral: kGaussian nothing
-// to speak of; kAperture at -60 dB 1.4e-6 at taper 1, 3.2e-4 at taper 0; kTable nothing, whatever the level.
+// Azimuths (lowest, highest) outside which the beam's power response stays below `level_db` < 0. kAperture
+// uses the envelope of its side lobes, which lies at most a few dB above them; the result is -pi/2 or pi/2 if
+// the side lobes reach that far. A cut at these azimuths loses a fraction of the integral: kGaussian almost
+// nothing; kAperture at -60 dB 1.4e-6 at taper 1, 3.2e-4 at taper 0; kTable nothing at any level.
 std::pair<double, double> AzimuthReachRad(const AzimuthResponse<double>& response, double beam_azimuth_rad,
                                           double level_db);
 
-// Integral of the power response over azimuth, radians: what the width of the resolution cell is. kAperture:
-// over the sine, divided by cos(beam azimuth), which takes the beam to be narrow. kTable without
-// beam_azimuth_rad: of any beam; with it: where the beam's neighbours are as wide as the beam.
+// Integral of the power response over azimuth, radians: the width of the resolution cell. kAperture: integral
+// over the sine, divided by cos(beam azimuth), which assumes a narrow beam. kTable without beam_azimuth_rad:
+// the same for every beam. kTable with it: assumes that the beam's neighbours are as wide as the beam.
 double AzimuthEquivalentWidthRad(const AzimuthResponse<double>& response, double beam_azimuth_rad);
 
 }  // namespace sonarcal::sim

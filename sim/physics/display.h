@@ -1,5 +1,5 @@
-// Display laws: how received power becomes a grey value v, in parts of full scale and before clipping, and
-// back again (types/parameters.h: DisplayLaw).
+// Display laws: received power to grey value v, in units of full scale before clipping, and back
+// (core/types/parameters.h: DisplayLaw).
 //
 //   kLog      v = (10 log10 P - db_min) / (db_max - db_min)                            ARIS
 //   kSoftLog  v = (10 log10(P + 10^(soft_db / 10)) - db_min) / (db_max - db_min)       DIDSON
@@ -7,7 +7,7 @@
 //             v = (20 log10(sqrt(P) + 10^(soft_db / 20)) - db_min) / (db_max - db_min) ARIS 3000
 //   kPower    v = (P / 10^(db_max / 10))^(exponent / 2)                                Oculus
 //
-// v rises with P everywhere. To add a law: a word in types/parameters.h and
+// v increases monotonically with P. To add a law: a word in core/types/parameters.h, its keys in
 // data_io/parameters/parameters_io.cc, a case in each function here.
 #pragma once
 
@@ -19,10 +19,10 @@
 
 namespace sonarcal::sim {
 
-// Power below this (a dB figure far under any display) is shown as silence.
+// Lower limit of power, far below any display.
 inline constexpr double kSilencePower = 1e-30;
 
-// The kLog law of a level. 0..1 unclipped.
+// Display value of a level by the law kLog. Shown values are 0..1; not clipped.
 template <typename T>
 T LogDisplay(const DisplayParameters<T>& display, const T& level_db) {
   return (level_db - display.db_min) / (display.db_max - display.db_min);
@@ -44,7 +44,7 @@ T LevelOfPower(const T& power) {
   return log(power) * T(10.0 / std::numbers::ln10);
 }
 
-// v of power >= 0. Power below kSilencePower counts as that.
+// Display value of power >= 0. Power below kSilencePower counts as kSilencePower.
 template <typename T>
 T DisplayValue(const DisplayParameters<T>& display, const T& power) {
   using std::exp;
@@ -67,8 +67,8 @@ T DisplayValue(const DisplayParameters<T>& display, const T& power) {
   return T(0.0);
 }
 
-// The power shown as v: the inverse of DisplayValue. 0 where no power is shown that low: at or below the soft
-// floor v = (soft_db - db_min) / (db_max - db_min) of both soft laws, and at or below 0 of kPower.
+// Power that is displayed as v: the inverse of DisplayValue. 0 if no power is displayed as low as v: both
+// soft laws at or below v = (soft_db - db_min) / (db_max - db_min), kPower at or below 0.
 template <typename T>
 T PowerFromDisplay(const DisplayParameters<T>& display, const T& value) {
   using std::exp;

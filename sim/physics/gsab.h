@@ -3,10 +3,10 @@
 //
 //   GSAB(delta) = A exp(-delta^2 / 2 B^2) + C cos(delta)^D + E exp(-delta^2 / 2 F^2)
 //
-// delta is the angle between the ray and the surface normal, 0..90 degrees. A, C and E are ratios of power,
-// B and F half-widths in degrees, D an exponent (the paper prints it where a factor could be read).
-// The paper model uses 10 log10 GSAB as the target strength of one ray; the acoustic model as backscattering
-// strength of a unit of area.
+// delta is the angle between the ray and the surface normal, 0..90 degrees. A, C and E are power ratios, B
+// and F half-widths in degrees, D an exponent (the paper's typesetting could be read as a factor). The
+// paper's model uses 10 log10 GSAB as the target strength of one ray, the acoustic model as backscattering
+// strength per unit area.
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@
 
 namespace sonarcal::sim {
 
-// A parameter as a fit sees it.
+// Parameter as a fit uses it.
 struct ParameterTraits {
-  std::string_view name;  // as in `fit.json`, after its group
+  std::string_view name;  // name in `fit.json`, after its group
   std::string_view unit;
   double lower;
   double upper;
 };
 
-// In the order of the members of GsabParameters. Widths below a tenth of a degree cannot be told from a
-// mirror, above 60 degrees they cannot be told from the cosine.
+// In the order of the members of GsabParameters. Widths below 0.1 degrees are not distinguishable from a
+// mirror, widths above 60 degrees not from the cosine.
 inline constexpr std::array<ParameterTraits, 6> kGsabTraits = {{
     {"A", "power ratio", 1e-6, 1e6},
     {"B_deg", "deg", 0.1, 60.0},
@@ -38,10 +38,11 @@ inline constexpr std::array<ParameterTraits, 6> kGsabTraits = {{
     {"F_deg", "deg", 0.1, 60.0},
 }};
 
-// Below this a surface is taken to be silent; it keeps the logarithm finite at 90 degrees.
+// Lower limit of the power; it keeps the logarithm finite at 90 degrees.
 inline constexpr double kGsabFloor = 1e-12;
 
-// The two peaks, of facets tilted so far from the normal; and the slow part, at this cosine of incidence.
+// GsabPeaksPower: the two peaks, for facets tilted by tilt_deg from the normal. GsabSlowPower: the cosine
+// term, at this cosine of incidence.
 template <typename T>
 T GsabPeaksPower(const GsabParameters<T>& p, double tilt_deg) {
   using std::exp;
@@ -64,12 +65,12 @@ T GsabPower(const GsabParameters<T>& p, double incidence_deg) {
   return power;
 }
 
-// The same between two directions, at incidence_deg and other_deg from the normal, the normal being tilt_deg
-// off the direction midway between them: backscatter (GsabPower) where the two are one, and the same either
-// way round. The two peaks are those of facets, which reflect one direction into the other where they are
-// tilted so; the rest scatters what it gets by the cosine of either leg alike. Published for none of these
-// curves: a coherent simulation of a tank, not ours, follows it (docs/studies/ghosts.md), and not the mean of both
-// backscatters.
+// Scattering between two directions, at incidence_deg and other_deg from the normal, with the normal tilt_deg
+// off their bisector. Symmetric in the two directions; equals GsabPower if they coincide. The two peaks come
+// from facets, which reflect one direction into the other if they are tilted by tilt_deg. The cosine term
+// depends on the geometric mean of both cosines. No publication gives this extension of the curves. It agrees
+// with an independent coherent simulation of a tank (docs/studies/ghosts.md); the mean of both backscatter
+// values does not.
 template <typename T>
 T GsabBetweenPower(const GsabParameters<T>& p, double incidence_deg, double other_deg, double tilt_deg) {
   T power = GsabPeaksPower(p, tilt_deg);

@@ -2,9 +2,9 @@
 //
 //   sigma(R) = sigma0 g(R) / sqrt(f / f0),   g = sqrt(1 + R^2/R0^2) (default) or 1 + R^2/R0^2
 //
-// The printed equations lost their roots and brackets; the growth law is therefore an option. The expected
-// image under these errors is the image blurred by a Gaussian: `GaussianBlurWeight` is that blur, exactly,
-// for echoes spread evenly over the interval they start in.
+// The printed equations lack their roots and brackets, so the growth law is an option. The expected image
+// under these errors is the image blurred by a Gaussian. `GaussianBlurWeight` is this blur, exact for echoes
+// spread evenly over their interval.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace sonarcal::sim {
 
-// Bounds of a fit: far below any bin the errors cannot be seen. A value of exactly 0 means no error and is
+// Bounds of a fit: errors far below a bin have no visible effect. A value of exactly 0 means no error and is
 // not fitted.
 inline constexpr std::array<ParameterTraits, 3> kJitterTraits = {{
     {"sigma_range_m", "m", 1e-4, 1.0},
@@ -44,23 +44,23 @@ T JitterSigmaAzimuthRad(const JitterParameters<T>& jitter, double range_m, doubl
   return RadFromDeg(jitter.sigma_azimuth_deg) * JitterGrowthFactor(jitter, range_m, frequency_hz);
 }
 
-// Probability that a point spread evenly over one interval lands in another after a zero-mean Gaussian error,
-// and its derivative with respect to the error's standard deviation.
+// Probability that a point, spread evenly over one interval, lands in another after a zero-mean Gaussian
+// error; and its derivative by the error's standard deviation.
 struct BlurWeight {
   double value = 0.0;
   double slope = 0.0;  // d value / d sigma
 
-  // The value for a sigma that a solver differentiates.
+  // Value for a sigma that a solver differentiates.
   template <typename T>
   T At(const T& sigma, double sigma_value) const {
     return T(value) + T(slope) * (sigma - T(sigma_value));
   }
 };
 
-// From [from_low, from_high] into [to_low, to_high], all in the unit of sigma > 0. With
-// H(x) = x Phi(x / sigma) + sigma phi(x / sigma), the integral of the normal distribution function,
+// Weight from [from_low, from_high] to [to_low, to_high], all in the unit of sigma > 0. With H(x) = x Phi(x /
+// sigma) + sigma phi(x / sigma), the integral of the normal distribution function,
 //   weight = (H(to_high - from_low) - H(to_high - from_high) - H(to_low - from_low) + H(to_low - from_high))
-//   / width
+//            / width
 // and dH / dsigma = phi(x / sigma).
 inline BlurWeight GaussianBlurWeight(double from_low, double from_high, double to_low, double to_high,
                                      double sigma) {

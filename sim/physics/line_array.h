@@ -1,4 +1,4 @@
-// A sonar's receiver as a line array along X, and the beams that are formed of it.
+// Receiver of a sonar as a line array along X, and beamforming with it.
 #pragma once
 
 #include <complex>
@@ -10,8 +10,8 @@
 namespace sonarcal::sim {
 
 struct LineArray {
-  std::vector<double> position_wavelengths;  // of each element along X, symmetric about 0
-  std::vector<double> shading;               // its weight; of sum 1
+  std::vector<double> position_wavelengths;  // per element along X, symmetric about 0
+  std::vector<double> shading;               // weight per element; sum 1
 
   // |sum of shading x exp(2 pi i position sine)|^2: 1 on the axis.
   double Power(double sine) const;
@@ -27,10 +27,10 @@ class Beamformer {
 
   int elements() const { return elements_; }
 
-  // Noise of unit power in each element leaves the beams with unit power once multiplied by this.
+  // Factor that gives the beams unit noise power if each element has unit noise power.
   double noise_scale() const { return noise_scale_; }
 
-  // Of the fields at the elements.
+  // Beam from the fields at the elements.
   std::complex<double> Beam(int beam, std::span<const std::complex<double>> field) const;
 
  private:

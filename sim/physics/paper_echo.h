@@ -1,5 +1,5 @@
-// The paper's echo of one ray (Park 2024 Eqs. 11 and 21): its level in dB, scaled to 0..1 between the
-// display's limits. Not clamped: only the sum over a pixel's rays is (Eqs. 22-24).
+// Echo of one ray in the paper's model (Park 2024 Eqs. 11 and 21): its level in dB, scaled to 0..1 between
+// the display's limits. Not clamped: only the sum over a pixel's rays is (Eqs. 22-24).
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace sonarcal::sim {
 
-// Everything that the paper's image depends on, with materials in the order of the scene's material names.
+// All parameters of the paper's image, with materials in the order of the scene's material names.
 template <typename T>
 struct PaperParameters {
   T source_level_db = T(0.0);
@@ -22,7 +22,7 @@ struct PaperParameters {
 };
 
 // s = (SNR - dB_min) / (dB_max - dB_min). Affine in loss and target strength: the mean of s over rays is s at
-// the mean loss and the mean target strength, which is what lets a pixel be shaded from a histogram.
+// the mean loss and the mean target strength. A pixel can therefore be shaded from a histogram.
 template <typename T>
 T NormalisedPaperEcho(const PaperParameters<T>& p, const T& two_way_loss_db, const T& target_strength_db) {
   const T snr_db = SonarEquationDb(p.source_level_db, two_way_loss_db, target_strength_db, p.noise_level_db,
@@ -30,7 +30,7 @@ T NormalisedPaperEcho(const PaperParameters<T>& p, const T& two_way_loss_db, con
   return (snr_db - p.display.db_min) / (p.display.db_max - p.display.db_min);
 }
 
-// Values for the materials of a scene. Throws DataError where a material has none.
+// Parameters for the materials of a scene. Throws DataError if a material has none.
 inline PaperParameters<double> PaperParametersFor(const ParameterSet& parameters,
                                                   const std::vector<std::string>& material_names) {
   PaperParameters<double> paper;

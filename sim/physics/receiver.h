@@ -1,5 +1,5 @@
-// What the receiver adds to echoes: time-varied gain, a noise floor in power, and how many looks a pixel has.
-// Speckle and its way through the display: speckle.h; the display itself: display.h.
+// Effects of the receiver on echoes: time-varying gain, a noise floor in power, and the number of looks per
+// pixel. speckle.h: speckle through the display. display.h: the display itself.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@
 
 namespace sonarcal::sim {
 
-// What the law adds to a level received from range_m > 0, dB; 0 dB at 1 m but for absorption.
+// Gain of the law at range_m > 0, dB. Without absorption it is 0 dB at 1 m.
 inline double TimeVariedGainDb(TimeVariedGain law, double range_m, double absorption_db_per_m) {
   const double range_db = 10.0 * std::log10(range_m);
   switch (law) {
@@ -33,7 +33,7 @@ inline double TimeVariedGainDb(TimeVariedGain law, double range_m, double absorp
   return 0.0;
 }
 
-// Throws DataError where a taper is given for another number of beams.
+// Throws DataError if a taper does not have one value per beam.
 inline void CheckTapers(const ReceiverParameters& receiver, int beams) {
   const auto check = [beams](const std::vector<double>& taper, const char* name) {
     if (!taper.empty() && static_cast<int>(taper.size()) != beams) {
@@ -45,7 +45,8 @@ inline void CheckTapers(const ReceiverParameters& receiver, int beams) {
   check(receiver.noise_after_gain_taper_db, "noise_after_gain_taper_db");
 }
 
-// N(r, b) of types/parameters.h: 0 where neither floor is given. The tapers fit the beams (CheckTapers).
+// N(r, b) of core/types/parameters.h; 0 if neither floor is given. The tapers must fit the beams
+// (CheckTapers).
 inline double NoisePower(const ReceiverParameters& receiver, double range_m, int beam,
                          double absorption_db_per_m) {
   const auto taper_db = [beam](const std::vector<double>& taper) {
@@ -63,7 +64,8 @@ inline double NoisePower(const ReceiverParameters& receiver, double range_m, int
   return power;
 }
 
-// NoisePower of every bin and beam at little cost: both floors are products of a term by bin and one by beam.
+// NoisePower of every bin and beam at low cost: both floors are products of one factor per bin and one per
+// beam.
 class ReceiverNoise {
  public:
   ReceiverNoise(const ReceiverParameters& receiver, const PolarAxes& axes, double absorption_db_per_m) {
@@ -83,7 +85,7 @@ class ReceiverNoise {
     }
   }
 
-  // The floor that time-varied gain raises: noise_db, its trend and taper.
+  // Noise floor before time-varying gain, with the gain applied: noise_db, its trend and taper.
   double BeforeGain(int bin, int beam) const { return before_gain_by_bin_[bin] * taper_[beam]; }
   double Power(int bin, int beam) const { return BeforeGain(bin, beam) + after_gain_[beam]; }
 
@@ -98,8 +100,8 @@ inline double MeanLogSpeckleDb(double looks) {
   return 10.0 / std::numbers::ln10 * (Eigen::numext::digamma(looks) - std::log(looks));
 }
 
-// An average over whole looks and one more of weight w in [0, 1) that has the variance of L looks:
-// (n + w)^2 / (n + w^2) = L with n = floor(L). Returns (n, w). looks >= 1.
+// Weights of an average of floor(L) looks and one more of weight w in [0, 1) that has the variance of L
+// looks: (n + w)^2 / (n + w^2) = L with n = floor(L). Returns (n, w). looks >= 1.
 inline std::pair<int, double> LooksAsWeights(double looks) {
   const int whole = static_cast<int>(std::floor(looks));
   const double n = whole;

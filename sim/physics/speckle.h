@@ -1,13 +1,14 @@
-// Speckle and its way through the display.
+// Speckle and its effect on the display.
 //
-// Speckle: the power of a pixel is P x with E[x] = 1. Two laws of x, both of variance 1 / L:
+// Speckle: the power of a pixel is P x with E[x] = 1. Two distributions of x, both of variance 1 / L:
+//
 //   kGamma     Gamma with shape L: an average of L equal looks, L > 0 (L = 1: exponential)
-//   kWeighted  the average of unequal looks that `LooksAsWeights` names, which is what
-//              `SampleAcousticImage` draws; closed form for 1 <= L <= 2, where
-//              F(x) = 1 - (exp(-y) - w exp(-y / w)) / (1 - w), y = (1 + w) x; beyond that Gamma.
+//   kWeighted  Average of unequal looks with the weights of `LooksAsWeights`, as in `SampleAcousticImage`.
+//              Closed form for 1 <= L <= 2:
+//              F(x) = 1 - (exp(-y) - w exp(-y / w)) / (1 - w), y = (1 + w) x; Gamma beyond.
 //
-// Display: v rises with power, hence by change of variable P(displayed <= v) = F(PowerFromDisplay(v) / P),
-// and the mean displayed value, clipped to 0..1, is the integral of 1 - P(displayed <= v) over 0..1.
+// Display: v increases with power, so P(displayed <= v) = F(PowerFromDisplay(v) / P). The mean displayed
+// value, clipped to 0..1, is the integral of 1 - P(displayed <= v) over 0..1.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +28,7 @@ constexpr auto WordsOf(std::type_identity<SpeckleLaw>) {
   return Words<SpeckleLaw, 2>{{{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}}};
 }
 
-// P(x <= ratio); 0 at or below 0. looks > 0 (kWeighted: >= 1).
+// P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0)) return 0.0;
   if (!(ratio < 1e300)) return 1.0;
@@ -43,7 +44,7 @@ inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw
   return Eigen::numext::igamma(looks, looks * ratio);
 }
 
-// P(x > ratio), to full relative accuracy where 1 - SpeckleCdf has lost its digits.
+// P(x > ratio), to full relative accuracy, where 1 - SpeckleCdf has lost its digits.
 inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0)) return 1.0;
   if (!(ratio < 1e300)) return 0.0;
@@ -57,7 +58,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
   return Eigen::numext::igammac(looks, looks * ratio);
 }
 
-// Density of x: the derivative of SpeckleCdf. 0 at or below 0.
+// Density of x: the derivative of SpeckleCdf. 0 for ratio <= 0.
 inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
@@ -70,14 +71,14 @@ inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = Speckl
   return std::exp(looks * std::log(looks * ratio) - looks * ratio - std::lgamma(looks)) / ratio;
 }
 
-// P(displayed <= v) where the mean power is `power` > 0. Before clipping: at 0 it is the share that is
-// clipped to 0, and 1 less what is at 1 the share that is clipped to full scale.
+// P(displayed <= v) at mean power `power` > 0, before clipping. At v = 0 it is the share clipped to 0; at v =
+// 1 its complement is the share clipped to full scale.
 inline double DisplayedCdf(const DisplayParameters<double>& display, double looks, double power, double value,
                            SpeckleLaw law = SpeckleLaw::kGamma) {
   return SpeckleCdf(looks, PowerFromDisplay(display, value) / power, law);
 }
 
-// Powers at which a display goes from one of `steps` + 1 grey levels to the next.
+// Powers at the boundaries between the `steps` + 1 grey levels of a display.
 inline std::vector<double> GreyEdges(const DisplayParameters<double>& display, int steps) {
   std::vector<double> edges;
   edges.reserve(static_cast<std::size_t>(steps));
@@ -86,7 +87,7 @@ inline std::vector<double> GreyEdges(const DisplayParameters<double>& display, i
 }
 
 // Mean of the displayed value, clipped to 0..1 and rounded to multiples of 1 / steps: the sum over grey
-// levels of the chance to lie above the edge between two.
+// levels of the probability of exceeding the boundary between two.
 inline double MeanDisplayedGrey(const std::vector<double>& edges, double looks, double power,
                                 SpeckleLaw law = SpeckleLaw::kGamma) {
   double mean = 0.0;
@@ -99,23 +100,24 @@ inline double MeanDisplayedGrey(const DisplayParameters<double>& display, double
   return MeanDisplayedGrey(GreyEdges(display, steps), looks, power, law);
 }
 
-// Of the midpoint rule by which the mean of values that are not rounded is found.
+// Steps of the midpoint rule for the mean of values that are not rounded.
 inline constexpr int kMeanSteps = 1024;
 
-// Mean of the displayed value, clipped to 0..1 and not rounded: the limit of the above, within 1e-5.
+// Mean of the displayed value, clipped to 0..1 and not rounded. Error below 1e-5.
 inline double MeanDisplayed(const DisplayParameters<double>& display, double looks, double power,
                             SpeckleLaw law = SpeckleLaw::kGamma) {
   return MeanDisplayedGrey(display, looks, power, kMeanSteps, law);
 }
 
-// MeanDisplayed of many pixels: tabulated by level, every 0.1 dB, and interpolated; within 2e-5 of it.
+// MeanDisplayed for many pixels: tabulated by level, every 0.1 dB, and interpolated. Differs from it by less
+// than 2e-5.
 class MeanDisplayTable {
  public:
   MeanDisplayTable(const DisplayParameters<double>& display, double looks,
                    SpeckleLaw law = SpeckleLaw::kGamma)
       : display_(display) {
-    // Levels at which speckle leaves nothing to change: 70 dB below and 20 dB above what is shown. A power
-    // law shows a thousandth of full scale at 60 dB / exponent below it.
+    // Range of levels in which the mean varies: from 70 dB below to 20 dB above the displayed levels. A power
+    // law displays a thousandth of full scale at 60 dB / exponent below it.
     const double span_db =
         display.law == DisplayLaw::kPower ? 80.0 / display.exponent : display.db_max - display.db_min + 40.0;
     low_db_ = display.db_max - span_db;

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The square -1..1 x -1..1, counter-clockwise, each side in `pieces`.
+// Square -1..1 x -1..1, counter-clockwise, each side in `pieces`.
 std::vector<Vector2d> SquareSection(int pieces) {
   std::vector<Vector2d> section;
   Vector2d from(1.0, -1.0);
@@ -64,7 +64,7 @@ Scene MakeBridgePier(const BridgePierOptions& options) {
   std::vector<ProfilePoint> profile = BridgePierProfile(options);
   const double widest_m = std::max(options.length_m, options.width_m);
   for (ProfilePoint& point : profile) point.radius_m *= 0.5 * widest_m;
-  // Along an edge of the flare both half-widths change, so that a step there is up to sqrt(2) longer.
+  // Along an edge of the flare both half-widths change, so a step there is up to sqrt(2) longer.
   profile = RefineProfile(profile, options.max_edge_m / std::numbers::sqrt2);
   const double pieces = std::ceil(widest_m / options.max_edge_m * (1.0 - 1e-12));
   if (!(pieces <= static_cast<double>(kMaxPrimitiveTriangles))) {

@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A flat square about the origin at height 0, normal up.
+// Flat square about the origin at height 0, normal up.
 Scene FlatBed(double side_m, double max_edge_m, const std::string& material) {
   return MakePatch({-0.5 * side_m, -0.5 * side_m, 0.0}, side_m * Vector3d::UnitX(),
                    side_m * Vector3d::UnitY(), max_edge_m > 0.0 ? max_edge_m : kUndivided, material);
@@ -69,20 +69,20 @@ std::vector<Pose> TankViewpoints() {
   return {PaperTankPoses(1)[0], PaperTankPoses(1)[2], PaperTankPoses(2)[1], PaperTankPoses(3)[0]};
 }
 
-// Round the block, each time at another of its sides.
+// Viewpoints around the block, one per side.
 std::vector<Pose> MockupViewpoints() {
   const Vector3d target_m(0.0, 0.0, 0.5);
   return {LookingAt({0.3, -3.6, 1.5}, target_m), LookingAt({3.1, -2.4, 1.7}, target_m),
           LookingAt({3.8, 0.6, 1.6}, target_m), LookingAt({-2.6, 3.4, 1.9}, target_m)};
 }
 
-// From above the four sides inwards.
+// Viewpoints above the four sides, looking inwards.
 std::vector<Pose> SeabedViewpoints() {
   return {LookingAt({0.0, -4.8, 3.2}, {0.0, 0.2, 1.1}), LookingAt({4.6, -4.2, 3.4}, {0.6, 0.0, 1.1}),
           LookingAt({4.8, 1.0, 3.0}, {0.0, 0.4, 1.0}), LookingAt({-3.6, 4.6, 3.2}, {-0.4, 0.2, 1.0})};
 }
 
-// Face-on and along a diagonal at the foot, at the middle of the shaft, and down on the head.
+// Viewpoints: face-on and along a diagonal at the foot, at the middle of the shaft, and down on the head.
 std::vector<Pose> BridgePierViewpoints() {
   return {LookingAt({0.0, -7.0, 2.8}, {0.0, -1.2, 1.4}), LookingAt({4.9, -4.5, 3.0}, {0.8, -0.6, 1.5}),
           LookingAt({-5.6, -2.2, 5.6}, {-1.0, -0.3, 4.2}), LookingAt({1.8, 6.2, 10.6}, {0.2, 1.6, 9.2})};

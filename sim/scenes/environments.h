@@ -1,12 +1,12 @@
-// The scenes by name, each with the places to look at it from: those of Park 2024 Section 5 (seabed, bridge
-// pier, jacket; Figs. 5 to 8) and of Section 6 (tank, mock-up).
+// Built-in scenes by name, each with viewpoints: the scenes of Park 2024 Section 5 (seabed, bridge pier,
+// jacket; Figs. 5 to 8) and of Section 6 (tank, mock-up).
 //
 //   for (const Environment& environment : Environments()) {
 //     const Scene scene = environment.make({});
 //     const std::vector<Pose> poses = environment.viewpoints();
 //   }
 //
-// To add one: a file in sim/scenes/, and an entry in environments.cc. Its materials belong into
+// To add one: a file in sim/scenes/ and an entry in environments.cc. Add its materials to
 // EnvironmentMaterials.
 #pragma once
 
@@ -21,36 +21,36 @@
 
 namespace sonarcal::sim {
 
-// What a scene may take; each takes what concerns it.
+// Options of all scenes. A scene ignores those that do not apply to it.
 struct EnvironmentOptions {
   double max_edge_m = 0.0;              // longest side of the mesh's cells; 0: the scene's own default
   PaperSize size = PaperSize::kTable5;  // of tank and mock-up
-  bool surface = false;                 // tank: add the water's surface
-  std::uint64_t seed = 1;               // seabed
-  bool bed = false;                     // what stands free (bed_m > 0) gets a flat bed to stand on
+  bool surface = false;                 // tank: add the water surface
+  std::uint64_t seed = 1;               // seabed: random seed
+  bool bed = false;                     // adds a flat bed below a free-standing object (bed_m > 0)
 };
 
 struct Environment {
-  std::string_view name;         // of files
-  std::string_view title;        // for people
+  std::string_view name;         // used in file names
+  std::string_view title;        // text for users
   std::string_view description;  // one line
-  double bed_m;                  // side of the flat bed it may stand on; 0: it needs none
-  // Throws DataError for options that cannot be used.
+  double bed_m;                  // side of the optional flat bed; 0: no bed
+  // Throws DataError for unusable options.
   Scene (*make)(const EnvironmentOptions& options);
-  // Poses world_from_sonar for a sonar that sees about 9 m far, 45 degrees wide and 20 degrees high. The
-  // paper tells none of its own: these are ours.
+  // Poses world_from_sonar for a sonar with a range of about 9 m and a field of view of 45 x 20 degrees. The
+  // paper gives no poses; these are assumptions.
   std::vector<Pose> (*viewpoints)();
 };
 
 const std::vector<Environment>& Environments();
 
-// Throws UsageError that lists the names for an unknown one.
+// Throws UsageError for an unknown name and lists the known ones.
 const Environment& FindEnvironment(std::string_view name);
 
-// The names of all materials that the environments may have.
+// Names of all materials that the environments may have.
 std::vector<std::string> EnvironmentMaterials();
 
-// A sonar at `from_m` that looks at `target_m`, its right side level.
+// Pose of a sonar at `from_m` that looks at `target_m`, with its right side level.
 Pose LookingAt(const Eigen::Vector3d& from_m, const Eigen::Vector3d& target_m);
 
 }  // namespace sonarcal::sim

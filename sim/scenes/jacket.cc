@@ -13,13 +13,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of the jacket's height: the upright pieces at a leg's ends, and the lowest and highest levels.
+// Fractions of the jacket's height: the upright pieces at a leg's ends, and the lowest and highest levels.
 constexpr double kFootShare = 0.09;
 constexpr double kHeadShare = 0.07;
 constexpr double kLowestLevelShare = 0.14;
 constexpr double kHighestLevelShare = 0.90;
 
-// The legs, counter-clockwise from above.
+// Positions of the legs, counter-clockwise from above.
 constexpr std::array<std::pair<double, double>, 4> kCorners = {
     {{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}};
 
@@ -60,7 +60,8 @@ void JacketOptions::Validate() const {
 }
 
 int JacketSectors(const JacketOptions& options, double radius_m) {
-  // A multiple of 4 puts vertices at the pipe's utmost right, left, front and back: sizes come out as given.
+  // A multiple of 4 puts vertices at the pipe's rightmost, leftmost, front and back points, so that sizes are
+  // exact.
   return (SectorsFor(radius_m, options.max_edge_m, options.sectors) + 3) / 4 * 4;
 }
 

@@ -13,19 +13,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Solids that touch are sunk this far into one another, so that no two faces lie in one plane.
+// Depth by which touching solids penetrate each other, so that no two faces lie in one plane.
 constexpr double kSunk_m = 0.005;
 
-// One side of the block, in its own frame: x to the right and y up as seen from outside, origin at the
-// middle of the panel between the posts; z outwards, 0 on the core's face and `relief_m` on the nominal one.
+// One side of the block, in its own frame: x to the right and y up as seen from outside, z outwards. Origin
+// in the middle of the panel between the posts; z = 0 on the core's face, `relief_m` on the nominal face.
 struct Panel {
-  double width_m;   // clear of the posts
-  double height_m;  // clear of the beams
+  double width_m;   // between the posts
+  double height_m;  // between the beams
   double relief_m;
   double max_edge_m;
   const std::string* material;
 
-  // A bar of the given middle and size that rises from the core to `rise` of the relief.
+  // Bar with this centre and size that rises from the core to `rise` of the relief.
   Scene Bar(double x_m, double y_m, double bar_width_m, double bar_height_m, double rise) const {
     const Vector3d half_m(0.5 * bar_width_m, 0.5 * bar_height_m, 0.0);
     const Vector3d middle_m(x_m, y_m, 0.0);
@@ -33,7 +33,7 @@ struct Panel {
                    middle_m + half_m + rise * relief_m * Vector3d::UnitZ(), max_edge_m, *material);
   }
 
-  // A disc or ring standing on the core.
+  // Disc on the core.
   Scene Stub(double x_m, double y_m, double radius_m, double rise) const {
     return MakeCylinder({x_m, y_m, -kSunk_m}, (rise * relief_m + kSunk_m) * Vector3d::UnitZ(), radius_m,
                         max_edge_m, *material);
@@ -50,7 +50,7 @@ Scene CrossPattern(const Panel& panel) {
   const double arm_m = 0.5 * (side_m - bar_m);
   Scene scene;
   for (const double sign : {-1.0, 1.0}) {
-    // The upright bars of the rim stand between the level ones, sunk into them.
+    // Upright bars of the rim lie between the level ones and penetrate them.
     scene.Append(panel.Bar(0.0, sign * arm_m, side_m, bar_m, 0.8));
     scene.Append(panel.Bar(sign * (arm_m - kSunk_m), 0.0, bar_m, side_m - 1.5 * bar_m, 0.75));
   }
@@ -67,7 +67,7 @@ Scene PipesPattern(const Panel& panel) {
   Scene scene;
   for (int pipe = 0; pipe < kPipes; ++pipe) {
     const double x_m = (pipe - 0.5 * (kPipes - 1)) * pitch_m;
-    // Two clamps hold each pipe's axis half a relief off the core.
+    // Two clamps hold each pipe's axis half a relief away from the core.
     scene.Append(MakeCylinder({x_m, -0.5 * length_m, 0.5 * panel.relief_m}, length_m * Vector3d::UnitY(),
                               radius_m, panel.max_edge_m, *panel.material));
   }
@@ -116,7 +116,8 @@ Scene MakePattern(MockupPattern pattern, const Panel& panel) {
   throw DataError("mock-up pattern {}, expected one of 0..3", static_cast<int>(pattern));
 }
 
-// Corner posts out to the nominal faces, level beams between them at bottom and top, a little behind.
+// Corner posts that reach the nominal faces, with level beams between them at bottom and top, slightly
+// recessed.
 Scene MakeFrame(const MockupOptions& o) {
   const double post_m = 1.5 * o.relief_m;
   const Vector3d half_m(0.5 * o.length_m, 0.5 * o.width_m, 0.0);
@@ -130,7 +131,7 @@ Scene MakeFrame(const MockupOptions& o) {
                            o.material));
     }
   }
-  // Beams along x (axis 0) and along y (axis 1), ends sunk into the posts.
+  // Beams along x (axis 0) and y (axis 1), with their ends inside the posts.
   const double beam_top_m = o.height_m - kSunk_m;
   for (const int along : {0, 1}) {
     const int across = 1 - along;
@@ -152,7 +153,7 @@ Scene MakeFrame(const MockupOptions& o) {
   return frame;
 }
 
-// The well's head: a hub inside a guide ring.
+// Head of the well: a hub inside a guide ring.
 Scene MakeTop(const MockupOptions& o) {
   const double radius_m = 0.3 * std::min(o.length_m, o.width_m);
   const Vector3d base_m(0.0, 0.0, o.height_m - o.relief_m - kSunk_m);
@@ -198,13 +199,13 @@ Scene MakeMockup(const MockupOptions& options) {
   scene.Append(MakeFrame(o));
   scene.Append(MakeTop(o));
 
-  const double frame_m = 2.0 * 1.5 * o.relief_m;  // both posts, or both beams
+  const double frame_m = 2.0 * 1.5 * o.relief_m;  // width of both posts, or height of both beams
   for (int side = 0; side < 4; ++side) {
     const bool faces_y = side % 2 == 0;
     const Panel panel{(faces_y ? o.length_m : o.width_m) - frame_m, o.height_m - frame_m, o.relief_m,
                       o.max_edge_m, &o.material};
-    // Side 0 faces -y, and each next one a quarter turn to the left. The panel's x, y, z become, on side 0,
-    // the object's x, z and -y.
+    // Side 0 faces -y; each next side is a quarter turn to the left. On side 0 the panel's x, y, z become the
+    // object's x, z and -y.
     Eigen::Isometry3d object_from_panel = Eigen::Isometry3d::Identity();
     object_from_panel.rotate(Eigen::AngleAxisd(0.5 * kPi * side, Vector3d::UnitZ()));
     object_from_panel.translate(
@@ -223,7 +224,7 @@ MockupOptions RefinedTo(MockupOptions options, int triangles) {
   Scene mesh = MakeMockup(options);
   double edge_m = std::max({options.length_m, options.width_m, options.height_m});
   while (static_cast<int>(mesh.triangles.size()) < triangles) {
-    // Triangles grow as one over the square of their size, once all shapes are divided.
+    // The number of triangles grows with the inverse square of their size, once all shapes are divided.
     const double lacking = triangles / static_cast<double>(mesh.triangles.size());
     edge_m *= std::clamp(0.98 / std::sqrt(lacking), 0.5, 0.95);
     options.max_edge_m = edge_m;

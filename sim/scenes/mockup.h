@@ -1,10 +1,10 @@
-// The scaled subsea well that Park 2024 (Section 6, Fig. 9) put into a tank: a block "with a unique pattern
-// on each side". The paper prints its size twice and differently, and neither drawing nor depth of the
-// patterns; the reliefs below are ours.
+// Scaled subsea well that Park 2024 (Section 6, Fig. 9) put into a tank: a block "with a unique pattern on
+// each side". The paper gives two different sizes, and neither drawings nor the depth of the patterns. The
+// reliefs here are assumptions.
 //
-// Object frame: origin in the middle of the footprint on the floor, x along the length, y along the width,
-// z up. The mesh is a union of closed solids, partly sunk into one another, so that a ray from outside
-// always meets an outside; nothing lies beyond the nominal size. One material.
+// Object frame: origin in the middle of the footprint on the floor, x along the length, y along the width, z
+// up. The mesh is a union of closed solids, some of which penetrate each other, so a ray from outside always
+// hits an outside. Nothing extends beyond the nominal size. One material.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace sonarcal::sim {
 
-// Sizes printed in the text (Section 6) and in Table 5 contradict each other.
+// Source of the size. The text (Section 6) and Table 5 contradict each other.
 enum class PaperSize { kTable5, kText };
 
 enum class MockupPattern {
@@ -40,12 +40,12 @@ struct MockupOptions {
   double length_m = 1.0;  // along x
   double width_m = 1.0;   // along y
   double height_m = 1.5;
-  double relief_m = 0.08;                                   // how far the core lies behind the nominal faces
-  std::array<MockupPattern, 4> patterns = kMockupPatterns;  // on the sides facing -y, +x, +y, -x
+  double relief_m = 0.08;                                   // depth of the core behind the nominal faces
+  std::array<MockupPattern, 4> patterns = kMockupPatterns;  // sides facing -y, +x, +y, -x
   double max_edge_m = 0.25;                                 // longest side of the mesh's quadrilaterals
   std::string material = "mockup";
 
-  // Throws DataError naming the field, its value and the limit.
+  // Throws DataError that names the field, its value and the limit.
   void Validate() const;
 };
 
@@ -56,8 +56,8 @@ Scene MakeMockup(const MockupOptions& options = {});
 
 inline constexpr int kMaxMockupTriangles = 5'000'000;
 
-// The options with max_edge_m such that MakeMockup makes at least `triangles` triangles; the mesh being
-// divided in whole pieces, usually up to half as many again. Throws DataError beyond kMaxMockupTriangles.
+// Options with max_edge_m such that MakeMockup makes at least `triangles` triangles. The mesh is divided in
+// whole pieces, so there are usually up to half as many more. Throws DataError above kMaxMockupTriangles.
 MockupOptions RefinedTo(MockupOptions options, int triangles);
 
 }  // namespace sonarcal::sim

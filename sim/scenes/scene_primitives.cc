@@ -22,10 +22,10 @@ void RequirePositive(double value_m, const char* what) {
   }
 }
 
-// Divisions of a length into pieces no longer than max_edge_m.
+// Number of pieces of a length, each at most max_edge_m.
 int Divisions(double length_m, double max_edge_m) {
   if (!(max_edge_m > 0.0)) throw DataError("a longest edge of {} m, expected a positive length", max_edge_m);
-  const double pieces = std::ceil(length_m / max_edge_m * (1.0 - 1e-12));  // forgives a rounded quotient
+  const double pieces = std::ceil(length_m / max_edge_m * (1.0 - 1e-12));  // tolerates a rounded quotient
   if (!(pieces <= static_cast<double>(kMaxPrimitiveTriangles))) {
     throw DataError("a length of {} m in edges of {} m would make more than {} triangles", length_m,
                     max_edge_m, kMaxPrimitiveTriangles);
@@ -51,13 +51,13 @@ void AddTriangle(Scene* scene, int a, int b, int c) {
   scene->triangle_material.push_back(0);
 }
 
-// A quadrilateral a-b-c-d, counter-clockwise, whose corners may coincide in pairs at a pole.
+// Adds a quadrilateral a-b-c-d, counter-clockwise. Its corners may coincide in pairs at a pole.
 void AddQuad(Scene* scene, int a, int b, int c, int d) {
   if (a != b) AddTriangle(scene, a, b, c);
   if (c != d) AddTriangle(scene, a, c, d);
 }
 
-// The rotation that turns +X to a direction, and a place for the origin.
+// Transform that rotates +X to a direction and moves the origin.
 Eigen::Isometry3d Along(const Vector3d& axis_m, const Vector3d& origin_m) {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
   transform.rotate(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), axis_m));
@@ -103,7 +103,7 @@ Scene MakeBox(const Vector3d& min_m, const Vector3d& max_m, double max_edge_m, c
   RequireTriangles(4.0 *
                    (double(count[0]) * count[1] + double(count[1]) * count[2] + double(count[2]) * count[0]));
 
-  // Faces meet in shared vertices because a vertex is known by its place in the lattice.
+  // Faces share vertices because a vertex is identified by its position in the lattice.
   Scene scene = OfMaterial(material);
   std::map<std::array<int, 3>, int> vertex_at;
   const auto vertex = [&](const std::array<int, 3>& place) {
@@ -111,7 +111,7 @@ Scene MakeBox(const Vector3d& min_m, const Vector3d& max_m, double max_edge_m, c
     if (added) {
       Vector3d point_m;
       for (int axis = 0; axis < 3; ++axis) {
-        // The far corner is taken as it is, free of rounding.
+        // Uses the far corner itself, free of rounding.
         point_m[axis] = place[axis] == count[axis]
                             ? max_m[axis]
                             : min_m[axis] + size_m[axis] * (double(place[axis]) / count[axis]);
@@ -193,7 +193,7 @@ Scene MakeLoft(const std::vector<ProfilePoint>& profile, const std::vector<Eigen
   }
 
   Scene scene = OfMaterial(material);
-  std::vector<int> first_vertex;  // of each profile point's circle; a pole has one vertex only
+  std::vector<int> first_vertex;  // circle of each profile point; a pole has one vertex only
   for (const ProfilePoint& point : profile) {
     first_vertex.push_back(static_cast<int>(scene.vertices_m.size()));
     const int count = point.radius_m == 0.0 ? 1 : sectors;

@@ -18,7 +18,7 @@ void RequireWithin(const char* owner, const char* field, double value, double lo
   }
 }
 
-// Radius of the arc that draws a tangent ogive; its centre lies abreast of the nose's base.
+// Radius of the arc of a tangent ogive; its centre lies beside the nose's base.
 double OgiveRadiusM(const BodyOptions& options) {
   const double radius_m = 0.5 * options.diameter_m;
   const double nose_m = options.nose_length_m;
@@ -55,7 +55,7 @@ Scene MakeTank(const TankOptions& options) {
   const auto wall = [&](const Vector3d& corner_m, const Vector3d& side_m) {
     scene.Append(MakePatch(corner_m, z_m, side_m, options.max_edge_m, options.wall_material));
   };
-  // Each wall runs so that up x along points into the water.
+  // Each wall is oriented so that up x along points into the water.
   wall(origin_m, x_m);
   wall(x_m, y_m);
   wall(x_m + y_m, -x_m);
@@ -88,7 +88,7 @@ Scene MakePaperTank(const PaperTankOptions& options) {
 }
 
 std::vector<Pose> PaperTankPoses(int dataset) {
-  // From the sonar to the middle of the target: metres to the right, metres ahead.
+  // Offset from the sonar to the middle of the target: metres to the right, metres ahead.
   struct Offset {
     double right_m;
     double ahead_m;
@@ -113,7 +113,7 @@ std::vector<Pose> PaperTankPoses(int dataset) {
 void BodyOptions::Validate() const {
   RequireWithin("body", "length_m", length_m, 0.01, 100.0);
   RequireWithin("body", "diameter_m", diameter_m, 1e-3, length_m);
-  // A tangent ogive shorter than the radius would bulge beyond the cylinder.
+  // A tangent ogive shorter than the radius would be wider than the cylinder.
   RequireWithin("body", "nose_length_m", nose_length_m, 0.5 * diameter_m, 0.5 * length_m);
   RequireWithin("body", "tail_length_m", tail_length_m, 1e-3 * length_m, 0.49 * length_m);
   RequireWithin("body", "tail_diameter_m", tail_diameter_m, 1e-3 * diameter_m, diameter_m);
@@ -138,7 +138,7 @@ double BodyRadiusM(const BodyOptions& options, double from_tip_m) {
 
 Scene MakeBody(const BodyOptions& options) {
   options.Validate();
-  // The profile runs from the flat tail to the tip, which is +x.
+  // Profile from the flat tail to the tip at +x.
   const auto point = [&](double from_tip_m) {
     return ProfilePoint{0.5 * options.length_m - from_tip_m, BodyRadiusM(options, from_tip_m)};
   };

@@ -21,23 +21,23 @@ struct TankOptions {
   double length_m = 12.0;          // along x
   double width_m = 10.0;           // along y
   double depth_m = 1.5;            // of the water, along z
-  bool surface = false;            // add the water's surface, which the paper's scene does not have
+  bool surface = false;            // add the water surface, which the paper's scene does not have
   double max_edge_m = kUndivided;  // longest side of the mesh's quadrilaterals
   std::string floor_material = "floor";
   std::string wall_material = "wall";
   std::string surface_material = "surface";
 
-  // Throws DataError naming the field, its value and the limit.
+  // Throws DataError that names the field, its value and the limit.
   void Validate() const;
 };
 
 // 12 x 10 x 1.5 m (Table 5, the default), or the 15 x 10 x 2 m of the text.
 TankOptions TankOfPaper(PaperSize size);
 
-// The faces that the water touches, with normals into the water.
+// Faces in contact with the water, with normals into the water.
 Scene MakeTank(const TankOptions& options = {});
 
-// Where an object stands on the floor: the middle of its footprint, and a turn to the left about z.
+// Placement of an object on the floor: the middle of its footprint, and a rotation to the left about z.
 struct Place {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -46,9 +46,9 @@ struct Place {
 
 Eigen::Isometry3d WorldFromObject(const Place& place);
 
-// Fig. 9 shows two mock-ups in the tank; the paper gives neither places nor headings, so these are ours. A
-// sonar that looks along +y sees the cross of the first, 12 degrees off face-on, and the pipes of the
-// second, 15 degrees off. Both stand inside either size of tank.
+// Fig. 9 shows two mock-ups in the tank. The paper gives neither positions nor headings, so these are
+// assumptions. A sonar that looks along +y sees the cross of the first, 12 degrees off face-on, and the pipes
+// of the second, 15 degrees off. Both fit into either size of tank.
 struct PaperTankOptions {
   TankOptions tank;
   MockupOptions mockup;
@@ -59,11 +59,11 @@ PaperTankOptions PaperTankOfPaper(PaperSize size);
 
 Scene MakePaperTank(const PaperTankOptions& options = {});
 
-// Poses world_from_sonar for the paper's three data sets: 1 about the first mock-up of PaperTankOptions, 2
-// about the second, 3 with both in view. As on the paper's rig, which "can move forward, backward, left and
-// right at a fixed height" and looks parallel to the floor, all look along +y from 0.75 m above the floor;
-// the places are ours. Middles of the targets lie 3 to 6 m away and well within +-22.5 degrees.
-// Throws DataError for another number.
+// Poses world_from_sonar for the paper's three data sets: 1 shows the first mock-up of PaperTankOptions, 2
+// the second, 3 both. As on the paper's rig, which "can move forward, backward, left and right at a fixed
+// height" and looks parallel to the floor, all look along +y from 0.75 m above the floor. The positions are
+// assumptions. The middles of the targets lie 3 to 6 m away and well within +-22.5 degrees. Throws DataError
+// for another number.
 std::vector<Pose> PaperTankPoses(int dataset);
 
 // The 100-lb bomb of the ARIS 3000 recordings (DFKI UXO data set 2024): a body of revolution. Object frame:
@@ -75,16 +75,16 @@ struct BodyOptions {
   double diameter_m = 0.208;
   double nose_length_m = 0.18;    // assumed
   double tail_length_m = 0.20;    // assumed
-  double tail_diameter_m = 0.09;  // of the flat end; assumed
+  double tail_diameter_m = 0.09;  // diameter of the flat end; assumed
   double max_edge_m = 0.02;       // longest side of the mesh's quadrilaterals
   std::string material = "body";
 
-  // Throws DataError naming the field, its value and the limit.
+  // Throws DataError that names the field, its value and the limit.
   void Validate() const;
 };
 
-// Distance of the body's surface from its axis, `from_tip_m` behind the tip of the nose (0..length_m), the
-// flat end left out.
+// Distance of the body's surface from its axis, `from_tip_m` behind the tip of the nose (0..length_m),
+// without the flat end.
 double BodyRadiusM(const BodyOptions& options, double from_tip_m);
 
 Scene MakeBody(const BodyOptions& options = {});

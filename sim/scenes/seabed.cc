@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kRippleTrains = 2;
-constexpr int kSpanCells = 200;  // of the grid on which the extremes are found
+constexpr int kSpanCells = 200;  // cells per side of the grid on which the extremes are found
 
 }  // namespace
 
@@ -62,7 +62,7 @@ SeabedRelief::SeabedRelief(const SeabedOptions& options) : height_m_(options.hei
   const CounterRandom ripple_random(options.seed, 1);
   for (int train = 0; train < kRippleTrains; ++train) {
     const auto [turn, phase] = ripple_random.Uniform2(train);
-    // Crests cross at up to 40 degrees, as where a current turns.
+    // Crests cross at up to 40 degrees, as with a turning current.
     const double heading_rad = (turn - 0.5) * 40.0 * kRadPerDeg + 0.5;
     const double wave_rad_per_m = 2.0 * kPi / options.ripple_length_m * (train == 0 ? 1.0 : 1.3);
     ripples_.push_back({wave_rad_per_m * std::cos(heading_rad), wave_rad_per_m * std::sin(heading_rad),

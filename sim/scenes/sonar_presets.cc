@@ -14,7 +14,7 @@ namespace {
 
 constexpr Water kFreshWater = {.temperature_c = 15.0, .salinity_ppt = 0.0, .ph = 7.0, .depth_m = 1.0};
 
-// Beams of equal spacing, centred on the bore-sight.
+// Evenly spaced beams, centred on broadside.
 std::vector<double> EvenBeamsRad(int count, double spacing_deg) {
   std::vector<double> azimuth_rad;
   for (int beam = 0; beam < count; ++beam)

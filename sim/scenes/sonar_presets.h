@@ -1,4 +1,4 @@
-// Sonars by name. Each has one mode of operation: its figures, where they come from, and which are assumed.
+// Sonars by name. Each has one mode of operation: its values, their source, and which of them are assumed.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace sonarcal::sim {
 
 // Meaning of a beam width as its source gives it. A SonarModel holds two-way widths.
 enum class BeamWidthMeaning {
-  // One-way, of the receiver. The transmitter covers the whole field of view, so that the two-way width is
+  // One-way width of the receiver. The transmitter covers the whole field of view, so the two-way width is
   // the same.
   kReceiver,
   kNotStated,  // taken as two-way
@@ -21,8 +21,8 @@ std::string_view Describe(BeamWidthMeaning meaning);
 
 struct SonarPreset {
   std::string_view name;     // as on the command line
-  std::string_view source;   // where the figures come from
-  std::string_view assumed;  // the figures that no source gives
+  std::string_view source;   // source of the values
+  std::string_view assumed;  // values without a source
   BeamWidthMeaning azimuth_width = BeamWidthMeaning::kNotStated;
   BeamWidthMeaning elevation_width = BeamWidthMeaning::kNotStated;
   SonarModel sonar;
@@ -34,7 +34,7 @@ const std::vector<SonarPreset>& SonarPresets();
 // "p900-45, didson-1.8, ...": all names.
 std::string SonarPresetNames();
 
-// Throws UsageError that lists the names for an unknown one.
+// Throws UsageError for an unknown name and lists the known ones.
 const SonarPreset& FindSonarPreset(std::string_view name);
 
 }  // namespace sonarcal::sim
