@@ -28,7 +28,7 @@ struct Box {
   }
 };
 
-// The sector's extremes lie at its corners, or where an arc crosses one of the axes.
+// Extremes of the sector lie at its corners, or where an arc crosses one of the axes.
 Box BoundingBox(const PolarAxes& polar) {
   const std::vector<double> edges_rad = polar.BeamEdgesRad();
   Box box;
@@ -45,12 +45,12 @@ Box BoundingBox(const PolarAxes& polar) {
   return box;
 }
 
-// Pixels needed for a length; a length that is a whole number of pixels but for rounding takes no extra one.
+// Number of pixels for a length. Rounding does not add a pixel to a length that is a whole number of pixels.
 double PixelsFor(double length_m, double pixel_m) {
   return std::max(1.0, std::ceil(length_m / pixel_m - 1e-9));
 }
 
-// The direction as an angle within the beams' edges, which may reach beyond +-180 degrees.
+// Direction as an angle within the beams' edges, which may reach beyond +-180 degrees.
 std::optional<double> AzimuthWithin(double x_m, double y_m, const std::vector<double>& edges_rad) {
   const double principal_rad = std::atan2(x_m, y_m);
   for (const double turn_rad : {0.0, 2.0 * kPi, -2.0 * kPi}) {
@@ -96,7 +96,7 @@ FanAxes FanAxesFor(const PolarAxes& polar, const FanOptions& options) {
   }
   fan.rows = static_cast<int>(rows);
   fan.cols = static_cast<int>(cols);
-  // What the last column holds too much is shared between left and right, so that a symmetrical fan makes a
+  // The surplus width of the last column is shared between left and right, so a symmetrical fan gives a
   // symmetrical picture.
   fan.x_min_m = 0.5 * (box.x_lo + box.x_hi) - 0.5 * fan.cols * fan.pixel_m;
   fan.y_max_m = box.y_hi;

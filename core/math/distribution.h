@@ -1,7 +1,6 @@
-// How far two distributions over the same ordered levels 0 .. n - 1 (grey values, say) lie from each other.
-// `p` and `q` hold the share of each level: none negative, each sums to 1, both of one length. F and G are
-// their cumulative sums. All of these are 0 for equal distributions and do not change when the two are
-// swapped.
+// Distances between two distributions over the same ordered levels 0 .. n - 1, such as grey values. `p` and
+// `q` hold the share of each level: non-negative, sum 1, same length. F and G are their cumulative sums. All
+// distances are 0 for equal distributions and symmetric.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +9,17 @@
 
 namespace sonarcal {
 
-// 1/2 sum |p - q|: half the L1 distance of the histograms, 0 .. 1. Blind to how far apart levels are.
+// 1/2 sum |p - q|: half the L1 distance of the histograms, 0 .. 1. Does not depend on how far apart levels
+// are.
 inline double HistogramL1Half(std::span<const double> p, std::span<const double> q) {
   double sum = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) sum += std::abs(p[i] - q[i]);
   return 0.5 * sum;
 }
 
-// Wasserstein-1, in levels: sum |F - G|, by how many levels the mean pixel must move; 0 .. n - 1. (Vallender,
-// Theory Probab. Appl. 18(4), 1974: on a line it is the area between the distribution functions.)
+// Wasserstein-1 distance in levels: sum |F - G|, the mean number of levels by which pixels must move; 0 .. n
+// - 1. (Vallender, Theory Probab. Appl. 18(4), 1974: on a line it is the area between the distribution
+// functions.)
 inline double WassersteinLevels(std::span<const double> p, std::span<const double> q) {
   double difference = 0.0;
   double area = 0.0;
@@ -47,13 +48,12 @@ inline double Hellinger(std::span<const double> p, std::span<const double> q) {
   return std::sqrt(std::max(0.0, 1.0 - affinity));
 }
 
-// Upper-tail Anderson-Darling: the integral of (F - G)^2 / (1 - H) dH with H = (F + G) / 2; 0 .. 4 ln 2 - 2
-// = 0.77. It is the statistic of Sinclair, Spurr & Ahmad (Commun. Stat. Theory Methods 19(10), 1990: AU^2)
+// Upper-tail Anderson-Darling: the integral of (F - G)^2 / (1 - H) dH with H = (F + G) / 2; 0 .. 4 ln 2 - 2 =
+// 0.77. It is the statistic AU^2 of Sinclair, Spurr & Ahmad (Commun. Stat. Theory Methods 19(10), 1990)
 // between two samples, pooled as in Pettitt (Biometrika 63(1), 1976), without the factor that grows with the
-// number of pixels. The weight 1 / (1 - H) tells distributions apart by their highest levels: the bright
-// echoes.
+// number of pixels. The weight 1 / (1 - H) emphasises the highest levels: the bright echoes.
 inline double UpperTailAndersonDarling(std::span<const double> p, std::span<const double> q) {
-  constexpr double kNothingAbove = 1e-12;  // rounding of sums of shares
+  constexpr double kNothingAbove = 1e-12;  // tolerance for rounding of sums of shares
   double f = 0.0;
   double g = 0.0;
   double integral = 0.0;

@@ -84,7 +84,8 @@ void LocalOrder::Count(const CellBlock& block, int times) {
   }
 }
 
-// From one rectangle to another of the same rows that reaches as far to the right or further, at both ends.
+// Moves from one rectangle to another of the same rows, which reaches at least as far to the right at both
+// ends.
 void LocalOrder::Shift(const CellBlock& from, const CellBlock& to, int times) {
   Count({from.top, from.bottom, from.left, std::min(to.left, from.right)}, -times);
   Count({from.top, from.bottom, std::max(from.right, to.left), to.right}, times);

@@ -1,6 +1,6 @@
-// Moments and ordered values of the training cells of a window (core/math/training_window.h) that moves over
-// an image, at a cost that does not grow with the window (moments) or with its height alone (ordered values).
-// Cells outside `valid` (the image's shape; null: all count) are no training cells.
+// Moments and ordered values of the training cells of a moving window (core/math/training_window.h). The cost
+// does not depend on the size of the window (moments), or only on its height (ordered values). Cells outside
+// `valid` (the image's shape; null: all are valid) are not training cells.
 #pragma once
 
 #include <array>
@@ -23,31 +23,31 @@ class LocalSums {
  public:
   explicit LocalSums(const Grid<float>& value, const Mask* valid = nullptr);
 
-  // How many training cells count.
+  // Number of valid training cells.
   int Count(const TrainingWindow& window) const;
 
-  // Of one training cell at least.
+  // Moments of at least one training cell.
   Moments Over(const TrainingWindow& window) const;
 
  private:
   double Over(const std::vector<double>& integral, const TrainingWindow& window) const;
 
   int stride_;
-  double offset_;  // taken off every value, so that squares keep their digits
+  double offset_;  // subtracted from every value to keep the digits of squares
   std::vector<double> sum_;
   std::vector<double> square_;
   std::vector<double> count_;
 };
 
-// The k-th smallest training cell. Values are told apart to within a 4095th of the image's span.
+// The k-th smallest training cell. Values are resolved to a 4095th of the image's span.
 class LocalOrder {
  public:
   explicit LocalOrder(const Grid<float>& value, const Mask* valid = nullptr);
 
-  // Fast where the window moved to the right, by few columns, since the last call.
+  // Moves the window. Fast if it moves to the right by few columns.
   void MoveTo(const TrainingWindow& window);
 
-  // rank 1: the smallest; at most as many as training cells count.
+  // Value of rank 1 (smallest) .. number of valid training cells.
   double RankthSmallest(int rank) const;
 
  private:
@@ -60,14 +60,14 @@ class LocalOrder {
 
   double low_;
   double step_;
-  Grid<std::uint16_t> level_;  // kNoLevel where a cell does not count
+  Grid<std::uint16_t> level_;  // kNoLevel for an invalid cell
   TrainingWindow window_;
   std::array<int, kGroups * kGroupSize> count_{};
   std::array<int, kGroups> group_count_{};
 };
 
-// The mean over rows x cols pixels about each pixel, both odd, of those that there are and count. The pixel
-// itself where none does.
+// Mean of the valid pixels in a box of rows x cols, both odd, around each pixel. Equals the pixel itself if
+// none is valid.
 Grid<float> BoxMean(const Grid<float>& value, int rows, int cols, const Mask* valid = nullptr);
 
 }  // namespace sonarcal

@@ -1,5 +1,5 @@
-// Random numbers that depend only on (seed, stream, index), so that a noisy image is the same on any number
-// of threads. Philox 4x32-10 and 2x32-10 (Salmon et al., SC 2011), counter-based generators that pass
+// Random numbers that depend only on (seed, stream, index), so a noisy image does not depend on the number of
+// threads. Philox 4x32-10 and 2x32-10 (Salmon et al., SC 2011) are counter-based generators that pass
 // BigCrush.
 #pragma once
 
@@ -43,9 +43,8 @@ inline std::array<std::uint32_t, 2> Philox2(std::array<std::uint32_t, 2> counter
   return counter;
 }
 
-// Two independent standard normal numbers (Box and Muller) of a ray, from the two words that are all a pair
-// costs: in steps of 2^-32 of their distribution, up to 6.7. sim/rays/row_math.h makes the same, many at
-// once.
+// Two independent standard normal numbers of a ray (Box-Muller), from two 32-bit words. Resolution 2^-32 in
+// probability, magnitude up to 6.7. sim/rays/row_math.h computes the same numbers in bulk.
 inline std::pair<double, double> NormalPairOfRay(std::uint64_t seed, std::uint32_t ray) {
   const auto [first, second] =
       Philox2({ray, static_cast<std::uint32_t>(seed >> 32)}, static_cast<std::uint32_t>(seed));
@@ -66,7 +65,7 @@ class CounterRandom {
     return {ToUnit(bits[0], bits[1]), ToUnit(bits[2], bits[3])};
   }
 
-  // Two independent standard normal numbers (Box and Muller).
+  // Two independent standard normal numbers (Box-Muller).
   std::pair<double, double> Normal2(std::uint64_t index) const {
     const auto [u, v] = Uniform2(index);
     const double radius = std::sqrt(-2.0 * std::log(u));

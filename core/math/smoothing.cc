@@ -7,7 +7,7 @@
 namespace sonarcal {
 namespace {
 
-// A Gaussian along one axis, renormalised at the edges.
+// Gaussian smoothing along one axis, renormalised at the edges.
 void SmoothAlong(Grid<float>& image, double sigma, bool along_rows) {
   if (!(sigma > 0.0)) return;
   const int reach = static_cast<int>(std::ceil(3.0 * sigma));

@@ -1,7 +1,7 @@
-// Cells around a tested one that tell what background is there: a rectangle without a smaller one, the guard,
-// about the tested cell. Near the image's border the rectangle is shifted inwards, as one piece, so that the
-// tested cell still has (about) as many cells to be compared with; where the image is smaller than the
-// rectangle, that is the whole image. The guard is cut at the border.
+// Training cells around a tested cell, from which its background is estimated: a rectangle without a smaller
+// one, the guard, around the tested cell. Near the image's border the rectangle is shifted inwards as a
+// whole, so the number of training cells stays (almost) constant. If the image is smaller than the rectangle,
+// the rectangle is the whole image. The guard is cut at the border.
 #pragma once
 
 #include <algorithm>
@@ -27,13 +27,13 @@ struct TrainingWindow {
 };
 
 struct TrainingShape {
-  int guard_rows = 0;  // on each side of the tested cell, as are the others
+  int guard_rows = 0;  // on each side of the tested cell, as for the other members
   int guard_cols = 0;
   int training_rows = 0;  // beyond the guard
   int training_cols = 0;
 };
 
-// Of the tested cell (row, col) of an image of rows x cols.
+// Window of the tested cell (row, col) of an image of rows x cols.
 inline TrainingWindow WindowAt(const TrainingShape& shape, int row, int col, int rows, int cols) {
   const auto shifted = [](int at, int reach, int size, int& begin, int& end) {
     const int length = std::min(2 * reach + 1, size);

@@ -1,10 +1,10 @@
-// Three kinds of failure, kept apart:
+// Three kinds of failure:
 //
-//   DataError   the user's data or files are wrong: one sentence that names file, key or line, what was
-//               found and what was expected. The command ends with status 1.
-//   UsageError  the command line is wrong. Status 2.
-//   SONARCAL_CHECK  a programmer's mistake: prints the condition and the message, then aborts by exception
-//               (std::logic_error), so that nothing half-computed is ever written.
+//   DataError       Wrong data or files of the user. One sentence that names file, key or line, the value found
+//                   and the value expected. The command ends with status 1.
+//   UsageError      Wrong command line. Status 2.
+//   SONARCAL_CHECK  Programming error. Prints the condition and the message, then throws std::logic_error, so
+//                   that no incomplete result is written.
 //
 // A point at which a model cannot be evaluated is none of these: cost functions return false.
 #pragma once

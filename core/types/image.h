@@ -18,7 +18,7 @@
 
 namespace sonarcal {
 
-// A row-major two-dimensional array.
+// Row-major two-dimensional array.
 template <typename T>
 class Grid {
  public:
@@ -52,34 +52,34 @@ class Grid {
   std::vector<T> values_;
 };
 
-// Where the pixels of a polar image lie.
+// Positions of the pixels of a polar image.
 struct PolarAxes {
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   int range_bins = 0;
-  std::vector<double> beam_azimuth_rad;  // centres, strictly increasing (positive to the right)
+  std::vector<double> beam_azimuth_rad;  // centres, strictly ascending (positive to the right)
 
   int beam_count() const { return static_cast<int>(beam_azimuth_rad.size()); }
   double range_bin_m() const { return (range_max_m - range_min_m) / range_bins; }
-  // Between neighbouring centres, on average; 0 for a single beam.
+  // Mean angle between neighbouring centres; 0 for a single beam.
   double beam_spacing_rad() const {
     return (beam_azimuth_rad.back() - beam_azimuth_rad.front()) / std::max(1, beam_count() - 1);
   }
   double range_centre_m(int bin) const { return range_min_m + (bin + 0.5) * range_bin_m(); }
 
-  // beam_count() + 1 edges, midway between centres; the outer two lie as far out as the next inner ones lie
-  // in.
+  // beam_count() + 1 edges, midway between centres. The two outer edges are as far from their centre as the
+  // next inner ones.
   std::vector<double> BeamEdgesRad() const;
 
-  // Same geometry to within a thousandth of a bin and of a beam. If not, `why` (when given) says what
-  // differs.
+  // True if the geometry agrees to within a thousandth of a bin and of a beam. Otherwise `why`, if given,
+  // receives the difference.
   bool Matches(const PolarAxes& other, std::string* why = nullptr) const;
 
-  // Throws DataError naming `what` where the axes are not finite, ordered and of positive size.
+  // Throws DataError, naming `what`, if the axes are not finite, ordered and of positive size.
   void Validate(const std::string& what) const;
 };
 
-// What an image's numbers are. Images of different quantity are never compared.
+// Quantity of an image's values. Images of different quantities are never compared.
 enum class Quantity {
   kGrey,     // display value, 0 .. full_scale
   kDecibel,  // level in dB
@@ -89,13 +89,13 @@ enum class Quantity {
 
 std::string_view ToString(Quantity quantity);
 
-// The meaning of the values of an image.
+// Meaning of the values of an image.
 struct ImageScale {
   Quantity quantity = Quantity::kGrey;
-  double full_scale = 255.0;     // the largest value a kGrey pixel can take: 255, 4095 or 65535
-  std::optional<double> db_min;  // level shown as 0, where known
-  std::optional<double> db_max;  // level shown as full_scale, where known
-  // db_max - db_min where only the difference is known, as when a viewer stretched the grey values.
+  double full_scale = 255.0;     // largest possible value of a kGrey pixel: 255, 4095 or 65535
+  std::optional<double> db_min;  // level displayed as 0, if known
+  std::optional<double> db_max;  // level displayed as full_scale, if known
+  // db_max - db_min, if only the difference is known, e.g. after a viewer stretched the grey values.
   std::optional<double> db_span;
 
   bool operator==(const ImageScale&) const = default;
@@ -107,8 +107,8 @@ struct PolarImage {
   Grid<float> value;  // range_bins x beam_count
 };
 
-// Where the pixels of a fan image lie: pixel centre (row, col) is at
-// x = x_min_m + (col + 0.5) pixel_m, y = y_max_m - (row + 0.5) pixel_m.
+// Positions of the pixels of a fan image: pixel centre (row, col) is at x = x_min_m + (col + 0.5) pixel_m, y
+// = y_max_m - (row + 0.5) pixel_m.
 struct FanAxes {
   int rows = 0;
   int cols = 0;

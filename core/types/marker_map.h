@@ -1,4 +1,4 @@
-// Where the markers of a field are, and one marker as an image shows it.
+// Positions of the markers of a field, and one marker as seen in an image.
 //
 // Marker frame: origin at the middle of the black square, X to the right and Y up as the marker is printed, Z
 // out of its face. Corners in the order top left, top right, bottom right, bottom left of the print.
@@ -16,7 +16,7 @@ namespace sonarcal {
 
 struct Marker {
   int id = 0;
-  double size_m = 0.0;  // side of the black square: border included, white margin not
+  double size_m = 0.0;  // side of the black square, with its border, without the white margin
   Pose world_from_marker;
 };
 
@@ -26,15 +26,15 @@ inline std::array<Eigen::Vector3d, 4> MarkerCorners(double size_m) {
   return {{{-h, h, 0.0}, {h, h, 0.0}, {h, -h, 0.0}, {-h, -h, 0.0}}};
 }
 
-// How far markers may be from where the map has them: standard deviation an axis, each marker by itself.
+// Accuracy of the map: standard deviation per axis, independent for each marker.
 struct MarkerMapSigma {
   double position_m = 0.0;
   double angle_rad = 0.0;
 };
 
 struct MarkerMap {
-  std::string dictionary;       // "DICT_4X4_50", as OpenCV names them
-  std::vector<Marker> markers;  // each id once
+  std::string dictionary;       // OpenCV's name, e.g. "DICT_4X4_50"
+  std::vector<Marker> markers;  // each id occurs once
   std::optional<MarkerMapSigma> sigma;
 
   const Marker* Find(int id) const {
@@ -45,7 +45,7 @@ struct MarkerMap {
   }
 };
 
-// A marker found in an image: corners in pixels (types/camera.h), in the order above.
+// Marker found in an image: corners in pixels (core/types/camera.h), in the order above.
 struct MarkerQuad {
   int id = 0;
   std::array<Eigen::Vector2d, 4> corners_px;

@@ -1,4 +1,4 @@
-// A yes or no for each pixel of an image of the same shape: 1 is yes, 0 is no, and nothing else occurs.
+// Mask of an image with the same shape: 1 is yes, 0 is no; no other values occur.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ inline std::int64_t CountSet(const Mask& mask) {
   return std::count_if(mask.values().begin(), mask.values().end(), [](std::uint8_t set) { return set != 0; });
 }
 
-// Set where both are, of one shape; a mask that is absent is set everywhere.
+// Set where both masks are set; both must have one shape. An absent mask is set everywhere.
 inline std::optional<Mask> Both(const std::optional<Mask>& a, const std::optional<Mask>& b) {
   if (!a || !b) return a ? a : b;
   SONARCAL_CHECK(a->rows() == b->rows() && a->cols() == b->cols(), "masks {} x {} and {} x {}", a->rows(),

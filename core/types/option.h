@@ -54,7 +54,7 @@ struct RayGridSize {
   bool operator==(const RayGridSize&) const = default;
 };
 
-// Text: "0.5:3", low below high.
+// Interval with low below high. Text: "0.5:3".
 struct Interval {
   double low = 0.0;
   double high = 0.0;
@@ -63,11 +63,11 @@ struct Interval {
   bool operator==(const Interval&) const = default;
 };
 
-// A value that the command line takes from a file, and other programs as an object.
+// Value that the command line reads from a file, and other programs pass as an object.
 template <typename T>
 struct FromFile {
   std::optional<T> value = {};
-  std::filesystem::path file = {};  // where `value` was read from; empty: given as an object, or absent
+  std::filesystem::path file = {};  // source of `value`; empty: passed as an object, or absent
 
   explicit operator bool() const { return value.has_value(); }
 };

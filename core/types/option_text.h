@@ -17,8 +17,8 @@
 
 namespace sonarcal {
 
-// Parse reads all of `text`, and returns false if it cannot. Format is its inverse. Type is the placeholder in
-// help texts, kExpected the end of an error message. Specialised for each type that an option may have.
+// Parse converts all of `text` and returns false if it cannot. Format is its inverse. Type is the placeholder
+// in help texts, kExpected the end of an error message. Specialised for each type of option.
 template <typename T>
 struct OptionText;
 
@@ -32,14 +32,14 @@ inline std::string NumberType(const OptionInfo& info) {
   return type;
 }
 
-// A number that is all of `text`.
+// Parses a number that is all of `text`.
 template <typename T>
 bool ParseNumber(std::string_view text, T& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size();
 }
 
-// "A<separator>B".
+// Parses "A<separator>B".
 template <typename T>
 bool ParsePair(std::string_view text, char separator, T& first, T& second) {
   const std::size_t middle = text.find(separator);

@@ -1,5 +1,5 @@
-// The physical parameters that a fit may change, as plain values. Their formulas live in sim/physics, their
-// JSON form in data_io/parameters/parameters_io.h. Names in comments are those of `fit.json`.
+// Physical parameters that a fit may change, as plain values. sim/physics holds their formulas,
+// data_io/parameters/parameters_io.h their JSON form. Names in comments are those of `fit.json`.
 #pragma once
 
 #include <map>
@@ -33,7 +33,7 @@ struct MaterialParameters {
   bool operator==(const MaterialParameters&) const = default;
 };
 
-// How received power P becomes a grey value v, 0..1 of full scale before clipping; evaluated by
+// Law that converts received power P to a grey value v, 0..1 of full scale before clipping; evaluated by
 // sim/physics/display.h.
 enum class DisplayLaw {
   kLog,            // v = (10 log10 P - db_min) / (db_max - db_min)
@@ -48,19 +48,19 @@ constexpr auto WordsOf(std::type_identity<DisplayLaw>) {
                                {"power", DisplayLaw::kPower}}};
 }
 
-// Levels shown as 0 and as full scale, and the law between them.
+// Levels displayed as 0 and as full scale, and the law between them.
 template <typename T>
 struct DisplayParameters {
   T db_min = T(0.0);
   T db_max = T(255.0);
   DisplayLaw law = DisplayLaw::kLog;
-  double soft_db = 0.0;   // soft laws: level that a logarithm is softened with
-  double exponent = 1.0;  // kPower: of the amplitude
+  double soft_db = 0.0;   // soft laws: level added to soften the logarithm
+  double exponent = 1.0;  // kPower: exponent of the amplitude
 
   bool operator==(const DisplayParameters&) const = default;
 };
 
-// How the range and azimuth errors grow with range (Park 2024 Eqs. 27-28 lost their roots in print).
+// Growth of the range and azimuth errors with range (Park 2024 Eqs. 27-28 lost their roots in print).
 enum class JitterGrowth {
   kRoot,    // sigma0 sqrt(1 + R^2/R0^2)
   kLinear,  // sigma0 (1 + R^2/R0^2)
@@ -81,7 +81,7 @@ struct JitterParameters {
   bool operator==(const JitterParameters&) const = default;
 };
 
-// Time-varied gain: what the receiver adds to the level of an echo, and of the noise, from range r.
+// Time-varying gain: added by the receiver to the level of an echo, and of the noise, from range r.
 enum class TimeVariedGain {
   kNone,
   k20LogR,               // 20 log10 r
@@ -101,17 +101,17 @@ constexpr auto WordsOf(std::type_identity<TimeVariedGain>) {
 //   N(r, b) = 10^((noise_db + noise_slope_db_per_m r + noise_taper_db[b] + TVG(r)) / 10)
 //           + 10^((noise_after_gain_db + noise_after_gain_taper_db[b]) / 10)
 //
-// What comes in through the array (reverberation of the water, noise before the gain) changes with range and
-// has the taper of the beams that are sent; what the electronics add behind the gain does neither.
-// Target-free pings of a DIDSON show both, each with its own taper.
+// The first comes in through the array (reverberation of the water, noise before the gain). It varies with
+// range and has the taper of the transmitted beams. The second comes from the electronics behind the gain and
+// has neither property. Pings of a DIDSON without a target show both, each with its own taper.
 struct ReceiverParameters {
   double gain_db = 0.0;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
-  std::optional<double> noise_db = {};  // level of the floor at range 0, before TVG; absent = no such noise
-  double noise_slope_db_per_m = 0.0;    // a trend with range that the TVG does not explain
-  std::vector<double> noise_taper_db = {};         // by beam; empty = 0 everywhere
-  std::optional<double> noise_after_gain_db = {};  // level of the floor added behind the TVG; absent = none
-  std::vector<double> noise_after_gain_taper_db = {};  // by beam; empty = 0 everywhere
+  std::optional<double> noise_db = {};                 // floor at range 0, before TVG; absent = no such noise
+  double noise_slope_db_per_m = 0.0;                   // trend with range that the TVG does not explain
+  std::vector<double> noise_taper_db = {};             // per beam; empty = 0 everywhere
+  std::optional<double> noise_after_gain_db = {};      // floor added behind the TVG; absent = none
+  std::vector<double> noise_after_gain_taper_db = {};  // per beam; empty = 0 everywhere
   double looks = 1.0;  // independent looks averaged in a pixel (1: exponential power)
 
   bool operator==(const ReceiverParameters&) const = default;
@@ -119,8 +119,8 @@ struct ReceiverParameters {
 
 // Shape of a beam in azimuth; evaluated by sim/physics/beam_pattern.h.
 enum class AzimuthPattern {
-  kGaussian,  // a main lobe alone
-  kAperture,  // a line array shaded by (1 - taper) + taper cos^2: main lobe and side lobes
+  kGaussian,  // main lobe only
+  kAperture,  // line array shaded by (1 - taper) + taper cos^2: main lobe and side lobes
   kTable,     // the recording's own response, by offset in beams
 };
 constexpr auto WordsOf(std::type_identity<AzimuthPattern>) {
@@ -132,8 +132,8 @@ constexpr auto WordsOf(std::type_identity<AzimuthPattern>) {
 // Shape of a beam in elevation; evaluated by sim/physics/beam_pattern.h.
 enum class ElevationPattern {
   kGaussian,
-  kAperture,  // a line aperture shaded by (1 - taper) + taper cos^2, the same on transmit and on receive
-  kCosine,    // the same shaded by a cosine
+  kAperture,  // line aperture shaded by (1 - taper) + taper cos^2, on transmit and on receive
+  kCosine,    // line aperture shaded by a cosine, on transmit and on receive
 };
 constexpr auto WordsOf(std::type_identity<ElevationPattern>) {
   return Words<ElevationPattern, 3>{{{"gaussian", ElevationPattern::kGaussian},
@@ -141,15 +141,15 @@ constexpr auto WordsOf(std::type_identity<ElevationPattern>) {
                                      {"cosine", ElevationPattern::kCosine}}};
 }
 
-// Lobes of the elevation pattern through which mirrors are seen. Those of direct echoes, physically; some
-// simulations end their mirror legs where the main lobe does (docs/studies/ghosts.md).
+// Lobes of the elevation pattern through which mirrors are seen. Physically they are those of direct echoes.
+// Some simulations end their mirror legs at the end of the main lobe (docs/studies/ghosts.md).
 enum class MirrorLobes { kAll, kMain };
 constexpr auto WordsOf(std::type_identity<MirrorLobes>) {
   return Words<MirrorLobes, 2>{{{"all", MirrorLobes::kAll}, {"main", MirrorLobes::kMain}}};
 }
 
-// Half-power widths of the beam, two-way; 0 = take the sonar's own. Where nobody says otherwise a beam has
-// side lobes: without them, what lies right below a sonar is not there at all.
+// Half-power widths of the beam, two-way; 0 = the sonar's own. By default a beam has side lobes; without them
+// it does not see objects right below the sonar.
 struct BeamParameters {
   double azimuth_width_deg = 0.0;
   double elevation_width_deg = 0.0;
@@ -159,13 +159,13 @@ struct BeamParameters {
   double elevation_taper = 1.0;  // kAperture: 0 uniform .. 1 Hann
   std::vector<double> azimuth_table_db =
       {};  // kTable: power response at -n..n beams off axis, 2 n + 1 values
-  // What is sent beyond the field of view comes back by mirrors only: even to `transmit_even_deg` off the
-  // axis, from there on falling as a cosine (of pressure) to nothing at `transmit_end_deg`. 0 and 0: as far
-  // as rays are cast for the beams, and no further.
+  // Sound sent outside the field of view, which comes back by mirrors only. Uniform up to `transmit_even_deg`
+  // off the axis, then falling as a cosine (of pressure) to zero at `transmit_end_deg`. If both are 0, the
+  // limit is the fan of rays cast for the beams.
   double transmit_even_deg = 0.0;
   double transmit_end_deg = 0.0;
   MirrorLobes mirror_lobes = MirrorLobes::kAll;
-  // Sensitivity to echoes by beam, dB of power, as noise_taper_db is for noise; empty = 0 everywhere.
+  // Sensitivity to echoes per beam, dB of power, as noise_taper_db for noise; empty = 0 everywhere.
   std::vector<double> sensitivity_db = {};
 
   bool operator==(const BeamParameters&) const = default;
@@ -178,17 +178,17 @@ struct PulseParameters {
   bool operator==(const PulseParameters&) const = default;
 };
 
-// A material that reflects like a mirror, besides scattering; its paths are found by
-// sim/ghosts/ghost_trace.h. Acoustic and coherent models.
+// Material that scatters and also reflects like a mirror; sim/ghosts/ghost_trace.h traces its paths. Acoustic
+// and coherent models.
 struct MirrorParameters {
-  double loss_db = 0.0;  // of one reflection, in power and so in pressure: -20 log10 |R|, at any angle
+  double loss_db = 0.0;  // loss of one reflection in dB at any angle: -20 log10 |R|, R in pressure
 
   bool operator==(const MirrorParameters&) const = default;
 };
 
 enum class EchoModel {
   kPaper,     // Park 2024: levels summed over rays
-  kAcoustic,  // power summed over patches, expected or with speckle
+  kAcoustic,  // power summed over patches; expected image or speckled sample
   kCoherent,  // fields of point scatterers: the slow reference
 };
 constexpr auto WordsOf(std::type_identity<EchoModel>) {
@@ -202,15 +202,15 @@ struct ParameterSet {
   double noise_level_db = 0.0;  // NL of Park 2024 Eq. (10), paper model only
   double array_gain_db = 0.0;   // AG of Park 2024 Eq. (10), paper model only
   DisplayParameters<double> display;
-  std::map<std::string, MaterialParameters> materials;  // "default" serves names that are absent
-  std::map<std::string, MirrorParameters> mirrors;      // by material; those absent reflect nothing
+  std::map<std::string, MaterialParameters> materials;  // "default" applies to absent names
+  std::map<std::string, MirrorParameters> mirrors;      // by material; absent materials do not reflect
   JitterParameters<double> jitter;
   ReceiverParameters receiver;
   BeamParameters beam;
   PulseParameters pulse;
-  std::optional<Water> water;  // wins over the recording's, and that is said
+  std::optional<Water> water;  // overrides the recording's, with a message
 
-  // The parameters of a scene's material, or those of "default"; throws DataError where neither is given.
+  // Parameters of a scene's material, or those of "default". Throws DataError if neither is given.
   const MaterialParameters& Material(const std::string& name) const;
 
   bool operator==(const ParameterSet&) const = default;

@@ -1,6 +1,7 @@
-// A rigid transform. Named for what it does: `world_from_sonar` takes sonar coordinates to world coordinates.
+// Rigid transform. Its name states the direction: `world_from_sonar` converts sonar coordinates to world
+// coordinates.
 //
-// World: metres, Z up. Sonar frame: X right, Y forward (bore-sight), Z up.
+// World: metres, Z up. Sonar frame: X right, Y forward (broadside), Z up.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -25,26 +26,26 @@ struct Pose {
   }
 };
 
-// Whether two poses show the same: within 1 mm and 1 mrad.
+// True if two poses agree within 1 mm and 1 mrad.
 inline bool IsSamePose(const Pose& a, const Pose& b) {
   constexpr double kSameM = 1e-3;
   constexpr double kSameRad = 1e-3;
   return (a.position_m - b.position_m).norm() <= kSameM && a.rotation.angularDistance(b.rotation) <= kSameRad;
 }
 
-// Turns about the sonar's own axes, in this order: yaw about Z (positive to the left), then pitch about the
-// new X (positive looks up), then roll about the new Y (positive lowers the right side).
+// Rotations about the sonar's own axes, in this order: yaw about Z (positive to the left), pitch about the
+// new X (positive looks up), roll about the new Y (positive lowers the right side).
 inline Eigen::Quaterniond RotationFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {
   return Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()) *
          Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitY());
 }
 
-// The inverse of RotationFromYawPitchRoll: (yaw, pitch, roll), pitch within +-90 degrees.
+// Inverse of RotationFromYawPitchRoll: (yaw, pitch, roll), pitch within +-90 degrees.
 inline Eigen::Vector3d YawPitchRollFromRotation(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d r = rotation.toRotationMatrix();
-  // R = Rz(yaw) Rx(pitch) Ry(roll): its third row is (-cos p sin r, sin p, cos p cos r) and its second
-  // column (-sin y cos p, cos y cos p, sin p).
+  // R = Rz(yaw) Rx(pitch) Ry(roll) has the third row (-cos p sin r, sin p, cos p cos r) and the second column
+  // (-sin y cos p, cos y cos p, sin p).
   return {std::atan2(-r(0, 1), r(1, 1)), std::asin(std::clamp(r(2, 1), -1.0, 1.0)),
           std::atan2(-r(2, 0), r(2, 2))};
 }

@@ -9,7 +9,7 @@ bool IsContinuation(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-// Bytes of the UTF-8 character that starts `text`, or 0 where none does.
+// Length in bytes of the UTF-8 character at the start of `text`, or 0 if there is none.
 std::size_t CharacterLength(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const std::size_t length = lead < 0x80   ? 1
@@ -23,7 +23,7 @@ std::size_t CharacterLength(std::string_view text) {
   return std::all_of(tail.begin(), tail.end(), IsContinuation) ? length : 0;
 }
 
-// C0 and C1 controls and DEL: what a terminal may obey.
+// True for C0 and C1 controls and DEL, which a terminal may interpret as commands.
 bool IsControl(std::string_view character) {
   const auto first = static_cast<unsigned char>(character[0]);
   if (character.size() == 1) return first < 0x20 || first == 0x7F;

@@ -1,4 +1,4 @@
-// Text from a file made fit for an error sentence.
+// Makes text from a file safe for an error message.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace sonarcal {
 
-// At most `max_bytes` of `text` (then "..."), with control characters and bytes that are not UTF-8 replaced
-// by '?': a hostile file can neither flood the terminal nor send it commands.
+// Returns at most `max_bytes` of `text` (then "..."), with control characters and bytes that are not UTF-8
+// replaced by '?'. A malicious file can then neither flood the terminal nor send it commands.
 std::string Printable(std::string_view text, std::size_t max_bytes = 80);
 
 }  // namespace sonarcal

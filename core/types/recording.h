@@ -1,5 +1,5 @@
-// A recording: what is known of sonar, water and scale, and frames that are read one at a time, so that a
-// recording of any length is walked through in constant memory.
+// A recording: data about sonar, water and scale, and frames that are read one at a time. A recording of any
+// length needs constant memory.
 #pragma once
 
 #include <memory>
@@ -17,25 +17,26 @@
 namespace sonarcal {
 
 struct RecordingInfo {
-  std::string source;  // file or folder it was read from
+  std::string source;  // file or folder
   std::string format;  // "sonar-recording/1", "ARIS v5", ...
   SonarModel sonar;    // axes of the first frame
   ImageScale scale;
-  SonarSettings settings;  // of the first frame
+  SonarSettings settings;  // settings of the first frame
   std::optional<Water> water;
   std::optional<double> source_level_db;
   std::optional<std::string> scene_path;  // absolute, or relative to the working directory
-  // Samples that hold a measurement, in every frame, range_bins x beam_count; absent: all do.
+  // Samples that hold a measurement in every frame, range_bins x beam_count; absent: all.
   std::optional<Mask> valid;
-  bool synthetic = false;  // made by a simulation: said wherever the recording is named
-  // What the recorder says of its own beams and display, where it says it (data_io/README.md has the meaning
-  // for each format).
+  bool synthetic = false;  // made by a simulation; stated wherever the recording is named
+  // Properties of beams and display that the recorder states (data_io/README.md explains them for each
+  // format).
   std::vector<double> azimuth_psf;      // beam response by offset in beams; offset 0 at index size() / 2
-  std::vector<double> beam_taper;       // level of each column, relative
+  std::vector<double> beam_taper;       // relative level per beam
   std::optional<double> display_gamma;  // grey value ~ amplitude^display_gamma
-  // Whatever else the file says, for people: (name, value with unit).
+  // Other content of the file, for display: (name, value with unit).
   std::vector<std::pair<std::string, std::string>> details;
-  // Quirks met while reading, one sentence each: fields that disagree, garbage, interpolated samples.
+  // Irregularities found while reading, one sentence each: fields that disagree, invalid data, interpolated
+  // samples.
   std::vector<std::string> notes;
 };
 
@@ -61,11 +62,11 @@ class RecordingSource {
   // Header of a frame, without its pixels. 0 <= index < frame_count().
   virtual FrameInfo frame_info(int index) const = 0;
 
-  // Reads a frame. Throws DataError where its data are damaged or do not fit the header.
+  // Reads a frame. Throws DataError if its data are damaged or do not match the header.
   virtual Frame ReadFrame(int index) const = 0;
 };
 
-// A recording held in memory: what a simulation makes, and what tests use.
+// Recording in memory, for simulations and tests.
 class MemoryRecording final : public RecordingSource {
  public:
   MemoryRecording(RecordingInfo info, std::vector<Frame> frames)

@@ -1,4 +1,4 @@
-// A colour picture for people: overlays, reports. Row 0 at the top, 8 bits each of red, green and blue.
+// Colour picture for display: overlays, reports. Row 0 at the top, 8 bits each of red, green and blue.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace sonarcal {
 
 using RgbImage = Grid<std::array<std::uint8_t, 3>>;
 
-// Luminance by ITU-R BT.601; where the three are equal, their value.
+// Luminance by ITU-R BT.601; equals the channels' value if all three are equal.
 inline Grid<std::uint8_t> GreyOf(const RgbImage& rgb) {
   Grid<std::uint8_t> grey(rgb.rows(), rgb.cols());
   for (std::size_t i = 0; i < rgb.size(); ++i) {

@@ -1,4 +1,4 @@
-// What is known of a sonar before anything is fitted: its image geometry and its beams.
+// Known properties of a sonar before a fit: its image geometry and its beams.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace sonarcal {
 
-// How a sonar forms its beams. It decides whether neighbouring beams share receiver noise.
+// Method by which a sonar forms its beams. It determines whether neighbouring beams share receiver noise.
 enum class BeamForming {
-  kUnknown,  // taken as kArray
+  kUnknown,  // treated as kArray
   kArray,    // sums over the elements of an array: the noise of one element enters many beams
-  kLens,     // an acoustic lens, one element per beam: each beam has noise of its own
+  kLens,     // acoustic lens, one element per beam: each beam has independent noise
 };
 constexpr auto WordsOf(std::type_identity<BeamForming>) {
   return Words<BeamForming, 2>{{{"array", BeamForming::kArray}, {"lens", BeamForming::kLens}}};

@@ -1,5 +1,5 @@
-// Angles and levels. Stored angles are radians where the name says `_rad`, degrees where it says `_deg`;
-// levels are decibels of power.
+// Angles and levels. Stored angles are in radians if the name says `_rad`, in degrees if it says `_deg`.
+// Levels are decibels of power.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@ constexpr T RadFromDeg(const T& angle_deg) {
   return angle_deg * T(kRadPerDeg);
 }
 
-// 10 log10(power); the caller keeps power > 0.
+// 10 log10(power). Requires power > 0.
 template <typename T>
 T DbFromPower(const T& power) {
   using std::log10;
