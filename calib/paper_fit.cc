@@ -1,5 +1,5 @@
-// The fit of the paper's model (declared in calib/fit.h): the noise is not known beforehand, so that values
-// and noise are found in turn.
+// Fit of the paper's model (declared in calib/fit.h). The noise is not known in advance, so values and noise
+// are fitted in turn.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,14 +18,14 @@ namespace {
 // Noise before the first fit: a tenth of full scale, and enough dither to give faint pixels a slope.
 constexpr PaperNoise kFirstNoise = {.sigma = 0.1, .knee_sigma = 0.1, .variance_levels = 0.7};
 constexpr int kNoiseRounds = 3;
-// Two ends of a search are different optima if the RMS difference of their images exceeds this, of full
-// scale.
+// Two results of a search are different optima if the RMS difference of their images exceeds this fraction of
+// full scale.
 constexpr double kOtherImage = 0.01;
 
-// Alike enough that another round would change no value by its standard error.
+// Returns true if another round would change no value by as much as its standard error.
 bool AreAlike(const PaperNoise& a, const PaperNoise& b) {
   constexpr double kRelative = 0.1;
-  constexpr double kUnrounded = 1.3;  // variances as large as this make no difference (paper_likelihood.h)
+  constexpr double kUnrounded = 1.3;  // larger variances make no difference (paper_likelihood.h)
   const auto alike = [](double x, double y) { return std::abs(x - y) <= kRelative * std::max(x, y); };
   return alike(a.sigma, b.sigma) && alike(a.knee_sigma, b.knee_sigma) &&
          alike(std::min(a.variance_levels, kUnrounded), std::min(b.variance_levels, kUnrounded));
@@ -45,7 +45,8 @@ class PaperFitter {
     if (ends_.empty() || options_.rough) return ends_.empty() ? last_ : ends_.front();
     ModelFit fit = Settle(ends_.front());
     if (!fit.usable) return fit;
-    // The second best end, if its image differs: it may be the better one once it has converged.
+    // Also solves from the second-best result if its image differs: it may become the better one when it has
+    // converged.
     if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage) {
       Say("solving from the second-best start");
       ModelFit other = Fit(model_, ends_[1].values, config_, Again(/*rough=*/true));
@@ -146,7 +147,7 @@ class PaperFitter {
   std::vector<ModelFit> ends_;
   ModelFit last_;
   std::vector<double> start_costs_;
-  ParameterValues other_;  // where another start ended; empty: at the same place
+  ParameterValues other_;  // result of another start; empty: the same optimum
   int iterations_ = 0;
   double solve_s_ = 0.0;
 };
@@ -166,7 +167,7 @@ FitResult FitPaperModel(const std::vector<FitFrame>& frames, const sim::ImageGeo
   const std::unique_ptr<PaperFrameModel> coarse = model.InBlocks();
   ModelFit fit =
       PaperFitter(model, model.Values(initial), complete, options).Run(coarse != nullptr ? *coarse : model);
-  // If the data determine nothing, only the priors are left: that is no solution.
+  // If the data determine nothing, only the priors remain: that is no solution.
   const bool determined = std::any_of(
       fit.report.parameters.begin(), fit.report.parameters.end(), [](const FittedParameter& parameter) {
         return parameter.status == ParameterStatus::kFree || parameter.status == ParameterStatus::kAtBound;

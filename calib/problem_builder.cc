@@ -21,7 +21,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Range bins that are evaluated at once: their Jacobian stays in the nearest cache.
+// Number of range bins evaluated together. Their Jacobian stays in the first-level cache.
 int BandBins(const FrameModel& model) {
   constexpr int kPixels = 256;
   return std::max(1, kPixels / model.beams());
@@ -47,12 +47,13 @@ void ForBands(int range_bins, int bins_per_band, const Work& work) {
 
 // Sums over the pixels of a frame.
 struct FrameSums {
-  RowMajor information;      // expected, or more where the model is far off; its lower triangle
-  Eigen::VectorXd gradient;  // of half the sum of squares
+  RowMajor information;      // expected information, or more if the model is far off; lower triangle
+  Eigen::VectorXd gradient;  // gradient of half the sum of squares
   double residual_square = 0.0;
 };
 
-// With derivatives or without. Bands are added in their order, so that the number of threads changes nothing.
+// With derivatives or without. Adds bands in order, so that the result does not depend on the number of
+// threads.
 std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                                   const FitState& state, int frame, bool derivatives) {
   const auto evaluation =
@@ -74,7 +75,7 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
     const Eigen::Map<const Eigen::VectorXd> residual(terms.residual.data(), pixels);
     bands[band].residual_square = residual.squaredNorm();
     if (!derivatives) return;
-    // Never less than the slope's own square: then |r'| can't exceed |r|.
+    // At least the square of the slope, so that |r'| cannot exceed |r|.
     thread_local std::vector<double> weight;
     thread_local std::vector<double> along;
     weight.clear();
@@ -106,13 +107,13 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
   return sums;
 }
 
-// A frame's pixels, a hundred thousand residuals, as few residuals as parameters that it depends on and one
-// more, with the same cost and gradient g and, in place of J^T J, the expected information V diag(l) V^T
-// (Fisher scoring: of single pixels' slopes J^T J is a noisy guess at it):
+// Replaces the hundred thousand residuals of a frame by one residual per parameter that it depends on and one
+// more. Cost and gradient g are the same. J^T J is replaced by the expected information V diag(l) V^T (Fisher
+// scoring; J^T J from the slopes of single pixels is a noisy estimate of it):
 //
 //   J' = diag(sqrt(l)) V^T,  r' = diag(1 / sqrt(l)) V^T g,  and the rest of |r| in the last residual.
 //
-// That is all that a Levenberg-Marquardt step asks for; the large Jacobian is never stored.
+// A Levenberg-Marquardt step needs only this, so the large Jacobian is never stored.
 class FrameCost final : public ceres::CostFunction {
  public:
   FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
@@ -133,8 +134,8 @@ class FrameCost final : public ceres::CostFunction {
     all.SetCoordinates(catalog_, {blocks[0], blocks[0] + state_.active.size()});
     const FitState state{.active = mine_.active, .values = std::move(all.values)};
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    // A step is tried first, and its derivatives asked for when it was good: summed at once, and kept, where
-    // they cost little more.
+    // The solver tries a step first and asks for derivatives if it was good. If they are cheap, they are
+    // computed at once and kept.
     const bool differentiate = derivatives || model_.DerivativesAreCheap();
     const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
     if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
@@ -158,7 +159,7 @@ class FrameCost final : public ceres::CostFunction {
       const double smallest = 1e-14 * std::max(solver.eigenvalues()(n - 1), 0.0);
       for (Eigen::Index k = 0; k < n; ++k) {
         const double eigenvalue = solver.eigenvalues()(k);
-        if (!(eigenvalue > smallest)) continue;  // a direction that moves nothing has no gradient either
+        if (!(eigenvalue > smallest)) continue;  // a direction without effect has no gradient either
         const double root = std::sqrt(eigenvalue);
         jacobian(k, columns_) = root * solver.eigenvectors().col(k).transpose();
         out(k) = solver.eigenvectors().col(k).dot(sums->gradient) / root;
@@ -176,11 +177,11 @@ class FrameCost final : public ceres::CostFunction {
   mutable std::optional<FrameSums> sums_;  // at this point
   mutable std::vector<double> point_;
   mutable bool differentiated_ = false;
-  FitState mine_;                      // its active entries only
-  std::vector<Eigen::Index> columns_;  // their places among all active ones
+  FitState mine_;                      // with its active entries only
+  std::vector<Eigen::Index> columns_;  // their indices among all active ones
 };
 
-// What is known of the active entries beforehand.
+// Prior of the active entries.
 class PriorCost final : public ceres::CostFunction {
  public:
   PriorCost(const std::vector<CatalogEntry>& catalog, const FitState& state)
@@ -278,7 +279,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
     std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
     ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
       thread_local PixelTerms terms;
-      terms.repeat_factor.clear();  // of another model
+      terms.repeat_factor.clear();  // may be from another model
       SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
       Band& band = bands[band_idx];
       const Eigen::Map<const RowMajor> jacobian(terms.eta_jacobian.data(),

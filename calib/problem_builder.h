@@ -1,4 +1,4 @@
-// From a model and parameters to a Ceres problem, and to the sums that covariance and identifiability need.
+// Builds the Ceres problem of a fit, and the sums for covariance and identifiability.
 #pragma once
 
 #include <ceres/problem.h>
@@ -13,33 +13,33 @@
 
 namespace sonarcal::calib {
 
-// One solve: which parameters move, and all others at their values.
+// State of one solve: the parameters that move, and the values of all.
 struct FitState {
-  std::vector<int> active;  // entries of the catalog that the solver moves
+  std::vector<int> active;  // catalog entries that the solver moves
   ParameterValues values;   // every parameter
 
   std::vector<double> Coordinates(const std::vector<CatalogEntry>& catalog) const;
   void SetCoordinates(const std::vector<CatalogEntry>& catalog, const std::vector<double>& coordinates);
 };
 
-// One parameter block (`coordinates`, one value an active entry, kept within the entries' bounds), one
-// residual block a frame and one for the priors. For one thread. Model, catalog (its bounds may be narrower
-// than the model's own), state and coordinates must outlive the problem.
+// Builds a problem with one parameter block (`coordinates`, one value per active entry, within the bounds of
+// the entries), one residual block per frame and one for the priors. For one thread. Model, catalog (its
+// bounds may be narrower than those of the model), state and coordinates must outlive the problem.
 std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
                                              std::vector<double>& coordinates);
 
-// Pixels of a block that counts as independent of the others. What speckle shares across a block's edge is
-// lost to a sandwich: of a Gaussian response of width w, a share 0.48 w / n of the variance where blocks are
-// n long. So they are at least eight widths long, as far as that leaves a few blocks in a frame.
+// Size of a block that counts as independent of the others. A sandwich misses the speckle that two blocks
+// share at their edge: for a Gaussian response of width w and blocks of length n, a fraction 0.48 w / n of
+// the variance. So blocks are at least eight widths long, as far as a frame still has a few blocks.
 struct BlockPixels {
   int bins = 1;
   int beams = 1;
 };
 BlockPixels BlockSize(const FrameModel& model, const FitOptions& options);
 
-// Scores and expected information at a state, with respect to the coordinates of its active entries, summed
-// over blocks of pixels. `residuals` (where given) receives their mean and spread.
+// Returns scores and expected information at a state, by the coordinates of its active entries, summed over
+// blocks of pixels. Sets mean and spread in `residuals` if it is given.
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);

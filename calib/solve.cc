@@ -8,7 +8,7 @@
 namespace sonarcal::calib {
 namespace {
 
-// Ends a solve where somebody wants it ended.
+// Ends a solve on request.
 class StopCallback final : public ceres::IterationCallback {
  public:
   explicit StopCallback(const std::function<bool()>& stop) : stop_(stop) {}
@@ -30,7 +30,7 @@ SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& 
   ceres::Solver::Options solver;
   solver.max_num_iterations = limits.max_iterations;
   solver.function_tolerance = limits.function_tolerance;
-  solver.num_threads = 1;  // a frame's pixels are shared out among threads, not the frames
+  solver.num_threads = 1;  // threads share the pixels of a frame, not the frames
   solver.logging_type = ceres::SILENT;
   // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;

@@ -1,4 +1,4 @@
-// One solve of a fit's least-squares problem.
+// One solve of the least-squares problem of a fit.
 #pragma once
 
 #include <functional>
@@ -16,13 +16,13 @@ struct SolveLimits {
 
 struct SolveSummary {
   bool usable = false;
-  double cost = 0.0;  // half the sum of squares, the priors' included
+  double cost = 0.0;  // half the sum of squares, including priors
   int iterations = 0;
   std::string termination;
 };
 
 // Moves the active entries of `state` to the nearest optimum, unless there is no usable solution. Throws
-// FitStopped once `stop` says so.
+// FitStopped if `stop` returns true.
 SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                       const SolveLimits& limits, const std::function<bool()>& stop, FitState& state);
 

@@ -73,7 +73,8 @@ TargetFit FitTarget(const Scene& target, const SonarModel& sonar, const Water& w
       .azimuth_margin_deg = options.azimuth_margin_deg,
       .stagger = true,
       .stagger_rows = true};
-  // Few rays come and go at the edges of a small target, and its pose hangs on them.
+  // Uses more rays for a free pose: only few rays hit the edges of a small target, and they determine its
+  // pose.
   if (options.free_pose) {
     result.simulation.fan.cols *= 2;
     result.simulation.fan.rows *= 2;

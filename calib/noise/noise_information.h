@@ -1,8 +1,7 @@
-// What one pixel tells about a noise law before it is seen: Fisher's expected information
-// sum over grey levels of (d chance)(d chance)^T / chance, by the derivatives of GreyLevels. Positive
-// semi-definite whatever the law, and never larger than a pixel deserves: the outer product of scores that
-// were seen stands for it near the optimum only, and is (x - 1)^2 where 1 is right for a pixel x times
-// brighter than the law says.
+// Expected information of one pixel on a noise law (Fisher): the sum over grey levels of (d chance)(d
+// chance)^T / chance, with the derivatives of GreyLevels. It is positive semi-definite for any law. The outer
+// product of observed scores would replace it only near the optimum. For a pixel x times brighter than the
+// law it is (x - 1)^2 instead of 1.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,13 +13,13 @@ namespace sonarcal::calib {
 
 using PixelInformation = Eigen::Matrix<double, GreyLevels::kDerivatives, GreyLevels::kDerivatives>;
 
-// `full_scale` as of `grey`. noise_power > 0.
+// `full_scale` as in `grey`. noise_power > 0.
 PixelInformation ExpectedInformation(const GreyLevels& grey, int full_scale, double noise_power);
 
-// The same for many cells: tabulated over ln N and interpolated, to 1 % of the diagonal.
+// As above for many cells: a table over ln N, interpolated, accurate to 1 % of the diagonal.
 class InformationTable {
  public:
-  // 0 < least_power <= most_power: the powers that will be asked for.
+  // 0 < least_power <= most_power: range of the powers in later calls.
   InformationTable(const GreyLevels& grey, int full_scale, double least_power, double most_power);
 
   PixelInformation operator()(double noise_power) const;

@@ -9,7 +9,7 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kLooksStep = 1e-5;  // of ln looks, for a difference
+constexpr double kLooksStep = 1e-5;  // step of ln looks, for a difference
 constexpr double kDbStep = 1e-5;
 
 double Quantile(std::vector<double> values, double share) {

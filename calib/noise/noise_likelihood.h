@@ -1,6 +1,6 @@
-// Likelihood of recorded grey values under a noise law: the chance of each grey level is that of its
-// quantisation interval under speckle carried through the display; level 0 stands for all that is shown there
-// or below, full scale for all above (Tobit at both clips).
+// Likelihood of recorded grey values under a noise law. The probability of a grey level is that of its
+// quantisation interval under speckle through the display. Level 0 stands for all values there or below, full
+// scale for all above (Tobit at both clips).
 #pragma once
 
 #include <array>
@@ -14,33 +14,33 @@
 
 namespace sonarcal::calib {
 
-// What a noise fit finds.
+// Result of a noise fit.
 struct NoiseLaw {
   DisplayParameters<double> display;
   ReceiverParameters receiver;
   sim::SpeckleLaw speckle = sim::SpeckleLaw::kGamma;
 };
 
-// Chances of the grey levels, and their derivatives with respect to the law.
+// Probabilities of the grey levels and their derivatives by the parameters of the law.
 class GreyLevels {
  public:
-  // `by_looks`: whether the derivative by ln looks is wanted, which costs as much as all else; else it is 0.
+  // `by_looks`: computes the derivative by ln looks, which costs as much as all others; otherwise it is 0.
   GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks = true);
 
-  // By ln N, ln looks, display span (dB, db_min kept), soft_db.
+  // Derivatives by ln N, ln looks, display span (dB, with db_min fixed), soft_db.
   static constexpr int kDerivatives = 4;
   struct Chance {
     double value = 0.0;
-    double beyond = 1.0;  // of Below: 1 - value, with all its digits
+    double beyond = 1.0;  // for Below: 1 - value, with all its digits
     std::array<double, kDerivatives> derivative = {};
   };
 
   // P(grey <= level) at noise power N: level -1 gives 0, full_scale gives 1.
   double Cdf(int level, double noise_power) const;
-  // The cumulative chance with its derivatives; OfLevel is the difference of two.
+  // Cumulative probability with its derivatives. OfLevel is the difference of two.
   Chance Below(int level, double noise_power) const;
   static Chance Between(const Chance& lower, const Chance& upper);
-  // Without the derivatives.
+  // As Below, without derivatives.
   QuantileBound Bound(int level, double noise_power) const;
   Chance OfLevel(int level, double noise_power) const {
     return Between(Below(level - 1, noise_power), Below(level, noise_power));
@@ -49,31 +49,31 @@ class GreyLevels {
  private:
   NoiseLaw law_;
   bool by_looks_ = true;
-  std::vector<double> edge_power_;    // upper edge of each level but the last
+  std::vector<double> edge_power_;    // upper edge of each level except the last
   std::vector<double> edge_by_span_;  // its derivatives
   std::vector<double> edge_by_soft_db_;
 };
 
-// How well a law describes counts. Cells of weight 0 are left out.
+// Agreement of a law with counts. Leaves out cells of weight 0.
 struct NoiseAgreement {
   double nats_per_pixel = 0.0;    // -log likelihood
   double ks = 0.0;                // largest difference of the cumulative distributions
   double wasserstein_grey = 0.0;  // mean shift between the distributions, grey levels
-  double cell_ks_median = 0.0;    // the same difference by cell of 8 bins x 8 beams
+  double cell_ks_median = 0.0;    // as `ks`, per cell of 8 bins x 8 beams
   double cell_ks_p95 = 0.0;
-  ResidualSummary raw;       // of pixels: grey less the mean predicted, of full scale 1
-  ResidualSummary whitened;  // of pixels: calib/noise/quantile_residual.h; mean 0 and spread 1 for a true law
+  ResidualSummary raw;       // per pixel: grey minus the predicted mean, full scale 1
+  ResidualSummary whitened;  // per pixel: calib/noise/quantile_residual.h; mean 0 and spread 1 for a true law
   std::vector<double> recorded;  // share of each grey level
   std::vector<double> predicted;
   Grid<float> recorded_mean;  // bands x beams, grey; NaN where left out
   Grid<float> predicted_mean;
-  Grid<float> whitened_mean;  // of the whitened residuals
+  Grid<float> whitened_mean;  // mean of the whitened residuals
 };
 
 inline constexpr int kJudgeBins = 8;
 inline constexpr int kJudgeBeams = 8;
 
-// `weight` by cell of `cells`, 0 or 1; empty: all.
+// `weight`: per cell of `cells`, 0 or 1; empty: all 1.
 NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const NoiseCells& cells,
                          const std::vector<double>& weight, double absorption_db_per_m);
 

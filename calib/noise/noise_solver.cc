@@ -15,18 +15,19 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr double kNatsPerDb = std::numbers::ln10 / 10.0;
-// A taper is relative to the floor's level: its mean over beams is held at 0, this tightly (1 / dB^2).
+// Precision (1 / dB^2) that holds the mean of a taper over beams at 0. A taper is relative to the level of
+// its floor.
 constexpr double kTaperMeanPrecision = 1e8;
-// Nats still to be gained: no parameter is further than 0.05 sigma from the optimum.
+// Convergence: remaining gain in nats. No parameter is then further than 0.05 sigma from the optimum.
 constexpr double kConverged = 1e-3;
-// Or this much gained in all by the last steps: a likelihood that is not quadratic, as in beams with
-// interference, which no law of one speckle describes.
+// Alternative: total gain of the last steps in nats. For a likelihood that is not quadratic, such as that of
+// beams with interference, which no law with one speckle describes.
 constexpr double kGainedLittle = 0.02;
 constexpr int kLastSteps = 4;
 constexpr double kMostStepDb = 6.0;
 constexpr double kMostDamping = 1e8;
-constexpr double kFreeDamping = 1e-2;  // up to here a short step is not the damping's doing
-// Of the largest diagonal element: what damping takes for the least curvature of any parameter.
+constexpr double kFreeDamping = 1e-2;  // up to here, damping is not the cause of a short step
+// Min curvature for damping, as a fraction of the largest diagonal element.
 constexpr double kLeastCurvature = 1e-8;
 
 NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, int beams) {
@@ -89,7 +90,7 @@ NoiseLaw FromVector(const NoiseLaw& form, const NoiseLayout& layout, const Eigen
   return law;
 }
 
-// Within what calib/noise/noise_fit_report.cc states as bounds.
+// Tests the bounds that calib/noise/noise_fit_report.cc states.
 bool WithinBounds(const NoiseLayout& layout, const Eigen::VectorXd& value) {
   if (!value.allFinite()) return false;
   for (int place = 0; place < layout.count; ++place) {
@@ -99,7 +100,8 @@ bool WithinBounds(const NoiseLayout& layout, const Eigen::VectorXd& value) {
   return true;
 }
 
-// Levenberg's: a share of the diagonal's size, with a floor for what the pings say nothing of.
+// Levenberg's damping: a fraction of the diagonal, with a min value for parameters that the pings do not
+// determine.
 Eigen::MatrixXd Damped(const Eigen::MatrixXd& information, double damping) {
   const Eigen::VectorXd size = information.diagonal().cwiseAbs();
   Eigen::MatrixXd damped = information;
@@ -107,7 +109,7 @@ Eigen::MatrixXd Damped(const Eigen::MatrixXd& information, double damping) {
   return damped;
 }
 
-// Newton's step where the curvature of ln N leaves the information positive definite, else Fisher's.
+// Newton's step if the curvature of ln N leaves the information positive definite, else Fisher's.
 std::optional<Eigen::VectorXd> Step(const Eigen::MatrixXd& information, const Eigen::MatrixXd& curvature,
                                     const Eigen::VectorXd& score, double damping) {
   Eigen::LLT<Eigen::MatrixXd> solver(Damped(information + curvature, damping));
@@ -118,11 +120,11 @@ std::optional<Eigen::VectorXd> Step(const Eigen::MatrixXd& information, const Ei
 
 constexpr int kMostOfACell = 7;
 
-// The parameters that a cell depends on, and how ln N and the levels' chances follow them.
+// Parameters of a cell, and the derivatives of ln N and of the levels' probabilities by them.
 struct CellParameters {
   std::array<int, kMostOfACell> place;
-  std::array<double, kMostOfACell> by_log_noise;    // d ln N
-  std::array<double, kMostOfACell> curvature_sign;  // of d2 ln N: outer product of these times bend
+  std::array<double, kMostOfACell> by_log_noise;    // d ln N / d parameter
+  std::array<double, kMostOfACell> curvature_sign;  // for d2 ln N: outer product of these times bend
   std::array<int, kMostOfACell> grey_derivative;    // index in GreyLevels::Chance, or -1
   int count = 0;
   double noise_power = 0.0;
@@ -148,7 +150,7 @@ CellParameters AtCell(const NoiseLaw& law, const NoiseLayout& layout, double ran
         law.receiver.noise_after_gain_taper_db.empty() ? 0.0 : law.receiver.noise_after_gain_taper_db[beam];
     share = 1.0 - sim::PowerOfLevel(*law.receiver.noise_after_gain_db + taper_db) / cell.noise_power;
   }
-  // ln N is the logarithm of a sum of two powers: its curvature is share (1 - share) about their ratio.
+  // ln N is the logarithm of a sum of two powers. Its curvature by their ratio is share (1 - share).
   cell.bend = kNatsPerDb * kNatsPerDb * share * (1.0 - share);
   cell.Add(layout.noise_db, kNatsPerDb * share, 1.0, -1);
   cell.Add(layout.slope, kNatsPerDb * share * range_m, range_m, -1);
@@ -165,7 +167,7 @@ struct Evaluation {
   double cost = 0.0;  // -log likelihood
   Eigen::VectorXd score;
   Eigen::MatrixXd information;  // expected: positive semi-definite
-  Eigen::MatrixXd curvature;    // what the curvature of ln N adds to it; may make it indefinite
+  Eigen::MatrixXd curvature;    // second derivative of ln N; may make the sum indefinite
 };
 
 Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseCounts& counts,
@@ -187,7 +189,7 @@ Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseC
     cell.parameters =
         AtCell(law, layout, cells.RangeM(i / cells.beams()), i % cells.beams(), absorption_db_per_m);
     const CellParameters& parameters = cell.parameters;
-    // The score in ln N and the derivatives of GreyLevels first: few numbers a level.
+    // Computes the score in ln N and by the derivatives of GreyLevels first: few numbers per level.
     Eigen::Vector<double, kKinds> score = Eigen::Vector<double, kKinds>::Zero();
     int last = -1;
     GreyLevels::Chance lower;
@@ -235,7 +237,7 @@ Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseC
   return sum;
 }
 
-// Moves the mean of each taper into its floor's level: the same law, in the gauge that is asked for.
+// Moves the mean of each taper into the level of its floor. The law stays the same.
 void CentreTapers(const NoiseLayout& layout, Eigen::VectorXd& value) {
   const auto centre = [&](int first, int level) {
     if (first < 0) return;
@@ -291,8 +293,7 @@ void AddPriors(const NoiseSolution& solution, Evaluation& sum) {
   }
 }
 
-// A step from `from`, no longer than is wise, in the gauge of the tapers and with looks and span within
-// bounds.
+// Limits a step from `from`, centres the tapers, and clamps looks and span to their bounds.
 Eigen::VectorXd Next(const NoiseLayout& layout, const Eigen::VectorXd& from, const Eigen::VectorXd& step) {
   Eigen::VectorXd next = from + step.cwiseMin(kMostStepDb).cwiseMax(-kMostStepDb);
   CentreTapers(layout, next);
@@ -334,7 +335,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
   double damping = 1e-3;
   std::vector<double> gains;
   for (solution.iterations = 0; solution.iterations < options.max_iterations; ++solution.iterations) {
-    // At its bound and pushed beyond it, the number of looks stays there.
+    // The number of looks stays at its bound if the score points beyond it.
     const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(kMinNoiseLooks) &&
                             at_best.score[layout.log_looks] < 0.0;
     Eigen::MatrixXd information = at_best.information;

@@ -1,5 +1,4 @@
-// Fisher scoring of one noise law, its form given: what calib/noise/noise_fit.cc solves once for each
-// candidate.
+// Fisher scoring of a noise law of given form. calib/noise/noise_fit.cc calls it once per candidate.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,11 +9,11 @@
 
 namespace sonarcal::calib {
 
-// Where each parameter stands in the vector; -1: it has no place, as it is fixed or absent.
+// Index of each parameter in the vector; -1 if it is fixed or absent.
 struct NoiseLayout {
   int noise_db = -1;
   int slope = -1;
-  int taper = -1;  // the first of one for each beam
+  int taper = -1;  // first of one per beam
   int after_db = -1;
   int after_taper = -1;
   int log_looks = -1;
@@ -31,7 +30,7 @@ struct NoiseSolution {
   Eigen::VectorXd prior_mean;
   Eigen::VectorXd prior_precision;
   Eigen::MatrixXd information;  // of pings and priors
-  double cost_initial = 0.0;    // -log posterior
+  double cost_initial = 0.0;    // -log posterior probability
   double cost = 0.0;
   int iterations = 0;
   bool converged = false;
@@ -42,13 +41,12 @@ inline constexpr double kMinNoiseLooks = 1.0;
 inline constexpr double kMaxNoiseLooks = 100.0;
 inline constexpr double kLeastSpanDb = 5.0;
 inline constexpr double kMostSpanDb = 400.0;
-inline constexpr double kMostLevelDb = 500.0;  // either side of 0; of tapers and the soft floor too
+inline constexpr double kMostLevelDb = 500.0;  // max magnitude; also for tapers and the soft floor
 inline constexpr double kMostSlopeDbPerM = 1000.0;
 
-// Levenberg-Marquardt. Ends without `converged` where no step that is damped ever more lowers the cost, or
-// after options.max_iterations; the law is then the best that was seen, finite and within the bounds above.
-// `start` tells the form: which floors it has, its display law and gain. `fit_span`: the span is free, and
-// not the looks.
+// Levenberg-Marquardt. Ends without `converged` if no step lowers the cost at any damping, or after
+// options.max_iterations. The law is then the best one found, finite and within the bounds above. `start`
+// gives the form: its floors, display law and gain. `fit_span`: frees the span instead of the looks.
 NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts& counts,
                          const NoiseCells& cells, const std::vector<double>& weight,
                          const NoiseFitOptions& options);

@@ -1,7 +1,7 @@
-// Residual of a value that is known to lie in an interval only, as a grey level or a clipped value is: the
-// standard normal quantile of its cumulative chance under a law (Dunn & Smyth, J. Comput. Graph. Statist.
-// 5(3), 1996). There the place in the interval is drawn at random; here the draw is averaged out in closed
-// form. Over values that follow the law the mean is 0 and the mean square is 1, whatever the intervals.
+// Residual of a value that is only known to lie in an interval, such as a grey level or a clipped value. It
+// is the standard normal quantile of its cumulative probability under a law (Dunn & Smyth, J. Comput. Graph.
+// Statist. 5(3), 1996). There, the place in the interval is random; here, the mean over it has a closed form.
+// For values that follow the law, the mean is 0 and the mean square is 1, for any intervals.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 
 namespace sonarcal::calib {
 
-// Of the residual over its interval.
+// Moments of the residual over its interval.
 struct QuantileMoments {
   double mean = 0.0;
   double square = 0.0;
 };
 
-// A bound of the interval: the chance to lie below it, and the chance beyond it with all its digits.
+// A bound of the interval: the probability below it, and the probability beyond it with all its digits.
 struct QuantileBound {
   double below = 0.0;
   double beyond = 1.0;
@@ -25,7 +25,7 @@ struct QuantileBound {
 
 inline QuantileMoments QuantileResidual(const QuantileBound& lower, const QuantileBound& upper) {
   constexpr double kSmallestChance = 1e-300;  // a residual of 37
-  constexpr double kThin = 1e-9;              // of the tail: narrower, the interval is a point
+  constexpr double kThin = 1e-9;              // fraction of the tail; a narrower interval counts as a point
   const auto quantile = [&](const QuantileBound& bound) {
     return bound.below < 0.5 ? Eigen::numext::ndtri(std::max(bound.below, kSmallestChance))
                              : -Eigen::numext::ndtri(std::max(bound.beyond, kSmallestChance));

@@ -16,8 +16,8 @@
 namespace sonarcal::calib {
 namespace {
 
-// Of a frame, mean square change of the brightest pixels, relative to their power and times the looks: fresh
-// speckle has about 1, noise 9 dB below the echoes 0.25.
+// Limit for the mean square change of a frame's brightest pixels, relative to their power, times the looks.
+// Fresh speckle has about 1; noise 9 dB below the echoes has 0.25.
 constexpr double kMoved = 0.25;
 constexpr double kBrightestShare = 0.01;
 constexpr std::size_t kFewestBright = 50;
@@ -27,9 +27,9 @@ constexpr double kFirstStepDb = 1.0;
 constexpr double kStepDb = 0.2;
 constexpr int kMostSteps = 60;
 
-// Pixels so far above the noise check what all of them say.
+// Pixels this far above the noise check the level from all pixels.
 constexpr double kBrightDb = 13.0;
-constexpr double kBrightSigmaDb = 1.0;  // beyond it they check nothing
+constexpr double kBrightSigmaDb = 1.0;  // larger standard errors check nothing
 
 constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
 
@@ -37,7 +37,7 @@ struct Stack {
   GreyClasses classes;
   int range_bins = 0;
   int beams = 0;
-  std::vector<std::vector<std::uint16_t>> frames;  // classes by pixel
+  std::vector<std::vector<std::uint16_t>> frames;  // class per pixel
 
   std::size_t pixels() const { return static_cast<std::size_t>(range_bins) * beams; }
   double MeanPower(std::size_t pixel) const {
@@ -97,7 +97,7 @@ std::vector<std::size_t> BrightestPixels(const Stack& stack, const StillOptions&
   return brightest;
 }
 
-// Which frames do not show what most of them show where they are brightest.
+// Finds the frames that differ from most others where those are brightest.
 std::vector<bool> FindMoved(const Stack& stack, const StillOptions& options) {
   const std::vector<std::size_t> brightest = BrightestPixels(stack, options);
   const std::size_t count = stack.frames.size();
@@ -118,7 +118,7 @@ std::vector<bool> FindMoved(const Stack& stack, const StillOptions& options) {
   return moved;
 }
 
-// The pixels that tell of the noise, every n-th of them, with what the likelihood wants of them.
+// Every n-th of the pixels that determine the noise, with their likelihood.
 struct Telling {
   std::vector<std::size_t> pixels;
   StillLikelihood likelihood;
@@ -142,7 +142,7 @@ Telling TellingPixels(const Stack& stack, const StillOptions& options, double no
                                   std::move(shape_db), brightest_db)};
 }
 
-// Were all of them noise, the darkest fifth would end a quarter of the mean below it.
+// If all pixels were noise, the darkest fifth would end a quarter of the mean below it.
 double FirstLookDb(const Stack& stack, const StillOptions& options) {
   std::vector<double> levels_db;
   for (std::size_t pixel = 0; pixel < stack.pixels(); ++pixel) {
@@ -155,12 +155,12 @@ double FirstLookDb(const Stack& stack, const StillOptions& options) {
   return *at;
 }
 
-// Log-likelihoods by pixel about the most likely level.
+// Log-likelihoods per pixel about the most likely level.
 struct Profiles {
   double middle_db = 0.0;
   double step_db = 0.0;
   std::array<std::vector<double>, 3> by_pixel;  // at middle - step, middle, middle + step
-  std::vector<double> weights;                  // of echo amplitudes, in the middle
+  std::vector<double> weights;                  // weights of the echo amplitudes, at the middle
 };
 
 double Sum(const std::vector<double>& values) {
@@ -211,8 +211,8 @@ int BlockOf(std::size_t pixel, int beams, const StillOptions& options) {
   return bin * BlocksAcross(beams, options) + beam;
 }
 
-// The top of the parabola through the likelihoods of those pixels that `counts` says, and its sigma by a
-// sandwich over blocks.
+// Maximum of the parabola through the likelihoods of the pixels that `counts` selects, with its standard
+// error from a sandwich over blocks.
 struct Level {
   double db = 0.0;
   double sigma_db = 0.0;
@@ -249,8 +249,8 @@ Level TopOf(const Profiles& profiles, const std::vector<int>& block_of, Counts&&
           .sigma_db = std::sqrt(scatter * n / std::max(1.0, n - 1.0)) / -all.bend};
 }
 
-// Of a sum over pixels with the speckle of one scene: half the squared differences of blocks side by side,
-// between which the scene is much the same.
+// Variance of a sum over pixels with the speckle of one scene: half the squared differences of neighbouring
+// blocks, between which the scene hardly changes.
 double VarianceOfSum(const std::map<int, double>& by_block, int blocks_across) {
   double variance = 0.0;
   for (const auto& [block, sum] : by_block) {
@@ -277,7 +277,7 @@ void FillEchoes(const Stack& stack, const StillOptions& options, const Telling& 
       ++levels.clipped_at_top;
       continue;
     }
-    // Far above the noise, where the frames agree.
+    // Pixels far above the noise, where the frames agree.
     power[pixel] = stack.MeanPower(pixel) - sim::PowerOfLevel(levels.noise_db + NoiseShapeDb(options, pixel));
   }
   const std::vector<double> near_noise = telling.likelihood.EchoPower(levels.noise_db, weights);

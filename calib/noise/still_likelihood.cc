@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostClasses = 512;
 constexpr int kMostNodes = 600;
-constexpr std::size_t kChunk = 2048;  // pixels; fixed, so that sums do not depend on the threads
+constexpr std::size_t kChunk = 2048;  // pixels; fixed, so that sums do not depend on the number of threads
 constexpr double kShapeStepDb = 0.5;  // noise shapes are rounded to it
 constexpr double kLeastChance = 1e-12;
 constexpr float kNegligibleLog = -25.0F;
@@ -24,13 +24,13 @@ std::size_t ChunkCount(std::size_t pixels) {
   return (pixels + kChunk - 1) / kChunk;
 }
 
-// Of amplitudes, in those of the noise. They are told to 1 / sqrt(2 L frames): nodes lie closer than that, so
-// that the grid is not taken for noise.
+// Spacing of the amplitude nodes, in units of the noise amplitude. Amplitudes are determined to 1 / sqrt(2 L
+// frames); the nodes are closer, so that the grid does not act as noise.
 double Spacing(double looks, int frames) {
   return 0.7 / std::sqrt(2.0 * looks * frames);
 }
 
-// Above what the brightest pixels may hold.
+// Amplitude above all that the brightest pixels may have.
 double HighestNode(double brightest_db) {
   return 1.1 * sim::AmplitudeOfLevel(brightest_db) + 3.0;
 }
@@ -75,7 +75,7 @@ StillLikelihood::StillLikelihood(const GreyClasses& classes, double looks, int f
   for (int j = 0; j < nodes; ++j) amplitude_.push_back((j + 0.5) * spacing);
 }
 
-// By noise shape: class x node.
+// Tables per noise shape: class x node.
 std::vector<std::vector<float>> StillLikelihood::LogTables(double noise_db) const {
   const std::size_t nodes = amplitude_.size();
   const std::vector<double>& edges = classes_.edges();
@@ -126,7 +126,7 @@ std::vector<StillLikelihood::Chunk> StillLikelihood::Chunks(double noise_db) con
 std::vector<double> StillLikelihood::Profile(double noise_db, std::vector<double>& weights) const {
   const std::vector<Chunk> chunks = Chunks(noise_db);
   const std::size_t nodes = amplitude_.size();
-  // A field has no favourite phase: there is the more of an amplitude the larger it is.
+  // Start weights of a field with uniform phase: proportional to the amplitude.
   if (weights.empty()) weights = amplitude_;
   std::vector<double> log_likelihood(size());
   std::vector<std::vector<double>> share(chunks.size());
@@ -150,7 +150,7 @@ std::vector<double> StillLikelihood::Profile(double noise_db, std::vector<double
     for (const std::vector<double>& of_chunk : share) {
       for (std::size_t j = 0; j < nodes; ++j) weights[j] += of_chunk[j] / static_cast<double>(size());
     }
-    // What has vanished could never return at another noise level.
+    // Keeps weights above 0, because a weight of 0 could not grow at another noise level.
     for (double& weight : weights) weight = std::max(weight, 1e-12);
   }
   return log_likelihood;

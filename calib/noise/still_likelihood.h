@@ -1,4 +1,4 @@
-// Likelihood of the grey levels of still frames by the noise level, whatever the echoes are: the machinery of
+// Likelihood of the grey levels of static frames by the noise level, for unknown echoes. Used by
 // calib/noise/still_frames.h.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sonarcal::calib {
 
-// Grey levels in classes: level by level up to 512 of them, wider ones beyond.
+// Classes of grey levels: one per level up to 512 levels, wider ones beyond.
 class GreyClasses {
  public:
   GreyClasses(const DisplayParameters<double>& display, double full_scale);
@@ -19,9 +19,10 @@ class GreyClasses {
   int count() const { return static_cast<int>(edges_.size()) + 1; }
   int Of(double grey) const;
   bool IsTop(int of_class) const { return of_class == count() - 1; }
-  // Powers between the classes, rising: class c lies between edge c - 1 and edge c.
+  // Powers between the classes, ascending: class c lies between edge c - 1 and edge c.
   const std::vector<double>& edges() const { return edges_; }
-  double Power(int of_class) const { return power_[of_class]; }  // of its middle; of an end, its edge
+  // power at its middle; for the first and last class, at its edge
+  double Power(int of_class) const { return power_[of_class]; }
 
  private:
   int levels_in_class_ = 1;
@@ -29,26 +30,26 @@ class GreyClasses {
   std::vector<double> power_;
 };
 
-// How far above the noise pixels may lie: no further than asked for, and than the nodes reach that many
-// frames can pay for.
+// Returns how far above the noise pixels may lie: `asked_db`, limited by the max number of nodes for this
+// number of frames.
 double BrightestTellingDb(double looks, int frames, double asked_db);
 
 class StillLikelihood {
  public:
-  // `classes_of`: pixel by pixel, the classes of all frames. Noise shapes (still_frames.h) are rounded to
-  // half a dB. No pixel lies further above the noise than `brightest_db`.
+  // `classes_of`: classes of all frames, pixel by pixel. Noise shapes (still_frames.h) are rounded to 0.5 dB.
+  // No pixel may exceed the noise by more than `brightest_db`.
   StillLikelihood(const GreyClasses& classes, double looks, int frames, std::vector<std::uint16_t> classes_of,
                   const std::vector<float>& noise_shape_db, double brightest_db);
 
-  // Of the noise level, the best weights of echo amplitudes given: log-likelihood by pixel. Starts from
-  // `weights` (empty: evenly over the complex plane) and leaves what it found there.
+  // Returns the log-likelihood per pixel at a noise level, with the best weights of the echo amplitudes.
+  // Starts from `weights` (empty: uniform over the complex plane) and returns the best ones there.
   std::vector<double> Profile(double noise_db, std::vector<double>& weights) const;
 
-  // Expectation of each pixel's echo power given its levels, at the noise level and weights.
+  // Expectation of each pixel's echo power given its levels, at this noise level and these weights.
   std::vector<double> EchoPower(double noise_db, const std::vector<double>& weights) const;
 
  private:
-  // A pixel's likelihood at the amplitudes where it is not negligible, of largest value 1.
+  // Likelihood of a pixel at the amplitudes where it is not negligible, scaled to a max of 1.
   struct Window {
     std::uint32_t first_node = 0;
     std::uint32_t count = 0;
@@ -70,7 +71,7 @@ class StillLikelihood {
   std::vector<std::uint16_t> classes_of_;
   std::vector<double> shapes_db_;
   std::vector<std::uint16_t> shape_index_;
-  std::vector<double> amplitude_;  // of the nodes, in those of the noise
+  std::vector<double> amplitude_;  // of the nodes, in units of the noise amplitude
 };
 
 }  // namespace sonarcal::calib

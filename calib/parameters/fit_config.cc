@@ -25,7 +25,7 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
 }
 
-// Calls `act` with the index of every entry that a pattern means; a pattern that means none is a mistake.
+// Calls `act` with the index of every entry that matches a pattern. A pattern without a match is an error.
 template <typename Act>
 void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& catalog, Act&& act) {
   bool any = false;
@@ -142,7 +142,7 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
       if (entry.logarithmic && !(value > 0.0)) {
         throw DataError("fit: prior value {} of {}, expected a positive one", value, entry.name);
       }
-      // A sigma of a value, as one of its coordinate.
+      // Converts the sigma of the value to one of its coordinate.
       entry.prior =
           Prior{.coordinate = entry.CoordinateFromValue(value), .sigma = sigma / entry.ValueSlope(value)};
     });
@@ -164,7 +164,7 @@ std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitCo
                                            std::vector<CatalogEntry>& catalog) {
   std::vector<bool> free = ApplyFitConfig(config, catalog);
   GivePriors(initial, free, catalog, config);
-  ApplyFitConfig(config, catalog);  // and now the priors
+  ApplyFitConfig(config, catalog);  // now including the priors
   return free;
 }
 

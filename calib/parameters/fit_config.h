@@ -1,7 +1,8 @@
-// What a fit is allowed to change, and on which frames: the user's side of a fit. How it is solved is in
+// What a fit may change, and on which frames: the user's part of a fit. The solver's options are in
 // fit_options.h.
 //
 // As a file (`--config fit.json`; an unknown key is refused with its line):
+//
 //   {"format": "sonar-fit-config/1",
 //    "free":  ["materials", "display.db_max", "jitter.*"],
 //    "fixed": ["material.wall.gsab.*"],
@@ -11,10 +12,10 @@
 //    "held_out": [2, 5]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
-// noise, psf (beam and pulse), mirrors (every loss), pose (each frame's), mount, display, jitter,
-// source_level. `fixed` wins over `free`. A prior is a value and its sigma, in the parameter's unit, or
-// nothing at all; it counts where the model's fit is a likelihood, and there every parameter has one
-// (parameter_catalog.h) unless it is given here.
+// noise, psf (beam and pulse), mirrors (every loss), pose (of each frame), mount, display, jitter,
+// source_level. `fixed` takes precedence over `free`. A prior is a value and its sigma, in the unit of the
+// parameter, or "none". Priors have an effect only in a fit by likelihood. There every parameter has a
+// default prior (parameter_catalog.h).
 #pragma once
 
 #include <filesystem>
@@ -34,29 +35,29 @@ struct PosePrior {
 };
 
 struct FitConfig {
-  std::optional<std::vector<std::string>> free = {};  // absent: what the model's fit frees by default
+  std::optional<std::vector<std::string>> free = {};  // absent: the default of the model's fit
   std::vector<std::string> fixed = {};
   std::map<std::string, std::pair<double, double>> bounds = {};
-  // How far one solve may move a parameter, by name; set by a fit in rounds, not by a user.
+  // Trust region of one solve, by name. Set by a fit in rounds, not by a user.
   std::map<std::string, std::pair<double, double>> leashes = {};
-  std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: nothing is known
+  std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: no prior
   PosePrior pose_prior = {};
-  // Frames the fit does not see; absent: the last third, at least one where there are two.
+  // Held-out frames. Absent: the last third, at least one if there are two.
   std::optional<std::vector<int>> held_out = {};
 };
 
 FitConfig ReadFitConfig(const std::filesystem::path& path);
 
-// Which entries of a catalogue are free (config.free must be given); also narrows the entries' bounds. Throws
-// DataError for a name or pattern that matches nothing.
+// Returns which entries of a catalog are free (config.free must be given), and narrows the bounds of the
+// entries. Throws DataError for a name or pattern that matches nothing.
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog);
 
-// Gives every free entry of the catalog that has no prior yet one about its initial value, one typical step
-// wide. A fit that starts where another ended keeps so what was known beforehand.
+// Gives every free entry of the catalog without a prior one about its initial value, with one typical step as
+// sigma. A fit that starts at the result of another one thus keeps the original priors.
 void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
                 const std::vector<CatalogEntry>& catalog, FitConfig& config);
 
-// Both: which entries are free, every one of them with a prior, in the configuration and in the catalog.
+// Does both: returns which entries are free, and gives each a prior in the configuration and in the catalog.
 std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitConfig& config,
                                            std::vector<CatalogEntry>& catalog);
 
@@ -65,7 +66,7 @@ struct FrameSplit {
   std::vector<int> held_out;
 };
 
-// Throws DataError where a held-out frame does not exist or none is left to fit.
+// Throws DataError if a held-out frame does not exist or if no frame is left to fit.
 FrameSplit SplitFrames(const FitConfig& config, int frame_count);
 
 }  // namespace sonarcal::calib

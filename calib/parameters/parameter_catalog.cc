@@ -14,13 +14,12 @@
 namespace sonarcal::calib {
 namespace {
 
-// Steps that would be a surprise: a factor of ten in power, a factor of e in a width, one in an exponent, 20
-// dB.
+// Surprisingly large steps: a factor of ten in power, a factor of e in a width, 1 in an exponent, 20 dB.
 constexpr double kPowerStep = std::numbers::ln10;
 constexpr double kWidthStep = 1.0;
 constexpr double kExponentStep = 1.0;
 constexpr double kLevelStepDb = 20.0;
-// 10 dB in the loss of a reflection; beyond 60 dB a mirror's ghosts are below anything else that is heard.
+// 10 dB in the loss of a reflection. Beyond 60 dB the ghosts of a mirror are below all other echoes.
 constexpr double kLossStepDb = 10.0;
 constexpr double kMostLossDb = 60.0;
 
@@ -68,9 +67,8 @@ CatalogEntry WidthEntry(const std::string& name, const std::string& unit, Parame
           .typical_step = kWidthStep};
 }
 
-// What the curves of real surfaces stay within, as backscatter per unit area: peaks of -70 to +20 dB, no
-// narrower than half a degree (below that a peak is a mirror, and takes what the model lacks), a slow part of
-// -70 to 0 dB.
+// Limits of the curves of real surfaces, as backscatter per unit area: peaks of -70 to +20 dB, at least half
+// a degree wide (a narrower peak is a mirror, and absorbs errors of the model), a slow part of -70 to 0 dB.
 struct Limits {
   double lower;
   double upper;
@@ -78,7 +76,7 @@ struct Limits {
 constexpr std::array<Limits, 6> kRealGsabBounds = {
     {{1e-7, 100.0}, {0.5, 20.0}, {1e-7, 1.0}, {0.0, 5.0}, {1e-7, 10.0}, {3.0, 60.0}}};
 
-// How far aside a transmitter sends: to the outer beams, and no further than rays for ghosts go.
+// Angle up to which a transmitter sends: at least to the outer beams, at most as far as rays for ghosts go.
 CatalogEntry TransmitEntry(const SonarModel& sonar) {
   constexpr double kFurthestDeg = 60.0;
   constexpr double kStepDeg = 20.0;
@@ -175,7 +173,7 @@ std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& m
                        .upper = 500.0,
                        .typical_step = kLevelStepDb});
   }
-  // Over the whole window, a trend of 20 dB would be a surprise.
+  // A trend of 20 dB over the whole window is surprisingly large.
   const double window_m = sonar.axes.range_max_m - sonar.axes.range_min_m;
   catalog.push_back({.name = "receiver.noise_slope_db_per_m",
                      .unit = "dB/m",

@@ -1,18 +1,17 @@
-// The parameters of a fit by name: what each is called, its unit, its bounds, and where it lives.
+// The parameters of a fit by name: unit, bounds, and place in the parameter structs.
 //
 // Names are those of `fit.json`: source_level_db, display.db_min, display.db_max,
-// material.<name>.gsab.{A,B_deg,C,D,E,F_deg}; of the paper's model jitter.{sigma_range_m,sigma_azimuth_deg,
-// reference_range_m}; of the acoustic model receiver.{gain_db,noise_db,noise_slope_db_per_m},
-// beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m, where there are mirrors mirror.<name>.loss_db
-// and beam.transmit_end_deg, pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,
-// yaw_deg}, and pose.mount.* for an offset behind every recorded pose (in the sonar's frame; none is zero).
+// material.<name>.gsab.{A,B_deg,C,D,E,F_deg}. Paper's model: jitter.{sigma_range_m,sigma_azimuth_deg,
+// reference_range_m}. Acoustic model: receiver.{gain_db,noise_db,noise_slope_db_per_m},
+// beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m; with mirrors mirror.<name>.loss_db and
+// beam.transmit_end_deg; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}, and pose.mount.* for an
+// offset behind every recorded pose (in the frame of the sonar; 0 for none).
 //
-// A solver does not see a value but its coordinate: the logarithm for what must stay positive, the value
-// itself for the rest. `typical_step` is a change of the coordinate that would be a surprise; a parameter
-// that the data leave freer than that is called unidentifiable. In a fit by likelihood it is the prior's
-// sigma as well.
+// A solver sees the coordinate of a value: its logarithm if it must stay positive, otherwise the value
+// itself. `typical_step` is a surprisingly large change of the coordinate. A parameter whose sigma exceeds it
+// is called unidentifiable. In a fit by likelihood it is also the sigma of the default prior.
 //
-// To add a parameter: an entry in the catalog and a case in the slot of its model.
+// To add a parameter: add an entry to the catalog and a case to the slot of its model.
 #pragma once
 
 #include <algorithm>
@@ -39,10 +38,10 @@ enum class ParameterGroup {
   kPose,
 };
 
-// The pose entry of an offset that all frames share.
+// Frame of the pose entries of the mount offset, which all frames share.
 inline constexpr int kMountFrame = -1;
 
-// What is known of a parameter beforehand: a normal law of its coordinate; of infinite sigma, nothing.
+// Prior of a parameter: a normal law of its coordinate. Infinite sigma: no information.
 struct Prior {
   double coordinate = 0.0;
   double sigma = 1.0;
@@ -53,12 +52,13 @@ struct CatalogEntry {
   std::string unit;
   ParameterGroup group = ParameterGroup::kSourceLevel;
   int material = -1;  // index into the scene's material names, kGsab only
-  int mirror = -1;    // likewise, kMirror only
+  int mirror = -1;    // as above, kMirror only
   int index = 0;      // member of its group
   int frame = -1;     // position among the fit's frames, or kMountFrame; kPose only
   double lower = 0.0;
   double upper = 0.0;
-  // How far one solve may move the value: where the model is linear. No bound: nothing is known by it.
+  // Trust region of one solve, in which the model is nearly linear. A value that ends at it is not at a
+  // bound.
   double leash_lower = -std::numeric_limits<double>::infinity();
   double leash_upper = std::numeric_limits<double>::infinity();
   bool logarithmic = false;
@@ -73,11 +73,11 @@ struct CatalogEntry {
     return logarithmic ? T(exp(coordinate)) : coordinate;
   }
 
-  // Within which a solver keeps the value.
+  // Limits of a solver for the value.
   double solve_lower() const { return std::max(lower, leash_lower); }
   double solve_upper() const { return std::min(upper, leash_upper); }
 
-  // How far a value lies from what was known beforehand, in sigmas of the prior; 0 where nothing was.
+  // Distance of a value from its prior, in sigmas of the prior; 0 without a prior.
   double FromPrior(double value) const {
     return prior ? (CoordinateFromValue(value) - prior->coordinate) / prior->sigma : 0.0;
   }
@@ -89,38 +89,37 @@ struct CatalogEntry {
 // One value for each entry of a catalog, in the entry's unit.
 using ParameterValues = std::vector<double>;
 
-// Every parameter of the paper model for a scene with these materials.
+// Returns every parameter of the paper's model for a scene with these materials.
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
-// Every parameter of the acoustic model that a fit may move, for a sonar with these bins and beams and frames
-// of these indices in the recording. `mirrors`: 1 for the materials that reflect, 0 for the others; empty:
-// none does.
+// Returns every parameter of the acoustic model that a fit may move. `frames`: their indices in the
+// recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors = {});
 
-// Narrows the bounds of a curve's entry to what curves of real surfaces stay within: of widths and the
-// exponent; and of amplitudes, as backscatter per unit area.
+// Narrows the bounds of a curve's entry to the curves of real surfaces: widths and exponent, and amplitudes
+// as backscatter per unit area.
 void NarrowToRealCurves(CatalogEntry& gsab_entry);
 
-// Amplitude of a backscatter curve: A, C or E.
+// Returns true for an amplitude of a backscatter curve: A, C or E.
 inline bool IsAmplitude(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;
 }
 
-// Beam, pulse and pose: what decides where an echo arrives; and how far aside is sent, which decides whether
-// it does. None of them can be changed without tracing or gathering again.
+// Returns true for beam, pulse and pose, which decide where an echo arrives, and for the transmitter's end,
+// which decides if it arrives. A change of these needs new tracing or gathering.
 inline bool IsGeometric(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse ||
          entry.group == ParameterGroup::kTransmit || entry.group == ParameterGroup::kPose;
 }
 
-// The place of a parameter of the acoustic model, but for poses. Materials and mirrors must have entries of
+// Reference to a parameter of the acoustic model, except poses. Materials and mirrors must have entries of
 // their own, and the receiver a noise level.
 double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
                      const CatalogEntry& entry);
 
-// The place of a parameter.
+// Reference to a parameter of the paper's model.
 template <typename T>
 T& PaperSlot(sim::PaperParameters<T>& p, const CatalogEntry& entry) {
   switch (entry.group) {
@@ -140,7 +139,7 @@ T& PaperSlot(sim::PaperParameters<T>& p, const CatalogEntry& entry) {
   return *members[entry.index];
 }
 
-// The same parameters with another scalar.
+// Converts the parameters to another scalar.
 template <typename T>
 sim::PaperParameters<T> CastPaperParameters(const sim::PaperParameters<double>& p) {
   sim::PaperParameters<T> out;
@@ -156,7 +155,7 @@ sim::PaperParameters<T> CastPaperParameters(const sim::PaperParameters<double>& 
   return out;
 }
 
-// Writes fitted values back under their names; a material that "default" served gets an entry of its own.
+// Writes fitted values back under their names. A material that used "default" gets an entry of its own.
 void StorePaperParameters(const sim::PaperParameters<double>& fitted,
                           const std::vector<std::string>& material_names, ParameterSet& parameters);
 

@@ -1,6 +1,6 @@
-// Small moves of a pose, as a refinement counts them: metres along the sonar's own axes (right, ahead, up),
-// then degrees about them (roll about Y, pitch about X, yaw about Z). So counted, a move means the same to an
-// image whichever way the sonar looks. And a pose as the numbers its parameters are named for.
+// Small moves of a pose in a refinement: metres along the axes of the sonar (right, ahead, up), then degrees
+// about them (roll about Y, pitch about X, yaw about Z). Such a move changes an image equally for every
+// heading of the sonar. Also converts a pose to and from its named parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,18 +18,18 @@ namespace sonarcal::calib {
 inline constexpr int kPoseSteps = 6;
 using PoseStep = Eigen::Matrix<double, kPoseSteps, 1>;  // m, m, m, deg, deg, deg
 
-// As in parameter names.
+// Names as in parameters.
 inline constexpr std::array<const char*, kPoseSteps> kPoseNames = {"x_m",      "y_m",       "z_m",
                                                                    "roll_deg", "pitch_deg", "yaw_deg"};
 
-// Half the distance over which images are differenced along one component of a pose, m or deg: wide enough
-// that the rays at an object's edge come and go evenly, narrow beside bins and beams.
+// Half the step of the differences of images along one component of a pose, m or deg. It is wide enough to
+// average over rays at the edges of an object, and narrow compared with bins and beams.
 inline double PoseDifference(const PolarAxes& axes, int component) {
   constexpr double kLeastDeg = 0.1;
   return component < 3 ? 0.5 * axes.range_bin_m() : std::max(kLeastDeg, DegFromRad(axes.beam_spacing_rad()));
 }
 
-// The rotation vector of a step's angles in the sonar frame, rad.
+// Rotation vector of a step's angles in the sonar frame, rad.
 inline Eigen::Vector3d RotationVectorRad(const PoseStep& step) {
   return {RadFromDeg(step(4)), RadFromDeg(step(3)), RadFromDeg(step(5))};
 }
@@ -38,7 +38,7 @@ inline Pose MovePose(const Pose& pose, const PoseStep& step) {
   return {Turned(pose.rotation, RotationVectorRad(step)), pose * Eigen::Vector3d(step.head<3>())};
 }
 
-// The step that takes `from` to `to`.
+// Returns the step from `from` to `to`.
 inline PoseStep StepBetween(const Pose& from, const Pose& to) {
   const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
   double angle = turn.angle();
@@ -50,7 +50,7 @@ inline PoseStep StepBetween(const Pose& from, const Pose& to) {
   return step;
 }
 
-// A pose as its parameters are named: position, then roll, pitch and yaw.
+// Returns a pose as its named parameters: position, then roll, pitch and yaw.
 inline PoseStep NamedValues(const Pose& pose) {
   const Eigen::Vector3d yaw_pitch_roll = YawPitchRollFromRotation(pose.rotation);
   PoseStep values;

@@ -14,10 +14,10 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kTold = 4.0;      // nats: odds of 55 to 1
-constexpr double kApart = 4.0;     // sigmas between two poses that are not one
-constexpr int kStepsDown = 3;      // from where another valley is looked for
-constexpr double kWorthIt = 60.0;  // nats: a start above that is followed no further
+constexpr double kTold = 4.0;      // nats; odds of 55 to 1
+constexpr double kApart = 4.0;     // min distance of two different poses, sigmas
+constexpr int kStepsDown = 3;      // number of steps downhill in the search for another valley
+constexpr double kWorthIt = 60.0;  // nats; a start with more is abandoned
 
 std::string Words(const PoseStep& step) {
   return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
@@ -32,8 +32,8 @@ std::string Sentence(int index, const char* kind, const PoseStep& step, double w
                            Words(step), worse_by);
 }
 
-// Follows a start down; what it ends at where that is another pose, and as good. `kind` says in words what
-// the start is.
+// Follows a start downhill. Returns its end if that is another pose and fits equally well. `kind` names the
+// start.
 std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameModel& model, int frame,
                                 const PoseProblem::State& fitted, const Eigen::MatrixXd& information,
                                 const std::vector<int>& entries, const ParameterValues& start,
@@ -58,7 +58,7 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
   return other;
 }
 
-// Lowest and highest of what a pose's rays meet, m; nothing where they meet nothing.
+// Min and max height of the first intersections of a pose's rays, m; nullopt if they meet nothing.
 std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model, const Pose& pose) {
   constexpr int kThin = 8;
   const sim::RayFan fan = model.ThinnedFan(kThin);
@@ -77,7 +77,7 @@ std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& m
   return std::pair{lowest, highest};
 }
 
-// Values with a frame's pose replaced; nothing where its prior rules that out.
+// Returns the values with the pose of a frame replaced; nullopt if its prior excludes that.
 std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<CatalogEntry>& catalog,
                                         const std::vector<int>& entries, const ParameterValues& values) {
   const PoseStep named = NamedValues(pose);

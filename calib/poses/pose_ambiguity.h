@@ -1,10 +1,10 @@
-// Other poses that a frame tells as well as the fitted one, the radiometry held.
+// Finds other poses that match a frame as well as the fitted one, with the radiometry fixed.
 //
-// Two places are looked at. Along the direction that the frame tells least (a sonar that steps aside and
-// turns keeps at its distance what lies at one distance): another valley is one where the quadratic about the
-// fitted pose would have made the cost rise, and it did not. And at the sonar's reflection in the horizontal
-// plane halfway up what it sees, with pitch and roll reversed: a sonar sees no elevation, so that what has
-// such a plane of symmetry shows the same from both. What the prior of the poses rules out is not asked.
+// Two searches are made. First along the direction that the frame determines least, such as a step aside with
+// a turn, which keeps distances. There is another valley if the cost does not rise as the quadratic about the
+// fitted pose predicts. Second at the reflection of the sonar in the horizontal plane halfway up the visible
+// surfaces, with pitch and roll reversed. A sonar does not measure elevation, so a scene that is symmetric in
+// such a plane looks the same from both poses. Poses that the prior excludes are not tested.
 #pragma once
 
 #include <string>
@@ -16,22 +16,23 @@
 namespace sonarcal::calib {
 
 struct OtherPose {
-  int frame = 0;                                // place among the model's frames
-  std::vector<std::pair<int, double>> entries;  // those of the frame's pose, and their values there
-  double worse_by = 0.0;  // nats, the prior included; negative: it explains the frame better
+  int frame = 0;                                // index among the model's frames
+  std::vector<std::pair<int, double>> entries;  // pose entries of the frame with their values there
+  double worse_by = 0.0;                        // nats, including the prior; negative: fits better
   std::string sentence;
 };
 
-// Those that fit worse by less than 4 nats (or better), about frames of which each component of the pose is
-// free and no mount offset is; in the order of frames. `entries` are those of FreePoseEntries.
+// Returns other poses that fit better, or worse by less than 4 nats, in the order of frames. Tests frames
+// with all components of the pose free, and without a free mount offset. `entries` are those of
+// FreePoseEntries.
 std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                                   const std::vector<int>& entries, const ParameterValues& values);
 
-// Moves each frame to the best of its other poses where that explains it better by more than `by_nats`;
-// returns how many moved.
+// Moves each frame to the best of its other poses if that fits better by more than `by_nats`. Returns the
+// number of moved frames.
 int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values);
 
-// The reflected pose. `lowest_m` and `highest_m` bound the heights of what is seen.
+// Returns the reflected pose. `lowest_m` and `highest_m` bound the heights of the visible surfaces.
 Pose ReflectedPose(const Pose& world_from_sonar, double lowest_m, double highest_m);
 
 }  // namespace sonarcal::calib

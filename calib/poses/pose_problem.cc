@@ -70,7 +70,7 @@ PoseProblem::Normal PoseProblem::NormalAt(const State& state, const Slopes& slop
 }
 
 double PoseProblem::Step(const Slopes& slopes, double& damping, State& state) const {
-  constexpr int kTries = 5;  // of the damping
+  constexpr int kTries = 5;  // max number of damping values
   const Normal normal = NormalAt(state, slopes);
   for (int i = 0; i < kTries; ++i, damping *= 10.0) {
     Eigen::MatrixXd damped = normal.information;

@@ -1,5 +1,5 @@
-// Frames whose poses hang together, and the catalog entries that decide them: cost, slopes and steps, the
-// radiometry held. Strategies that use it are in pose_refinement.h and pose_ambiguity.h.
+// Pose problem of frames with common parameters: cost, derivatives and steps, with the radiometry fixed.
+// pose_refinement.h and pose_ambiguity.h contain the strategies that use it.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@ namespace sonarcal::calib {
 
 class PoseProblem {
  public:
-  // Model and catalog must outlive the problem; `catalog` is the model's, with bounds and priors, and
-  // `entries` are all of poses. Rows and columns of rays are fewer by the factor `thin`.
+  // Model and catalog must outlive the problem. `catalog` is that of the model, with bounds and priors. All
+  // `entries` are of poses. `thin`: decimation of the rows and columns of rays.
   PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
               const PoseSmoothing& smoothing, int thin, std::vector<int> frames, std::vector<int> entries,
               const ParameterValues& values);
@@ -23,35 +23,36 @@ class PoseProblem {
 
   struct State {
     ParameterValues values;
-    std::vector<PoseView::Judgement> judged;  // by frame
-    double cost = 0.0;                        // nats, priors included
+    std::vector<PoseView::Judgement> judged;  // per frame
+    double cost = 0.0;                        // nats, including priors
   };
   State At(const ParameterValues& values) const;
 
-  // What a small move of the sonar changes, frame by frame: pixels x kPoseSteps.
+  // Changes per small move of the sonar, one matrix per frame: pixels x kPoseSteps.
   using Slopes = std::vector<Eigen::MatrixXf>;
   Slopes SlopesAt(const ParameterValues& values) const;
 
-  // Second derivative and slope of the cost by the entries, about a state.
+  // Second and first derivatives of the cost by the entries, at a state.
   struct Normal {
     Eigen::MatrixXd information;
     Eigen::VectorXd score;
   };
   Normal NormalAt(const State& state, const Slopes& slopes) const;
 
-  // A damped step (Levenberg, Marquardt) to a lower cost; returns by how much it fell, 0 where none made it.
+  // Makes a damped step (Levenberg, Marquardt) to a lower cost. Returns the fall of the cost, or 0 if there
+  // is none.
   double Step(const Slopes& slopes, double& damping, State& state) const;
 
-  // The direction among the entries that a state tells least, one sigma of the priors long.
+  // Direction among the entries that a state determines least, with a length of one prior sigma.
   Eigen::VectorXd Ridge(const State& state, const Slopes& slopes) const;
 
-  // The values with the entries moved, within their bounds.
+  // Returns the values with the entries moved, within their bounds.
   ParameterValues MovedEntries(const ParameterValues& values, const Eigen::VectorXd& by) const;
 
-  // The same for one whole pose, moved as the sonar moves; only where EntryOf knows its components.
+  // As above for one whole pose, moved along the axes of the sonar. Only if EntryOf has its components.
   ParameterValues MovedSonar(const ParameterValues& values, const PoseStep& by) const;
 
-  // Of one whole pose, the entry of a component (order of kPoseNames); -1 where the problem is anything else.
+  // Entry of a component of the pose (order of kPoseNames), if the problem is one whole pose; otherwise -1.
   int EntryOf(int component) const;
 
   const CatalogEntry& entry(int index) const { return catalog_[index]; }

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kStepsOfSlopes = 3;
 constexpr double kFirstDamping = 1e-3;
-// Fall of the cost below which nothing more is to be had: a hundredth of what noise moves one parameter by.
+// Fall of the cost that ends a stage: 1/100 of the effect of noise on one parameter.
 constexpr double kSettled = 0.005;
 
-// Headings and distances within twice the prior's sigma, where the problem is one whole pose.
+// Tries headings and distances within twice the prior sigma, if the problem is one whole pose.
 void Sweep(const PoseProblem& problem, double step_m, double step_deg, ParameterValues& values) {
   PoseProblem::State best = problem.At(values);
   for (const int component : {5, 1}) {  // heading, distance
@@ -38,8 +38,8 @@ void Sweep(const PoseProblem& problem, double step_m, double step_deg, Parameter
   values = best.values;
 }
 
-// Other valleys lie along the direction that the frames tell least, as when a sonar steps aside and turns:
-// jumps along it, each followed by a step down. Returns by how much the cost fell.
+// Other valleys lie along the direction that the frames determine least, for example if the sonar steps aside
+// and turns. Jumps along it, each time with a step downhill. Returns the fall of the cost.
 double TryAlongRidge(const PoseProblem& problem, const PoseProblem::Slopes& slopes,
                      PoseProblem::State& state) {
   const double cost_initial = state.cost;
@@ -54,7 +54,7 @@ double TryAlongRidge(const PoseProblem& problem, const PoseProblem::Slopes& slop
   return cost_initial - state.cost;
 }
 
-// Returns by how much the cost fell.
+// Returns the fall of the cost.
 double Solve(const PoseProblem& problem, int slope_rounds, bool along_ridge, ParameterValues& values) {
   PoseProblem::State state = problem.At(values);
   const double cost_initial = state.cost;

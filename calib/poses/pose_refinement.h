@@ -1,10 +1,11 @@
-// Refines the poses of frames of a known scene, the radiometry held, from recorded poses that are a little
-// off.
+// Refines the poses of frames of a known scene, with the radiometry fixed, from slightly wrong recorded
+// poses.
 //
 // Gauss-Newton with damping (Levenberg, Marquardt) on the cost of calib/poses/pose_view.h and the priors of
-// the catalog. Every step traces the scene again and is taken only where the cost falls; slopes are central
-// differences of traced images, by small moves of the sonar (calib/parameters/pose_step.h), and serve up to
-// three steps. Frames are refined one by one, or all together where a mount offset that they share is free.
+// the catalog. Every step traces the scene again and is accepted only if the cost falls. Derivatives are
+// central differences of traced images for small moves of the sonar (calib/parameters/pose_step.h), and are
+// used for up to three steps. Frames are refined one by one, or all together if a mount offset that they
+// share is free.
 #pragma once
 
 #include <functional>
@@ -18,20 +19,20 @@ namespace sonarcal::calib {
 
 struct PoseStage {
   PoseSmoothing smoothing;
-  int slopes = 2;            // times they are traced, at most
-  int thin = 1;              // rows and columns of rays are fewer by this factor
-  bool along_ridge = false;  // jump along what the frames tell least
-  bool sweep = false;        // try headings and distances within twice the prior's sigma before
+  int slopes = 2;            // max number of times that derivatives are traced
+  int thin = 1;              // decimation of the rows and columns of rays
+  bool along_ridge = false;  // jumps along the direction that the frames determine least
+  bool sweep = false;        // first tries headings and distances within twice the prior sigma
 };
 
-// From far to near: smoothing over about four grains of speckle, over one, and the likelihood.
+// Returns the stages: smoothing over about four speckle cells, over one, and the likelihood.
 std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain);
 
-// Entries of the catalog that are free and decide a pose.
+// Returns the free pose entries of the catalog.
 std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free);
 
-// Moves the `entries` of `values`, all of them of poses; `catalog` is the model's, with bounds and priors.
-// Returns by how much their cost fell, a sweep's part left out.
+// Moves the pose `entries` of `values`. `catalog` is that of the model, with bounds and priors. Returns the
+// fall of their cost, without the part of a sweep.
 double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                    const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
                    const std::function<void(const std::string&)>& progress = {});

@@ -18,15 +18,15 @@
 namespace sonarcal::calib {
 namespace {
 
-// Coordinates of the solver: range (m), azimuth, elevation, yaw, pitch (rad), gain (dB), each in units of a
-// step over which the image changes by a comparable amount. Ceres takes differences over a share of a
-// coordinate's value; the large offset makes that the same share of every step, at an angle of zero too.
-// Differences must reach over a few rays, or they see single rays come and go.
+// Coordinates of the solver: range (m), azimuth, elevation, yaw, pitch (rad), gain (dB). The unit of each is
+// a step over which the image changes by a comparable amount. Ceres takes differences over a fraction of a
+// coordinate's value; the large offset makes that the same fraction of every step, also at an angle of zero.
+// Differences must span a few rays, otherwise they show the effect of single rays at edges.
 constexpr int kElevation = 2;
 constexpr int kCoordinates = 6;
 constexpr std::array<double, kCoordinates> kSteps = {0.02, 0.01, 0.05, 0.05, 0.05, 1.0};
 constexpr double kOffset = 1000.0;
-constexpr double kDifference = 0.3;  // of a step
+constexpr double kDifference = 0.3;  // fraction of a step
 
 using Coordinates = std::array<double, kCoordinates>;
 
@@ -47,7 +47,7 @@ PoseCandidate CandidateAt(const double* x) {
           .gain_db = value(5)};
 }
 
-// Mean over groups of range bins, to full scale 1.
+// Mean over groups of range bins, scaled to full scale 1.
 Grid<float> FewerBins(const PolarImage& image, int factor, int bins) {
   Grid<float> out(bins, image.value.cols());
   for (int row = 0; row < bins; ++row) {
@@ -60,7 +60,7 @@ Grid<float> FewerBins(const PolarImage& image, int factor, int bins) {
   return out;
 }
 
-// A recorded image and the means to predict it, at one resolution.
+// Matches a recorded image with predictions at one resolution.
 class Matcher {
  public:
   Matcher(const Scene& target, const SonarModel& sonar, const Water& water, const PolarImage& measured,
@@ -71,7 +71,7 @@ class Matcher {
     coarse.axes.range_max_m =
         sonar.axes.range_min_m + coarse.axes.range_bins * factor * sonar.axes.range_bin_m();
     const double bin_m = coarse.axes.range_bin_m();
-    // The pulse is at least a bin long, whatever the bin.
+    // The pulse is at least one bin long.
     parameters_.pulse.length_m = std::max(parameters_.pulse.length_m, bin_m);
     sim::SimulationOptions simulation;
     simulation.water = water;
@@ -96,8 +96,8 @@ class Matcher {
     return sim::EchoPowerImage(scatter, geometry(), parameters_);
   }
 
-  // Expected display of echoes of that power and of the noise floor, smoothed, full scale 1. The gain is the
-  // target's: it does not change the noise.
+  // Expected display of echoes of that power and of the noise floor, smoothed, full scale 1. The gain belongs
+  // to the target and does not change the noise.
   Grid<float> Displayed(Grid<double> power, double gain_db) const {
     const double gain = PowerFromDb(gain_db);
     for (double& value : power.values()) value *= gain;
@@ -116,7 +116,7 @@ class Matcher {
     return sum / static_cast<double>(predicted.size());
   }
 
-  // The best of a range of gains at a pose.
+  // Returns the best of several gains at a pose.
   PoseCandidate BestGain(const TargetPose& pose) const {
     const Grid<double> power = EchoPower(pose);
     PoseCandidate best{.pose = pose, .gain_db = 0.0, .cost = std::numeric_limits<double>::infinity()};
@@ -127,7 +127,7 @@ class Matcher {
     return best;
   }
 
-  // Levenberg-Marquardt from a start; `hold_elevation` keeps that coordinate.
+  // Refines a start with Levenberg-Marquardt. `hold_elevation` fixes that coordinate.
   PoseCandidate Refine(const PoseCandidate& start, bool hold_elevation) const {
     struct Residual {
       const Matcher* matcher;
@@ -186,8 +186,8 @@ class Matcher {
   Grid<float> measured_;
 };
 
-// Where something stands out of the background: the mean range and azimuth of what lies four standard
-// deviations above the median, weighted by its excess.
+// Pose of the bright region: mean range and azimuth of the pixels more than four standard deviations above
+// the median, weighted by their excess.
 TargetPose PoseOfBrightRegion(const Grid<float>& image, const PolarAxes& axes) {
   std::vector<float> values(image.values().begin(), image.values().end());
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -231,7 +231,7 @@ bool ByCost(const PoseCandidate& a, const PoseCandidate& b) {
   return a.cost < b.cost;
 }
 
-// What else would explain the image as well.
+// Describes other poses that fit the image equally well.
 std::vector<std::string> OpenQuestions(const Matcher& fine, const PoseSearchResult& result,
                                        const PoseSearchOptions& options) {
   std::vector<std::string> open;
@@ -289,8 +289,8 @@ PoseSearchResult SearchPose(const Scene& target, const SonarModel& sonar, const 
   const Matcher fine(target, sonar, water, measured, parameters, options, 1);
   const TargetPose seen = PoseOfBrightRegion(coarse.measured(), coarse.axes());
 
-  // The bright side is nearer than the middle by up to half the target's thickness; a tenth of its length is
-  // a start.
+  // Start value: the bright side is nearer than the centre by up to half the thickness of the target, about a
+  // tenth of its length.
   std::vector<PoseCandidate> sweep;
   const double depth_m = 0.1 * LargestExtentM(target);
   for (const double pitch_deg : options.pitches_deg) {
@@ -317,7 +317,7 @@ PoseSearchResult SearchPose(const Scene& target, const SonarModel& sonar, const 
     held.pose.elevation_rad = RadFromDeg(elevation_deg);
     result.ridge.push_back(coarse.Refine(held, true));
   }
-  // A neighbour on the ridge may have found a better valley than the starts did.
+  // A neighbour on the ridge may be in a better valley than the starts.
   const PoseCandidate ridge_best = result.ridge.empty()
                                        ? result.starts.front()
                                        : *std::min_element(result.ridge.begin(), result.ridge.end(), ByCost);

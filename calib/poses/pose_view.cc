@@ -52,7 +52,7 @@ Eigen::VectorXf PoseView::Expected(const Pose& world_from_sonar) const {
         .matrix();
   }
   Grid<float> shown = ExpectedShown(power);
-  // What does not count differs by nothing.
+  // The difference at unused pixels is 0.
   for (std::size_t i = 0; i < shown.size(); ++i) {
     shown.values()[i] = Counts(i) ? shown.values()[i] - shown_.values()[i] : 0.0F;
   }

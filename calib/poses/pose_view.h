@@ -1,10 +1,10 @@
-// A recorded frame as a search for its pose sees it, the radiometry given.
+// Cost of a recorded frame by its pose, with given radiometry.
 //
-// Two ways. Smoothed: the mean displayed value, from which the recorded one differs by speckle of about the
-// same size everywhere, both smoothed alike; from a distance where edges do not overlap, only this has a
-// slope that leads back. By likelihood: the logarithm of the mean power, and speckle's own law about it
-// (calib/models/power_likelihood.h). Either cost is divided by the pixels that share a grain of speckle, so
-// that it may be weighed against a prior.
+// Two kinds of cost. Smoothed: the mean displayed value, with recorded and expected image smoothed alike;
+// speckle then has about the same size everywhere. Only this cost has a useful slope from poses so far away
+// that edges do not overlap. By likelihood: the logarithm of the mean power, with the law of speckle about it
+// (calib/models/power_likelihood.h). Either cost is divided by the number of pixels in a speckle cell, so
+// that it can be weighed against a prior.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,12 +24,12 @@ struct PoseSmoothing {
 
 class PoseView {
  public:
-  // Model and fan must outlive the view. The speckle of a smoothed view is sized by what the frame shows
-  // beside what is expected at `about`.
+  // Model and fan must outlive the view. For a smoothed view, the size of speckle comes from the difference
+  // of the frame and its expected image at `about`.
   PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
            const PoseSmoothing& smoothing, const sim::RayFan& fan, const Pose& about);
 
-  // What each pixel should show from a pose. Traces.
+  // Returns the expected value of each pixel at a pose. Traces.
   Eigen::VectorXf Expected(const Pose& world_from_sonar) const;
 
   struct Judgement {
@@ -49,10 +49,10 @@ class PoseView {
   PoseSmoothing smoothing_;
   const sim::RayFan& fan_;
   double pixels_a_grain_;
-  double lowest_;  // power at the bottom of the display, and at its top
+  double lowest_;  // power at the bottom of the display; below, at its top
   double highest_;
-  Grid<float> shown_;    // smoothed views: recorded, not smoothed
-  double weight_ = 0.0;  // smoothed views: of a squared difference
+  Grid<float> shown_;    // smoothed views: recorded image, not smoothed
+  double weight_ = 0.0;  // smoothed views: weight of a squared difference
 };
 
 }  // namespace sonarcal::calib

@@ -1,5 +1,5 @@
-// Where a target is as a sonar sees it, in the coordinates that an image constrains each in its own way:
-// range and azimuth are read off directly, yaw and pitch through shape, elevation hardly, roll of a body of
+// Pose of a target relative to a sonar, in coordinates that an image constrains differently. Range and
+// azimuth are visible directly, yaw and pitch through the shape, elevation hardly, and the roll of a body of
 // revolution not at all.
 #pragma once
 
@@ -9,11 +9,12 @@
 
 namespace sonarcal::calib {
 
-// The target's frame is that of its scene; its +x axis is its length.
+// The frame of the target is that of its scene; its +x axis is its length.
+//
 //   direction of +x in the sonar frame = (cos pitch cos yaw, cos pitch sin yaw, sin pitch):
 //   yaw from the sonar's X (right) towards its Y (ahead), pitch up.
 struct TargetPose {
-  double range_m = 1.0;  // of the target's origin
+  double range_m = 1.0;  // to the origin of the target
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
   double yaw_rad = 0.0;
@@ -30,8 +31,8 @@ struct TargetPose {
   // With the target's frame as world.
   Pose WorldFromSonar() const { return SonarFromTarget().Inverse(); }
 
-  // The pose that shows the same image: reflected in the plane of the beams, which no range or azimuth can
-  // see.
+  // Returns the pose with the same image: its reflection in the plane of the beams, which range and azimuth
+  // do not distinguish.
   TargetPose Mirrored() const {
     TargetPose mirrored = *this;
     mirrored.elevation_rad = -elevation_rad;

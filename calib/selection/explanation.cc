@@ -19,12 +19,12 @@
 namespace sonarcal::calib {
 namespace {
 
-// Area under the autocorrelation of speckle's power, in half-power widths of a Gaussian response:
-// sqrt(pi / (2 ln 2)).
+// Area under the autocorrelation of speckle power, in half-power widths of a Gaussian response: sqrt(pi / (2
+// ln 2)).
 constexpr double kCellWidths = 1.5053;
 
 constexpr const char* kNoiseLevel = "receiver.noise_db";
-constexpr const char* kWholeScene = "scene";  // the one material of the first steps
+constexpr const char* kWholeScene = "scene";  // the only material of the first steps
 
 Scene OfOneMaterial(Scene scene) {
   scene.material_names = {kWholeScene};
@@ -32,7 +32,7 @@ Scene OfOneMaterial(Scene scene) {
   return scene;
 }
 
-// Rays within the half-power elevation beam alone.
+// Limits the rays to the half-power elevation beam.
 sim::SimulationOptions WithinElevationBeam(sim::SimulationOptions options, double width_deg) {
   if (!(width_deg > 0.0)) return options;
   const double share = std::min(1.0, width_deg / options.fan.elevation_span_deg);
@@ -42,8 +42,7 @@ sim::SimulationOptions WithinElevationBeam(sim::SimulationOptions options, doubl
   return options;
 }
 
-// Power images of what a step expects, as grey values of full scale; those of the display, or their mean over
-// speckle.
+// Converts expected power to grey values up to full scale: those of the display, or their mean over speckle.
 PolarImage Shown(const std::vector<double>& mean_power, const PolarAxes& axes, const ParameterSet& parameters,
                  double full_scale, bool knows_speckle) {
   PolarImage power{
@@ -68,7 +67,7 @@ std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& 
   return grey;
 }
 
-// Median of speckle power over its mean: the median of a Gamma law of mean 1.
+// Median of speckle power divided by its mean: the median of a Gamma law of mean 1.
 double SpeckleMedian(double looks) {
   double low = 0.0;
   double high = 1.0;  // the median lies below the mean
@@ -79,7 +78,7 @@ double SpeckleMedian(double looks) {
   return 0.5 * (low + high);
 }
 
-// Grey values of which half of a step's law lies below, by frame.
+// Medians of a step's law, as grey values per frame.
 std::vector<std::vector<double>> MedianGrey(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
                                             std::vector<std::vector<double>> mean_power) {
   if (step.knows_speckle) {
@@ -112,7 +111,7 @@ class Explainer {
     }
     fit_options_ = options.fit;
     fit_options_.starts = 1;
-    fit_options_.down_weight = false;  // all pixels judge, so all are fitted
+    fit_options_.down_weight = false;  // the evaluation uses all pixels, so the fit does too
   }
 
   Explanation Run() {
@@ -146,7 +145,7 @@ class Explainer {
   }
 
  private:
-  // Plain echoes, and blackness where there are none.
+  // Echoes without a model of the sonar, on a black background.
   ParameterSet Plain() const {
     ParameterSet p = given_;
     const auto fallback = given_.materials.find("default");
@@ -154,7 +153,7 @@ class Explainer {
                                                                     : given_.materials.begin()->second}};
     p.mirrors.clear();
     p.beam = {.azimuth_width_deg = DegFromRad(sonar_.axes.beam_spacing_rad()),
-              .elevation_width_deg = 1e4,  // as good as none: the rays end where the beam does
+              .elevation_width_deg = 1e4,  // practically no pattern: the rays end at the edge of the beam
               .azimuth_pattern = AzimuthPattern::kGaussian,
               .elevation_pattern = ElevationPattern::kGaussian};
     p.pulse.length_m = sonar_.axes.range_bin_m();
@@ -171,7 +170,7 @@ class Explainer {
 
   const ParameterSet& Last() const { return result_.steps.back().parameters; }
 
-  // Each material's own curve, from those given where they are, else from what the whole scene has.
+  // A curve for each material: the given one, or else the fitted curve of the whole scene.
   ParameterSet OwnCurves() const {
     ParameterSet p = Last();
     const MaterialParameters whole = p.materials.at(kWholeScene);
@@ -208,7 +207,7 @@ class Explainer {
     Step(ExplainedPart::kGhosts, *all_, p, free);
   }
 
-  // The law of grey values changes, and nothing is fitted but its looks.
+  // Changes the law of grey values. Only its looks are fitted.
   void AddSpeckle() {
     if (options_.on_step) options_.on_step(ExplainedPart::kSpeckle);
     ExplainedStep step = result_.steps.back();
@@ -271,12 +270,12 @@ class Explainer {
     for (const AcousticFrame& frame : held_out) step.poses_held_out.push_back(frame.world_from_sonar);
     if (!step.knows_speckle) {
       step.grey = FindNormalGreyLaw(used_, GreyOf(mean_used_, used_, step.parameters));
-      step.determined += 2;  // its offset and spread
+      step.determined += 2;  // offset and spread
     }
     Weigh(std::move(step));
   }
 
-  // Ends a step.
+  // Evaluates a step and adds it to the result.
   void Weigh(ExplainedStep step) {
     step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
     step.held_out = Likelihood(step, held_out_, step.mean_held_out);
@@ -289,7 +288,7 @@ class Explainer {
     result_.steps.push_back(std::move(step));
   }
 
-  // Blocks are of one size for all steps, that of beam and pulse as given.
+  // Blocks have the same size in all steps, that of the given beam and pulse.
   int BlockBins() const {
     const PolarAxes& axes = sonar_.axes;
     return BlockAlong(options_.fit.block_bins, complete_.pulse.length_m / axes.range_bin_m(),
@@ -345,7 +344,7 @@ class Explainer {
     }
   }
 
-  // Warns of each value that ended at the end of its range, in the last step that fitted it.
+  // Warns of each value at the end of its range, in the last step that fitted it.
   void Warn() {
     std::map<std::string, std::string> warnings;
     for (const ExplainedStep& step : result_.steps) {
@@ -375,14 +374,15 @@ class Explainer {
   const std::vector<GreyFrame>& used_;
   const std::vector<GreyFrame>& held_out_;
   ParameterSet given_;
-  ParameterSet complete_;  // with beam and pulse as they are
+  ParameterSet complete_;  // with actual beam and pulse
   const ExplainOptions& options_;
   FitOptions fit_options_;
-  std::optional<double> hidden_noise_db_;  // of the floor that fits before `noise` have and images lack
-  std::optional<sim::Simulator> narrow_;   // of one material, within the elevation beam
-  std::optional<sim::Simulator> one_;      // of one material
+  // noise level in fits before `noise`; the images of these steps lack it
+  std::optional<double> hidden_noise_db_;
+  std::optional<sim::Simulator> narrow_;  // one material, within the elevation beam
+  std::optional<sim::Simulator> one_;     // one material
   std::optional<sim::Simulator> all_;
-  std::vector<std::vector<double>> mean_used_;  // of the last step
+  std::vector<std::vector<double>> mean_used_;  // for the last step
   FrameModel::Grain grain_;
   Explanation result_;
 };

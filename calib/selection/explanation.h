@@ -1,33 +1,34 @@
-// What each part of the acoustic model is worth for a recording: one part added at a time, what is cheap
-// fitted again after each, and judged on frames that no fit saw.
+// Ablation study of the acoustic model: adds one part at a time, fits again the parameters that are cheap to
+// fit, and evaluates on held-out frames.
 //
-//   start      plain echoes: one curve for the whole scene, beams of one spacing, a pulse of one bin, rays
-//              within the elevation beam and all alike, nothing where no echo is
+//   start      plain echoes: one curve for the whole scene, beams as wide as their spacing, a pulse of one
+//              bin, equal rays within the elevation beam, a black background
 //   response   beam pattern in azimuth and pulse, as given (a pulse that is not given is fitted)
-//   elevation  the beam's elevation pattern, side lobes and all
+//   elevation  elevation pattern of the beam, with side lobes
 //   noise      a noise floor
 //   materials  a curve for each material
-//   ghosts     echoes by way of the mirrors that the parameters name; left out where there are none
-//   speckle    grey values vary as speckle does, of the number of looks that fits best
-//   poses      every frame's pose; only where asked for
+//   ghosts     echoes by way of the mirrors in the parameters; left out if there are none
+//   speckle    grey values vary as speckle does, with the number of looks that fits best
+//   poses      the pose of every frame; only on request
 //
-// Fits are by the likelihood of calib/acoustic_fit.h throughout, and those before `noise` are given the floor
-// that their images lack: the constant of the law by which they are judged stands for it. Without it a curve
-// would be bent to light, through the skirts of beam and pulse, what no echo lights. Before `speckle` a grey
-// value is taken to be normal about what is expected and a constant (NormalGreyLaw), which is all that a
-// model can say that knows of none; from there on it has the law of speckle.
+// All fits use the likelihood of calib/acoustic_fit.h. Those before `noise` include a noise floor that their
+// images lack, in place of the constant in the law of their evaluation. Without it, the fit would bend a
+// curve to light pixels without echoes through the skirts of beam and pulse. Before `speckle`, a grey value
+// is normal about the expected value plus a constant (NormalGreyLaw), because such a model does not know
+// speckle. From there on it has the law of speckle.
 //
-// A step is worth it where the likelihood of the frames held out rises by more than two standard errors and
-// the Bayesian criterion on the frames used falls, and their error does not rise by more than two standard
-// errors. The error is the mean absolute one of the median image, which by a step's law makes it least:
-// half of what a pixel may show lies below. Where likelihood and error say opposite things the step is
-// contradicted, neither worth it nor worse. Both criteria,
+// Criterion for a significant step: the likelihood of the held-out frames rises by more than two standard
+// errors, the Bayesian criterion on the frames used falls, and the error does not rise by more than two
+// standard errors. The error is the mean absolute error of the median image, which is the best image for this
+// error under the law of the step. If likelihood and error contradict each other, the step is neither
+// significant nor worse. The criteria
 //
-//   AIC = 2 k - 2 ln L,   BIC = k ln n - 2 ln L,
+//   AIC = 2 k - 2 ln L,   BIC = k ln n - 2 ln L
 //
-// count n independent cells, not pixels: ln L is the sum over pixels divided by the pixels of a cell, which
-// for Gaussian responses is 1.505 half-power widths of beam times as many of the pulse (the area under the
-// autocorrelation of speckle's power). k counts what the data determine, not what is left to priors.
+// count n independent cells, not pixels. ln L is the sum over pixels, divided by the number of pixels per
+// cell. For Gaussian responses a cell is 1.505 half-power widths of the beam times as many of the pulse (the
+// area under the autocorrelation of speckle power). k counts the values that the data determine, not those
+// that priors determine.
 #pragma once
 
 #include <functional>
@@ -56,11 +57,11 @@ constexpr auto WordsOf(std::type_identity<ExplainedPart>) {
 }
 
 enum class Verdict {
-  kStart,         // the first step has nothing to be compared with
-  kWorthIt,       // the frames held out are the likelier for it
-  kNoMore,        // than noise would gain: a tie
-  kWorse,         // the frames held out are the less likely
-  kContradicted,  // likelier, but the error rises; or less likely, but it falls
+  kStart,         // the first step has no reference
+  kWorthIt,       // the held-out frames are significantly more likely
+  kNoMore,        // no significant change
+  kWorse,         // the held-out frames are significantly less likely
+  kContradicted,  // more likely, but the error rises; or less likely, but it falls
 };
 constexpr auto WordsOf(std::type_identity<Verdict>) {
   return Words<Verdict, 5>{{{"start", Verdict::kStart},
@@ -70,16 +71,16 @@ constexpr auto WordsOf(std::type_identity<Verdict>) {
                             {"contradicted by the error", Verdict::kContradicted}}};
 }
 
-// `gain` of likelihood and `error_change` are those of the frames held out, over the step before.
+// `gain` of likelihood and `error_change`: of the held-out frames, relative to the previous step.
 Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change,
                   const LikelihoodDifference& error_change, double tie_sigmas);
 
-// What one of the frames held out says of a step. Where they are alike the sum says more; where one has been
-// half seen by the fit, as a second frame of a still scene has, each has to be heard by itself.
+// Evaluation of a step on one held-out frame. For similar frames the sum is more precise. If the fit has seen
+// part of a frame, such as a second frame of a static scene, each frame must be evaluated alone.
 struct JudgedFrame {
   BlockedLikelihood likelihood = {};
-  LikelihoodDifference gain = {};  // over the step before, nats a pixel
-  BlockedLikelihood error = {};    // of the median image, of full scale
+  LikelihoodDifference gain = {};  // relative to the previous step, nats per pixel
+  BlockedLikelihood error = {};    // of the median image, full scale 1
   LikelihoodDifference error_change = {};
   Verdict verdict = Verdict::kStart;
 };
@@ -87,50 +88,49 @@ struct JudgedFrame {
 struct ExplainedStep {
   ExplainedPart part = ExplainedPart::kStart;
   ParameterSet parameters = {};              // fitted
-  std::vector<FittedParameter> fitted = {};  // what was free, with its status
-  int determined = 0;                        // fitted values that the data determine, beyond their priors
+  std::vector<FittedParameter> fitted = {};  // free parameters with their status
+  int determined = 0;  // number of fitted values that the data determine more closely than their priors
   bool knows_speckle = false;
-  NormalGreyLaw grey = {};                              // where it does not
-  std::vector<std::vector<double>> mean_held_out = {};  // power, by frame and pixel
+  NormalGreyLaw grey = {};                              // if the step models no speckle
+  std::vector<std::vector<double>> mean_held_out = {};  // power per frame and pixel
   std::vector<Pose> poses_held_out = {};
-  double nats_used = 0.0;  // a pixel
+  double nats_used = 0.0;  // per pixel
   BlockedLikelihood held_out = {};
-  LikelihoodDifference gain = {};          // of the frames held out over the step before, nats a pixel
-  BlockedLikelihood error_held_out = {};   // of the median image, of full scale
-  LikelihoodDifference error_change = {};  // over the step before; above 0 is worse
-  double aic_change = 0.0;                 // from the step before; below 0 is better
+  LikelihoodDifference gain = {};  // of the held-out frames relative to the previous step, nats per pixel
+  BlockedLikelihood error_held_out = {};   // of the median image, full scale 1
+  LikelihoodDifference error_change = {};  // relative to the previous step; above 0 is worse
+  double aic_change = 0.0;                 // relative to the previous step; below 0 is better
   double bic_change = 0.0;
   Verdict verdict = Verdict::kStart;
-  std::vector<JudgedFrame> by_frame = {};  // of the frames held out, each alone
+  std::vector<JudgedFrame> by_frame = {};  // each held-out frame alone
 };
 
 struct Explanation {
   std::vector<ExplainedStep> steps;
-  std::vector<std::string> left_out = {};  // steps, and why, in words
-  std::vector<std::string> warnings =
-      {};  // values that a fit took to the end of their range, a sentence each
+  std::vector<std::string> left_out = {};  // steps with the reason, one sentence each
+  std::vector<std::string> warnings = {};  // values at the end of their range, one sentence each
   double pixels_used = 0.0;
-  double pixels_a_cell = 1.0;  // that count as one independent
+  double pixels_a_cell = 1.0;  // pixels in one independent cell
 };
 
 struct ExplainOptions {
-  sim::SimulationOptions simulation;  // its fan that of the whole elevation pattern
+  sim::SimulationOptions simulation;  // with a fan for the whole elevation pattern
   FitOptions fit = {};
-  bool hold_noise = false;  // the floor as given, not fitted: where target-free pings have told it
+  bool hold_noise = false;  // fixes the given floor; for a floor from target-free pings
   bool poses = false;
   PosePrior pose_prior = {};
   double tie_sigmas = 2.0;
-  std::function<void(ExplainedPart)> on_step = {};  // before each
+  std::function<void(ExplainedPart)> on_step = {};  // called before each step
 };
 
-// `given` names the form of everything (beam, pulse, looks, display, mirrors) and where curves and losses
-// begin; a noise level that it lacks is looked for. Throws DataError where no frame is held out, and as
-// FitAcousticModel does; where a step's fit ends without a usable solution too.
+// `given` has the form of all parts (beam, pulse, looks, display, mirrors) and the start values of curves and
+// losses. A missing noise level is estimated. Throws DataError if no frame is held out, if the fit of a step
+// has no usable solution, and as FitAcousticModel does.
 Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
                     const std::vector<GreyFrame>& held_out, const ParameterSet& given,
                     const ExplainOptions& options);
 
-// Grey values that a step expects in the frames held out, by frame.
+// Expected grey values of a step in the held-out frames.
 std::vector<PolarImage> ExpectedGrey(const ExplainedStep& step, const std::vector<GreyFrame>& held_out);
 
 }  // namespace sonarcal::calib

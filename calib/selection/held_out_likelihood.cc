@@ -44,7 +44,7 @@ void CheckSizes(const GreyFrame& frame, const std::vector<double>& mean_power) {
   if (bad != mean_power.end()) throw DataError("fit: frame {}: a mean power of {}", frame.index, *bad);
 }
 
-// Of every counted pixel of all frames, one in `every`.
+// Uses every `every`-th of the used pixels of all frames.
 double LogLikelihood(const std::vector<GreyFrame>& frames, const std::vector<std::vector<double>>& mean_power,
                      const ParameterSet& parameters, std::size_t every) {
   double nats = 0.0;
@@ -61,7 +61,7 @@ double LogLikelihood(const std::vector<GreyFrame>& frames, const std::vector<std
   return nats;
 }
 
-// Sums of log_chance_of(frame)(level, pixel) over the pixels that count, by block.
+// Sums log_chance_of(frame)(level, pixel) over the used pixels, per block.
 template <typename LogChanceOf>
 BlockedLikelihood InBlocks(const std::vector<GreyFrame>& frames, int block_bins, int block_beams,
                            const LogChanceOf& log_chance_of) {
@@ -82,7 +82,7 @@ BlockedLikelihood InBlocks(const std::vector<GreyFrame>& frames, int block_bins,
       all.pixels.resize(all.nats.size(), 0.0);
     }
     const auto log_chance = log_chance_of(f);
-    // A band of blocks has one thread, so that any number of them gives the same sums.
+    // Each band of blocks has one thread, so that the sums do not depend on the number of threads.
     tbb::parallel_for(0, down, [&](int band) {
       for (int bin = band * block_bins; bin < std::min((band + 1) * block_bins, bins); ++bin) {
         for (int beam = 0; beam < beams; ++beam) {
@@ -145,7 +145,7 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
 
 NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
                                 const std::vector<std::vector<double>>& expected_grey) {
-  constexpr double kOfMedian = 1.4826;  // of a normal law's absolute deviation
+  constexpr double kOfMedian = 1.4826;  // standard deviation of a normal law / median absolute deviation
   std::vector<double> off;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const auto values = frames[f].image.value.values();
@@ -161,7 +161,7 @@ NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
   };
   NormalGreyLaw law{.offset = median()};
   for (double& value : off) value = std::abs(value - law.offset);
-  law.sigma = std::max(kOfMedian * median(), 0.5);  // a level holds what rounds to it
+  law.sigma = std::max(kOfMedian * median(), 0.5);  // at least the rounding of a level
   return law;
 }
 
@@ -209,15 +209,15 @@ LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelih
 
 double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::vector<double>>& mean_power,
                  const ParameterSet& parameters) {
-  constexpr std::size_t kEnoughPixels = 50'000;  // tell looks to half a percent
+  constexpr std::size_t kEnoughPixels = 50'000;  // determine looks to 0.5 %
   constexpr double kGolden = 0.6180339887498949;
-  constexpr double kTolerance = 2e-3;  // of ln looks
+  constexpr double kTolerance = 2e-3;  // in ln looks
   std::size_t pixels = 0;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     CheckSizes(frames[f], mean_power[f]);
     pixels += mean_power[f].size();
   }
-  // Odd: every beam has its turn where their number is even.
+  // Odd, so that all beams are used if their number is even.
   const std::size_t every = std::max<std::size_t>(1, pixels / kEnoughPixels) | 1U;
   const auto at = [&](double log_looks) {
     ParameterSet with = parameters;

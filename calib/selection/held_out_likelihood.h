@@ -1,13 +1,13 @@
-// Likelihood of whole recorded frames under the acoustic model, for comparing models: of the grey values
-// themselves, so that laws of display compare as fairly as anything else. The chance of a grey level is that
-// of its quantisation interval under speckle about the pixel's mean power, carried through the display
-// (calib/noise/noise_likelihood.h); a clipped value has the chance of all that is shown there. Of kAnything
-// of the pixels the grey is taken to be anything, each level alike: a few pixels that no variant explains
-// would else outweigh all others, and a standard error with them.
+// Likelihood of whole recorded frames under the acoustic model, for comparing models. It is that of the grey
+// values themselves, so that display laws can be compared too. The probability of a grey level is that of its
+// quantisation interval under speckle about the mean power of the pixel, through the display
+// (calib/noise/noise_likelihood.h). A clipped value has the probability of all values that are shown there. A
+// fraction kAnything of the pixels are outliers, with equal probability of every level. Otherwise a few
+// pixels that no variant describes would dominate the sum and its standard error.
 //
-// Sums are kept by block of pixels. Speckle is alike over beam and pulse, and over frames of one pose, so
-// that pixels are not independent but blocks are, nearly; models are compared on the same pixels, and the
-// difference is far better known than either likelihood.
+// Sums are kept per block of pixels. Speckle is correlated over beam and pulse, and over frames of one pose,
+// so pixels are not independent but blocks nearly are. Models are compared on the same pixels. Their
+// difference is much more precise than either likelihood.
 #pragma once
 
 #include <cstdint>
@@ -23,67 +23,67 @@ namespace sonarcal::calib {
 inline constexpr double kAnything = 0.01;
 
 struct GreyFrame {
-  int index = 0;  // in the recording
+  int index = 0;  // index in the recording
   Pose world_from_sonar;
-  PolarImage image;                    // of grey levels
-  std::vector<std::uint8_t> use = {};  // 1 for the pixels that count; empty: all
+  PolarImage image;                    // grey levels
+  std::vector<std::uint8_t> use = {};  // 1 for used pixels; empty: all
 };
 
-// The same frames as a fit of the acoustic model takes them, their powers through this display.
+// Converts the frames to those of a fit of the acoustic model, with powers through this display.
 std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
                                      const DisplayParameters<double>& display);
 
-// Mean power of every pixel by a model's initial values, by frame.
+// Mean power of every pixel for the initial values of a model, per frame.
 std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model);
 
 struct BlockedLikelihood {
-  std::vector<double> nats;    // log-likelihood, by block
-  std::vector<double> pixels;  // by block
+  std::vector<double> nats;    // log-likelihood per block
+  std::vector<double> pixels;  // per block
 
   double Pixels() const;
   double PerPixel() const;  // mean over all pixels
 };
 
-// Log-likelihood of grey levels about mean powers (by frame, range_bins x beams), looks and display those of
-// the parameters. Blocks are `block_bins` x `block_beams`, those of frames of one pose are one. Values are
-// rounded to whole levels. Throws DataError where an image is not grey or a mean is not positive.
+// Log-likelihood of grey levels about mean powers (per frame, range_bins x beams), with looks and display of
+// the parameters. Blocks are `block_bins` x `block_beams`; frames of one pose share their blocks. Rounds
+// values to whole levels. Throws DataError if an image is not grey or a mean is not positive.
 BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& mean_power,
                                  const ParameterSet& parameters, int block_bins, int block_beams);
 
-// A law of grey levels that knows of no speckle: normal about what is expected and a constant, with one
-// spread everywhere.
+// Law of grey levels without speckle: normal about the expected value plus a constant, with one spread
+// everywhere.
 struct NormalGreyLaw {
   double offset = 0.0;  // grey levels
   double sigma = 1.0;
 };
 
-// The law of frames about expected grey values (by frame, range_bins x beams), by medians: a few pixels that
-// nothing explains do not decide it.
+// Estimates the law of frames about expected grey values (per frame, range_bins x beams) from medians, so
+// that a few outliers do not matter.
 NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
                                 const std::vector<std::vector<double>>& expected_grey);
 
-// The same as above by that law; values are clipped where the image's are.
+// As above, for a normal law. Values are clipped at the ends of the image's scale.
 BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& expected_grey,
                                  const NormalGreyLaw& law, int block_bins, int block_beams);
 
-// Absolute differences between the frames and `shown` (grey values by frame, range_bins x beams), of full
-// scale, over the same blocks: sums stand in place of nats.
+// Absolute differences between the frames and `shown` (grey values per frame, range_bins x beams), full scale
+// 1, over the same blocks. The sums replace nats.
 BlockedLikelihood GreyError(const std::vector<GreyFrame>& frames,
                             const std::vector<std::vector<double>>& shown, int block_bins, int block_beams);
 
-// What one model has over another, nats a pixel.
+// Difference of two models, nats per pixel.
 struct LikelihoodDifference {
   double mean = 0.0;
-  double sigma = 0.0;  // standard error over blocks; 0 of a single block
+  double sigma = 0.0;  // standard error over blocks; 0 for a single block
 };
 
-// a - b, of the same pixels in the same blocks; of errors, of full scale.
+// Returns a - b over the same pixels in the same blocks. For errors, in fractions of full scale.
 LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelihood& b);
 
-// The number of looks, kMinSimulatedLooks..kMaxSimulatedLooks, that explains the frames best about these means.
-inline constexpr double kMinSimulatedLooks = 1.0;  // what can be simulated
+// Returns the number of looks, within the limits below, that fits the frames best about these means.
+inline constexpr double kMinSimulatedLooks = 1.0;  // the min that can be simulated
 inline constexpr double kMaxSimulatedLooks = 40.0;
 double BestLooks(const std::vector<GreyFrame>& frames, const std::vector<std::vector<double>>& mean_power,
                  const ParameterSet& parameters);

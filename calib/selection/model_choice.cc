@@ -23,13 +23,13 @@ namespace {
 
 constexpr const char* kTrendName = "receiver.noise_slope_db_per_m";
 
-// Of a model: what it starts from, what it frees, and what the fit made of it.
+// Start values and free parameters of a model, and the result of its fit.
 struct Candidate {
   ParameterSet initial;
   FitConfig config;
   ParameterSet fitted;
-  std::vector<std::vector<double>> mean_used;  // by frame and pixel
-  BlockedLikelihood likelihood;                // of the frames held out
+  std::vector<std::vector<double>> mean_used;  // per frame and pixel
+  BlockedLikelihood likelihood;                // on the held-out frames
 };
 
 class Chooser {
@@ -68,7 +68,7 @@ class Chooser {
     few.max_iterations = std::min(few.max_iterations, iterations);
     few.starts = starts;
     few.search_level = search_level;
-    few.down_weight = false;  // all pixels judge, so all are fitted
+    few.down_weight = false;  // the evaluation uses all pixels, so the fit does too
     few.progress = {};
     return few;
   }
@@ -85,7 +85,7 @@ class Chooser {
     return free.at(static_cast<std::size_t>(FindEntry(catalog, name)));
   }
 
-  // What is known beforehand, wherever a fit starts. Poses are held to nothing but where they are.
+  // Configuration with the same priors for any start. Poses have priors about their recorded values only.
   FitConfig WithPriorsAbout(const ParameterSet& initial, const FitConfig& config) const {
     const std::vector<std::string>& materials = simulator_.caster().material_names();
     ParameterSet complete = sim::WithResponse(simulator_.sonar(), initial);
@@ -103,7 +103,7 @@ class Chooser {
     return result;
   }
 
-  // Fits from `start`, with priors about `initial`; nothing where that ends nowhere.
+  // Fits from `start`, with priors about `initial`. Nullopt if there is no usable solution.
   std::optional<Candidate> FitAndJudge(const ParameterSet& initial, const ParameterSet& start,
                                        const FitConfig& config, const FitOptions& fit_options) {
     Candidate candidate{
@@ -119,7 +119,7 @@ class Chooser {
     std::vector<AcousticFrame> judged = FramesFor(held_out_, start.display);
     for (AcousticFrame& frame : judged) frame.world_from_sonar = frame.world_from_sonar * fit.mount;
     const AcousticFrameModel model(simulator_, judged, candidate.fitted);
-    // The same for all, whatever beam they have.
+    // Uses the same blocks for all candidates, whatever beam they have.
     if (!block_) block_ = BlockSize(model, options_.fit);
     candidate.likelihood =
         GreyLikelihood(held_out_, MeanPowers(model), candidate.fitted, block_->bins, block_->beams);
@@ -164,7 +164,7 @@ class Chooser {
              }}};
   }
 
-  // Pixels where next to nothing but noise is expected.
+  // Pixels in which the expected echoes are far below the noise.
   Mask BackgroundOfFirst() const {
     constexpr double kEchoOverNoise = 0.05;
     const GreyFrame& frame = used_.front();
@@ -182,8 +182,8 @@ class Chooser {
     return background;
   }
 
-  // A law softened as the background says, on the levels of the one given: the slope stays, and the noise
-  // goes to where the law has it.
+  // Display laws softened as the background shows, on the levels of the given law. The slope stays, and the
+  // noise moves to its level in the new law.
   std::vector<ModelVariant> DisplayVariants(JudgedAxis& axis) const {
     constexpr std::ptrdiff_t kFewestPixels = 1000;
     const DisplayParameters<double>& given = best_.initial.display;
@@ -212,7 +212,7 @@ class Chooser {
       if (law == given.law) continue;
       const BackgroundDisplay read =
           FitBackgroundDisplay(image, background, law, best_.initial.receiver.looks);
-      // There the noise is 0 dB; here the display begins where it did.
+      // The noise is 0 dB in `read`. Shifts the levels so that the display begins at the given db_min.
       const double noise_db = given.db_min - read.display.db_min;
       const double soft_db = read.display.soft_db + noise_db;
       variants.push_back(
@@ -275,7 +275,7 @@ class Chooser {
     return axis;
   }
 
-  // Fills in the figures; the index of the one that is chosen.
+  // Fills in the figures. Returns the index of the selected variant.
   std::size_t Compare(const std::vector<std::optional<Candidate>>& candidates,
                       std::vector<JudgedVariant>& judged) const {
     std::size_t best = 0;

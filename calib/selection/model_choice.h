@@ -1,20 +1,21 @@
-// Which form of the acoustic model a recording asks for, where no parameter leads from one form to the other:
-// chosen by the likelihood of frames that the fit does not see (calib/selection/held_out_likelihood.h).
+// Selects the form of the acoustic model for a recording, if no parameter leads from one form to the other.
+// The criterion is the likelihood of held-out frames (calib/selection/held_out_likelihood.h).
 //
-// One axis after the other, from the best so far: the variants of an axis are fitted in a few iterations to
-// the frames used, and judged on those held out. The best is the one of greatest likelihood; those that lie
-// within `tie_sigmas` standard errors of their difference to it are as good. Of these the one is chosen that
-// fits the fewest values, and among equals the one that was given: nothing is changed without evidence.
+// The axes are processed one after the other, each from the best form so far. The variants of an axis are
+// fitted in a few iterations to the frames used, and evaluated on the held-out frames. The best variant has
+// the largest likelihood. Variants within `tie_sigmas` standard errors of it are equally good. Of these, the
+// one with the fewest fitted values is selected, and among equals the given one: nothing changes without
+// evidence.
 //
 //   kPattern    azimuth pattern of the beams: Gaussian, or an aperture of taper 0, 0.5, 1, at the same width
 //   kElevation  elevation pattern: Gaussian, cosine, or an aperture of taper 0, 1
 //   kMirrors    lobes of the elevation pattern through which mirrors are seen: all, or the main lobe
-//   kLooks      looks: 1, the number given, and the one that explains the frames used best
+//   kLooks      looks: 1, the given number, and the one that fits the frames used best
 //   kTrend      a trend of the noise floor with range: as given, or free
 //   kDisplay    logarithm, or one softened in power or amplitude, as the background of the first frame used
-//               has it (calib/noise/background_display.h), where the image states its dB span
+//               shows (calib/noise/background_display.h), if the image states its dB span
 //
-// To add an axis: a word in ToString, a case in VariantsOf (model_choice.cc, model_variants.h).
+// To add an axis: add a word in WordsOf, and a case in VariantsOf (model_choice.cc, model_variants.h).
 #pragma once
 
 #include <string>
@@ -41,42 +42,41 @@ constexpr auto WordsOf(std::type_identity<ChoiceAxis>) {
 struct ModelChoiceOptions {
   std::vector<ChoiceAxis> axes;  // in this order
   double tie_sigmas = 2.0;
-  int first_iterations = 60;  // at most, of the fit that all others start from
-  int iterations = 20;        // at most, of each variant's solves
+  int first_iterations = 60;  // max, for the fit that all others start from
+  int iterations = 20;        // max, for each solve of a variant
   FitOptions fit = {};        // starts of the first fit, threads, blocks, progress
 };
 
 struct JudgedVariant {
   std::string name;
-  int fitted_values = 0;        // beyond the plainest variant of its axis
-  bool given = false;           // what the parameters said before this axis
-  bool usable = false;          // else its fit ended nowhere, and the figures say nothing
-  double nats_per_pixel = 0.0;  // mean log-likelihood of the grey values held out
-  LikelihoodDifference behind;  // the best of its axis, less this
-  bool tied = false;            // with the best
+  int fitted_values = 0;        // in excess of the plainest variant of its axis
+  bool given = false;           // value in the parameters before this axis
+  bool usable = false;          // false: its fit has no solution, and the figures are meaningless
+  double nats_per_pixel = 0.0;  // mean log-likelihood of the held-out grey values
+  LikelihoodDifference behind;  // best of its axis minus this one
+  bool tied = false;            // with the best one
   bool chosen = false;
 };
 
 struct JudgedAxis {
   ChoiceAxis axis = ChoiceAxis::kPattern;
   std::vector<JudgedVariant> variants;
-  std::vector<std::string> notes;  // why a variant is missing
+  std::vector<std::string> notes;  // reasons for missing variants
 };
 
 struct ModelChoice {
-  ParameterSet parameters;  // those given, in the form chosen; not fitted
-  FitConfig config;         // that given, with what the form frees or holds
+  ParameterSet parameters;  // the given ones, in the selected form; not fitted
+  FitConfig config;         // the given one, with the parameters that the form frees or fixes
   std::vector<JudgedAxis> axes;
   std::vector<int> frames_chosen_on;
   double pixels = 0.0;
-  int blocks = 0;  // of pixels, over which standard errors are taken
+  int blocks = 0;  // number of pixel blocks for standard errors
   double tie_sigmas = 2.0;
 };
 
-// The rays of `simulator` must do for every pattern tried: for kElevation, those of a pattern with side
-// lobes. `initial` may lack a noise level, which is then looked for. Throws DataError where no frame is held
-// out, an axis has nothing to choose, and as FitAcousticModel does; where the first fit ends without a usable
-// solution too.
+// The rays of `simulator` must suffice for every pattern: for kElevation, those of a pattern with side lobes.
+// A noise level missing in `initial` is estimated. Throws DataError if no frame is held out, an axis has
+// nothing to select, the first fit has no usable solution, and as FitAcousticModel does.
 ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyFrame>& used,
                         const std::vector<GreyFrame>& held_out, const ParameterSet& initial,
                         const FitConfig& config, const ModelChoiceOptions& options);

@@ -33,7 +33,7 @@ std::string MirrorLobesName(const BeamParameters& beam) {
   return beam.mirror_lobes == MirrorLobes::kAll ? "through all lobes" : "through the main lobe";
 }
 
-// The beam given, and those others that are not it.
+// Returns the given beam and those of the others that differ from it.
 std::vector<ModelVariant> BeamVariants(const BeamParameters& given, const std::vector<BeamParameters>& others,
                                        std::string (*name)(const BeamParameters&),
                                        void (*copy)(const BeamParameters& from, BeamParameters& to)) {

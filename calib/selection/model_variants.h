@@ -1,4 +1,4 @@
-// The variants among which calib/selection/model_choice.h chooses, as changes to a model.
+// Variants for calib/selection/model_choice.h, as changes to a model.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,8 @@
 
 namespace sonarcal::calib {
 
-// A change to a model. `apply` is asked for what the model starts from and for where the fit of it starts.
+// A change to a model. `apply` is called for the initial parameters of the model and for the start of its
+// fit.
 struct ModelVariant {
   std::string name;
   int fitted_values = 0;
@@ -19,14 +20,14 @@ struct ModelVariant {
   std::function<void(FitConfig&)> configure = [](FitConfig&) {};
 };
 
-// The pattern given, and the others at the same width.
+// Return the given pattern, and the others at the same width.
 std::vector<ModelVariant> AzimuthVariants(const BeamParameters& given);
 std::vector<ModelVariant> ElevationVariants(const BeamParameters& given);
 
-// The lobes through which mirrors are seen: those given, and the others.
+// Returns the given lobes through which mirrors are seen, and the others.
 std::vector<ModelVariant> MirrorLobeVariants(const BeamParameters& given);
 
-// For people.
+// Name for display.
 const char* DisplayName(DisplayLaw law);
 
 }  // namespace sonarcal::calib
