@@ -29,7 +29,7 @@ Json ColourJson(const data_io::Rgb& colour) {
   return {colour[0], colour[1], colour[2]};
 }
 
-// Of grey values 0 .. 255, six hexadecimal digits each.
+// Colours of the grey values 0 .. 255, six hexadecimal digits each.
 std::string InfernoHex() {
   Grid<float> ramp(1, 256);
   for (int i = 0; i < 256; ++i) ramp(0, i) = static_cast<float>(i);
@@ -68,7 +68,7 @@ Json ViewerJson(const FrameViewer& viewer) {
             ColourJson(data_io::kSimulatedOnlyColor), ColourJson(data_io::kBothColor)}}};
 }
 
-// Buttons of which one is chosen; the arrow keys go from one to the next.
+// Buttons of which one is selected. The arrow keys move from one to the next.
 std::string ChoiceHtml(const std::string& name, const char* what, const char* legend,
                        std::span<const Choice> choices) {
   std::string html = fmt::format("<fieldset><legend>{}</legend>", legend);

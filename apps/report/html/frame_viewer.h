@@ -1,7 +1,7 @@
-// Frames of two polar images, one recorded and one simulated, for a reader to go through: a slider, the two
-// in turn, on top of each other, their difference and their object regions, polar or as a fan, with the
-// values under the pointer. Drawn in the browser (frame_viewer.js) from pictures within the page; folded away
-// until it is asked for, and not there where scripts do not run and on paper.
+// Interactive viewer of frame pairs, one recorded and one simulated polar image. Offers a slider, both images
+// in turn, an overlay, their difference and their object regions, polar or as a fan, with the values under
+// the pointer. The browser draws them (frame_viewer.js) from pictures within the page. The viewer is
+// collapsed at first. It is absent on paper and without scripts.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace sonarcal::report {
 
-// Pictures are 8-bit grey PNG of range_bins rows x beam_count columns, nearest range first.
+// Pictures are 8-bit grey PNG with range_bins rows x beam_count columns, nearest range first.
 struct ViewerFrame {
   std::string name;
-  std::string figures;  // one line about the pair, for people
+  std::string figures;  // one line about the pair, for display
   PolarAxes axes;
-  double full_scale = 255.0;            // what 255 stands for
+  double full_scale = 255.0;            // value that 255 stands for
   std::vector<std::uint8_t> real;       // PNG
   std::vector<std::uint8_t> simulated;  // PNG
   std::vector<std::uint8_t> objects;  // PNG; 1: object in the real image, 2: in the simulated one, 3: in both
@@ -29,7 +29,7 @@ struct FrameViewer {
   bool real_is_synthetic = false;
 };
 
-// `number` tells the viewers of one page apart.
+// `number` distinguishes the viewers of one page.
 std::string FrameViewerHtml(const FrameViewer& viewer, int number);
 
 }  // namespace sonarcal::report

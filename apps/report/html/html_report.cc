@@ -79,8 +79,8 @@ std::string TableRowHtml(const TableRow& row, const std::vector<TableColumn>& co
   return html + "</tr>\n";
 }
 
-// Width and height, which a PNG carries at bytes 16 and 20: the page then keeps the place before the picture
-// is decoded.
+// Width and height of a PNG, from its bytes 16 and 20. With them the page reserves the space before the
+// picture is decoded.
 std::array<std::uint32_t, 2> PngSize(const std::vector<std::uint8_t>& png) {
   static constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   SONARCAL_CHECK(png.size() > 24 && std::equal(kSignature.begin(), kSignature.end(), png.begin()),
@@ -104,7 +104,7 @@ std::string PictureHtml(const Picture& picture, std::size_t index, bool lettered
       EscapeHtml(picture.caption));
 }
 
-// The hash as a Content-Security-Policy names it.
+// Hash in the form of a Content-Security-Policy.
 std::string ScriptHashBase64() {
   std::array<std::uint8_t, 32> hash = {};
   SONARCAL_CHECK(kReportScriptSha256.size() == 2 * hash.size(), "a hash of {} digits",
@@ -152,7 +152,7 @@ void HtmlReport::AddHeading(int level, std::string_view title) {
 }
 
 bool IsOneColour(const std::vector<std::uint8_t>& png) {
-  PngSize(png);  // checks that it is one
+  PngSize(png);  // checks that it is a PNG
   const data_io::ImageFile file({reinterpret_cast<const char*>(png.data()), png.size()}, "picture");
   const RgbImage image = file.DecodeRgb();
   const auto is_outside = [](const data_io::Rgb& colour) { return colour == data_io::kOutsideColor; };
@@ -209,7 +209,7 @@ void HtmlReport::Add(const Table& table) {
   SONARCAL_CHECK(!table.columns.empty(), "table '{}' has no columns", table.caption);
   tables_.push_back(table);
   const std::string caption = EscapeHtml(table.caption);
-  // A wide table scrolls within its frame, which the keyboard can reach.
+  // Wide tables scroll within a frame that the keyboard can reach.
   Append(body_, "<figure class=\"table\"><figcaption><b>Table {}.</b> {}</figcaption>", tables_.size(),
          caption);
   Append(body_, "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table>{}<tbody>\n",
@@ -286,7 +286,7 @@ std::string HtmlReport::ContentsHtml() const {
   for (std::size_t i = 0; i < headings_.size(); ++i) {
     const Heading& heading = headings_[i];
     Append(html, "<li><a href=\"#{}\">{}</a>", heading.anchor, EscapeHtml(heading.title));
-    // A subsection's list opens within its section's item and closes with the last of them.
+    // The list of a subsection opens within the item of its section and closes with the last of them.
     const int next_level = i + 1 < headings_.size() ? headings_[i + 1].level : 2;
     if (next_level > heading.level) {
       html += "<ol>";
@@ -302,8 +302,8 @@ std::string HtmlReport::Html() const {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
   html += "<meta name=\"color-scheme\" content=\"light dark\"/>\n";
-  // Even a browser that is told otherwise by injected text would fetch nothing, and run nothing but the
-  // viewer's script, which is allowed by its hash.
+  // Protects against injected text: the browser fetches nothing and runs only the script of the viewer, which
+  // is allowed by its hash.
   Append(html,
          "<meta http-equiv=\"Content-Security-Policy\" "
          "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'{}\"/>\n",

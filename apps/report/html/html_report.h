@@ -1,6 +1,6 @@
-// A report as one HTML file that opens offline: no request to anywhere, pictures embedded, and no script but
-// that of a frame viewer, where there is one. It follows the reader's light or dark setting, prints, and fits
-// a phone.
+// A report as one HTML file that opens offline. It makes no request, embeds its pictures, and has no script
+// except that of a frame viewer, if there is one. It follows the light or dark setting, prints, and fits a
+// phone.
 //
 //   HtmlReport report("Tank comparison", "12 frames, simulated with the paper model");
 //   report.Section("Occupancy");
@@ -8,8 +8,8 @@
 //   report.Add(Table{.caption = "...", .columns = {{"Frame"}, {"IoU"}}, .rows = {{{"0", "0.82"}}}});
 //   report.Write(out / "report.html");
 //
-// Content appears in the order of the calls. All text is plain text: it is escaped here, and only here.
-// Sections and subsections make the table of contents; tables and figures are numbered.
+// Content appears in the order of the calls. All text is plain text; it is escaped here, and only here.
+// Sections and subsections make the table of contents. Tables and figures are numbered.
 #pragma once
 
 #include <cstdint>
@@ -30,26 +30,26 @@ namespace sonarcal::report {
 
 enum class CalloutKind {
   kNote,
-  kSynthetic,  // the data were made, not recorded
-  kLimit,      // what a result does not show
-  kWarning,    // something went wrong, and the reader must know
+  kSynthetic,  // the data were simulated, not recorded
+  kLimit,      // a limit of a result
+  kWarning,    // an error that the reader must know
 };
 
 struct TableColumn {
   std::string title;
-  std::string unit = {};  // set below the title
-  bool numeric = true;    // right-aligned, digits of one width. The first column heads its row: it is left
+  std::string unit = {};  // shown below the title
+  bool numeric = true;    // right-aligned, digits of equal width; the first column is always left-aligned
 };
 
 enum class RowStyle {
   kPlain,
-  kStrong,  // the row that counts: a mean, the fitted value
+  kStrong,  // the main row: a mean, the fitted value
   kMuted,   // for comparison only, such as published values
-  kGroup,   // one cell that heads the rows below it
+  kGroup,   // one cell, the heading of the rows below it
 };
 
 struct TableRow {
-  std::vector<std::string> cells;  // one a column, formatted by the caller (see FormatNumber)
+  std::vector<std::string> cells;  // one per column, formatted by the caller (see FormatNumber)
   RowStyle style = RowStyle::kPlain;
 };
 
@@ -61,26 +61,27 @@ struct Table {
 };
 
 struct Picture {
-  std::vector<std::uint8_t> png;  // an encoded file, shown at its own size or smaller: enlarge before
+  std::vector<std::uint8_t> png;  // encoded file, shown at its own size or smaller; enlarge it before
   std::string caption;            // short: "Recorded", "Simulated", "Overlay"
-  std::string alt = {};           // what is to be seen, for those who can't; else the caption
-  bool crisp = false;             // enlarge by repeating pixels rather than by smoothing
+  std::string alt = {};           // description for screen readers; empty: the caption
+  bool crisp = false;             // enlarges by repeating pixels, without smoothing
 };
 
 struct LegendEntry {
-  std::string colour;  // of the picture: "#rrggbb"
+  std::string colour;  // colour in the picture: "#rrggbb"
   std::string label;
 };
 
-// Whether a picture (PNG) is of one colour throughout, but for what lies outside a fan: it shows nothing.
+// Returns true if a picture (PNG) has only one colour, outside of a fan excepted. Such a picture shows
+// nothing.
 bool IsOneColour(const std::vector<std::uint8_t>& png);
 
-// Pictures side by side, lettered a, b, c... and wrapped after `columns` of them.
+// Pictures side by side, with letters a, b, c... and `columns` pictures per row.
 struct PictureRow {
   std::string caption;
   std::vector<Picture> pictures;
   int columns = 3;
-  std::vector<LegendEntry> legend = {};  // what the colours of an overlay mean
+  std::vector<LegendEntry> legend = {};  // meaning of the colours of an overlay
 };
 
 struct KeyFigure {
@@ -98,26 +99,26 @@ class HtmlReport {
   void Subsection(std::string_view title);  // within a section
 
   void Paragraph(std::string_view text);
-  void ParagraphOnce(std::string_view text);  // nothing, where the page has it already
+  void ParagraphOnce(std::string_view text);  // no effect if the page already has it
   void List(const std::vector<std::string>& items);
   void Facts(const std::vector<std::pair<std::string, std::string>>& facts);  // name, value
   void Callout(CalloutKind kind, std::string_view title, std::string_view text);
   void KeyFigures(const std::vector<KeyFigure>& figures);
   void Add(const Table& table);
-  // A picture that the page shows already is named in the caption, not shown again; one of one colour
-  // throughout is not shown either.
+  // A picture that the page already shows is not repeated; the caption refers to it. One with a single colour
+  // is not shown.
   void Add(const PictureRow& row);
   void Add(const std::vector<LineChart>& charts, std::string_view caption);  // one numbered figure
   void Add(const FrameViewer& viewer);
   void Add(const Waterfall& waterfall, std::string_view caption);
   void Code(std::string_view text);
-  // Folded away until asked for: a configuration, a log.
+  // Adds collapsed text, such as a configuration or a log.
   void Details(std::string_view summary, std::string_view text);
 
-  // The last line of the page: program, version, date.
+  // Sets the last line of the page: program, version, date.
   void SetFooter(std::string text) { footer_ = std::move(text); }
 
-  // What was added, in its order, for who writes it in another form (paper_files.h). Table i of the page is
+  // Content in the order of the calls, for writers of other formats (paper_files.h). Table i of the page is
   // tables()[i - 1].
   struct ChartFigure {
     int number = 0;
@@ -138,7 +139,7 @@ class HtmlReport {
 
   std::string Html() const;
 
-  // Throws DataError where the file can't be written.
+  // Throws DataError if the file cannot be written.
   void Write(const std::filesystem::path& path) const;
 
  private:
@@ -162,7 +163,7 @@ class HtmlReport {
   std::vector<ChartFigure> chart_figures_;
   std::vector<WaterfallFigure> waterfalls_;
   std::set<std::string, std::less<>> said_once_;
-  std::map<std::size_t, int> pictured_in_;  // figure by hash of the picture
+  std::map<std::size_t, int> pictured_in_;  // figure number by hash of the picture
   int figure_count_ = 0;
   int viewer_count_ = 0;
 };

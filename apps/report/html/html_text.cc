@@ -16,8 +16,8 @@ unsigned char ByteAt(std::string_view text, std::size_t index) {
   return static_cast<unsigned char>(text[index]);
 }
 
-// Length of the UTF-8 sequence that starts here, or 0 where there is none: overlong forms, surrogates and
-// values beyond U+10FFFF are refused by the bounds of the second byte (Unicode, Table 3-7).
+// Length of the UTF-8 sequence that starts here, or 0 if there is none. The bounds of the second byte refuse
+// overlong forms, surrogates and values beyond U+10FFFF (Unicode, Table 3-7).
 std::size_t Utf8Length(std::string_view text) {
   const unsigned char lead = ByteAt(text, 0);
   if (lead < 0x80) return 1;

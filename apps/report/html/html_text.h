@@ -1,4 +1,4 @@
-// Text and bytes as HTML may carry them. Output is well-formed XML as well, so that any tool can read it.
+// Text and bytes for HTML. The output is also well-formed XML, so that any tool can read it.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace sonarcal::report {
 
-// Escapes for element content and quoted attributes alike; bytes that are not UTF-8, and control characters,
+// Escapes text for element content and quoted attributes. Bytes that are not UTF-8, and control characters,
 // become U+FFFD.
 std::string EscapeHtml(std::string_view text);
 
-// An anchor name: lower-case letters, digits and dashes of the text, never empty.
+// Returns an anchor name: lower-case letters, digits and dashes of the text, never empty.
 std::string Slug(std::string_view text);
 
 std::string Base64(std::span<const std::uint8_t> bytes);
 
-// A number for a table or an axis: fixed decimals, a true minus sign, a dash where it is not finite.
+// Formats a number for a table or an axis: fixed decimals, a true minus sign, a dash if it is not finite.
 std::string FormatNumber(double value, int decimals);
 
 // Name of the real side of a comparison: "recorded", or "synthetic" if a simulation made it. As a word and as

@@ -15,8 +15,8 @@
 namespace sonarcal::report {
 namespace {
 
-// In units of the drawing, which the page scales. Text is set in these units too, larger on a phone
-// (report.css), and the margins leave room for that.
+// Sizes in units of the drawing, which the page scales. Text has these units too, and is larger on a phone
+// (report.css). The margins leave room for that.
 constexpr double kWidth = 480.0;
 constexpr double kHeight = 300.0;
 constexpr double kLeft = 52.0;
@@ -37,7 +37,7 @@ struct Scale {
   bool Contains(double value) const { return value >= min && value <= max; }  // false for NaN
 };
 
-// The smallest of 1, 2, 5 x 10^k that leaves at most `count` steps.
+// Returns the smallest of 1, 2, 5 x 10^k that gives at most `count` steps.
 double NiceStep(double span, int count) {
   const double rough = span / count;
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
@@ -48,7 +48,7 @@ double NiceStep(double span, int count) {
 }
 
 Scale MakeScale(const ChartAxis& axis, double data_min, double data_max, int tick_count) {
-  if (!(data_min <= data_max)) {  // no finite value at all
+  if (!(data_min <= data_max)) {  // no finite value
     data_min = 0.0;
     data_max = 1.0;
   }
@@ -72,7 +72,7 @@ struct Scales {
   Scale y;
 };
 
-// A band has a place only where its curve has a value.
+// A band exists only where its curve has a value.
 bool HasBand(const ChartSeries& series, std::size_t i) {
   return !series.low.empty() && std::isfinite(series.x[i]) && std::isfinite(series.y[i]) &&
          std::isfinite(series.low[i]) && std::isfinite(series.high[i]);
@@ -126,14 +126,14 @@ class Drawing {
     Append("<text class=\"name\" x=\"4\" y=\"15\">{}</text>", AxisText(chart.y));
   }
 
-  // What leaves the axes' range is cut off: an inner <svg> clips without an id of its own.
+  // An inner <svg> clips to the range of the axes, without an id.
   void OpenPlot() {
     Append("<svg x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" overflow=\"hidden\">", kLeft,
            kTop, kPlotWidth, kPlotHeight);
   }
   void ClosePlot() { Append("</svg>"); }
 
-  // One outline for each run of values: there along the upper edge, back along the lower one.
+  // Draws one outline per run of values: forward along the upper edge, back along the lower one.
   void Band(const ChartSeries& series, int colour) {
     std::string path;
     for (std::size_t first = 0; first < series.x.size(); ++first) {
@@ -164,7 +164,7 @@ class Drawing {
     Append("<path class=\"line{} c{}\" d=\"{}\"/>", dash, colour, path);
   }
 
-  // Beside the clipped plot, so that a point on an axis stays round.
+  // Outside the clipped plot, so that a point on an axis stays round.
   void Points(const ChartSeries& series, int colour) {
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       if (!scales_.x.Contains(series.x[i]) || !scales_.y.Contains(series.y[i])) continue;
@@ -200,12 +200,12 @@ class Drawing {
   std::string svg_;
 };
 
-// The colour of a series: its own, or that of its place.
+// Colour of a series: its own, or that of its index.
 int ColourOf(const ChartSeries& series, std::size_t place) {
   return series.colour >= 0 ? series.colour % kColours : static_cast<int>(place % kColours);
 }
 
-// How a series looks, 26 x 12.
+// Sample of a series for the legend, 26 x 12.
 std::string Swatch(const ChartSeries& series, int colour) {
   std::string swatch;
   if (!series.low.empty()) swatch += fmt::format("<path class=\"band c{}\" d=\"M0 1H26V11H0Z\"/>", colour);
@@ -241,7 +241,7 @@ std::string PlotSvg(const LineChart& chart) {
   Drawing drawing(FitScales(chart));
   drawing.Axes(chart);
   drawing.OpenPlot();
-  // Bands below all lines, so that none hides a line.
+  // Draws bands below all lines, so that none hides a line.
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     if (!chart.series[i].low.empty()) drawing.Band(chart.series[i], ColourOf(chart.series[i], i));
   }
@@ -258,7 +258,7 @@ std::string PlotSvg(const LineChart& chart) {
   return drawing.svg();
 }
 
-// The light colours of report.css.
+// Light colours as in report.css.
 constexpr std::string_view kFileStyle =
     "text{font:12px sans-serif;fill:#56646e}.name,.title{fill:#1b2329}.title{font-weight:bold;font-size:14px}"
     ".grid{stroke:#d9dfe3}.axis,.mark{stroke:#8b98a2}.line{fill:none;stroke-width:2;stroke-linejoin:round}"

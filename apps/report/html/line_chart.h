@@ -1,5 +1,6 @@
 // A line chart as inline SVG: lines, dashed lines and points over two linear axes, with an optional band
-// about each series. Colours and line widths come from report.css, so that a chart follows light and dark.
+// about each series. Colours and line widths come from report.css, so that a chart follows the light or dark
+// setting.
 #pragma once
 
 #include <optional>
@@ -22,9 +23,9 @@ struct ChartSeries {
   std::vector<double> x;
   std::vector<double> y;  // a value that is not finite interrupts line and band
   SeriesStyle style = SeriesStyle::kLine;
-  std::vector<double> low = {};  // the band, one value an x; empty for none
+  std::vector<double> low = {};  // band, one value per x; empty: none
   std::vector<double> high = {};
-  int colour = -1;  // 0..5; -1 takes the series' place. Lets "before" and "after" of a thing share a colour
+  int colour = -1;  // 0..5; -1: by the index of the series. Allows "before" and "after" to share a colour
 };
 
 struct LineChart {
@@ -32,13 +33,14 @@ struct LineChart {
   ChartAxis x = {};
   ChartAxis y = {};
   std::vector<ChartSeries> series = {};
-  std::string alt = {};  // what the chart shows, for those who can't see it
+  std::string alt = {};  // description for screen readers
 };
 
-// A <figure class="chart"> with title, drawing and legend. Checks that x, y and band are of equal length.
+// Returns a <figure class="chart"> with title, drawing and legend. Checks that x, y and band have equal
+// lengths.
 std::string LineChartHtml(const LineChart& chart);
 
-// The same drawing as an SVG file of its own, for a paper: light, with title and legend in the picture.
+// Returns the drawing as a separate SVG file for a paper: light, with title and legend in the picture.
 std::string LineChartSvg(const LineChart& chart);
 
 }  // namespace sonarcal::report

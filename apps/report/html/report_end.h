@@ -1,4 +1,4 @@
-// How every report ends: where it comes from.
+// End of every report: its provenance.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,7 +7,7 @@
 
 namespace sonarcal::report {
 
-// `provenance` is that of provenance.json (apps/cli/provenance.h).
+// `provenance`: as in provenance.json (apps/cli/provenance.h).
 void EndReport(HtmlReport& report, const nlohmann::ordered_json& provenance);
 
 }  // namespace sonarcal::report

@@ -14,7 +14,7 @@ constexpr std::string_view kAbsent = "–";
 
 using Replacements = std::vector<std::pair<std::string_view, std::string_view>>;
 
-// The first of the replacements that fits at each place.
+// Replaces the first match at each place.
 std::string Replaced(std::string_view text, const Replacements& replacements) {
   std::string out;
   while (!text.empty()) {
@@ -120,7 +120,7 @@ std::string MarkdownTable(const Table& table) {
   for (const TableRow& row : table.rows) {
     std::vector<std::string> cells;
     for (const std::string& cell : row.cells) cells.push_back(Bold(Markdown(cell), row.style, "**", "**"));
-    cells.resize(table.columns.size());  // a group's row has one
+    cells.resize(table.columns.size());  // the row of a group has one cell
     text += fmt::format("| {} |\n", fmt::join(cells, " | "));
   }
   text += "\n";

@@ -12,10 +12,10 @@
 namespace sonarcal::report {
 namespace {
 
-// In units of the drawing, which the page scales.
+// Sizes in units of the drawing, which the page scales.
 constexpr double kWidth = 720.0;
-constexpr double kLeft = 190.0;   // labels end here
-constexpr double kRight = 170.0;  // words begin here, from the right
+constexpr double kLeft = 190.0;   // end of the labels
+constexpr double kRight = 170.0;  // start of the words, from the right
 constexpr double kRow = 34.0;
 constexpr double kBar = 20.0;
 constexpr double kTop = 8.0;
@@ -45,7 +45,7 @@ std::string Drawing(const Waterfall& waterfall) {
     const WaterfallRow& row = waterfall.rows[i];
     const double y = kTop + kRow * static_cast<double>(i);
     const double before = i == 0 ? row.value : waterfall.rows[i - 1].value;
-    // What is left, and what went or came.
+    // Draws the rest, and the part that the step removed or added.
     bar("plain", 0.0, std::min(row.value, before), y);
     bar(row.value <= before ? "taken" : "worse", std::min(row.value, before), std::max(row.value, before), y);
     const double middle = y + 0.5 * kBar;
@@ -68,7 +68,7 @@ std::string Drawing(const Waterfall& waterfall) {
   return svg;
 }
 
-// The light colours of report.css.
+// Light colours as in report.css.
 constexpr std::string_view kFileStyle =
     "text{font:12px sans-serif;fill:#56646e}.name,.title{fill:#1b2329}.title{font-weight:bold;font-size:14px}"
     ".bar.plain{fill:#0868a8}.bar.taken{fill:#20754a;fill-opacity:0.3}.bar.worse{fill:#b3261e}"

@@ -1,5 +1,5 @@
-// A waterfall as inline SVG, read from top to bottom: one bar a step, as long as what is left after it, with
-// what the step took away (or added) set apart by its colour, and a word of judgement at the end.
+// A waterfall chart as inline SVG, from top to bottom: one bar per step with the length of its value. The
+// part that the step removed or added has another colour. A verdict is at the end of the bar.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@ enum class WaterfallMood { kStart, kBetter, kSame, kWorse };
 
 struct WaterfallRow {
   std::string label;
-  double value = 0.0;  // what is left after this step, 0 or more
+  double value = 0.0;  // value after this step, 0 or more
   WaterfallMood mood = WaterfallMood::kStart;
-  std::string word;  // "worth it"
+  std::string word;  // verdict, such as "worth it"
 };
 
 struct Waterfall {
@@ -22,15 +22,15 @@ struct Waterfall {
   std::string unit = {};
   int decimals = 3;
   std::vector<WaterfallRow> rows = {};
-  std::optional<double> floor = {};  // that no model could be below; a line
+  std::optional<double> floor = {};  // lowest value that a model can reach; a line
   std::string floor_label = {};
-  std::string alt = {};  // what the picture shows, for those who can't see it
+  std::string alt = {};  // description for screen readers
 };
 
-// A <figure class="chart"> whose colours are those of report.css.
+// Returns a <figure class="chart"> with the colours of report.css.
 std::string WaterfallHtml(const Waterfall& waterfall);
 
-// The same drawing as an SVG file of its own, for a paper: light, with its title.
+// Returns the drawing as a separate SVG file for a paper: light, with its title.
 std::string WaterfallSvg(const Waterfall& waterfall);
 
 }  // namespace sonarcal::report

@@ -17,7 +17,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 
 constexpr Rgb kDark = {24, 26, 30};
 constexpr Rgb kRed = {213, 40, 40};
-// Okabe and Ito 2008, without black, and two greys.
+// Colours of Okabe and Ito 2008 without black, and two greys.
 constexpr std::array<Rgb, 9> kCauses = {{{110, 115, 122},
                                          {86, 180, 233},
                                          {230, 159, 0},
@@ -56,7 +56,7 @@ RgbImage WithLegend(const RgbImage& picture, const Grid<std::uint8_t>& cause,
   constexpr int kLine = 22;
   constexpr int kMargin = 8;
   constexpr int kSwatch = 14;
-  constexpr int kWidest = 420;  // of a name
+  constexpr int kWidest = 420;  // width of a name
   const std::set<std::uint8_t> present(cause.values().begin(), cause.values().end());
   const int width = std::max(picture.cols(), kWidest);
   const int height = picture.rows() + 2 * kMargin + kLine * static_cast<int>(present.size());

@@ -1,4 +1,4 @@
-// Maps of what the bright cells of a frame come from, as pictures: one colour a cause, with a legend.
+// Maps of the causes of a frame's bright pixels as pictures: one colour per cause, with a legend.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,18 @@
 
 namespace sonarcal::report {
 
-// "#rrggbb" of each name: cells that are not bright near black, those not explained red, others told apart by
-// colour-blind readers as far as there are colours (nine, then again from the first).
+// Returns the colour "#rrggbb" of each name. Pixels that are not bright are nearly black, unexplained ones
+// red. The others have nine colours that colour-blind readers can distinguish, then repeat from the first.
 std::vector<std::string> CauseColours(std::size_t names);
 
-// The map, stretched to a readable shape: nearest range at the top.
+// Returns the map, stretched to a readable shape, with the nearest range at the top.
 RgbImage CausePicture(const Grid<std::uint8_t>& cause);
 
-// The same with the names of the causes below it, for a file that stands alone. Names that are not in the map
-// are left out.
+// Adds the names of the causes below the map, for a separate file. Leaves out names that are not in the map.
 RgbImage WithLegend(const RgbImage& picture, const Grid<std::uint8_t>& cause,
                     const std::vector<std::string>& names);
 
-// Of the names that occur in any of the maps.
+// Returns a legend of the names that occur in any of the maps.
 std::vector<LegendEntry> CauseLegend(const std::vector<workflow::CauseMap>& maps,
                                      const std::vector<std::string>& names);
 

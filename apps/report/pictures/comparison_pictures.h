@@ -1,7 +1,7 @@
-// The pictures of one compared frame, as PNG: recorded, simulated, both on top of each other (as in Park 2024
-// Figs. 11c and 12c), and the object regions (Fig. 13), each polar and as a fan.
+// Pictures of one compared frame, as PNG: recorded, simulated, overlay (as in Park 2024 Figs. 11c and 12c),
+// and object regions (Fig. 13), each polar and as a fan.
 //
-// Polar pictures have the nearest range at the top and are stretched to a readable shape; fans look ahead,
+// Polar pictures have the nearest range at the top and are stretched to a readable shape. In fans, ahead is
 // up.
 #pragma once
 
@@ -30,7 +30,7 @@ struct FramePictures {
   ViewPictures fan;
 };
 
-// Makes the pictures of frame after frame and keeps the fan's geometry from one to the next.
+// Makes the pictures of successive frames and keeps the geometry of the fan.
 class PictureMaker {
  public:
   explicit PictureMaker(int height_px = 480) : height_px_(height_px) {}
@@ -44,7 +44,7 @@ class PictureMaker {
   std::optional<FanMap> map_;
 };
 
-// The same no wider than a page shows them, so that a report of large images can still be handed around.
+// Returns the pictures reduced to the width of a page, so that a report of large images stays small.
 FramePictures ForPage(const FramePictures& pictures);
 
 // Writes frame_0003_polar_real.png and its seven siblings.

@@ -31,7 +31,7 @@ std::string FigureText(const std::optional<double>& value) {
 }  // namespace
 
 std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames) {
-  // Two pictures of a byte a pixel; that of the objects compresses to next to nothing.
+  // Two pictures with one byte per pixel. That of the objects compresses to almost nothing.
   const std::size_t fitting = kPictureBytes / std::max<std::size_t>(2 * pixels, 1);
   return std::min(frames, std::max(kFewestFrames, fitting));
 }

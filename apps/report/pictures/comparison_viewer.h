@@ -1,5 +1,5 @@
-// The frames of a comparison that its report lets a reader go through: as many as fit into a page that is
-// still handed around, spread evenly over the recording, the telling ones among them.
+// Frames of a comparison for the viewer in its report: as many as fit into a page of acceptable size, spread
+// evenly over the recording, including the representative ones.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@
 
 namespace sonarcal::report {
 
-// How many frames of this many pixels go into one page: its pictures take 7.5 MB at most (10 MB as text),
-// however badly they compress; at least three, at most `frames`.
+// Returns how many frames with this many pixels fit into one page: at most 7.5 MB of pictures (10 MB as text)
+// even if they do not compress; at least three, at most `frames`.
 std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames);
 
 // `metrics.masks` must be set.
 ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,
                             const metrics::FrameMetrics& metrics, metrics::IntensityDomain domain);
 
-// Says how many of the compared frames are shown.
+// Returns a sentence about the number of shown frames.
 std::string ViewerCaption(std::size_t shown, std::size_t compared);
 
 }  // namespace sonarcal::report

@@ -17,7 +17,7 @@ constexpr int kFanHeight_px = 320;
 constexpr int kGap_px = 12;
 constexpr double kShareBelowBrightest = 0.995;
 
-// Rows of a pinhole grid whose pixels are as high as wide.
+// Number of rows of a pinhole grid with square pixels.
 int SquarePixelRows(const SonarModel& sonar, int cols) {
   const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
   const double width = std::tan(edges_rad.back()) - std::tan(edges_rad.front());
@@ -25,8 +25,8 @@ int SquarePixelRows(const SonarModel& sonar, int cols) {
   return std::max(1, static_cast<int>(std::lround(cols * height / width)));
 }
 
-// A bed returns a few per cent of what a wall does: the colour follows the square root of the grey level, so
-// that both are seen, and with the bed the shadows on it.
+// Square root of the grey level, so that a bed with its shadows and a wall are both visible: a bed returns a
+// few per cent of the echo of a wall.
 Grid<float> Brightened(const Grid<float>& grey, double brightest_grey) {
   Grid<float> bright(grey.rows(), grey.cols());
   for (std::size_t i = 0; i < grey.size(); ++i) {

@@ -26,7 +26,7 @@ void Line(RgbImage& picture, const Eigen::Vector2d& from, const Eigen::Vector2d&
   const int steps = 1 + static_cast<int>(2.0 * length_px);
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Vector2d at = from + (to - from) * i / steps;
-    // Two pixels wide, to be seen.
+    // Two pixels wide, for visibility.
     Dot(picture, at, color);
     Dot(picture, at + Eigen::Vector2d(1.0, 0.0), color);
     Dot(picture, at + Eigen::Vector2d(0.0, 1.0), color);

@@ -1,5 +1,5 @@
-// A camera's picture with what was made of it: the outline of every marker where the pose puts it (blue;
-// orange for one that was left out), and from each corner the residual, measured less projected, enlarged.
+// A camera picture with its markers: the outline of every marker projected by the pose (blue; orange if left
+// out), and from each corner the residual, measured minus projected, enlarged.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 namespace sonarcal::report {
 namespace {
 
-// Collects the pictures of frame after frame.
+// Collects the pictures of successive frames.
 class FrameShow {
  public:
   FrameShow(std::vector<int> examples, metrics::IntensityDomain domain)
@@ -32,7 +32,7 @@ class FrameShow {
   ShownFrames shown_;
 };
 
-// Frames of a report for the viewer of one page.
+// Returns the frames of a report for the viewer of one page.
 std::vector<int> ViewedFrames(const metrics::MetricsReport& report, const std::vector<int>& examples,
                               std::size_t pixels, std::size_t max_frames) {
   return workflow::SpreadFrames(report, examples, ViewerFrameCount(pixels, max_frames));

@@ -1,5 +1,5 @@
-// The frames of a comparison that a report shows: pictures of a few frames, which also print well, and a viewer
-// of as many frames as a page holds.
+// Frames of a comparison in its report: pictures of a few frames, which also print well, and a viewer of as
+// many frames as fit into a page.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 namespace sonarcal::report {
 
 struct ShownFrames {
-  std::vector<FramePictures> pictures;  // of the example frames
+  std::vector<FramePictures> pictures;  // example frames
   FrameViewer viewer;
 };
 
@@ -23,7 +23,7 @@ ShownFrames ShowFrames(const RecordingSource& real, const RecordingSource& simul
                        const metrics::MetricsReport& report, const std::vector<int>& examples);
 
 struct FitPictures {
-  std::vector<FramePictures> before;  // of the same frames as `after`
+  std::vector<FramePictures> before;  // same frames as `after`
   std::vector<FramePictures> after;
   FrameViewer viewer;  // after the fit
 };

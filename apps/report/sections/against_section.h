@@ -1,4 +1,4 @@
-// What changed since an earlier comparison (metrics/json/against.h), as a part of a report.
+// Changes since an earlier comparison (metrics/json/against.h), as a part of a report.
 #pragma once
 
 #include "apps/report/html/html_report.h"
@@ -6,7 +6,7 @@
 
 namespace sonarcal::report {
 
-// A table of the headline figures and of those that got better or worse. Within a section.
+// Adds a table of the headline figures and of those that changed. Must be within a section.
 void AddAgainst(HtmlReport& report, const metrics::Against& against);
 
 }  // namespace sonarcal::report

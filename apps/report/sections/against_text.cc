@@ -9,7 +9,7 @@ namespace {
 
 std::string VerdictText(const metrics::FigureChange& change) {
   const std::string by = fmt::format(" by {:.4f}", std::abs(change.worsening));
-  // Of the amount: an interval of the worsening is turned where things got better.
+  // Interval of the amount. The interval of the worsening is reversed if the figure got better.
   const auto interval = [&](double sign) {
     if (!change.worsening_ci) return std::string();
     const metrics::Interval& ci = *change.worsening_ci;

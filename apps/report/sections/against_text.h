@@ -1,4 +1,4 @@
-// A comparison with an earlier one, in words for a terminal.
+// Comparison with an earlier one, as text for a terminal.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sonarcal::report {
 
-// A line for each headline figure, one for the rest, and the notes; ends with a newline.
+// Returns one line per headline figure, one for the rest, and the notes; ends with a newline.
 std::string AgainstText(const metrics::Against& against);
 
 }  // namespace sonarcal::report

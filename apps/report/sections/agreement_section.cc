@@ -17,9 +17,9 @@ namespace sonarcal::report {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostClasses = 128;  // of a histogram
+constexpr int kMostClasses = 128;  // classes of a histogram
 constexpr int kRangeBands = 8;
-constexpr double kHighestRatio = 2.0;  // shown
+constexpr double kHighestRatio = 2.0;  // upper end of the axis
 
 std::string Interval95(const metrics::Statistic& statistic) {
   return statistic.ci ? fmt::format(" (95 %: {})", IntervalText(statistic)) : std::string();
@@ -108,7 +108,7 @@ std::string WorstInWords(const metrics::MetricsReport& metrics) {
       FigureText(std::abs(worst->bias)));
 }
 
-// Shares of the levels, grouped so that a chart can show them; x in grey levels of `full_scale`.
+// Shares of the levels, grouped for a chart; x in grey levels of `full_scale`.
 ChartSeries HistogramSeries(const std::string& name, const std::vector<double>& counts, double full_scale,
                             int colour) {
   ChartSeries series{.name = name, .x = {}, .y = {}, .colour = colour};
@@ -126,7 +126,7 @@ ChartSeries HistogramSeries(const std::string& name, const std::vector<double>& 
   return series;
 }
 
-// Levels below which the given shares of the pixels lie, in grey levels.
+// Returns the levels, in grey levels, below which the given shares of the pixels lie.
 std::vector<double> Quantiles(const std::vector<double>& counts, const std::vector<double>& shares,
                               double full_scale) {
   double total = 0.0;

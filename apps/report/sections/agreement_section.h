@@ -1,4 +1,4 @@
-// What a comparison says beyond its means, as parts of a report: in words first, then as curves and maps.
+// Details of a comparison as parts of a report: first sentences, then curves and maps.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace sonarcal::report {
 
-// The comparison in a few sentences, for who reads nothing else.
+// Summarises the comparison in a few sentences.
 std::vector<std::string> SummaryInWords(const metrics::MetricsReport& metrics);
 
-// The ratios as curves over the segmentation's threshold, and the areas under them. Nothing where none were
-// measured.
+// Adds the ratios as curves over the threshold of the segmentation, with the areas under them. Adds nothing
+// if they were not measured.
 void AddThresholdSweep(HtmlReport& report, const metrics::MetricsReport& metrics);
 
-// Grey values of both images as histograms, and the quantiles of one over those of the other.
+// Adds histograms of the grey values of both images, and the quantiles of one over those of the other.
 void AddGreyLevels(HtmlReport& report, const metrics::MetricsReport& metrics);
 
-// Every figure of the polar images with its interval and floor.
+// Adds every figure of the polar images with its interval and floor.
 void AddEveryFigure(HtmlReport& report, const metrics::MetricsReport& metrics);
 
 }  // namespace sonarcal::report

@@ -1,4 +1,4 @@
-// The choice of a model (calib/selection/model_choice.h) as a section of a report, as text and as JSON.
+// Selection of the model (calib/selection/model_choice.h) as a section of a report, as text and as JSON.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace sonarcal::report {
 
-// The table of all variants, and how to read it. Within a section.
+// Adds the table of all variants with an explanation. Must be within a section.
 void AddModelChoice(HtmlReport& report, const calib::ModelChoice& choice);
 
-// The same for a terminal, a line a variant.
+// Returns text for a terminal, one line per variant.
 std::string ModelChoiceText(const calib::ModelChoice& choice);
 
 // {"frames": [...], "pixels", "blocks", "tie_sigmas", "axes": [{"axis", "variants": [{"name",

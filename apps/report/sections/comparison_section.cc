@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostFrameRows = 200;
 
-// The figures that come first, by the names readers know them by, and their paths (metrics/figures.h).
+// Headline figures: their usual names and their paths (metrics/figures.h).
 std::vector<std::pair<const char*, std::string>> HeadFigures(metrics::IntensityDomain domain) {
   return {{"Ns/Nr", "ns_over_nr"},
           {"Na/Ns", "na_over_ns"},
@@ -77,7 +77,7 @@ std::vector<std::string> TableNotes(const metrics::MetricsReport& metrics) {
   return notes;
 }
 
-// Means over frames beside pooled figures and what no simulator could beat, of one view.
+// Table of one view: means over frames, pooled figures and the noise floor.
 Table SummaryTable(const metrics::MetricsReport& metrics, const char* kind,
                    metrics::ViewSummary metrics::Aggregate::Views::*view) {
   const int frames = metrics.aggregate.frame_count;
@@ -121,7 +121,7 @@ Table FrameTable(const metrics::MetricsReport& metrics) {
                           {"Error, fan"}},
               .rows = {},
               .notes = {"Counts and ratios are those of the polar image; the fan's are in metrics.json."}};
-  // Evenly spread, first and last among them, where all would make the page unreadable.
+  // Shows evenly spread frames, including the first and the last, if all would make the page unreadable.
   const std::size_t frames = metrics.frames.size();
   const std::size_t shown = std::min(frames, kMostFrameRows);
   if (shown < frames) {

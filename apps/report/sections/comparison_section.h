@@ -11,28 +11,28 @@
 
 namespace sonarcal::report {
 
-// What is synthetic of it, in a box of its own; said too where the real side was recorded by a sonar.
+// Adds a box that states which side is synthetic, also if a sonar recorded the real side.
 void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::string& real_name);
 
-// The few numbers to look at first.
+// Adds the few most important numbers.
 void AddKeyFigures(HtmlReport& report, const metrics::MetricsReport& metrics);
 
-// Means over frames and pooled figures with their intervals, the noise floor beside them, and a table of
-// frames. Within a section.
+// Adds means over frames and pooled figures with their intervals and the noise floor, and a table of frames.
+// Must be within a section.
 void AddMetricTables(HtmlReport& report, const metrics::MetricsReport& metrics);
 
-// The same figures before and after something was done, side by side: means over the same frames.
+// Adds the same figures before and after a change, side by side: means over the same frames.
 void AddBeforeAfterTable(HtmlReport& report, const metrics::MetricsReport& before,
                          const metrics::MetricsReport& after, const std::string& caption);
 
 // Explains the colours of overlays and regions, once per page. `real`: name of the real side.
 void AddPictureLegend(HtmlReport& report, const std::string& real);
 
-// Recorded (or synthetic), simulated, overlay and regions of one frame, polar and fan.
+// Adds recorded (or synthetic), simulated, overlay and regions of one frame, polar and fan.
 void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption,
                       bool real_is_synthetic);
 
-// What the numbers mean, how the object is found and what no simulator can beat, in words. Adds a section.
+// Adds a section that explains the numbers, the segmentation and the noise floor.
 void AddMetricDefinitions(HtmlReport& report, const metrics::MetricsReport& metrics);
 
 }  // namespace sonarcal::report

@@ -65,7 +65,7 @@ WaterfallMood MoodOf(calib::Verdict verdict) {
   return WaterfallMood::kSame;
 }
 
-// Names by falling share, those of none left out.
+// Names with a share, in descending order of share.
 std::vector<std::pair<double, std::string>> Shares(const workflow::ExplainedRecording& explained) {
   std::vector<std::pair<double, std::string>> shares;
   for (std::size_t name = 1; name < explained.cause_names.size(); ++name) {
@@ -131,7 +131,7 @@ Table StepTable(const workflow::ExplainedRecording& explained, const workflow::J
   return table;
 }
 
-// "frame 2", "frames 2 and 6".
+// Makes texts such as "frame 2" or "frames 2 and 6".
 std::string Frames(const std::vector<int>& frames) {
   return fmt::format("frame{} {}", frames.size() == 1 ? "" : "s", FrameList(frames));
 }
@@ -156,7 +156,7 @@ Waterfall WaterfallOf(const workflow::ExplainedRecording& explained, const workf
   return waterfall;
 }
 
-// Those that judge: each frame by itself, or all together.
+// Evaluations: each frame alone, or all together.
 std::vector<workflow::JudgedSteps> Judges(const workflow::ExplainedRecording& explained,
                                           const ExplanationTelling& telling) {
   if (telling.apart) return explained.by_frame;

@@ -1,4 +1,4 @@
-// An explained recording (apps/workflow/explain.h) as sections of a report, and in words.
+// An ablation study (apps/workflow/explain.h) as sections of a report, and as text.
 #pragma once
 
 #include <string>
@@ -12,42 +12,43 @@
 
 namespace sonarcal::report {
 
-// What a step adds, for people: "beam and pulse".
+// Name of a step for display, such as "beam and pulse".
 std::string_view TitleOf(calib::ExplainedPart part);
 
-// How an explanation is told.
+// Options for the presentation of an ablation study.
 struct ExplanationTelling {
-  std::string title = {};                  // of the recording, said wherever a picture is shown; empty: none
-  bool about = false;                      // a waterfall of what lies about the object, too
-  bool apart = false;                      // held-out frames judge one by one, not together
-  bool synthetic = false;                  // a simulation made the recording
-  std::vector<std::string> warnings = {};  // of how it was prepared, such as a search that ended at its end
-  std::vector<std::string> caveats = {};   // what was assumed and what figures do not show, a sentence each
+  std::string title = {};  // name of the recording, shown with every picture; empty: none
+  bool about = false;      // adds a waterfall of the error around the object
+  bool apart = false;      // evaluates the held-out frames one by one, not together
+  bool synthetic = false;  // the recording is simulated
+  // from the preparation, such as a search that ended at the end of its range
+  std::vector<std::string> warnings = {};
+  std::vector<std::string> caveats = {};  // assumptions and limits, one sentence each
 };
 
-// The waterfall, its table, and what was left out; several of the first two where frames judge apart. Adds a
-// section.
+// Adds a section with the waterfall, its table, and the steps that were left out. If frames are evaluated one
+// by one, there are several waterfalls and tables.
 void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explained,
                   const ExplanationTelling& telling = {});
 
-// Where the bright cells come from: shares in words, maps. Adds a section.
+// Adds a section on the causes of bright pixels: shares in a sentence, and maps.
 void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained,
                const ExplanationTelling& telling = {});
 
-// "of the bright cells 71 % show floor, 12 % ghost by wall, ...": causes by their share, those below half a
-// percent together.
+// Returns a sentence such as "of the bright cells 71 % show floor, 12 % ghost by wall, ...": causes in
+// descending order, those below 0.5 % together.
 std::string CauseSentence(const workflow::ExplainedRecording& explained);
 
-// Reasons to doubt the explanation, one sentence each: values and searches that ended at the end of their
-// range, and steps whose held-out likelihood and held-out error disagree.
+// Returns reasons to doubt the study, one sentence each: values and searches at the end of their range, and
+// steps whose held-out likelihood and held-out error disagree.
 std::vector<std::string> WarningsOf(const workflow::ExplainedRecording& explained,
                                     const ExplanationTelling& telling);
 
-// The object of explain.json.
+// Returns the object of explain.json.
 nlohmann::ordered_json ExplanationJson(const workflow::ExplainedRecording& explained,
                                        const ExplanationTelling& telling = {});
 
-// For a terminal.
+// Returns text for a terminal.
 std::string ExplanationText(const workflow::ExplainedRecording& explained,
                             const ExplanationTelling& telling = {});
 

@@ -1,4 +1,4 @@
-// How figures of a comparison are written in a report, once for all its sections.
+// Format of the figures of a comparison, for all sections of a report.
 #pragma once
 
 #include <optional>
@@ -11,19 +11,19 @@
 
 namespace sonarcal::report {
 
-// Three decimals; a dash where there is no value.
+// Three decimals; a dash if there is no value.
 std::string FigureText(const std::optional<double>& value);
 
-// "0.412 to 0.530"; a dash where there is none.
+// Text such as "0.412 to 0.530"; a dash if there is none.
 std::string IntervalText(const metrics::Statistic& statistic);
 
-// "m", "dB", "bins", "part of full scale" ...; empty for a pure number.
+// Text such as "m", "dB", "bins", "part of full scale"; empty for a pure number.
 std::string UnitText(metrics::FigureUnit unit);
 
-// "the union of the two object regions" and its like.
+// Text such as "the union of the two object regions".
 std::string DomainText(metrics::IntensityDomain domain);
 
-// Where the floor beside the figures comes from, in a sentence; empty where there is none.
+// Sentence about the source of the noise floor; empty if there is none.
 std::string FloorNote(const metrics::NoiseFloor& floor);
 
 }  // namespace sonarcal::report

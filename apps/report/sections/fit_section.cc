@@ -20,11 +20,11 @@ namespace sonarcal::report {
 namespace {
 
 constexpr double kCurveStepDeg = 0.5;
-// Curves fall without end towards 90 degrees; below this many decibels under their top they tell nothing.
+// Depth of the chart below its maximum. Curves fall without limit towards 90 degrees.
 constexpr double kCurveDepthDb = 60.0;
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMapsShown = 3;
-constexpr double kMinMapShare = 1e-3;  // of a frame's pixels: fewer are not to be seen on a map
+constexpr double kMinMapShare = 1e-3;  // share of a frame's pixels; a map does not show fewer
 constexpr double kSigmasOf95 = 1.96;
 constexpr double kWidestSigmaDb = 5.0;
 constexpr std::size_t kCorrelationsShown = 8;
@@ -53,7 +53,7 @@ RowStyle StyleOf(calib::ParameterStatus status) {
              : RowStyle::kMuted;
 }
 
-// "material.floor" for "material.floor.gsab.A", "display" for "display.db_min".
+// Returns "material.floor" for "material.floor.gsab.A", "display" for "display.db_min".
 std::string GroupOf(const std::string& name) {
   if (name.starts_with("material.")) return name.substr(0, name.rfind(".gsab."));
   const std::size_t dot = name.find('.');
@@ -114,7 +114,7 @@ ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab,
   return series;
 }
 
-// The 95 % band, where it says anything.
+// The 95 % band, if it is narrow enough to be useful.
 ChartSeries BandOf(const calib::FittedCurve& curve) {
   ChartSeries band{
       .name = "95 %", .x = curve.incidence_deg, .y = curve.backscatter_db, .style = SeriesStyle::kBand};
@@ -303,7 +303,7 @@ void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit) {
   PictureRow row{.caption = "Pixels used by the fit: black counts in full, the brighter the less",
                  .pictures = {}};
   constexpr int kHeightPx = 360;
-  std::vector<int> dark;  // frames whose map would show nothing
+  std::vector<int> dark;  // frames with an empty map
   for (std::size_t i = 0; i < fit.weights.size() && row.pictures.size() < kMapsShown; ++i) {
     Grid<float> missing = fit.weights[i];
     for (float& value : missing.values()) value = 1.0F - value;

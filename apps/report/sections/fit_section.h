@@ -11,21 +11,21 @@ namespace sonarcal::report {
 // Adds the warnings of the fit, before any figure.
 void AddFitWarnings(HtmlReport& report, const calib::FitReport& fit, const std::string& model = {});
 
-// The few numbers to look at first: agreement before and after.
+// Adds the few most important numbers: agreement before and after.
 void AddFitKeyFigures(HtmlReport& report, const workflow::RecordingFit& fit);
 
-// Metrics and pictures with the initial and the fitted parameters, on the frames the fit did not see. Within
-// a section.
+// Adds metrics and pictures with the initial and the fitted parameters, on the held-out frames. Must be
+// within a section.
 void AddFitComparison(HtmlReport& report, const workflow::RecordingFit& fit);
 
-// Maps of the pixels that count less; nothing where all count in full.
+// Adds maps of the pixels with reduced weight; nothing if all weights are 1.
 void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit);
 
-// Values with sigma and status, the gauge, what the data leave open, backscatter curves, residuals. Within a
-// section.
+// Adds values with sigma and status, the gauge, directions that the data do not determine, backscatter curves
+// and residuals. Must be within a section.
 void AddFittedValues(HtmlReport& report, const workflow::RecordingFit& fit);
 
-// "0, 1 and 2", or "none".
+// Makes texts such as "0, 1 and 2"; "none" for an empty list.
 std::string FrameList(const std::vector<int>& frames);
 
 }  // namespace sonarcal::report

@@ -68,7 +68,7 @@ LineChart HistogramChart(const calib::NoiseAgreement& agreement, const std::stri
           .series = {recorded, predicted}};
 }
 
-// Mean grey along one axis, cells that were left out apart.
+// Mean grey along one axis, with cells that were left out as a separate series.
 LineChart MeanChart(const calib::NoiseFit& fit, bool by_range, const std::string& real) {
   const calib::NoiseAgreement& agreement = fit.judged;
   ChartSeries recorded{.name = real, .x = {}, .y = {}, .style = SeriesStyle::kPoints};

@@ -8,14 +8,14 @@
 
 namespace sonarcal::report {
 
-// Agreement, the choice of model, values, grey values recorded against predicted, noise by range and by beam,
-// and the map of what is left.
+// Adds agreement, the selection of the model, values, recorded and predicted grey values, noise by range and
+// by beam, and the map of residuals.
 void AddNoiseSections(HtmlReport& report, const calib::NoiseFit& fit, bool is_synthetic);
 
-// "window ...": where it was found, and how.
+// Text "window ...": the window and how it was found.
 std::string NoiseWindowText(const calib::NoiseFit& fit);
 
-// "judged on ...": the pings that the agreement reported is on, and whether they were seen before.
+// Text "judged on ...": the pings of the reported agreement, and whether the selection used them.
 std::string NoiseJudgedText(const calib::NoiseFit& fit);
 
 }  // namespace sonarcal::report

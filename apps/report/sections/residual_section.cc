@@ -71,7 +71,7 @@ void AddMap(HtmlReport& report, const metrics::ResidualMap& map, const std::stri
     if (of) sizes.push_back(std::abs(*of));
   }
   if (sizes.empty()) return;
-  // Full colour at the 98th percentile, so that one cell does not pale all others.
+  // Full colour at the 98th percentile, so that one extreme cell does not pale all others.
   const auto high = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), high, sizes.end());
   const double limit = std::max(*high, 1e-3);
@@ -101,7 +101,7 @@ std::optional<WorstBand> FindWorstBand(const metrics::ResidualTable& table, int 
   }
   std::optional<WorstBand> worst;
   for (int band = 0; band < bands; ++band) {
-    // A handful of pixels at an edge says little.
+    // Skips bands with few pixels, such as those at an edge.
     if (sums[band].pixels == 0 || 20 * sums[band].pixels < most) continue;
     const double error = *sums[band].mean_absolute();
     if (!worst || error > worst->mean_absolute)

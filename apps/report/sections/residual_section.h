@@ -1,5 +1,5 @@
-// Where a simulation is wrong (metrics/measures/residuals.h), as part of a report: over range, over beams, as
-// a map, and over incidence and by material where the scene is known.
+// Residuals of a simulation (metrics/measures/residuals.h) as part of a report: over range, over beams, as a
+// map, and for a known scene over incidence and by material.
 #pragma once
 
 #include "apps/report/html/html_report.h"
@@ -7,11 +7,11 @@
 
 namespace sonarcal::report {
 
-// Within a section. Nothing where no residuals were collected.
+// Must be within a section. Adds nothing without residuals.
 void AddResiduals(HtmlReport& report, const metrics::MetricsReport& metrics);
 
-// The part of a table's numeric axis over which the mean |difference| is largest, in `bands` even parts.
-// Differences are fractions of full scale, over the pixels of all frames.
+// Part of a table's numeric axis with the largest mean |difference|, out of `bands` equal parts. Differences
+// are fractions of full scale, over the pixels of all frames.
 struct WorstBand {
   double from = 0.0;
   double to = 0.0;
@@ -19,7 +19,7 @@ struct WorstBand {
   double bias = 0.0;  // above 0: the simulation is brighter
 };
 
-// Over either object region. None where no band has pixels.
+// Finds the worst band over either object region. Nullopt if no band has pixels.
 std::optional<WorstBand> FindWorstBand(const metrics::ResidualTable& table, int bands);
 
 }  // namespace sonarcal::report

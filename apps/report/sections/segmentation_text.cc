@@ -11,7 +11,7 @@ std::string RingText(const metrics::SegmentationOptions& s) {
                      s.guard_cols);
 }
 
-// What follows "A pixel is object where it".
+// Continues the sentence "A pixel is object where it".
 std::string MethodText(const metrics::SegmentationOptions& s) {
   const auto rate = [&](std::string_view against) {
     return fmt::format("is higher than {} by more than chance allows at a false-alarm rate of {:g}", against,

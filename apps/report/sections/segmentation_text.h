@@ -1,4 +1,4 @@
-// How the object was found, in words.
+// Description of the segmentation in words.
 #pragma once
 
 #include <string>

@@ -33,7 +33,7 @@ std::string SceneVerdict(const calib::SceneEchoes& scene) {
       scene.pixels, calib::kWellAboveNoiseDb, scene.contrast);
 }
 
-// Empty, or why the noise level is to be doubted.
+// Reason to doubt the noise level, or empty.
 std::string Doubt(const calib::StillLevels& levels) {
   constexpr double kSigmas = 3.0;
   constexpr double kAtLeastDb = 0.3;

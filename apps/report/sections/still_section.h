@@ -1,4 +1,4 @@
-// What still frames tell (apps/workflow/still_poses.h), for terminals, for fit.json and for reports.
+// Results from static frames (apps/workflow/still_poses.h), for terminals, for fit.json and for reports.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace sonarcal::report {
 
-// Lines of a summary, each ended; empty where no pose is shown twice.
+// Returns lines of a summary, each with a newline; empty without repeated poses.
 std::string StillText(const workflow::StillPoses& still);
 
-// The members `still` and `still_refused` of fit.json, as JSON text without the braces around them.
+// Returns the members `still` and `still_refused` of fit.json as JSON text, without braces around them.
 std::string StillMembers(const workflow::StillPoses& still);
 
-// Within a section.
+// Must be within a section.
 void AddStillPoses(HtmlReport& report, const workflow::StillPoses& still);
 
 }  // namespace sonarcal::report
