@@ -11,11 +11,11 @@
 namespace sonarcal::metrics {
 namespace {
 
-// One view of the frames.
+// One view of all frames.
 struct FrameViews {
   std::vector<const ViewMetrics*> metrics;
-  // What is averaged over frames, by figure and frame: the frames of a figure lie together, as draws ask for
-  // one figure of all frames in no order.
+  // Values to average, by figure and frame. The frames of a figure are contiguous, because a draw reads one
+  // figure of all frames in any order.
   std::vector<std::vector<std::optional<double>>> values;
 
   std::size_t size() const { return metrics.size(); }
@@ -25,7 +25,7 @@ std::optional<double> Finish(std::size_t figure, const std::optional<double>& av
   return average ? Figures()[figure].Finish(*average) : std::nullopt;
 }
 
-// Of the frames named by `indices`, a frame as often as it is named.
+// Macro figure of the frames in `indices`, which may name a frame several times.
 std::optional<double> Macro(const FrameViews& frames, std::span<const int> indices, std::size_t figure) {
   const std::vector<std::optional<double>>& values = frames.values[figure];
   double sum = 0.0;
@@ -77,7 +77,7 @@ void SetValues(const FrameViews& frames, std::span<const int> all, ViewAggregate
   }
 }
 
-// Figures whose series ask for blocks of one length share their draws.
+// Figures grouped by block length; a group shares its draws.
 std::map<int, std::vector<std::size_t>> FiguresByBlock(const FrameViews& frames, bool in_time) {
   std::map<int, std::vector<std::size_t>> by_block;
   for (std::size_t f = 0; f < Figures().size(); ++f) {

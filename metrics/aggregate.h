@@ -1,17 +1,17 @@
-// Many frames in a few numbers, in two ways that answer different questions:
+// Summarises many frames, in two ways that answer different questions:
 //
-//   macro  mean over frames of each frame's own figure: every frame weighs the same. A frame in which a ratio
-//          is undefined (no object, say) is left out of that ratio's mean, and counted.
-//   micro  the figure of all pixels pooled: counts and sums added up first, every pixel weighs the same.
+//   macro  Mean over frames of each frame's figure: every frame has the same weight. A frame in which a ratio
+//          is undefined, e.g. without an object, is left out of that ratio's mean and counted.
+//   micro  Figure of all pixels pooled: counts and sums are added first, so every pixel has the same weight.
 //
 // Micro ratios satisfy Na/Nr = (Na/Ns)(Ns/Nr), which is checked at run time; macro ratios do not. Park 2024's
-// Table 6 does not (0.75 x 1.21 = 0.91 against a printed 0.82), so its rows can only be macro figures.
+// Table 6 does not (0.75 x 1.21 = 0.91 against a printed 0.82), so its rows must be macro figures.
 //
-// A root mean square over frames is the root of the mean square, never a mean of roots.
+// A root mean square over frames is the root of the mean square, not a mean of roots.
 //
-// Intervals: metrics/bootstrap.h. Frames of which every one states a later time than the one before are drawn
-// in blocks, others one by one. Distances between pooled grey levels have none: the levels of frames are
-// pooled as they come and not kept.
+// metrics/bootstrap.h computes the intervals. If every frame has a later time than the one before, frames are
+// drawn in blocks, otherwise one by one. Distances between pooled grey levels have no interval, because the
+// levels of single frames are not kept.
 #pragma once
 
 #include <optional>
@@ -26,26 +26,28 @@ namespace sonarcal::metrics {
 
 struct Statistic {
   std::optional<double> value;
-  std::optional<Interval> ci;  // 95 %, where at least kBootstrapMinFrames frames define it
+  // 95 % confidence interval, if at least kBootstrapMinFrames frames define the value
+  std::optional<Interval> ci;
   int frames_used = 0;
   int frames_left_out = 0;  // frames in which it is undefined; always 0 for micro
-  int block_frames = 1;     // consecutive frames that the interval drew together
+  int block_frames = 1;     // consecutive frames per block of the bootstrap
 };
 
-// Of the difference (simulated - real) / full_scale over one domain (metrics/measures/intensity.h).
+// Statistics of the difference (simulated - real) / full_scale over one domain
+// (metrics/measures/intensity.h).
 struct DifferenceSummary {
   const Statistic& mean_absolute;
   const Statistic& rmse;
   const Statistic& bias;
 };
 
-// The figures of a view, in the order of Figures() (metrics/figures.h).
+// Figures of a view, in the order of Figures() (metrics/figures.h).
 struct ViewSummary {
   ViewSummary();
 
   std::vector<Statistic> statistics;
 
-  // By the figure's path, such as "iou"; std::logic_error for one that is not in the table.
+  // Statistic by the figure's path, such as "iou". Throws std::logic_error for an unknown path.
   const Statistic& At(std::string_view path) const;
   DifferenceSummary Over(IntensityDomain domain) const;
 };
@@ -57,17 +59,17 @@ struct Aggregate {
   };
 
   int frame_count = 0;
-  bool in_time = false;  // every frame states a later time than the one before
+  bool in_time = false;  // every frame has a later time than the one before
   Views macro;
   Views micro;
-  ViewMetrics pooled_polar;  // what micro is computed from
+  ViewMetrics pooled_polar;  // sums from which micro is computed
   ViewMetrics pooled_fan;
   FrameLevels pooled_levels;       // grey levels of all frames
-  std::string no_interval_reason;  // empty where there are frames enough for intervals
+  std::string no_interval_reason;  // empty if there are enough frames for intervals
 };
 
-// Any number of frames; none gives statistics without a value. `levels`: those of frames that do not hold
-// their own any more, pooled.
+// Summarises any number of frames; without frames no statistic has a value. `levels`: pooled levels of the
+// frames that no longer hold their own.
 Aggregate AggregateFrames(const std::vector<FrameMetrics>& frames, FrameLevels levels = {});
 
 }  // namespace sonarcal::metrics

@@ -21,8 +21,8 @@ double Quantile(const std::vector<double>& sorted, double share) {
 std::span<const int> FrameResampler::Next() {
   const std::size_t count = indices_.size();
   for (std::size_t i = 0; i < count;) {
-    // Not std::uniform_int_distribution, whose results differ between standard libraries. The modulo's bias
-    // is below frame_count / 2^64.
+    // std::uniform_int_distribution is not used because its results differ between standard libraries. The
+    // bias of the modulo is below frame_count / 2^64.
     std::size_t frame = random_() % count;
     for (int k = 0; k < block_frames_ && i < count; ++k, ++i) {
       indices_[i] = static_cast<int>(frame);
@@ -50,18 +50,18 @@ int PolitisWhiteBlockLength(std::span<const double> series) {
   for (int lag = 0; lag <= most_lags; ++lag) covariance.push_back(autocovariance(lag));
   if (!(covariance[0] > 1e-24 * mean * mean)) return 1;  // all values are equal
 
-  // The last lag before `quiet_lags` ones, or as many as there are, whose correlations are lost in noise.
+  // Last significant lag: it is followed by `quiet_lags` insignificant correlations, or by the end.
   const double lost = 2.0 * std::sqrt(std::log10(n) / n) * covariance[0];
   int last_lag = 0;
   for (int lag = 1; lag <= most_lags && lag <= last_lag + quiet_lags; ++lag) {
     if (std::abs(covariance[lag]) > lost) last_lag = lag;
   }
   const int window = std::min(2 * last_lag, most_lags);
-  double spectrum = covariance[0];  // at frequency 0
+  double spectrum = covariance[0];  // spectrum at frequency 0
   double slope = 0.0;
   for (int lag = 1; lag <= window; ++lag) {
     const double share = static_cast<double>(lag) / window;
-    const double weight = share <= 0.5 ? 1.0 : 2.0 * (1.0 - share);  // the flat-top window
+    const double weight = share <= 0.5 ? 1.0 : 2.0 * (1.0 - share);  // flat-top window
     spectrum += 2.0 * weight * covariance[lag];
     slope += 2.0 * weight * lag * covariance[lag];
   }

@@ -36,7 +36,7 @@ bool StatesScale(const ImageScale& scale) {
   return scale.db_min || scale.db_max || scale.db_span;
 }
 
-// Null where there is none.
+// Returns null if there is no mask.
 const Mask* MaskFor(const std::optional<Mask>& mask, const PolarImage& image, std::string_view which) {
   if (!mask) return nullptr;
   if (mask->rows() != image.value.rows() || mask->cols() != image.value.cols()) {
@@ -46,7 +46,7 @@ const Mask* MaskFor(const std::optional<Mask>& mask, const PolarImage& image, st
   return &*mask;
 }
 
-// Pixels of the fan that are interpolated between valid samples alone.
+// Pixels of the fan that are interpolated from valid samples only.
 Mask MadeOf(const Mask& valid, const FanMap& map) {
   Grid<float> share(valid.rows(), valid.cols());
   std::ranges::copy(valid.values(), share.values().begin());
@@ -58,7 +58,7 @@ Mask MadeOf(const Mask& valid, const FanMap& map) {
   return made;
 }
 
-// `levels` receives the counts that the distances come from.
+// `levels` receives the counts from which the distances are computed.
 ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
                     const Mask& real_object, const Mask& simulated_object, const Mask* inside,
                     LevelHistograms& levels) {
@@ -114,7 +114,7 @@ std::optional<double> DbSpan(const ImageScale& scale) {
 
 void CheckComparable(const PolarImage& real, const PolarImage& simulated, double db_tolerance,
                      std::vector<std::string>* notes) {
-  // A difference is told before what is wrong with either: two frames in dB differ in nothing.
+  // Differences between the frames are reported before faults of one frame: two frames in dB do not differ.
   if (real.scale.quantity != simulated.scale.quantity) {
     throw DataError("quantity: the real frame holds {}, the simulated one {}; expected the same",
                     ToString(real.scale.quantity), ToString(simulated.scale.quantity));
@@ -183,7 +183,7 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   const FanMap& map = MapFor(real.axes);
   Mask fan_real = map.ApplyNearest(in_real.object);
   Mask fan_simulated = map.ApplyNearest(in_simulated.object);
-  std::optional<Mask> fan_inside;  // where not all samples are valid
+  std::optional<Mask> fan_inside;  // set if some samples are invalid
   if (valid != nullptr) fan_inside = MadeOf(*valid, map);
   metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
                         fan_simulated, fan_inside ? &*fan_inside : &map.inside(), levels.fan);

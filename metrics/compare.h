@@ -1,14 +1,14 @@
-// One simulated frame against one real frame. Who made the images does not matter here: real against real
-// gives the noise floor.
+// Compares one simulated frame with one real frame. Any two images can be compared: real against real gives
+// the noise floor.
 //
-// The object is looked for once, in the polar image, where the smoothing has its meaning in bins and beams;
-// the fan's object regions are those, scan-converted (nearest). Fan pixels weigh an echo by its area, polar
-// pixels by its angle, so the two views' figures differ. Polar figures are the first ones reported: nothing
-// was interpolated.
+// The object is searched once, in the polar image, where the smoothing is in bins and beams. The fan's object
+// regions are scan-converted from it (nearest neighbour). A fan weights an echo by its area, a polar image by
+// its angle, so the figures of the two views differ. Polar figures are reported first, because nothing is
+// interpolated.
 //
-// Only like is compared with like. A DataError says which field decides where the two frames differ in
-// quantity, full scale, dB scale (where both state one) or geometry. Only grey images (display values) are
-// compared: a level in dB is displayed first, so that "full scale" means something.
+// Throws DataError, naming the field, if the two frames differ in quantity, full scale, dB scale (if both
+// state one) or geometry. Only grey images (display values) are compared; a level in dB must be displayed
+// first, so that full scale is defined.
 #pragma once
 
 #include <array>
@@ -33,12 +33,11 @@
 
 namespace sonarcal::metrics {
 
-// Where the simulated object is.
+// Source of the simulated object region.
 enum class SimulatedObject {
-  kSameRule,  // what the segmentation finds, as in the real image
-  // Every pixel (of the region of interest) that shows more than echo_fraction: for simulations without
-  // noise, in which a rule that asks how far an echo stands out of the background finds no background.
-  // Neither smoothed nor tidied.
+  kSameRule,  // segmentation, as for the real image
+  // Every pixel of the region of interest above echo_fraction, without smoothing and tidying. For simulations
+  // without noise: a rule that needs a background finds none in them.
   kEchoes,
 };
 constexpr auto WordsOf(std::type_identity<SimulatedObject>) {
@@ -48,39 +47,39 @@ constexpr auto WordsOf(std::type_identity<SimulatedObject>) {
 
 struct CompareOptions {
   SegmentationOptions segmentation;
-  std::optional<Mask> region;  // where the object may be, range_bins x beam_count; absent: anywhere
-  // Set: the object is searched in a box of each frame, and in `region` where that is set too. Who compares
-  // the frames gives the boxes.
+  std::optional<Mask> region;  // region in which the object may be, range_bins x beam_count; absent: anywhere
+  // If set, the object is searched in a box of each frame, and within `region` if that is set too. The caller
+  // provides the boxes.
   std::optional<ObjectSearch> object = {};
-  // Samples that hold a measurement in both images, of the same shape; absent: all. Others count nowhere.
+  // Samples that hold a measurement in both images, of the same shape; absent: all. Others are ignored.
   std::optional<Mask> valid;
   FanOptions fan;
   SimulatedObject simulated_object = SimulatedObject::kSameRule;
-  double echo_fraction = 0.0;  // kEchoes: of full scale, 0..1; 0: whatever the display shows at all
-  // Where set, the real object is looked for within this distance of the simulated one, along range and along
-  // the arc (metrics/segmentation/region.h): m, 0..100. Where there is no simulated object, there is no real
-  // one. What the image tells of a threshold (its background, Otsu's) it tells from the whole of `region` all
-  // the same.
+  double echo_fraction = 0.0;  // kEchoes: fraction of full scale, 0..1; 0: every displayed echo
+  // If set, the real object is searched within this distance of the simulated one, along range and along the
+  // arc (metrics/segmentation/region.h): m, 0..100. Without a simulated object there is no real one.
+  // Thresholds that depend on the image (its background, Otsu's) still use the whole `region`.
   std::optional<double> region_margin_m = {};
   SweepOptions sweep = {};
-  // The mean |difference| that is named "intensity_error"; the others are reported beside it.
+  // Domain of the mean |difference| that is named "intensity_error". The other domains are reported beside
+  // it.
   IntensityDomain intensity_domain = IntensityDomain::kUnion;
-  double db_tolerance = 0.01;  // dB scales closer than this are the same
+  double db_tolerance = 0.01;  // dB scales closer than this are equal
   bool keep_masks = false;     // for overlays
 
-  // Throws DataError naming field, value and limit.
+  // Throws DataError that names the field, its value and the limit.
   void Check() const;
 };
 
-// What is measured in one view (polar or fan), of one frame or of several pooled. metrics/figures.h names the
-// figures that follow from it.
+// Measurements of one view (polar or fan), of one frame or of several pooled. metrics/figures.h names the
+// figures computed from them.
 struct ViewMetrics {
   Occupancy occupancy;
-  OutlineDistance outline;  // of the polar view; nothing in the fan, whose regions are the same
+  OutlineDistance outline;  // polar view only; the fan has the same regions
   IntensityError intensity;
   StructuralSimilarity ssim;
-  SpeckleMeasures speckle;  // of the polar view; without blocks in the fan
-  // By LevelDomain. Distances do not add up: pooled frames have none but those of their pooled levels.
+  SpeckleMeasures speckle;  // polar view only; without blocks in the fan
+  // By LevelDomain. Distances do not add up: pooled frames have only those of their pooled levels.
   std::array<LevelDistances, kLevelDomains.size()> distribution;
 
   ViewMetrics& operator+=(const ViewMetrics& other);
@@ -102,40 +101,41 @@ struct FrameLevels {
 };
 
 struct FrameMetrics {
-  int index = 0;                 // the caller's number for the frame
-  std::string name;              // and name, for people
-  std::optional<double> time_s;  // of the recorded frame, where the caller knows it
+  int index = 0;                 // frame number, chosen by the caller
+  std::string name;              // frame name for display
+  std::optional<double> time_s;  // time of the recorded frame, if known
   ViewMetrics polar;
   ViewMetrics fan;
-  double threshold_real = 0.0;  // what a pixel's score (metrics/segmentation/scored_image.h) had to be above
+  double threshold_real = 0.0;  // limit of the pixels' scores (metrics/segmentation/scored_image.h)
   double threshold_simulated = 0.0;
   std::vector<std::string> notes;      // one sentence each
-  std::optional<PixelBox> object_box;  // where the object was searched, with CompareOptions::object
-  // Polar counts at the settings of CompareOptions::sweep; whoever compares many frames adds them up
-  // (metrics/threshold_sweep.h) and lets go of each frame's.
+  std::optional<PixelBox> object_box;  // search box of the object, with CompareOptions::object
+  // Polar counts at the settings of CompareOptions::sweep. Callers with many frames add them up
+  // (metrics/threshold_sweep.h) and discard each frame's.
   std::vector<Occupancy> sweep;
-  std::optional<FrameMasks> masks;  // where CompareOptions::keep_masks
-  // Of pixels; whoever compares many frames pools them (metrics/aggregate.h) and lets go of each frame's.
+  std::optional<FrameMasks> masks;  // if CompareOptions::keep_masks
+  // Histograms of pixel levels. Callers with many frames pool them (metrics/aggregate.h) and discard each
+  // frame's.
   std::optional<FrameLevels> levels;
 };
 
-// The dB between 0 and full scale, where the scale states them.
+// dB between 0 and full scale, if the scale states them.
 std::optional<double> DbSpan(const ImageScale& scale);
 
-// Throws DataError where the two do not measure the same thing in the same way. `notes` (when given) receives
-// a sentence where only one of the two states its dB scale.
+// Throws DataError if the images do not measure the same quantity in the same way. Adds a sentence to
+// `notes`, if given, when only one of them states its dB scale.
 void CheckComparable(const PolarImage& real, const PolarImage& simulated, double db_tolerance,
                      std::vector<std::string>* notes = nullptr);
 
-// Compares frame after frame and keeps the fan's geometry from one to the next.
+// Compares frame after frame and reuses the fan's geometry.
 class FrameComparer {
  public:
   explicit FrameComparer(CompareOptions options);
 
   const CompareOptions& options() const { return options_; }
 
-  // `box`: of this frame, where the object is searched; null: in the whole region of interest. Throws
-  // DataError as described above, or where the region of interest has another shape.
+  // `box`: search box of the object in this frame; null: the whole region of interest. Throws DataError as
+  // described above, or if the region of interest has another shape.
   FrameMetrics Compare(const PolarImage& real, const PolarImage& simulated, const PixelBox* box = nullptr);
 
  private:
@@ -145,7 +145,7 @@ class FrameComparer {
   std::optional<FanMap> map_;
 };
 
-// For a single pair of frames.
+// Compares a single pair of frames.
 FrameMetrics CompareFrames(const PolarImage& real, const PolarImage& simulated,
                            const CompareOptions& options = {});
 

@@ -1,7 +1,7 @@
-// Every figure of a comparison, once: its name, how frames are averaged, and which way is better. Means over
-// frames, pooled figures, intervals, floors, metrics.json, per_frame.csv and the comparison with an earlier
-// run all walk this table. To add a figure: measure it into ViewMetrics (metrics/compare.h) and add a row in
-// figures.cc; docs/reference/metrics.md has the formulas.
+// Table of all figures of a comparison: name, averaging over frames, and which direction is better. Means
+// over frames, pooled figures, intervals, floors, metrics.json, per_frame.csv and the comparison with an
+// earlier run use this table. To add a figure: compute it in ViewMetrics (metrics/compare.h) and add a row in
+// figures.cc. docs/reference/metrics.md gives the formulas.
 #pragma once
 
 #include <functional>
@@ -15,15 +15,15 @@
 namespace sonarcal::metrics {
 
 enum class FigureUnit {
-  kNone,       // a ratio or a count
-  kFullScale,  // fraction of full scale: times full_scale grey levels, times the display's span dB
+  kNone,       // ratio or count
+  kFullScale,  // fraction of full scale; multiply by full_scale for grey levels, by the display's span for dB
   kDecibel,
   kBins,
   kBeams,
   kMetres,
 };
 
-// Which way a figure is better.
+// Values of a figure that are better.
 enum class Better {
   kLower,
   kHigher,
@@ -32,39 +32,39 @@ enum class Better {
   kNeither,  // describes one image
 };
 
-// What is averaged over frames, as a root is no linear thing.
+// Quantity that is averaged over frames. Non-linear figures are averaged through a linear one.
 enum class Averaging {
   kPlain,                // the figure itself
   kRootMeanSquare,       // its square
-  kDecibelOfMeanSquare,  // the mean square whose PSNR it is
+  kDecibelOfMeanSquare,  // the mean square that the PSNR is computed from
   kReciprocal,           // its reciprocal
 };
 
 struct Figure {
-  std::string path;   // in metrics.json, within a view: "iou", "intensity.union.rmse"
-  std::string label;  // for people: "RMSE, union"
+  std::string path;   // path in metrics.json, within a view: "iou", "intensity.union.rmse"
+  std::string label;  // name for display: "RMSE, union"
   FigureUnit unit = FigureUnit::kNone;
   Better better = Better::kNeither;
   Averaging averaging = Averaging::kPlain;
-  bool polar_only = false;  // has no meaning in a fan, whose pixels are interpolated
-  // What is averaged, of a frame or of pooled frames.
+  bool polar_only = false;  // undefined in a fan, whose pixels are interpolated
+  // Quantity to average, of a frame or of pooled frames.
   std::function<std::optional<double>(const ViewMetrics&)> averaged;
 
-  // From what is averaged to the figure, and back.
+  // Conversion from the average to the figure, and back.
   std::optional<double> Finish(double average) const;
   std::optional<double> Unfinish(double figure) const;
   std::optional<double> Of(const ViewMetrics& view) const;
-  // How far from the best: 0 is best for kLower, kNearOne and kNearZero; for kHigher it falls as the figure
-  // rises. None for kNeither.
+  // Distance from the best value: 0 is best for kLower, kNearOne and kNearZero; for kHigher it decreases as
+  // the figure increases. None for kNeither.
   std::optional<double> Badness(double figure) const;
 };
 
 const std::vector<Figure>& Figures();
 
-// Throws std::logic_error for a path that is not in the table.
+// Throws std::logic_error for an unknown path.
 std::size_t FigureIndex(std::string_view path);
 
-// "intensity.union.mean_absolute" and its like: the figure named "intensity_error".
+// Path of the figure that is named "intensity_error", such as "intensity.union.mean_absolute".
 std::string IntensityErrorPath(IntensityDomain domain);
 
 }  // namespace sonarcal::metrics

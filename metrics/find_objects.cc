@@ -8,7 +8,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-// The simulated object at any setting of the segmentation.
+// Simulated object at any setting of the segmentation.
 class SimulatedRegion {
  public:
   SimulatedRegion(const PolarImage& image, const CompareOptions& options, const Mask* region,
@@ -48,7 +48,7 @@ ObjectRegions FindObjects(const PolarImage& real, const PolarImage& simulated, c
   const SimulatedRegion simulated_region(simulated, options, region, valid);
   ObjectRegions found;
   found.simulated = simulated_region.AsChosen();
-  // Near the simulated object as it is chosen, for the sweep too: one place is searched at all settings.
+  // Region near the simulated object at the chosen setting. The sweep uses it at all settings.
   std::optional<Mask> near;
   if (options.region_margin_m) {
     near = DilatedByMetres(found.simulated.object, real.axes, *options.region_margin_m);

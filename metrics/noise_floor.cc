@@ -9,7 +9,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;  // of power
+constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;  // dB of power per neper
 
 enum class Stillness { kStill, kMoved, kUnknown };
 
@@ -47,7 +47,7 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   of_real.valid = Both(options.valid, real.info().valid);
   FrameComparer comparer(std::move(of_real));
   FrameLevels levels;
-  std::optional<Frame> earlier;  // frame i, where the pair before has read it already
+  std::optional<Frame> earlier;  // frame i, if the previous pair has already read it
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
     const Stillness stillness = Between(real.frame_info(i), real.frame_info(i + 1));
     const auto box = boxes.find(i);

@@ -10,12 +10,12 @@ namespace sonarcal::metrics {
 namespace {
 
 constexpr int kBlockPixels = kSpeckleBlockBins * kSpeckleBlockBeams;
-constexpr double kRounding = 1e-12;  // relative variance of a block whose pixels are equal
+constexpr double kRounding = 1e-12;  // relative variance of a block with equal pixels
 constexpr double kMostClipped = 0.02 * kBlockPixels;
 
 Grid<double> Power(const Grid<float>& value, const ImageScale& scale) {
   const std::optional<double> span_db = DbSpan(scale);
-  const double nepers = span_db.value_or(0.0) * std::numbers::ln10 / 10.0;  // of power, over full scale
+  const double nepers = span_db.value_or(0.0) * std::numbers::ln10 / 10.0;  // nepers of power over full scale
   Grid<double> power(value.rows(), value.cols());
   for (std::size_t i = 0; i < value.size(); ++i) {
     const double share = static_cast<double>(value.values()[i]) / scale.full_scale;
@@ -24,7 +24,7 @@ Grid<double> Power(const Grid<float>& value, const ImageScale& scale) {
   return power;
 }
 
-// Half width at half maximum, twice; `sums` at lags 1, 2, ...
+// Full width at half maximum; `sums` at lags 1, 2, ...
 std::optional<double> Width(double at_zero, std::span<const double> sums) {
   if (!(at_zero > 0.0)) return std::nullopt;
   double before = 1.0;
@@ -55,7 +55,7 @@ void AddBlock(const Grid<double>& power, int first_bin, int first_beam, SpeckleS
   ++sums.blocks;
   if (variance < kRounding) return;
   sums.relative_variance += variance;
-  // The block's own mean was taken away, which lowers every covariance by that mean's variance.
+  // Subtracting the block's own mean lowers every covariance by the variance of that mean.
   const double of_mean = variance / kBlockPixels;
   for (int lag = 1; lag <= kSpeckleBlockBins / 2; ++lag) {
     double product = 0.0;
@@ -146,7 +146,7 @@ SpeckleMeasures MeasureSpeckle(const Grid<float>& real, const Grid<float>& simul
     background.values()[i] = !in_real && !in_simulated ? 1 : 0;
     object.values()[i] = in_real && in_simulated ? 1 : 0;
   }
-  constexpr int kHalfOver = 2;  // an object has few blocks
+  constexpr int kHalfOver = 2;  // overlapping blocks, because an object has few
   return {.real_background = MeasureSpeckleIn(real, scale, background),
           .simulated_background = MeasureSpeckleIn(simulated, scale, background),
           .real_object = MeasureSpeckleIn(real, scale, object, kHalfOver),

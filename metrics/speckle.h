@@ -1,23 +1,26 @@
-// How an image scatters about its local mean, and over how many bins and beams: its speckle.
+// Speckle statistics of an image: its variation about the local mean, and its correlation lengths.
 //
-//   scintillation index   S = variance / mean^2 of power; 1 for one look, 1 / L for an average of L
+//   scintillation index          S = variance / mean^2 of power; 1 for one look, 1 / L for an average of L
 //   equivalent number of looks   ENL = 1 / S
-//   autocorrelation width   full width at half maximum of the power's autocorrelation, along range (bins)
-//                           and azimuth (beams); 1 where neighbours are independent
+//   autocorrelation width        full width at half maximum of the power's autocorrelation, along range
+//                                (bins) and azimuth (beams); 1 if neighbours are independent
 //
 // (Goodman, Speckle Phenomena in Optics, 2nd ed., 2020, Sections 3.2 and 5; Oliver & Quegan, Understanding
 // SAR Images, 2004, Section 4.3.)
 //
-// Power is 10^(dB / 10) where the scale states the dB of its grey levels. Where it does not, grey values
-// stand for power: figures of two images of one display still compare, but S is not that of power, and ENL
-// counts no looks.
+// Power is 10^(dB / 10) if the scale states the dB of its grey levels. Otherwise grey values are used as
+// power: the figures of two images with one display can be compared, but S is not that of power, and ENL is
+// not a number of looks.
 //
-// Measured in blocks of 16 bins x 8 beams that lie wholly in a region, each by its own mean, so that levels
-// which differ between blocks do not count. With n pixels a block, the mean over blocks of s^2 / m^2 (s^2 the
-// unbiased variance) is n / (n L + 1) for independent Gamma pixels, which gives L without bias. Grain of
-// several pixels leaves fewer independent ones in a block: S comes out low by about the grain's area over the
-// block's, and widths of a block and more have no value. A slope within a block counts as scatter. Blocks in
-// which more than 2 % of the pixels are clipped (0, or full scale) are left out.
+// Measured in blocks of 16 bins x 8 beams that lie completely in a region. Each block has its own mean, so
+// differences of level between blocks have no effect. With n pixels per block, the mean over blocks of s^2 /
+// m^2 (s^2 the unbiased variance) is n / (n L + 1) for independent Gamma pixels, which gives L without bias.
+// Limits:
+//
+// - Speckle cells of several pixels leave fewer independent pixels per block. S is then too low by about the
+//   ratio of the cell's area to the block's, and widths of a block or more have no value.
+// - A slope within a block counts as variation.
+// - Blocks with more than 2 % clipped pixels (0, or full scale) are omitted.
 #pragma once
 
 #include <array>
@@ -32,37 +35,38 @@ namespace sonarcal::metrics {
 inline constexpr int kSpeckleBlockBins = 16;
 inline constexpr int kSpeckleBlockBeams = 8;
 
-// Sums over blocks of one image and region, of one frame or of several pooled. No block, no value.
+// Sums over blocks of one image and region, of one frame or of several pooled. Without a block there is no
+// value.
 struct SpeckleSums {
   std::int64_t blocks = 0;
-  double relative_variance = 0.0;  // of s^2 / m^2
+  double relative_variance = 0.0;  // sum of s^2 / m^2
   std::array<double, kSpeckleBlockBins / 2> along_range =
-      {};  // of the autocovariance at lags 1, 2, ... / m^2
+      {};  // sum of the autocovariance at lags 1, 2, ... / m^2
   std::array<double, kSpeckleBlockBeams / 2> along_azimuth = {};
 
   std::optional<double> scintillation_index() const;
-  std::optional<double> looks() const;  // none where nothing varies
+  std::optional<double> looks() const;  // none if nothing varies
   std::optional<double> range_width_bins() const;
   std::optional<double> azimuth_width_beams() const;
 
   SpeckleSums& operator+=(const SpeckleSums& other);
 };
 
-// Of both images, at the same pixels.
+// Speckle of both images, at the same pixels.
 struct SpeckleMeasures {
-  SpeckleSums real_background;  // of neither object region
+  SpeckleSums real_background;  // outside both object regions
   SpeckleSums simulated_background;
-  SpeckleSums real_object;  // of both object regions
+  SpeckleSums real_object;  // inside both object regions
   SpeckleSums simulated_object;
 
   SpeckleMeasures& operator+=(const SpeckleMeasures& other);
 };
 
-// Of the pixels of `region` alone, range_bins x beam_count; a block begins every 1 / `step` of a block.
+// Speckle of the pixels of `region`, range_bins x beam_count. Blocks are 1 / `step` of a block apart.
 SpeckleSums MeasureSpeckleIn(const Grid<float>& value, const ImageScale& scale, const Mask& region,
                              int step = 1);
 
-// Everything range_bins x beam_count; `valid` null: every pixel counts.
+// All arrays are range_bins x beam_count; `valid` null: every pixel is valid.
 SpeckleMeasures MeasureSpeckle(const Grid<float>& real, const Grid<float>& simulated, const ImageScale& scale,
                                const Mask& real_object, const Mask& simulated_object,
                                const Mask* valid = nullptr);

@@ -1,13 +1,12 @@
-// Occupancy as a curve over the setting that a segmentation's threshold follows from
-// (metrics/segmentation/scored_image.h), so that no one threshold has to be trusted. Both images take the
-// same setting; all else stays as it is.
+// Occupancy as a function of the segmentation's setting (metrics/segmentation/scored_image.h), so that
+// results do not depend on one threshold. Both images use the same setting; all other options stay constant.
 //
-//   micro  the ratio of the frames' pooled counts
-//   macro  the mean of the frames' ratios; frames in which it is undefined are left out
+//   micro  ratio of the frames' pooled counts
+//   macro  mean of the frames' ratios, without frames in which the ratio is undefined
 //
-// The area under a curve is its mean height: the integral by trapezoids over those intervals at both of whose
-// ends it is defined, over their length, which is told as a share of the axis. Memory does not grow with the
-// number of frames.
+// The area under a curve is its mean height: the trapezoidal integral over the intervals with both ends
+// defined, divided by their length. This length is reported as a fraction of the axis. Memory does not grow
+// with the number of frames.
 #pragma once
 
 #include <array>
@@ -21,12 +20,12 @@
 namespace sonarcal::metrics {
 
 struct SweepOptions {
-  int steps = 0;  // settings that are tried, 2..1000; 0: no sweep
+  int steps = 0;  // number of settings, 2..1000; 0: no sweep
   // Lowest and highest setting; absent: DefaultSweepRange of the method.
   std::optional<double> low = {};
   std::optional<double> high = {};
 
-  // Throws DataError naming field, value and limit.
+  // Throws DataError that names the field, its value and the limit.
   void Check(SegmentationMethod method) const;
 };
 
@@ -36,16 +35,16 @@ struct SweepRange {
 };
 
 // background_sigma 0.5..10 standard deviations; local_contrast 0..0.5 and other grey levels 0..1 of full
-// scale; rates of false alarms from 10^-0.5 to 10^-8.
+// scale; false-alarm rates from 10^-0.5 to 10^-8.
 SweepRange DefaultSweepRange(SegmentationMethod method);
 
-// `steps` settings, evenly from lowest to highest; none where steps is 0.
+// `steps` evenly spaced settings, lowest first; none if steps is 0.
 std::vector<double> SweepSettings(const SweepOptions& options, SegmentationMethod method);
 
 inline constexpr int kSweepRatios = 5;
 
 struct SweepRatio {
-  const char* name;  // as in metrics.json
+  const char* name;  // name in metrics.json
   std::optional<double> (Occupancy::*of)() const;
 };
 
@@ -64,20 +63,20 @@ class ThresholdSweep {
   const std::vector<double>& settings() const { return settings_; }
   int frames() const { return frames_; }
 
-  // A frame's counts at every setting.
+  // Adds a frame's counts at every setting.
   void Add(const std::vector<Occupancy>& by_setting);
 
   // Pooled counts at a setting.
   const Occupancy& Pooled(std::size_t setting) const { return points_[setting].pooled; }
 
-  // Height of the curve of kSweptRatios[ratio] at every setting, where it is defined.
+  // Height of the curve of kSweptRatios[ratio] at every setting; nothing where it is undefined.
   std::vector<std::optional<double>> MicroCurve(int ratio) const;
   std::vector<std::optional<double>> MacroCurve(int ratio) const;
 
-  // Nothing where no interval has both ends defined.
+  // Returns nothing if no interval has both ends defined.
   std::optional<SweepArea> AreaUnder(const std::vector<std::optional<double>>& curve) const;
 
-  // A line a setting: setting, ns, nr, na, then micro and macro of each ratio; empty where undefined.
+  // One line per setting: setting, ns, nr, na, then micro and macro of each ratio; empty if undefined.
   std::string Csv() const;
 
  private:

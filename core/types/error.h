@@ -1,7 +1,7 @@
 // Three kinds of failure:
 //
-//   DataError       Wrong data or files of the user. One sentence that names file, key or line, the value found
-//                   and the value expected. The command ends with status 1.
+//   DataError       Wrong data or files of the user. One sentence that names file, key or line, the value
+//                   found and the value expected. The command ends with status 1.
 //   UsageError      Wrong command line. Status 2.
 //   SONARCAL_CHECK  Programming error. Prints the condition and the message, then throws std::logic_error, so
 //                   that no incomplete result is written.

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What stands at "intensity.union.rmse" below a node; null where nothing does.
+// Value at a path such as "intensity.union.rmse" below a node; null if there is none.
 const Json& At(const Json& view, std::string_view path) {
   static const Json kNone;
   const Json* node = &view;
@@ -44,7 +44,7 @@ const Json& ViewOf(const Json& summary, bool fan) {
   return fan ? At(summary, "fan") : summary;
 }
 
-// A frame of both comparisons.
+// One frame in both comparisons.
 struct Pair {
   const FrameMetrics* now = nullptr;
   const Json* earlier = nullptr;
@@ -66,7 +66,7 @@ std::vector<Pair> CommonFrames(const MetricsReport& now, const Json& earlier) {
   return pairs;
 }
 
-// What is averaged, now and then, of one figure in the frames that define it in both.
+// Values to average of one figure, in the frames that define it in both runs.
 struct PairedSeries {
   std::vector<double> now;
   std::vector<double> earlier;
@@ -85,7 +85,7 @@ PairedSeries SeriesOf(const std::vector<Pair>& pairs, const Figure& figure, bool
   return series;
 }
 
-// `size` of the figure, beside which a rounding is none.
+// Verdict of an interval. `size` is the magnitude of the figure, relative to which rounding is ignored.
 ChangeVerdict Judge(const Interval& ci, double size) {
   constexpr double kRounding = 1e-12;
   if (std::max(std::abs(ci.lo), std::abs(ci.hi)) <= kRounding * size) return ChangeVerdict::kSame;
@@ -93,7 +93,7 @@ ChangeVerdict Judge(const Interval& ci, double size) {
   return ci.hi < 0.0 ? ChangeVerdict::kBetter : ChangeVerdict::kNotTold;
 }
 
-// How much worse the mean over frames is now, frames drawn as `indices` say.
+// Increase of the badness of the mean over the frames in `indices`.
 std::optional<double> Worsening(const Figure& figure, const PairedSeries& series,
                                 std::span<const int> indices) {
   double now = 0.0;
@@ -139,7 +139,7 @@ void JudgeByIntervals(const std::optional<Interval>& now, const std::optional<In
   }
 }
 
-// Differences in what was compared, and how, that change figures by themselves.
+// Differences in the compared data or settings that change figures by themselves.
 std::vector<std::string> Notes(const MetricsReport& now, const Json& now_json, const Json& earlier,
                                const std::vector<Pair>& pairs) {
   std::vector<std::string> notes;

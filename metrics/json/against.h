@@ -1,15 +1,15 @@
-// A comparison against an earlier one, from its metrics.json: what got better or worse, and whether by more
-// than the noise.
+// Compares a comparison with an earlier one, from its metrics.json: figures that became better or worse, and
+// whether the change is significant.
 //
-// Where at least kBootstrapMinFrames frames stand in both (same index and name), the two are paired: frames
-// are drawn with replacement, as in metrics/bootstrap.h, the same ones of both, and the change of the mean
-// over frames is larger than the noise where its 95 % interval does not hold 0. Pairing matters: what makes a
-// frame hard is the same for both. Else the two 95 % intervals decide, and where either is missing nothing is
-// told.
+// If at least kBootstrapMinFrames frames occur in both (same index and name), the runs are paired. Frames are
+// drawn with replacement, as in metrics/bootstrap.h, the same frames of both runs. A change of the mean over
+// frames is significant if its 95 % confidence interval excludes 0. Pairing removes the variation between
+// easy and hard frames. Without enough common frames, the two 95 % confidence intervals are compared; if
+// either is missing, there is no verdict.
 //
-// Which way is better stands in metrics/figures.h. One figure in twenty that did not change is taken for one
-// that did; verdicts of the few headline figures (IoU and the intensity error, polar and fan) are counted
-// apart for that reason.
+// metrics/figures.h defines which direction is better. One unchanged figure in twenty appears as changed by
+// chance. The verdicts of the few headline figures (IoU and the intensity error, polar and fan) are therefore
+// counted separately.
 #pragma once
 
 #include <optional>
@@ -33,36 +33,37 @@ constexpr auto WordsOf(std::type_identity<ChangeVerdict>) {
                                   {"not_told", ChangeVerdict::kNotTold}}};
 }
 
-// Means over frames of one figure, then and now.
+// Means over frames of one figure, earlier and now.
 struct FigureChange {
   bool fan = false;
   std::string path;  // metrics/figures.h
   bool headline = false;
   double earlier = 0.0;
   double now = 0.0;
-  // What changed towards the worse (Figure::Badness): over the common frames where paired, else of the means.
+  // Increase of Figure::Badness: over the common frames if paired, otherwise of the means.
   double worsening = 0.0;
-  std::optional<Interval> worsening_ci = {};  // where paired
+  std::optional<Interval> worsening_ci = {};  // if paired
   ChangeVerdict verdict = ChangeVerdict::kNotTold;
-  // (earlier - now) / (earlier - floor) of the badness: 1 where the change reached what no simulator beats.
-  // None where no floor is known or the earlier figure was no worse than it.
+  // (earlier - now) / (earlier - floor) of the badness: 1 if the change reached the noise floor. None if no
+  // floor is known or the earlier figure was not worse than it.
   std::optional<double> explained = {};
 };
 
 struct Against {
   std::string earlier;    // name of its file
-  int common_frames = 0;  // that were paired; 0: intervals decide
+  int common_frames = 0;  // number of paired frames; 0: intervals are compared
   std::vector<FigureChange> figures;
-  std::vector<std::string> notes;  // what makes the two hard to compare, one sentence each
+  std::vector<std::string> notes;  // differences that make the two runs hard to compare, one sentence each
 
   int Count(ChangeVerdict verdict, bool headline_only) const;
 };
 
-// `earlier_text` is a metrics.json, `earlier_name` names it for people. Throws DataError where it is none.
+// `earlier_text` is the text of a metrics.json, `earlier_name` its name in messages. Throws DataError if the
+// text is not valid.
 Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text,
                        const std::string& earlier_name);
 
-// The share of what a simulator could gain that was gained; none where there was nothing to gain.
+// Achieved fraction of the possible improvement; none if no improvement was possible.
 std::optional<double> ExplainedFraction(double badness_before, double badness_after, double badness_floor);
 
 }  // namespace sonarcal::metrics

@@ -26,7 +26,7 @@ Json Nullable(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-// The place of "intensity.union.rmse" below a view.
+// Node at a path such as "intensity.union.rmse" below a view.
 Json& Place(Json& view, std::string_view path) {
   Json* node = &view;
   while (!path.empty()) {
@@ -47,7 +47,7 @@ bool IsShown(const Figure& figure, bool fan) {
   return !(fan && figure.polar_only);
 }
 
-// Every figure of a frame's view.
+// Adds every figure of a frame's view.
 void PutFigures(Json& json, const ViewMetrics& view, bool fan) {
   for (const Figure& figure : Figures()) {
     if (IsShown(figure, fan)) Place(json, figure.path) = Nullable(figure.Of(view));
@@ -77,7 +77,7 @@ Json FrameJson(const FrameMetrics& frame, IntensityDomain domain) {
   return json;
 }
 
-// "name", "name_ci", and where there is one "name_floor".
+// Adds "name", "name_ci", and "name_floor" if there is one.
 void PutStatistic(Json& parent, const std::string& name, const Statistic& statistic, const Statistic* floor) {
   parent[name] = Nullable(statistic.value);
   parent[name + "_ci"] = statistic.ci ? Json::array({statistic.ci->lo, statistic.ci->hi}) : Json(nullptr);
@@ -109,7 +109,7 @@ void PutSummary(Json& json, const Aggregate::Views& views, const Aggregate::View
   PutFigures(json["fan"], views.fan, floor != nullptr ? &floor->fan : nullptr, true);
 }
 
-// Figures in fractions of full scale, times `factor`.
+// Figures in fractions of full scale, multiplied by `factor`.
 Json ScaledJson(const Aggregate::Views& views, double factor) {
   Json json;
   for (std::size_t f = 0; f < Figures().size(); ++f) {
@@ -129,7 +129,7 @@ void PutScaled(Json& json, const Aggregate::Views& views, const ImageScale& scal
   if (const std::optional<double> span_db = DbSpan(scale)) json["in_db"] = ScaledJson(views, *span_db);
 }
 
-// What was left out of the polar figures' means, by name; figures that every frame defines are not listed.
+// Number of frames left out of the polar figures' means, by name. Omits figures that every frame defines.
 Json FramesLeftOut(const ViewSummary& view, IntensityDomain domain) {
   Json json = Json::object();
   const auto put = [&](const std::string& name, const Statistic& statistic) {
@@ -236,7 +236,7 @@ Json NoiseFloorJson(const NoiseFloor& floor, IntensityDomain domain) {
   return json;
 }
 
-// All of metrics.json but the frames.
+// metrics.json without the frames.
 Json SummaryJson(const MetricsReport& report) {
   const IntensityDomain domain = report.options.intensity_domain;
   const Aggregate* floor = report.noise_floor.Beside();
@@ -282,8 +282,8 @@ std::string FrameMetricsJson(const FrameMetrics& frame, IntensityDomain domain) 
 }
 
 std::string MetricsJson(const MetricsReport& report) {
-  // A document of all frames would hold ten times the memory of its text, so each frame's is written and
-  // dropped.
+  // Each frame's JSON is written and discarded: a document of all frames would need ten times the memory of
+  // its text.
   std::string frames = "\"frames\": [";
   const std::string margin(4, ' ');
   bool first = true;
@@ -304,7 +304,7 @@ std::string MetricsJson(const MetricsReport& report) {
 std::string PerFrameCsv(const std::vector<FrameMetrics>& frames, IntensityDomain domain) {
   const auto is_nested = [](const Figure& figure) { return figure.path.find('.') != std::string::npos; };
   std::string csv = "index,name";
-  // The figures whose name has no dot stand beside the counts, the others at the end.
+  // Figures whose name has no dot follow the counts; all others come at the end.
   const auto put_names = [&](bool nested, bool fan) {
     for (const Figure& figure : Figures()) {
       if (is_nested(figure) != nested || !IsShown(figure, fan)) continue;

@@ -23,7 +23,7 @@ Json Nullable(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-// A thousandth of a grey level of 255 or less, and half as long.
+// Rounds to six decimals: a thousandth of a grey level of 255 or less, at half the length.
 Json SixDecimals(const std::optional<double>& value) {
   return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);
 }

@@ -1,4 +1,4 @@
-// Parts of metrics.json that stand by themselves.
+// Separate parts of metrics.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,7 +10,7 @@ namespace sonarcal::metrics {
 
 nlohmann::ordered_json AgainstJson(const Against& against);
 
-// Null where no frame was added.
+// Null if no frame was added.
 nlohmann::ordered_json ResidualsJson(const ResidualCollector& residuals,
                                      const std::vector<ResidualTable>& by_scene);
 

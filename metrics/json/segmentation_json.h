@@ -1,4 +1,5 @@
-// The "segmentation" of metrics.json: {"method", "parameters": {what the method uses, and the tidying}}.
+// The "segmentation" of metrics.json: {"method", "parameters": {the parameters of the method, and the
+// tidying}}.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,10 +1,10 @@
 // The "threshold_sweep" of metrics.json:
 //
-//   {"method", "setting": the unit of what is swept, "settings": [...], "frames",
+//   {"method", "setting": unit of the settings, "settings": [...], "frames",
 //    "counts": {"ns": [...], "nr": [...], "na": [...]},      pooled
 //    "micro" | "macro": {"iou": {"curve": [...], "area", "axis_share"}, and the other ratios}}
 //
-// null where a ratio or an area is not defined.
+// Undefined ratios and areas are null.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -15,7 +15,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-// What stands at a path of names and dots; null where nothing does.
+// Value at a path of names and dots; null if there is none.
 const nlohmann::ordered_json* Find(const nlohmann::ordered_json& metrics, std::string_view path) {
   const nlohmann::ordered_json* node = &metrics;
   for (std::size_t begin = 0; begin <= path.size() && node != nullptr;) {

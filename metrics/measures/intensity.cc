@@ -6,7 +6,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-constexpr double kRounding = 1e-12;  // relative, of sums over the pixels of an image
+constexpr double kRounding = 1e-12;  // relative rounding error of sums over the pixels of an image
 
 std::optional<double> Mean(double sum, std::int64_t count) {
   if (count == 0) return std::nullopt;
@@ -48,7 +48,7 @@ std::optional<double> DifferenceSums::correlation() const {
   const double count = static_cast<double>(pixels);
   const double real_variance = real_square - real * real / count;
   const double simulated_variance = simulated_square - simulated * simulated / count;
-  // Below rounding an even image has no variance.
+  // The variance of a constant image is below the rounding error.
   if (!(real_variance > kRounding * real_square) || !(simulated_variance > kRounding * simulated_square)) {
     return std::nullopt;
   }

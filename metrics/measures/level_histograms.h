@@ -1,12 +1,12 @@
-// Grey values of a recorded and a simulated image as distributions, wherever their pixels lie: what the paper
-// calls "the difference in the pixel value distribution" (Park 2024, Section 6), and blind to a displaced
-// object.
+// Distributions of the grey values of a recorded and a simulated image, regardless of the pixels' positions.
+// This is the paper's "difference in the pixel value distribution" (Park 2024, Section 6). It is not
+// sensitive to a displaced object.
 //
-// A value counts for the nearest of 0 .. full scale, one level each up to 4096 of them; of finer displays
-// 4096 even classes. Distances: core/math/distribution.h.
+// A value counts for the nearest of the levels 0 .. full scale. Displays with more than 4096 levels use 4096
+// even classes. Distances: core/math/distribution.h.
 //
-// Over the union, the whole image and the overlap both images are read at the same pixels; over `objects`
-// each in its own object region.
+// Over the union, the whole image and the overlap, both images are read at the same pixels. Over `objects`,
+// each is read in its own object region.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ constexpr auto WordsOf(std::type_identity<LevelDomain>) {
 inline constexpr std::array kLevelDomains = {LevelDomain::kUnion, LevelDomain::kWhole, LevelDomain::kOverlap,
                                              LevelDomain::kObjects};
 
-// Distances between the two distributions; none has a value where either holds no pixel.
+// Distances between the two distributions; without a value if either has no pixel.
 struct LevelDistances {
   std::optional<double> l1_half;             // 0 .. 1
   std::optional<double> wasserstein;         // fraction of full scale
@@ -41,13 +41,13 @@ struct LevelDistances {
   std::optional<double> upper_anderson_darling;
 };
 
-// Pixels of each level.
+// Number of pixels per level.
 struct LevelCounts {
   std::vector<double> real;  // empty: nothing counted
   std::vector<double> simulated;
 
   LevelDistances Distances() const;
-  // Throws DataError where the two have other numbers of levels.
+  // Throws DataError if the numbers of levels differ.
   LevelCounts& operator+=(const LevelCounts& other);
 };
 
@@ -60,7 +60,7 @@ struct LevelHistograms {
   LevelHistograms& operator+=(const LevelHistograms& other);
 };
 
-// Everything of one shape; values finite, full_scale > 0; `inside` null: every pixel counts.
+// All arrays have one shape; values are finite, full_scale > 0; `inside` null: every pixel counts.
 LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
                             const Mask& real_object, const Mask& simulated_object,
                             const Mask* inside = nullptr);

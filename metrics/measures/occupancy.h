@@ -1,8 +1,8 @@
-// How well two object regions cover each other: Park 2024, Section 6, Table 6 and Fig. 13.
+// Overlap of two object regions: Park 2024, Section 6, Table 6 and Fig. 13.
 //
-// Ns: pixels of the object region in the simulated image; Nr: in the real one; Na: in both (bitwise AND).
-// All ratios approach 1 as the images become alike, but only Na/Ns, Na/Nr, IoU and Dice cannot exceed 1.
-// A ratio whose denominator is zero has no value (null in JSON): never 0, never NaN.
+// Ns: pixels of the object region in the simulated image; Nr: in the real one; Na: in both (bitwise AND). All
+// ratios approach 1 as the images become alike, but only Na/Ns, Na/Nr, IoU and Dice cannot exceed 1. A ratio
+// whose denominator is zero has no value (null in JSON): never 0, never NaN.
 #pragma once
 
 #include <cstdint>

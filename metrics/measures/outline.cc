@@ -14,7 +14,7 @@ struct Point {
   double y_m = 0.0;
 };
 
-// By range, as rows are.
+// Outline points in ascending order of range, like the rows.
 std::vector<Point> OutlineOf(const Mask& region, const PolarAxes& axes) {
   const auto is_set = [&](int row, int col) {
     return row >= 0 && row < region.rows() && col >= 0 && col < region.cols() && region(row, col) != 0;
@@ -33,8 +33,9 @@ std::vector<Point> OutlineOf(const Mask& region, const PolarAxes& axes) {
   return points;
 }
 
-// To the nearest of `others`, which are not empty and in the order of their ranges. No point is nearer than
-// its range differs, so that the search goes outwards from the same range until that is the farther.
+// Distance to the nearest of `others`, which are not empty and sorted by range. A point is never nearer than
+// its difference in range, so the search starts at the same range and moves outwards until that difference
+// exceeds the best distance.
 double DistanceToNearest(const Point& point, const std::vector<Point>& others) {
   const auto by_range = [](const Point& other, double range_m) { return other.range_m < range_m; };
   const auto middle = std::lower_bound(others.begin(), others.end(), point.range_m, by_range);
@@ -76,7 +77,7 @@ std::optional<double> OutlineDistance::hausdorff_95_m() const {
 }
 
 OutlineDistance& OutlineDistance::operator+=(const OutlineDistance& other) {
-  if (other.frames > 0) percentile_m = other.percentile_m;  // read where one frame is all there is
+  if (other.frames > 0) percentile_m = other.percentile_m;  // used only if there is exactly one frame
   frames += other.frames;
   points += other.points;
   sum_m += other.sum_m;

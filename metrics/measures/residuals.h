@@ -1,6 +1,6 @@
-// Where a simulation is wrong: the difference simulated - real of the polar images, by range, by beam, by
-// cell of a coarse map, and by whatever classes a caller puts pixels into (incidence angle, material). Sums
-// over all frames; no image is kept.
+// Residuals of a simulation: the difference simulated - real of the polar images by range, by beam, by cell
+// of a coarse map, and by classes that a caller assigns to pixels (incidence angle, material). Sums over all
+// frames; no image is kept.
 #pragma once
 
 #include <functional>
@@ -14,17 +14,17 @@
 
 namespace sonarcal::metrics {
 
-// Pixels of the whole image, and those of either object region.
+// Sums over the whole image, and over the union of both object regions.
 struct ResidualSums {
   DifferenceSums whole;
   DifferenceSums union_region;
 };
 
-// One line of a table of residuals.
+// One row of a table of residuals.
 struct ResidualClass {
-  std::string name;               // a material's; empty for what is a number
-  std::optional<double> from;     // of the class, in the table's unit
-  std::optional<double> to = {};  // none with `from`: all beyond
+  std::string name;               // name of a material; empty for a numeric class
+  std::optional<double> from;     // limits of the class, in the table's unit
+  std::optional<double> to = {};  // none while `from` is set: no upper limit
   ResidualSums sums = {};
 };
 
@@ -34,7 +34,7 @@ struct ResidualTable {
   std::vector<ResidualClass> classes;
 };
 
-// Cells of `bins` x `beams` pixels each, those at the far edges smaller.
+// Cells of `bins` x `beams` pixels each; those at the far edges are smaller.
 struct ResidualMap {
   int bins = 1;
   int beams = 1;
@@ -43,16 +43,16 @@ struct ResidualMap {
 
 class ResidualCollector {
  public:
-  // At most this many cells of the map along either side.
+  // Max number of cells of the map along each side.
   static constexpr int kMapCells = 64;
 
-  // Adds a frame. Frames whose axes differ from the first one's are left out, and counted. Everything
-  // range_bins x beam_count; `valid` null: every pixel counts.
+  // Adds a frame. Omits and counts frames whose axes differ from the first one's. All arrays are range_bins x
+  // beam_count; `valid` null: every pixel is valid.
   void Add(const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
            const Mask& simulated_object, const Mask* valid = nullptr);
 
-  // Adds a frame to a table of the caller's: `class_of(bin, beam)` is an index into table.classes, or less
-  // than 0 for a pixel that belongs to none.
+  // Adds a frame to a table of the caller. `class_of(bin, beam)` is an index into table.classes, or negative
+  // for a pixel without a class.
   static void AddTo(ResidualTable& table, const std::function<int(int bin, int beam)>& class_of,
                     const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
                     const Mask& simulated_object, const Mask* valid = nullptr);
@@ -61,8 +61,8 @@ class ResidualCollector {
   int frames_left_out() const { return frames_left_out_; }
   const PolarAxes& axes() const { return axes_; }
 
-  ResidualTable ByRange() const;  // one class a range bin
-  ResidualTable ByBeam() const;   // one class a beam, between its edges
+  ResidualTable ByRange() const;  // one class per range bin
+  ResidualTable ByBeam() const;   // one class per beam, between its edges
   const ResidualMap& map() const { return map_; }
 
  private:
@@ -74,7 +74,8 @@ class ResidualCollector {
   ResidualMap map_;
 };
 
-// "by,name,from,to,unit,domain,pixels,bias,mean_absolute,rmse", a line a class and domain; RFC 4180.
+// CSV (RFC 4180) with the header "by,name,from,to,unit,domain,pixels,bias,mean_absolute,rmse", one line per
+// class and domain.
 std::string ResidualsCsv(const std::vector<ResidualTable>& tables);
 
 }  // namespace sonarcal::metrics

@@ -27,7 +27,7 @@ cv::Mat1d WindowMean(const cv::Mat1d& image) {
   return mean;
 }
 
-// Where a window's middle may be so that it lies wholly inside.
+// Centres of the windows that lie completely inside.
 cv::Mat1b WholeWindows(const Grid<float>& image, const Mask* inside) {
   cv::Mat1b whole(image.rows(), image.cols(), std::uint8_t{1});
   if (inside != nullptr) {

@@ -13,10 +13,10 @@ Grid<float> PowerOfGrey(const Grid<float>& grey, double full_scale,
   const double clipped = 0.5 * power_of_value(0.5 / full_scale);
   const auto power_of = [&](double level) {
     const double value = std::min(level / full_scale, 1.0);
-    // Below half a level the displayed value was clipped; a display may show no power as little as that.
+    // Values below half a level were clipped. A display may show no power that low.
     return level < 0.5 ? clipped : std::max(power_of_value(value), clipped);
   };
-  // Whole levels, of which there are few, are looked up.
+  // Whole levels are few, so they are looked up in a table.
   constexpr double kMostLevels = 65535.0;
   std::vector<float> of_level;
   if (full_scale <= kMostLevels) {

@@ -12,9 +12,9 @@
 namespace sonarcal::metrics {
 namespace {
 
-// Of grey levels, in parts of full scale.
+// Min spread of grey levels, as a fraction of full scale.
 constexpr double kLeastSpread = 1e-3;
-// Of the ordered statistic in grey: with os_quantile it tells the background's spread.
+// Lower quantile of the ordered statistic in grey; with os_quantile it determines the background's spread.
 constexpr double kLowerPart = 1.0 / 3.0;
 
 int CellPixels(const SegmentationOptions& options) {
@@ -48,8 +48,8 @@ int RankOf(double quantile, int count) {
   return std::clamp(static_cast<int>(std::lround(quantile * count)), 1, count);
 }
 
-// A law for each number of training cells, made when first asked for. With a closed form it costs nothing;
-// without, laws are tabulated for numbers 3 % apart, which moves a chance by less than 0.01 decades.
+// One distribution per number of training cells, created on first use. Distributions with a closed form cost
+// nothing. Others are tabulated for numbers 3 % apart, which changes a probability by less than 0.01 decades.
 template <typename Law>
 class LawsByCount {
  public:
@@ -93,7 +93,7 @@ Grid<float> CaInPower(const Grid<float>& power, const SegmentationOptions& optio
                     });
 }
 
-// Ordered by level: a few echoes must not use up the classes that LocalOrder has.
+// Values ordered by level, because in power a few echoes would use up the classes of LocalOrder.
 Grid<float> LevelsOf(const Grid<float>& power) {
   static constexpr float kSilence = 1e-30F;
   Grid<float> level(power.rows(), power.cols());
@@ -104,7 +104,7 @@ Grid<float> LevelsOf(const Grid<float>& power) {
 
 Grid<float> OsInPower(const Grid<float>& power, const SegmentationOptions& options, const Mask* valid) {
   const Grid<float> cell = LevelsOf(BoxMean(power, options.cell_rows, options.cell_cols, valid));
-  const LocalSums sums(power, valid);  // for the numbers of training cells
+  const LocalSums sums(power, valid);  // for the number of training cells
   LocalOrder order(LevelsOf(power), valid);
   const double cell_looks = options.looks * CellPixels(options);
   LawsByCount<OrderedStatisticLaw> laws(cell_looks == 1.0 && options.looks == 1.0, [&](int count) {
@@ -128,7 +128,8 @@ Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptio
 
 Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const SegmentationOptions& options,
                               const Mask* valid) {
-  // Means of grey levels of a logarithmic display lie about as the logarithm of a mean of as many looks.
+  // The mean of grey levels of a logarithmic display is distributed almost like the logarithm of a mean of as
+  // many looks.
   const Grid<float> cell = BoxMean(grey, options.cell_rows, options.cell_cols, valid);
   const double looks = options.looks * CellPixels(options);
   const double least_spread = kLeastSpread * full_scale;

@@ -1,18 +1,19 @@
-// Constant false-alarm rate: a cell is object where its power (or grey level) is higher than that of the
+// Constant false-alarm rate (CFAR): a cell is object if its power (or grey level) exceeds that of the
 // training cells around it (core/math/training_window.h) by more than chance allows.
 //
-//   cell averaging      against the mean of the training cells
-//   ordered statistic   against their os_quantile, which a neighbouring object among them does not raise
+//   cell averaging     compares with the mean of the training cells
+//   ordered statistic  compares with their os_quantile, which a neighbouring object does not raise
 //
-// Made in polar coordinates, where a cell is a range bin of a beam and speckle has one grain everywhere.
+// Works in polar coordinates, in which a cell is a range bin of a beam and speckle cells have one size
+// everywhere.
 //
-// What is returned is the chance, in decades (metrics/segmentation/false_alarm.h), that background alone is
-// as high: a cell is object where it has more decades than -log10 of the false-alarm rate. In power that rate
-// holds where the background is even over the window, its pixels are independent and have `looks` looks
-// (tests: within sampling error on exponential and Gamma noise). In grey it holds for logarithmic displays of
-// any slope that clip little, with many training cells; elsewhere it is nominal. Where neighbouring pixels
-// are alike, as an oversampled sonar's are, means of several pixels have fewer looks than is taken here, and
-// more cells pass than is stated.
+// Results are false-alarm probabilities in decades (metrics/segmentation/false_alarm.h): the probability that
+// background alone is as high. A cell is object if it has more decades than -log10 of the false-alarm rate.
+// In power, that rate is exact if the background is uniform over the window and its pixels are independent
+// with `looks` looks (tests: within the sampling error on exponential and Gamma noise). In grey, it is exact
+// for logarithmic displays of any slope with little clipping and many training cells; otherwise it is
+// nominal. If neighbouring pixels are correlated, as in an oversampled sonar, means of several pixels have
+// fewer looks than assumed, and the real rate is higher.
 #pragma once
 
 #include "core/types/image.h"
@@ -21,13 +22,14 @@
 
 namespace sonarcal::metrics {
 
-// Of every pixel, in decades. `power`: received power, in any unit, 0 or more. options.method is kCaCfar or
-// kOsCfar; the image has more cells than the guard covers, else a DataError. Pixels outside `valid` (the
-// image's shape; null: all count) are no training cells; a pixel without a training cell has 0 decades.
+// Decades of every pixel. `power`: received power, in any unit, >= 0. options.method is kCaCfar or kOsCfar.
+// Throws DataError if the guard covers the whole image. Pixels outside `valid` (the image's shape; null: all
+// are valid) are not training cells. A pixel without a training cell has 0 decades.
 Grid<float> CfarDecadesInPower(const Grid<float>& power, const SegmentationOptions& options,
                                const Mask* valid = nullptr);
 
-// The same from grey levels. A spread below 1e-3 of full scale counts as that: a constant is no background.
+// Decades from grey levels. A spread below 1e-3 of full scale is replaced by this value, because a constant
+// image has no background statistics.
 Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const SegmentationOptions& options,
                               const Mask* valid = nullptr);
 

@@ -10,13 +10,13 @@
 namespace sonarcal::metrics {
 namespace {
 
-// Of DecadesTable.
+// Range of DecadesTable.
 constexpr double kLowestLog = -8.0;
 constexpr double kHighestLog = 8.0;
 constexpr int kTableSteps = 800;
 
 double DecadesOf(double chance) {
-  // Small chances underflow; beyond kMostDecades they are all the same.
+  // Small probabilities underflow; the result is limited to kMostDecades.
   return chance > 0.0 ? std::clamp(-std::log10(chance), 0.0, kMostDecades) : kMostDecades;
 }
 
@@ -59,7 +59,7 @@ double GammaQuantile(double looks, double chance) {
   SONARCAL_CHECK(chance > 0.0 && chance < 1.0, "quantile of chance {}", chance);
   if (looks == 1.0) return -std::log1p(-chance);
   double low = -60.0;
-  double high = 10.0;  // logarithms
+  double high = 10.0;  // limits of the logarithm
   constexpr int kHalvings = 60;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
@@ -72,7 +72,7 @@ OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int co
     : cell_looks_(cell_looks), count_(count), rank_(rank), closed_form_(cell_looks == 1.0 && looks == 1.0) {
   SONARCAL_CHECK(rank >= 1 && rank <= count, "rank {} of {}", rank, count);
   if (closed_form_) return;
-  // The share of the law below the rank-th smallest is Beta(rank, count - rank + 1) distributed.
+  // The probability below the rank-th smallest value has the distribution Beta(rank, count - rank + 1).
   constexpr int kNodes = 200;
   const double a = rank;
   const double b = count - rank + 1;
@@ -105,7 +105,7 @@ double OrderedStatisticLaw::ByQuadrature(double ratio) const {
 double OrderedStatisticLaw::Decades(double ratio) const {
   if (!(ratio > 0.0)) return 0.0;
   if (closed_form_) {
-    // The product of (count - i) / (count - i + ratio), by Gamma functions.
+    // Product of (count - i) / (count - i + ratio), by Gamma functions.
     const double n = count_;
     const double k = rank_;
     return NepersToDecades(std::lgamma(n + ratio + 1.0) - std::lgamma(n - k + ratio + 1.0) -
@@ -116,7 +116,7 @@ double OrderedStatisticLaw::Decades(double ratio) const {
 
 LogMeanLaw::LogMeanLaw(double looks)
     : mean_log_(Eigen::numext::digamma(looks) - std::log(looks)),
-      spread_log_(std::sqrt(Eigen::numext::zeta(2.0, looks))),  // the trigamma function
+      spread_log_(std::sqrt(Eigen::numext::zeta(2.0, looks))),  // trigamma function
       tail_([looks](double ratio) { return GammaTailDecades(looks, ratio); }) {}
 
 double LogMeanLaw::Decades(double excess) const {

@@ -1,10 +1,9 @@
-// Chances that a cell of nothing but background looks like an object, for the tests of
-// metrics/segmentation/cfar.h and metrics/segmentation/likelihood_ratio.h. All are given as decades, -log10
-// of the chance, at most kMostDecades: what a threshold is set on, since a threshold of d decades is a
-// false-alarm rate of 10^-d.
+// False-alarm probabilities: the probability that a background cell looks like an object, for the tests of
+// metrics/segmentation/cfar.h and metrics/segmentation/likelihood_ratio.h. All are given in decades, -log10
+// of the probability, at most kMostDecades. A threshold of d decades is a false-alarm rate of 10^-d.
 //
-// Background: the power of a pixel is Gamma distributed with shape `looks`, pixels independent. The mean of n
-// pixels is then Gamma distributed with shape n looks.
+// Background: the power of a pixel has a Gamma distribution with shape `looks`, independent between pixels.
+// The mean of n pixels then has a Gamma distribution with shape n looks.
 #pragma once
 
 #include <functional>
@@ -15,16 +14,16 @@ namespace sonarcal::metrics {
 
 inline constexpr double kMostDecades = 300.0;
 
-// Mean 1, shape `looks` > 0: P(x > ratio). 0 decades for a ratio of 0 or less.
+// P(x > ratio) of a Gamma variable of mean 1 and shape `looks` > 0. 0 decades for ratio <= 0.
 double GammaTailDecades(double looks, double ratio);
 
-// Cell-averaging CFAR: P(cell > ratio x mean of the training cells), the cell with `cell_looks`, that mean
-// with `training_looks` looks, independent: the tail of an F distribution with twice as many degrees of
-// freedom each. One look each, N training cells: (1 + ratio / N)^-N (Finn & Johnson 1968).
+// Cell-averaging CFAR: P(cell > ratio x mean of the training cells). The cell has `cell_looks` and the mean
+// `training_looks` looks, independently: the tail of an F distribution with twice as many degrees of freedom
+// each. For one look each and N training cells: (1 + ratio / N)^-N (Finn & Johnson 1968).
 double CellAveragingDecades(double cell_looks, double training_looks, double ratio);
 
-// Decades as a function of a ratio, tabulated over ratios of e^-8..e^8, every e^0.02, and interpolated:
-// within 1e-4 of the decades there + 1e-3. Beyond, the value at the end. For many pixels.
+// Decades as a function of a ratio, for many pixels. Tabulated over ratios e^-8..e^8 in steps of e^0.02 and
+// interpolated; relative error 1e-4 plus 1e-3 decades. Constant beyond the ends.
 class DecadesTable {
  public:
   explicit DecadesTable(const std::function<double(double ratio)>& decades);
@@ -35,10 +34,10 @@ class DecadesTable {
   std::vector<double> decades_;
 };
 
-// Ordered-statistic CFAR (Rohling 1983): P(cell > ratio x the rank-th smallest of `count` training cells),
-// the cell with `cell_looks`, training cells with `looks` looks each. One look each: product over i < rank of
-// (count - i) / (count - i + ratio). Otherwise by quadrature over the law of the rank-th smallest, tabulated:
-// within 1e-3 decades.
+// Ordered-statistic CFAR (Rohling 1983): P(cell > ratio x the rank-th smallest of `count` training cells).
+// The cell has `cell_looks` looks, training cells have `looks` looks each. For one look each: product over i
+// < rank of (count - i) / (count - i + ratio). Otherwise a tabulated quadrature over the distribution of the
+// rank-th smallest, with an error below 1e-3 decades.
 class OrderedStatisticLaw {
  public:
   // 1 <= rank <= count.
@@ -53,17 +52,19 @@ class OrderedStatisticLaw {
   int count_;
   int rank_;
   bool closed_form_;
-  // Of the rank-th smallest: values and their weights, which add up to 1.
+  // Nodes of the distribution of the rank-th smallest: values, and weights with sum 1.
   std::vector<double> value_;
   std::vector<double> weight_;
   std::optional<DecadesTable> table_;
 };
 
-// The same for grey levels of a logarithmic display of unknown slope: there the excess over the background,
-// in units of the background's own spread, has a law free of slope and offset. Both are as of many training
-// cells (100 or more): with few, false alarms are more frequent than stated.
+// CFAR for grey levels of a logarithmic display of unknown slope. The excess over the background, in units of
+// the background's own spread, has a distribution that does not depend on slope and offset. Both classes
+// assume many training cells (100 or more); with few, false alarms are more frequent than stated.
+//
 //   LogMeanLaw      excess over the mean, in standard deviations (Goldstein 1973)
 //   LogQuantileLaw  excess over the quantile `upper`, in distances between quantiles `lower` and `upper`
+//
 // Cell and training cells have `looks` looks each.
 class LogMeanLaw {
  public:
@@ -90,8 +91,7 @@ class LogQuantileLaw {
   DecadesTable tail_;
 };
 
-// The ratio below which a share `chance`, 0..1 exclusive, of a Gamma variable of mean 1 and shape `looks`
-// lies.
+// Quantile of a Gamma variable of mean 1 and shape `looks` at probability `chance`, 0..1 exclusive.
 double GammaQuantile(double looks, double chance);
 
 }  // namespace sonarcal::metrics

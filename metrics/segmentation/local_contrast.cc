@@ -5,7 +5,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-// Sums over rectangles about each pixel, with nothing beyond the border.
+// Sums over rectangles around each pixel, with zeros beyond the border.
 cv::Mat1d BoxSums(const cv::Mat1d& image, int reach_rows, int reach_cols) {
   cv::Mat1d sums;
   cv::boxFilter(image, sums, CV_64F, cv::Size(2 * reach_cols + 1, 2 * reach_rows + 1), cv::Point(-1, -1),

@@ -1,6 +1,6 @@
-// A pixel against the ring around it: how far it lies above the mean of the pixels within a larger rectangle
-// but not within a smaller one. What is bright over a large area, as a floor or a wall, is no object to it;
-// an object no larger than the smaller rectangle is.
+// Local contrast: a pixel's value minus the mean of the ring around it, i.e. of the pixels inside a larger
+// rectangle and outside a smaller one. Finds objects up to the size of the smaller rectangle. Large bright
+// areas, such as a floor or a wall, are not objects.
 #pragma once
 
 #include "core/math/training_window.h"
@@ -9,8 +9,8 @@
 
 namespace sonarcal::metrics {
 
-// In the unit of `value`. Rectangles are cut at the image's border; pixels outside `valid` (null: all count)
-// have no part in any mean. A pixel whose ring is empty has contrast 0.
+// Contrast in the unit of `value`. Rectangles are cut at the image's border. Pixels outside `valid` (null:
+// all are valid) belong to no mean. A pixel with an empty ring has contrast 0.
 Grid<float> LocalContrast(const Grid<float>& value, const TrainingShape& ring, const Mask* valid = nullptr);
 
 }  // namespace sonarcal::metrics

@@ -1,6 +1,6 @@
 // Region in which the object of a frame is searched: a box around one material of the scene's model. The box
-// comes from the model and not from either image. It flatters every ratio, because nothing outside it can be
-// taken for the object. So every report states it.
+// comes from the model, not from either image. It improves every ratio, because nothing outside it can be
+// detected as the object. Every report therefore states it.
 #pragma once
 
 #include <string>
@@ -28,18 +28,18 @@ struct ObjectMargin {
 };
 
 struct ObjectSearch {
-  std::string material;  // of the scene
+  std::string material;  // material of the scene
   ObjectMargin margin = {};
 };
 
-// Box around the object's pixels, cut at the image's borders. Empty where the object has no pixel.
+// Box around the object's pixels, cut at the image's borders. Empty if the object has no pixel.
 PixelBox BoxOf(const Mask& object, const ObjectMargin& margin);
 
-// Set inside the box.
+// Mask that is set inside the box.
 Mask MaskOf(const PixelBox& box, int range_bins, int beams);
 
-// Segmentation inside such a box, unless another one is chosen: Otsu's threshold, all components. The floor
-// around an object can be as bright as the object, so the box has no background that is known to be dark.
+// Default segmentation inside such a box: Otsu's threshold, all components. The floor around an object can be
+// as bright as the object, so the box has no background that is known to be dark.
 SegmentationOptions SegmentationInBox();
 
 }  // namespace sonarcal::metrics

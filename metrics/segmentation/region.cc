@@ -32,7 +32,7 @@ Mask DilatedByMetres(const Mask& object, const PolarAxes& axes, double margin_m)
                  "mask {} x {}, image {} x {}", object.rows(), object.cols(), axes.range_bins,
                  axes.beam_count());
   SONARCAL_CHECK(margin_m >= 0.0, "margin of {} m", margin_m);
-  // Along the arc first, where a pixel's range is its own.
+  // Dilates along the arc first, at each pixel's own range.
   Mask wide(object.rows(), object.cols());
   for (int bin = 0; bin < object.rows(); ++bin) {
     const double reach_rad = margin_m / axes.range_centre_m(bin);
@@ -67,7 +67,7 @@ Mask InsidePolygon(const std::vector<PolygonCorner>& corners, const PolarAxes& a
     const double range_m = axes.range_centre_m(bin);
     for (int beam = 0; beam < inside.cols(); ++beam) {
       const double azimuth_deg = DegFromRad(axes.beam_azimuth_rad[beam]);
-      // How many sides lie to one side of the centre, at its range.
+      // Number of sides to one side of the centre, at its range.
       bool odd = false;
       for (std::size_t i = 0; i < corners.size(); ++i) {
         const PolygonCorner& a = corners[i];

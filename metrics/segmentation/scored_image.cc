@@ -16,11 +16,10 @@
 namespace sonarcal::metrics {
 namespace {
 
-// Smoothing a constant image leaves rounding errors; what differs by less than this share of full scale is
-// equal.
+// Tolerance for equal values, as a fraction of full scale: smoothing a constant image leaves rounding errors.
 constexpr double kEqual = 1e-5;
 
-// The image and the masks, with the shapes checked once.
+// Image and masks, with their shapes checked once.
 struct Pixels {
   const Grid<float>& value;
   const Mask* region;
@@ -48,7 +47,7 @@ void CheckPixels(const Pixels& pixels) {
   }
 }
 
-// Invalid pixels count as 0 here.
+// Copy of the image with invalid pixels set to 0.
 cv::Mat1f CopyOfValidValues(const Pixels& pixels) {
   cv::Mat1f copy(pixels.value.rows(), pixels.value.cols());
   auto out = copy.begin();
@@ -59,7 +58,7 @@ cv::Mat1f CopyOfValidValues(const Pixels& pixels) {
 }
 
 cv::Mat1f GaussianBlur(const cv::Mat1f& image, const SegmentationOptions& options) {
-  // OpenCV takes a standard deviation of zero for "as the other one"; this one leaves a single tap.
+  // OpenCV replaces a standard deviation of zero by the other one; this value gives a kernel of one element.
   constexpr double kNoBlur = 1e-3;
   cv::Mat1f blurred;
   cv::GaussianBlur(image, blurred, cv::Size(), options.blur_cols > 0.0 ? options.blur_cols : kNoBlur,
@@ -73,7 +72,7 @@ cv::Mat1f Smooth(const Pixels& pixels, const SegmentationOptions& options) {
   if (options.blur_rows == 0.0 && options.blur_cols == 0.0) return image;
   if (pixels.valid == nullptr) return GaussianBlur(image, options);
 
-  // Invalid pixels carry no weight: without this the border of a fan would darken its neighbours.
+  // Invalid pixels have no weight; otherwise the border of a fan would darken its neighbours.
   cv::Mat1f weight(image.size());
   auto weight_out = weight.begin();
   auto image_out = image.begin();
@@ -107,7 +106,7 @@ bool IsConstant(const std::vector<float>& values, double full_scale) {
   return *highest - *lowest <= kEqual * full_scale;
 }
 
-// `searched`: the values of the pixels that may be object, not empty.
+// `searched`: values of the pixels that may be object, not empty.
 Background BackgroundOf(const Grid<float>& smoothed, const std::vector<float>& searched, const Pixels& pixels,
                         BackgroundSample sample) {
   if (sample == BackgroundSample::kRobust) return RobustBackground(searched);
@@ -121,7 +120,7 @@ Background BackgroundOf(const Grid<float>& smoothed, const std::vector<float>& s
   return PlainBackground(std::move(outside));
 }
 
-// dB between 0 and full scale, where the scale states them.
+// dB between 0 and full scale, if the scale states them.
 std::optional<double> SpanDb(const ImageScale& scale) {
   if (scale.db_min && scale.db_max) return *scale.db_max - *scale.db_min;
   return scale.db_span;
@@ -190,7 +189,7 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
     any_pixel_ = any_pixel_ || pixels.MayBeObject(i);
   }
   const double full_scale = scale.full_scale;
-  // Where no pixel may be object, and for values that are all equal.
+  // Result if no pixel may be object, or if all values are equal.
   const auto find_none = [&](double threshold) {
     offset_ = threshold;
     unit_ = 0.0;
@@ -221,7 +220,7 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
       const double threshold = options.method == SegmentationMethod::kOtsu
                                    ? OtsuThreshold(searched)
                                    : TriangleThreshold(searched, full_scale);
-      // Not by way of the setting: rounding must not move a threshold across a grey level.
+      // Does not use the setting: rounding must not move a threshold across a grey level.
       setting_ = threshold / full_scale;
       chosen_ = threshold;
       break;
@@ -231,7 +230,7 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
           score_, {options.guard_rows, options.guard_cols, options.training_rows, options.training_cols},
           valid);
       setting_ = ContrastFraction(scale, options);
-      // Rounding alone is no contrast.
+      // Rounding errors are not contrast.
       least_ = kEqual * full_scale;
       break;
     case SegmentationMethod::kBackgroundSigma: {

@@ -1,5 +1,5 @@
-// An image as a method of segmentation sees it: a score for each pixel, and how a setting of the method
-// becomes a threshold on it. Made once; any number of settings can then be tried (metrics/threshold_sweep.h).
+// Scores of an image for one segmentation method, and the conversion of a setting to a threshold on the
+// score. Computed once; then any number of settings can be applied (metrics/threshold_sweep.h).
 //
 //   method                                 setting                           chosen by
 //   background_sigma                       standard deviations               sigma_count
@@ -23,20 +23,21 @@ std::string_view SettingUnit(SegmentationMethod method);
 
 class ScoredImage {
  public:
-  // Throws DataError where a valid pixel is not finite, where the method cannot be applied (metrics/
-  // segmentation.h), or an option is out of range. Region and valid: the image's shape, or null.
+  // Throws DataError if a valid pixel is not finite, the method cannot be applied
+  // (metrics/segmentation/segmentation.h), or an option is out of range. Region and valid have the image's
+  // shape, or are null.
   ScoredImage(const Grid<float>& value, const ImageScale& scale, const SegmentationOptions& options,
               const Mask* region, const Mask* valid);
 
   double setting() const { return setting_; }
   double ThresholdAt(double setting) const;
 
-  // Whether a pixel may be object at all: else no threshold finds one.
+  // False if no pixel may be object; then no threshold finds one.
   bool any_pixel() const { return any_pixel_; }
 
-  // The object: what scores more than `threshold` and may be object, tidied (metrics/segmentation/tidy.h).
-  // `within` (the image's shape; null: everywhere) limits it further; what the image tells of a threshold it
-  // leaves alone.
+  // Object mask: pixels that may be object with a score above `threshold`, tidied
+  // (metrics/segmentation/tidy.h). `within` (the image's shape; null: everywhere) limits the mask further,
+  // but has no effect on thresholds that depend on the image.
   Mask ObjectAbove(double threshold, const Mask* within = nullptr) const;
 
  private:
@@ -45,11 +46,11 @@ class ScoredImage {
   Mask may_be_object_;
   bool any_pixel_ = false;
   double setting_ = 0.0;
-  // A threshold is offset_ + max(setting x unit_, least_).
+  // Threshold = offset_ + max(setting x unit_, least_).
   double offset_ = 0.0;
   double unit_ = 1.0;
   double least_ = 0.0;
-  std::optional<double> chosen_;  // the threshold at setting(), where the image says it
+  std::optional<double> chosen_;  // threshold at setting(), if the image determines it
 };
 
 }  // namespace sonarcal::metrics

@@ -20,7 +20,7 @@ struct ValueClass {
   double highest = 0.0;
 };
 
-// Reorders the values. The mean of the two middle ones where their number is even.
+// Median; the mean of the two middle values if their number is even. Reorders the values.
 double Median(std::vector<float>& values) {
   SONARCAL_CHECK(!values.empty(), "the median of nothing");
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -82,7 +82,7 @@ double TriangleThreshold(const std::vector<float>& values, double full_scale) {
   const auto last =
       kLast - static_cast<int>(std::find_if(count.rbegin(), count.rend(), is_used) - count.rbegin());
   const auto top = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
-  // The end of a tail is the first empty class.
+  // A tail ends at the first empty class.
   const int low_end = std::max(0, first - 1);
   const int high_end = std::min(kLast, last + 1);
   const int step = top - low_end < high_end - top ? -1 : 1;  // from the end of the longer tail to the top

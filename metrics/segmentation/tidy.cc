@@ -8,12 +8,13 @@
 namespace sonarcal::metrics {
 namespace {
 
-// Shares the mask's pixels.
+// OpenCV matrix that shares the mask's memory.
 cv::Mat1b PixelsOf(Mask& mask) {
   return {mask.rows(), mask.cols(), mask.values().data()};
 }
 
-// Beyond the image there is no object. OpenCV's own border would let closing grow an object to the edge.
+// Morphological operation with no object beyond the image. OpenCV's own border would let closing extend an
+// object to the edge.
 void Morph(Mask& mask, cv::MorphTypes operation, int rows, int cols) {
   if (rows <= 1 && cols <= 1) return;
   const cv::Size size(std::max(1, cols), std::max(1, rows));
@@ -70,7 +71,7 @@ void Fill(Mask& mask, RegionFill fill) {
       outline = std::move(hull);
     }
   }
-  // Each by itself: OpenCV would leave out what two of them share.
+  // Each outline is drawn separately: OpenCV would leave out areas that two of them share.
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     cv::drawContours(pixels, outlines, static_cast<int>(i), cv::Scalar(1), cv::FILLED);
   }
@@ -82,7 +83,7 @@ void Tidy(Mask& object, const Mask& may_be_object, const SegmentationOptions& op
   if (object.empty()) return;
   Morph(object, cv::MORPH_OPEN, options.open_rows, options.open_cols);
   Morph(object, cv::MORPH_CLOSE, options.close_rows, options.close_cols);
-  // Closing may have bridged pixels that cannot be object.
+  // Closing may have added pixels that cannot be object.
   KeepWithin(object, may_be_object);
   KeepComponents(object, options);
   Fill(object, options.fill);

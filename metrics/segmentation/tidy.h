@@ -1,5 +1,4 @@
-// What is done to the pixels above a threshold before they are called object
-// (metrics/segmentation/segmentation.h, step 3).
+// Post-processing of the pixels above a threshold (metrics/segmentation/segmentation.h, step 3).
 #pragma once
 
 #include "core/types/mask.h"
@@ -7,8 +6,8 @@
 
 namespace sonarcal::metrics {
 
-// Opens, closes, drops and fills as the options say; of all this only pixels where `may_be_object` is set
-// (same shape) remain.
+// Opens, closes, removes and fills as the options say. The result contains only pixels where `may_be_object`
+// is set (same shape).
 void Tidy(Mask& object, const Mask& may_be_object, const SegmentationOptions& options);
 
 }  // namespace sonarcal::metrics
