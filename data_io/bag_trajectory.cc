@@ -20,7 +20,7 @@ bool IsTransforms(const std::string& type) {
   return type == "tf2_msgs/TFMessage" || type == "tf/tfMessage";
 }
 
-// A topic of poses of an open bag.
+// Topic of poses of an open bag.
 struct PoseTopic {
   const Bag& bag;
   std::string file;
@@ -29,7 +29,7 @@ struct PoseTopic {
   const BagTopic& topic() const { return bag.topics()[index]; }
 };
 
-// Calls `take` with every pose of a topic, and with where it stands for messages.
+// Calls `take` with every pose of a topic, and with its position for messages.
 void ForEachPose(const PoseTopic& from, const std::function<void(const RosPose&, const std::string&)>& take) {
   const std::string& type = from.topic().type;
   const std::vector<BagMessage> messages = from.bag.Messages(from.index);
@@ -50,7 +50,7 @@ void ForEachPose(const PoseTopic& from, const std::function<void(const RosPose&,
   }
 }
 
-// By increasing time, the first of each.
+// Sorts by time and keeps the first pose of each time.
 void Sort(std::vector<TrajectoryPose>& poses) {
   std::ranges::stable_sort(poses, {}, &TrajectoryPose::time_s);
   const auto at_one_time = [](const TrajectoryPose& a, const TrajectoryPose& b) {
@@ -85,10 +85,10 @@ struct Link {
   std::string parent;
   std::string child;
   bool is_static = true;
-  std::vector<TrajectoryPose> poses;  // one where static
+  std::vector<TrajectoryPose> poses;  // a single one if static
 };
 
-// The steps from the world's frame (first) to the body's.
+// Links from the world's frame (first) to the body's.
 std::vector<Link> FindChain(const std::vector<PoseTopic>& topics, const BagPoseOptions& options) {
   std::map<std::string, std::string> parent_of;
   for (const PoseTopic& from : topics) {
@@ -105,7 +105,7 @@ std::vector<Link> FindChain(const std::vector<PoseTopic>& topics, const BagPoseO
   std::vector<Link> chain;
   for (std::string frame = FrameName(options.body_frame); frame != world;) {
     const auto parent = parent_of.find(frame);
-    // More steps than frames lead in a circle.
+    // A chain with more links than frames is a cycle.
     if (parent == parent_of.end() || chain.size() > parent_of.size()) {
       throw DataError("{}: no transforms lead from '{}' to '{}', expected a chain; '{}' hangs on nothing",
                       topics.front().file, Printable(world), Printable(FrameName(options.body_frame)),

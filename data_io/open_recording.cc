@@ -15,12 +15,12 @@ namespace sonarcal::data_io {
 namespace {
 
 struct Format {
-  const char* description;  // for the list of formats understood
+  const char* description;  // for the list of supported formats
   bool (*is)(const std::filesystem::path&);
   std::unique_ptr<RecordingSource> (*open)(const std::filesystem::path&);
 };
 
-// The first that knows the path opens it.
+// The first format that accepts the path opens it.
 constexpr Format kFormats[] = {
     {"a recording folder (recording.json)", IsRecordingFolder, OpenRecordingFolder},
     // Before formats that are recognised by names of pictures: a geometry file is more specific.
@@ -33,7 +33,7 @@ constexpr Format kFormats[] = {
     {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
     {"a recording of the DFKI UXO data set (aris_frame_meta.csv, aris_raw)", IsDfkiUxo, OpenDfkiUxo},
     {"a ROS bag with a sonar's topic (.bag, .db3)", IsBag, OpenBag},
-    // Last: any picture is one, those of the formats above too.
+    // Last, because it accepts any picture, also those of the formats above.
     {"pictures or a video of a viewer (PNG, JPEG, AVI, MP4)", IsPictures, OpenPictureRecording},
 };
 

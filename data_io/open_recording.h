@@ -1,6 +1,7 @@
-// Any recording the project understands, told by its content: magic numbers, and what a folder holds.
+// Opens a recording of any supported format. The format is detected from the content: magic numbers, and the
+// files in a folder.
 //
-// Another format: write its reader (data_io/README.md), then add a line to the table in open_recording.cc.
+// To add a format: write its reader (data_io/README.md), then add a line to the table in open_recording.cc.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +11,8 @@
 
 namespace sonarcal::data_io {
 
-// Throws DataError where nothing is there, what is there is of no known format (the sentence lists those
-// known), or its reader refuses it.
+// Throws DataError if `path` does not exist, has no known format (the message lists the known ones), or its
+// reader refuses it.
 std::unique_ptr<RecordingSource> OpenRecording(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

@@ -1,10 +1,10 @@
 // Poses of a sonar over time, from a file of poses or from a recording.
 //
 //   {"format": "sonar-poses/1",
-//    "poses": [{"time_s": 0.0, "world_from_sonar": {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y,
-//    z]}}]}
+//    "poses": [{"time_s": 0.0,
+//               "world_from_sonar": {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}}]}
 //
-// or the list alone. `time_s` may be absent. Everything throws DataError with file, line and key.
+// or the list alone. `time_s` may be absent. All functions throw DataError with file, line and key.
 #pragma once
 
 #include <filesystem>
@@ -21,17 +21,17 @@ struct TimedPose {
   Pose world_from_sonar;
 };
 
-// At least one pose. Unknown keys are refused.
+// At least one pose. Rejects unknown keys.
 std::vector<TimedPose> ReadPoses(const std::filesystem::path& file);
 
-// The pose of every frame; refuses a recording of which a frame has none, for a pose left out would shift all
-// that follow.
+// Pose of every frame. Rejects a recording with a frame that has no pose, because omitting one would shift
+// all following poses.
 std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording);
 
-// Of a recording of any format that has them, or of a file of poses, whose name ends in .json.
+// Reads a recording of any format that contains poses, or a file of poses, whose name ends in .json.
 std::vector<TimedPose> ReadPosesOrRecording(const std::filesystem::path& path);
 
-// Whole or not at all.
+// Writes the whole file or nothing.
 void WritePoses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 
 }  // namespace sonarcal::data_io

@@ -1,4 +1,4 @@
-// A recording whose frames get their poses from a trajectory, by their times.
+// Recording whose frames get their poses from a trajectory, by their times.
 #pragma once
 
 #include <memory>
@@ -13,14 +13,14 @@ namespace sonarcal::data_io {
 struct PosesOverTime {
   std::vector<TrajectoryPose> world_from_body;
   Pose body_from_sonar = {};
-  double time_offset_s = 0.0;  // added to a frame's time to look it up
-  double most_gap_s = 1.0;     // between two poses that are interpolated
+  double time_offset_s = 0.0;  // added to a frame's time before the lookup
+  double most_gap_s = 1.0;     // max time between two interpolated poses
 };
 
-// A frame outside the trajectory or in a gap of it has no pose, whatever the recording said.
+// A frame outside the trajectory or in a gap of it has no pose, even if the recording contains one.
 class PosedRecording final : public RecordingSource {
  public:
-  // Throws DataError where a frame has no time, or no frame has a pose.
+  // Throws DataError if a frame has no time, or no frame has a pose.
   PosedRecording(std::unique_ptr<RecordingSource> recording, PosesOverTime poses);
 
   const RecordingInfo& info() const override { return info_; }

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kMostBytes = 1 << 30;
 
 struct Line {
-  int number = 0;  // from 1
+  int number = 0;  // starts at 1
   std::string_view text;
 };
 
@@ -33,7 +33,7 @@ std::string_view Trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-// The lines that hold something, comments included.
+// Lines that are not empty, including comments.
 std::vector<Line> LinesOf(std::string_view bytes) {
   std::vector<Line> lines;
   for (int number = 1; !bytes.empty(); ++number) {
@@ -52,7 +52,7 @@ std::vector<std::string_view> Fields(std::string_view line, Separator separator)
   while (true) {
     const std::size_t end = line.find_first_of(separator == Separator::kComma ? "," : " \t");
     const std::string_view field = Trimmed(line.substr(0, end));
-    // Blanks come in rows, commas do not.
+    // Several blanks are one separator; several commas are not.
     if (separator == Separator::kComma || !field.empty()) fields.push_back(field);
     if (end == std::string_view::npos) return fields;
     line.remove_prefix(end + 1);
@@ -74,7 +74,7 @@ class LineReader {
     return value;
   }
 
-  // Whole nanoseconds, as seconds.
+  // Integer nanoseconds, converted to seconds.
   double Nanoseconds(std::size_t column) const {
     std::int64_t value = 0;
     const std::string_view field = Field(column, "the time");
@@ -85,7 +85,7 @@ class LineReader {
     return static_cast<double>(value / kPerSecond) + 1e-9 * static_cast<double>(value % kPerSecond);
   }
 
-  // From four columns, in the order w, x, y, z.
+  // Quaternion from four columns, in the order w, x, y, z.
   Eigen::Quaterniond Quaternion(const std::array<std::size_t, 4>& wxyz) const {
     const Eigen::Quaterniond q(Number(wxyz[0], "qw"), Number(wxyz[1], "qx"), Number(wxyz[2], "qy"),
                                Number(wxyz[3], "qz"));
@@ -110,7 +110,7 @@ class LineReader {
   std::vector<std::string_view> fields_;
 };
 
-// Where a csv's columns are.
+// Positions of the columns of a csv.
 struct Columns {
   std::size_t time = 0;
   std::array<std::size_t, 3> position{};
@@ -169,7 +169,7 @@ TrajectoryPose ReadLine(const LineReader& line, TrajectoryFormat format, const C
 }  // namespace
 
 TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
-  // The first lines tell; of a long recording the rest is not read for it.
+  // The first lines are sufficient, so the rest of a long recording is not read.
   constexpr std::uint64_t kFirstBytes = 64 << 10;
   const auto bytes = ReadFileRange(file, 0, std::min(RegularFileSize(file), kFirstBytes), "first lines");
   const std::vector<Line> lines = LinesOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()});

@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A name that no other process and no other thread of this one uses. Not mkstemp, which makes files that only
-// their owner may read: outputs follow the user's umask.
+// Name that no other process or thread uses. mkstemp is not used because its files are readable only for
+// their owner; outputs must follow the user's umask.
 std::string UniqueName(const std::string& stem) {
   static std::atomic<unsigned> counter{0};
   return fmt::format(".{}.partial-{}-{}", stem, getpid(), counter++);
@@ -45,7 +45,7 @@ void RefuseWhatIsNoFile(const fs::path& path) {
   }
 }
 
-// Order in which files are moved into place: those that name others later.
+// Order in which files are moved into place: files that name others come last.
 int Turn(const fs::path& path) {
   if (path == "provenance.json") return 2;
   return path.extension() == ".json" ? 1 : 0;
@@ -81,8 +81,8 @@ OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside)
   if (exists && !fs::is_directory(status)) {
     throw DataError("{}: cannot be the output directory: it is a file", directory.string());
   }
-  // Aside means inside a directory that exists (its parent may lie on another disk, or forbid writing), and
-  // beside one that does not.
+  // The temporary directory lies inside an existing directory (its parent may be on another disk or not
+  // writable), and beside a directory that does not exist yet.
   for (fs::path parent = final_.parent_path(); !exists && !fs::exists(parent, error);
        parent = parent.parent_path()) {
     made_parents_.insert(made_parents_.begin(), parent);
@@ -100,7 +100,7 @@ OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside)
   if (is_shared) TakeOver(aside);
 }
 
-// The lock goes with the process, however it ends. Where the disk knows no locks, there is none.
+// The lock ends with the process. On a disk without locks there is none.
 void OutputDirectory::TakeOver(Aside aside) {
   lock_ = open(staging_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -122,7 +122,7 @@ OutputDirectory::~OutputDirectory() {
   if (!kept_) fs::remove_all(staging_, ignored);
   if (lock_ >= 0) close(lock_);
   for (auto parent = made_parents_.rbegin(); parent != made_parents_.rend(); ++parent) {
-    fs::remove(*parent, ignored);  // fails, as it should, where something lies in it
+    fs::remove(*parent, ignored);  // fails, as intended, if the directory is not empty
   }
 }
 
@@ -175,7 +175,7 @@ void OutputDirectory::RemoveStale(const std::vector<fs::path>& stale) const {
     if (!fs::is_regular_file(fs::symlink_status(file, error))) continue;
     if (!fs::remove(file, error) && error) FailToWrite(file, error);
     for (fs::path parent = name.parent_path(); !parent.empty(); parent = parent.parent_path()) {
-      if (!fs::remove(final_ / parent, error)) break;  // fails, as it should, where something lies in it
+      if (!fs::remove(final_ / parent, error)) break;  // fails, as intended, if the directory is not empty
     }
   }
 }

@@ -1,12 +1,12 @@
-// Little-endian binary data, read by offset with every access checked.
+// Little-endian binary data, read by offset. Every access is checked.
 //
-// A format's layout is a list of offsets, so a field is asked for by its offset and its name; where it does
-// not lie wholly inside the data, a DataError names file, byte and field:
+// The layout of a format is a list of offsets, so a field is read by its offset and its name. If it does not
+// lie completely inside the data, a DataError names file, byte and field:
 //
 //   const ByteReader header(bytes, "sample.aris", 1024);
 //   const std::uint32_t ping_mode = header.U32(436, "PingMode");
 //
-// Byte order and alignment of the machine do not matter: values are put together byte by byte.
+// Independent of the machine's byte order and alignment: values are assembled byte by byte.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,8 @@ namespace sonarcal::data_io {
 
 class ByteReader {
  public:
-  // `bytes` must outlive the reader. `file` and `file_offset` (where `bytes` begin in it) are for messages.
+  // `bytes` must outlive the reader. `file` and `file_offset` (the position of `bytes` in it) are for
+  // messages.
   ByteReader(std::span<const std::byte> bytes, std::string file, std::uint64_t file_offset = 0)
       : bytes_(bytes), file_(std::move(file)), file_offset_(file_offset) {}
 
@@ -37,9 +38,9 @@ class ByteReader {
   std::int16_t I16(std::uint64_t offset, std::string_view field) const;
   std::int32_t I32(std::uint64_t offset, std::string_view field) const;
   float F32(std::uint64_t offset, std::string_view field) const;   // any bit pattern, NaN included
-  double F64(std::uint64_t offset, std::string_view field) const;  // likewise
+  double F64(std::uint64_t offset, std::string_view field) const;  // any bit pattern, NaN included
 
-  // Within lowest..highest, or DataError.
+  // Throws DataError if the value is outside lowest..highest.
   std::uint32_t U32Within(std::uint64_t offset, std::string_view field, std::uint32_t lowest,
                           std::uint32_t highest) const;
   std::int32_t I32Within(std::uint64_t offset, std::string_view field, std::int32_t lowest,
@@ -48,7 +49,7 @@ class ByteReader {
   // `count` bytes from `offset`.
   std::span<const std::byte> Bytes(std::uint64_t offset, std::uint64_t count, std::string_view field) const;
 
-  // "file: byte N: field": how a message about a field begins.
+  // "file: byte N: field": the start of a message about a field.
   std::string Where(std::uint64_t offset, std::string_view field) const;
 
  private:
@@ -65,12 +66,12 @@ class ByteReader {
 // Unsigned little-endian integer of 1 to 4 bytes.
 std::uint32_t LittleEndian(std::span<const std::byte> bytes);
 
-// Length of a regular file in bytes; throws DataError where there is none, or it is no regular file.
+// Length of a regular file in bytes. Throws DataError if there is no regular file.
 std::uint64_t RegularFileSize(const std::filesystem::path& file);
 
-// `count` bytes of a file from `offset`, the caller having checked `count` against the file's size; throws
-// DataError naming `what` where they cannot be read. Opens the file anew each time, so that any number of
-// threads may read one file.
+// `count` bytes of a file from `offset`. The caller has checked `count` against the file's size. Throws
+// DataError, naming `what`, if they cannot be read. Opens the file each time, so any number of threads may
+// read one file.
 std::vector<std::byte> ReadFileRange(const std::filesystem::path& file, std::uint64_t offset,
                                      std::size_t count, std::string_view what);
 

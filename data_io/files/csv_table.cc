@@ -55,7 +55,7 @@ double CsvTable::Number(int row, const std::string& column, double lowest, doubl
   const std::string_view cell = cells_.at(row)[index->second];
   double value = 0.0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  // Negated, so that NaN is refused too.
+  // Negated so that NaN is rejected too.
   if (error != std::errc() || end != cell.data() + cell.size() || !(value >= lowest && value <= highest)) {
     throw DataError("{}:{}: {} is '{}', expected a number within {:g}..{:g}", name_, row + 2, column,
                     Printable(cell), lowest, highest);

@@ -1,11 +1,11 @@
-// A field of a CSV file, RFC 4180.
+// Field of a CSV file, RFC 4180.
 #pragma once
 
 #include <string>
 
 namespace sonarcal::data_io {
 
-// Quoted where it has to be.
+// Quotes the text if necessary.
 inline std::string CsvText(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

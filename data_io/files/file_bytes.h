@@ -1,4 +1,4 @@
-// A whole file as bytes, with a limit on its size.
+// Reads a whole file as bytes, with a limit on its size.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace sonarcal::data_io {
 
-// Throws DataError where the file is absent, unreadable, not a regular file, or longer than `max_bytes`
-// (which is checked before anything is allocated).
+// Throws DataError if the file is absent, unreadable, not a regular file, or longer than `max_bytes` (checked
+// before any allocation).
 std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_bytes);
 
 }  // namespace sonarcal::data_io

@@ -53,7 +53,7 @@ std::string Sha256OfFile(const std::filesystem::path& file) {
     stream.read(piece.data(), piece.size());
     hasher.Add({piece.data(), static_cast<std::size_t>(stream.gcount())});
   } while (stream);
-  // A directory opens but does not read; only a regular end of file makes a digest worth having.
+  // A directory can be opened but not read; only a regular end of file gives a valid digest.
   if (!stream.is_open() || !stream.eof()) throw DataError("{}: cannot be read", file.string());
   return hasher.Digits();
 }

@@ -1,4 +1,4 @@
-// SHA-256, by which a result names the inputs it was made from.
+// SHA-256, used by a result to identify its inputs.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,10 @@
 
 namespace sonarcal::data_io {
 
-// 64 hexadecimal digits, as `sha256sum` prints them.
+// 64 hexadecimal digits, in the format of `sha256sum`.
 std::string Sha256(std::string_view bytes);
 
-// Of a file of any size, read in pieces. Throws DataError where it cannot be read.
+// Hash of a file of any size, read in pieces. Throws DataError if it cannot be read.
 std::string Sha256OfFile(const std::filesystem::path& file);
 
 }  // namespace sonarcal::data_io

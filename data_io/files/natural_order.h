@@ -1,4 +1,4 @@
-// Names in the order in which people count: "frame_2" before "frame_10".
+// Natural order of names: "frame_2" comes before "frame_10".
 #pragma once
 
 #include <string>

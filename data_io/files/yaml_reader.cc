@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kDeepestXml = 32;
 
-// Elements are keys, "_" the items of a list; text of several words is a list of them.
+// Elements become keys, "_" elements the items of a list; text of several words becomes a list of them.
 YAML::Node OfXml(const pugi::xml_node& element, const std::string& file, int depth) {
   if (depth > kDeepestXml) throw DataError("{}: XML within XML more than {} deep", file, kDeepestXml);
   YAML::Node node;

@@ -1,9 +1,9 @@
-// A cursor over a YAML file, as JsonReader (data_io/json/json_reader.h) is one over JSON: every mistake is
-// one sentence with file, line and key. Unlike there, keys that nobody asks for are passed over: the files
-// are other programs'. Read by yaml-cpp; the directive "%YAML:1.0" of OpenCV's files, which is no YAML, is
-// passed over. The XML that OpenCV writes of the same keys is read as well, by pugixml.
+// Cursor over a YAML file, like JsonReader (data_io/json/json_reader.h) for JSON: every error is one sentence
+// with file, line and key. In contrast to JsonReader, unknown keys are ignored, because the files come from
+// other programs. Uses yaml-cpp. Ignores the directive "%YAML:1.0" of OpenCV's files, which is not valid
+// YAML. Also reads the XML that OpenCV writes with the same keys, by pugixml.
 //
-// Everything throws DataError.
+// All functions throw DataError.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace sonarcal::data_io {
 
 class YamlReader {
  public:
-  // The first document of a file of at most kMostYamlBytes.
+  // First document of a file of at most kMostYamlBytes.
   static YamlReader FromFile(const std::filesystem::path& file);
   static YamlReader FromText(std::string_view text, const std::string& file);
   ~YamlReader();
@@ -26,13 +26,13 @@ class YamlReader {
   YamlReader& operator=(const YamlReader& other);
 
   const std::string& file() const { return file_; }
-  std::string place() const;                         // "file:line"; of XML the file alone
+  std::string place() const;                         // "file:line"; for XML only the file
   const std::string& path() const { return path_; }  // "camera_matrix.data"; empty at the root
 
   YamlReader At(const std::string& key) const;  // required
   std::optional<YamlReader> Find(const std::string& key) const;
-  std::vector<std::pair<std::string, YamlReader>> Members() const;  // none where it is no map
-  std::vector<YamlReader> Items() const;                            // none where it is no list
+  std::vector<std::pair<std::string, YamlReader>> Members() const;  // empty if it is not a map
+  std::vector<YamlReader> Items() const;                            // empty if it is not a list
 
   std::string String() const;
   double Number() const;  // finite

@@ -1,9 +1,9 @@
-// A camera's pictures: which files of a folder they are, when they were taken, and their grey values.
+// Pictures of a camera: the files of a folder, their times, and their grey values.
 //
-// PNG, grey TIFF of 8 bits and JPEG, told by their first bytes. Colour becomes grey as 0.299 R + 0.587 G +
-// 0.114 B, 16 bits are cut to 8, an orientation noted by the camera is not applied: pixels stay as the
-// calibration saw them. A JPEG's announced size is checked before it is decoded; of one
-// that is damaged within, what the decoder makes is taken, with its warning on stderr.
+// Reads PNG, grey TIFF of 8 bits and JPEG, detected by their first bytes. Colour is converted to grey as
+// 0.299 R + 0.587 G + 0.114 B, and 16 bits are truncated to 8. The orientation tag of the camera is ignored,
+// so pixels match the calibration. The announced size of a JPEG is checked before decoding. A JPEG with
+// damaged content is used as the decoder returns it, with its warning on stderr.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@
 
 namespace sonarcal::data_io {
 
-// Throws DataError naming the file where it is absent, damaged, cut short or of another kind.
+// Throws DataError, naming the file, if it is absent, damaged, truncated or of another type.
 Grid<std::uint8_t> ReadCameraImage(const std::filesystem::path& file);
 
-// How times are told by file names.
+// Unit of the times in file names.
 enum class NameTimes { kNone, kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 constexpr auto WordsOf(std::type_identity<NameTimes>) {
   return Words<NameTimes, 5>{{{"none", NameTimes::kNone},
@@ -38,15 +38,15 @@ struct CameraImageFile {
 };
 
 struct CameraImageFolder {
-  std::vector<CameraImageFile> images;  // by time where names tell it, else by name, numbers in it as numbers
+  std::vector<CameraImageFile> images;  // by time if names contain it, otherwise by name in natural order
   NameTimes times = NameTimes::kNone;
 };
 
-// The .png, .jpg, .jpeg, .tif and .tiff files of a folder, at least one. Names tell times where all of them
-// are plain numbers ("1700000000.25.png", "1700000000250000.jpg") of one kind: with a decimal point, or 10
+// The .png, .jpg, .jpeg, .tif and .tiff files of a folder, at least one. Names contain times if all of them
+// are plain numbers ("1700000000.25.png", "1700000000250000.jpg") of one kind: with a decimal point or 10
 // digits: seconds; 13: milliseconds; 16: microseconds; 19: nanoseconds (since 1970, or any other start).
-// `unit` takes them for that whatever their digits, kNone for no times. Throws DataError where the folder has
-// none, names are not what `unit` asks for, or two have one time.
+// `unit` sets the kind regardless of the digits; kNone means no times. Throws DataError if the folder has no
+// such file, names do not match `unit`, or two have the same time.
 CameraImageFolder ListCameraImages(const std::filesystem::path& folder, std::optional<NameTimes> unit = {});
 
 }  // namespace sonarcal::data_io

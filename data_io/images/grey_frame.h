@@ -1,4 +1,4 @@
-// A frame that is kept as an 8-bit grey PNG of a size that is known beforehand.
+// Frame stored as an 8-bit grey PNG of known size.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 
 namespace sonarcal::data_io {
 
-// What a PNG's header announces; nothing where the file is no PNG, or a damaged one.
+// Header of a PNG; nothing if the file is no PNG or damaged.
 std::optional<ImageHeader> SniffPng(const std::filesystem::path& file);
 
-// The grey levels, row 0 uppermost. Throws DataError where the file is not an intact 8-bit grey PNG of `rows`
-// rows and `cols` columns; size and kind are checked before anything is decoded.
+// Grey levels, row 0 at the top. Throws DataError if the file is not an intact 8-bit grey PNG of `rows` rows
+// and `cols` columns. Size and type are checked before decoding.
 Grid<float> ReadGreyFrame(const std::filesystem::path& file, int rows, int cols);
 
 }  // namespace sonarcal::data_io

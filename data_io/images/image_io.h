@@ -1,14 +1,14 @@
-// Images in files: PNG of 8 or 16 bits, grey or colour, and grey TIFF of 8 or 16 bits or float.
+// Image files: PNG of 8 or 16 bits, grey or colour, and grey TIFF of 8 or 16 bits or float.
 //
 //   const ImageFile file("frame_0000.png");
 //   if (file.header().rows != range_bins) ...      // known before any pixel is decoded
 //   const Grid<float> value = file.DecodeGrey();
 //
-// Row 0 is the top row of the file. What a header claims is checked before anything is allocated (see
-// data_io/images/image_header.h). Nothing is converted unasked: a colour image is no grey one, 16 bits are
-// not 8.
+// Row 0 is the top row of the file. The header is checked before any allocation
+// (data_io/images/image_header.h). There is no implicit conversion: a colour image is not accepted as grey,
+// nor 16 bits as 8.
 //
-// Everything throws DataError, with the file's name, where a file is absent, of another kind, or damaged.
+// All functions throw DataError with the file's name if a file is absent, of another type, or damaged.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace sonarcal::data_io {
 
-// An encoded image in memory whose header was read.
+// Encoded image in memory, with its header.
 class ImageFile {
  public:
   explicit ImageFile(const std::filesystem::path& file);
@@ -33,7 +33,8 @@ class ImageFile {
   Grid<std::uint8_t> DecodeGrey8() const;
   Grid<std::uint16_t> DecodeGrey16() const;
   Grid<float> DecodeGrey() const;  // 8 or 16 bits or float; the stored numbers, not scaled
-  RgbImage DecodeRgb() const;  // any PNG: grey repeated, palettes looked up, alpha dropped, 16 bits cut to 8
+  // any PNG: grey repeated, palettes resolved, alpha dropped, 16 bits truncated to 8
+  RgbImage DecodeRgb() const;
 
  private:
   template <typename T>
@@ -49,7 +50,7 @@ std::vector<std::uint8_t> EncodePng(const Grid<std::uint8_t>& grey);
 std::vector<std::uint8_t> EncodePng(const Grid<std::uint16_t>& grey);
 std::vector<std::uint8_t> EncodePng(const RgbImage& image);
 
-// Written whole or not at all (data_io/files/atomic_output.h).
+// Write the whole file or nothing (data_io/files/atomic_output.h).
 void WritePng(const std::filesystem::path& file, const Grid<std::uint8_t>& grey);
 void WritePng(const std::filesystem::path& file, const Grid<std::uint16_t>& grey);
 void WritePng(const std::filesystem::path& file, const RgbImage& image);

@@ -34,7 +34,7 @@ ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
                                .cols = u16(at + 7),
                                .channels = reader.U8(at + 9, "JPEG components"),
                                .bits = reader.U8(at + 4, "JPEG precision")};
-      // No CheckImageHeader: a JPEG of one colour is smaller than what that takes for possible.
+      // CheckImageHeader is not used: a JPEG of one colour is smaller than it accepts.
       if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
         throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows,
                         header.cols, kMaxImagePixels);
@@ -48,7 +48,7 @@ ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
 
 Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& name) {
   const ImageHeader header = ReadJpegHeader(bytes, name);
-  // The decoder fills up what is missing without a word; a whole file ends with the end marker, at most
+  // The decoder fills missing data without an error. A complete file ends with the end marker, possibly
   // padded.
   if (bytes.rfind("\xff\xd9") == std::string_view::npos)
     throw DataError("{}: JPEG cut short, expected an end marker", name);

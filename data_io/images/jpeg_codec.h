@@ -1,4 +1,4 @@
-// JPEG pictures as grey values: what a header announces is checked before a decoder allocates anything.
+// Decodes JPEG pictures to grey values. The header is checked before a decoder allocates memory.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@ namespace sonarcal::data_io {
 
 bool IsJpeg(std::string_view bytes);
 
-// From the start-of-frame segment. Throws DataError naming `name` where there is none, or of no pixels or
-// more than kMaxImagePixels.
+// Header from the start-of-frame segment. Throws DataError, naming `name`, if there is none, or if it has no
+// pixels or more than kMaxImagePixels.
 ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name);
 
-// Of a colour picture the luminance, of the orientation that the pixels have. Throws DataError naming `name`
-// where the picture is damaged or cut short; what is wrong within is taken as the decoder fills it up.
+// Luminance of a colour picture, in the orientation of the pixels. Throws DataError, naming `name`, if the
+// picture is damaged or truncated. Errors within the data are accepted as the decoder fills them.
 Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& name);
 
 }  // namespace sonarcal::data_io

@@ -13,7 +13,7 @@ bool IsBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-// The number that stands next, behind blanks and comments.
+// Next number after blanks and comments.
 int NextNumber(const std::string& bytes, std::size_t& at, const std::string& name) {
   while (at < bytes.size() && (IsBlank(bytes[at]) || bytes[at] == '#')) {
     if (bytes[at] == '#') at = std::min(bytes.size(), bytes.find('\n', at));

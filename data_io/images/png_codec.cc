@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kBytesOfSignature = 8;
 
-// libpng reports an error by a jump that must not pass over an object with a destructor. So every call of it
-// goes through Guard(), whose action holds plain data and references only, and the exception is thrown once
-// the jump has landed. Warnings (as of a damaged comment) are dropped: they do not concern the pixels.
+// libpng reports an error by a jump, which must not skip destructors. Every call therefore goes through
+// Guard(). Its action holds only plain data and references, and the exception is thrown after the jump.
+// Warnings (e.g. about a damaged comment) are ignored because they do not concern the pixels.
 class PngSession {
  public:
   PngSession() = default;
@@ -59,7 +59,7 @@ class PngReader : PngSession {
       Guard(what_, [this] { png_read_info(png_, info_); });
       CheckImageHeader(Header(), bytes.size(), file);
     } catch (...) {
-      png_destroy_read_struct(&png_, &info_, nullptr);  // no destructor runs where a constructor throws
+      png_destroy_read_struct(&png_, &info_, nullptr);  // no destructor runs if a constructor throws
       throw;
     }
   }
@@ -98,7 +98,7 @@ class PngReader : PngSession {
     }
     Guard(what_, [this, &rows] {
       png_read_image(png_, rows.data());
-      png_read_end(png_, nullptr);  // so that a file cut after its pixels is noticed too
+      png_read_end(png_, nullptr);  // detects a file truncated after its pixels
     });
     return decoded;
   }

@@ -19,12 +19,12 @@ struct CloseTiff {
 };
 using TiffHandle = std::unique_ptr<TIFF, CloseTiff>;
 
-// A file in memory, as libtiff's callbacks want it. Reading never writes and writing never shrinks.
+// File in memory for libtiff's callbacks. Reading never writes, and writing never shrinks it.
 struct MemoryFile {
   std::string_view source = {};            // when reading
   std::vector<std::uint8_t> written = {};  // when writing
   std::uint64_t position = 0;
-  char message[256] = {};  // libtiff's first complaint
+  char message[256] = {};  // first error message of libtiff
 
   std::uint64_t size() const { return source.empty() ? written.size() : source.size(); }
 };
@@ -64,7 +64,7 @@ toff_t Size(thandle_t handle) {
   return File(handle).size();
 }
 
-// Lends libtiff the bytes themselves, so that it allocates no buffer of a length that the file claims.
+// Gives libtiff the bytes themselves, so that it does not allocate a buffer of a length claimed by the file.
 int Map(thandle_t handle, void** base, toff_t* size) {
   MemoryFile& file = File(handle);
   *base = const_cast<char*>(file.source.data());
@@ -153,7 +153,7 @@ class TiffReader {
                     file_.message[0] != '\0' ? Printable(file_.message) : "it cannot be opened");
   }
 
-  MemoryFile file_;  // before tiff_, which refers to it
+  MemoryFile file_;  // declared before tiff_, which refers to it
   TiffHandle tiff_;
   std::string name_;
   ImageHeader header_;

@@ -1,4 +1,4 @@
-// Grey TIFF to and from memory, through libtiff. Used by data_io/images/image_io.h, which is what to include.
+// Grey TIFF to and from memory, by libtiff. Internal to data_io/images/image_io.h; include that file instead.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,15 @@ namespace sonarcal::data_io {
 
 bool IsTiff(std::string_view bytes);
 
-// Throws DataError naming `file` where the header is damaged, CheckImageHeader refuses it, or the file is
-// other than the plain kind: one image in strips, uncompressed or by LZW, deflate or PackBits.
+// Throws DataError, naming `file`, if the header is damaged, CheckImageHeader rejects it, or the file is not
+// a single image in strips, uncompressed or with LZW, deflate or PackBits.
 ImageHeader ReadTiffHeader(std::string_view bytes, const std::string& file);
 
-// Samples row by row in the byte order of this machine; of one channel only, of 8 or 16 bits or float of 32.
-// Throws DataError where they are of another kind or damaged.
+// Samples row by row in the byte order of this machine, of one channel, with 8 or 16 bits or 32-bit float.
+// Throws DataError if they are of another type or damaged.
 std::vector<std::byte> DecodeTiff(std::string_view bytes, const std::string& file);
 
-// An uncompressed file, which every program reads. `samples`: rows x cols.
+// Uncompressed file, readable by every program. `samples`: rows x cols.
 std::vector<std::uint8_t> EncodeFloatTiff(int rows, int cols, std::span<const float> samples);
 
 }  // namespace sonarcal::data_io

@@ -14,9 +14,10 @@
 namespace sonarcal::data_io {
 namespace {
 
-// Walks the text and publishes the address of the character read last. The parser reads a number up to the
-// character that ends it and every other token up to its own last one; so the newlines before the published
-// address are those before the token, although the parser itself tells its handlers no lines.
+// Iterates over the text and publishes the address of the last character read. The parser reads a number up
+// to the character that ends it, and every other token up to its own last one. The newlines before the
+// published address are therefore those before the token, although the parser reports no lines to its
+// handlers.
 class TrackingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -78,7 +79,7 @@ class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
   }
   bool number_float(number_float_t value, const string_t&) override { return Add(value); }
   bool string(string_t& value) override { return Add(std::move(value)); }
-  bool binary(binary_t&) override { return false; }  // JSON text has none
+  bool binary(binary_t&) override { return false; }  // does not occur in JSON text
 
   bool start_object(std::size_t) override { return Open(JsonNode::Object{}); }
   bool start_array(std::size_t) override { return Open(JsonNode::Array{}); }
@@ -135,8 +136,8 @@ class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  // Puts a value where the innermost open container wants it. A container grows only while everything in it
-  // is closed, so the addresses in open_ hold.
+  // Stores a value in the innermost open container. A container grows only while everything in it is closed,
+  // so the addresses in open_ stay valid.
   JsonNode& Place(JsonNode node) {
     if (++value_count_ > kMaxJsonValues) {
       throw DataError("{}:{}: more than {} values, expected fewer", file_, Line(), kMaxJsonValues);

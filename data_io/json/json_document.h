@@ -1,9 +1,9 @@
-// JSON text as a tree in which every key and value knows its line. Read it through
+// JSON text as a tree in which every key and value has its line number. Read it with
 // data_io/json/json_reader.h.
 //
 // Throws DataError ("file:line: what was found, what was expected") for text that is not JSON or not UTF-8,
-// numbers beyond the range of a double, a key given twice, and for what exceeds these limits, which keep any
-// file from exhausting memory or stack:
+// numbers beyond the range of a double, duplicate keys, and text that exceeds these limits, so no file can
+// exhaust memory or stack:
 #pragma once
 
 #include <cstddef>
@@ -26,21 +26,21 @@ struct JsonNode {
   using Array = std::vector<JsonNode>;
   using Object = std::vector<JsonMember>;  // sorted by key, each key once
 
-  // Integers that fit are kept exactly; other numbers are finite doubles.
+  // Integers that fit are stored exactly; other numbers are finite doubles.
   std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, Array, Object> value;
-  int line = 0;  // from 1; of an array or object the line where it begins
+  int line = 0;  // starts at 1; for an array or object the line of its first character
 };
 
 struct JsonMember {
   std::string key;
-  int line = 0;  // of the key
+  int line = 0;  // line of the key
   JsonNode value;
 };
 
-// `file` is the name that error sentences carry.
+// `file` is the name used in error messages.
 JsonNode ParseJson(std::string_view text, const std::string& file);
 
-// Also throws DataError where the file cannot be read.
+// Also throws DataError if the file cannot be read.
 JsonNode LoadJson(const std::filesystem::path& file);
 
 }  // namespace sonarcal::data_io

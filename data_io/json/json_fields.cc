@@ -13,13 +13,13 @@ namespace sonarcal::data_io {
 namespace {
 
 std::vector<double> ReadVector(const JsonReader& json, std::size_t size) {
-  // The bound keeps squares finite; nothing on Earth is that far away.
+  // The limit keeps squares finite and exceeds any distance on Earth.
   std::vector<double> values = json.Numbers(NumberRange::Between(-1e9, 1e9));
   if (values.size() != size) json.Fail(fmt::format("has {} numbers, expected {}", values.size(), size));
   return values;
 }
 
-// Azimuths pass through radians; twelve digits bring back the table that was read.
+// Azimuths are stored in radians; rounding to twelve digits restores the values of the file.
 double RoundedDegrees(double azimuth_rad) {
   return std::round(DegFromRad(azimuth_rad) * 1e10) / 1e10;
 }

@@ -1,4 +1,4 @@
-// The JSON forms that several files share: a pose, the water and a sonar.
+// JSON forms that several files share: a pose, the water and a sonar.
 //
 //   {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}
 //   {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
@@ -15,21 +15,21 @@
 
 namespace sonarcal::data_io {
 
-// A quaternion within 1e-3 of unit length is normalised; any other is refused.
+// Normalises a quaternion within 1e-3 of unit length and rejects any other.
 Pose ReadPose(const JsonReader& json);
 nlohmann::ordered_json PoseJson(const Pose& pose);
 
-// All four values are required and must be those of natural waters: -4..100 C, 0..350 ppt, pH 0..14,
-// 0..12000 m.
+// All four values are required and must be those of natural waters: -4..100 C, 0..350 ppt, pH 0..14, 0..12000
+// m.
 Water ReadWater(const JsonReader& json);
 nlohmann::ordered_json WaterJson(const Water& water);
 
-// "array" and "lens": the words of the file.
+// Words of the file: "array" and "lens".
 
-// What is unknown (0) is left out, as readers want it (data_io/recordings/recording_io.h).
+// Omits unknown values (0), as readers expect (data_io/recordings/recording_io.h).
 nlohmann::ordered_json SonarJson(const SonarModel& sonar);
 
-// The azimuth that SonarJson writes, as it is read again.
+// Azimuth after a round trip through SonarJson.
 double AzimuthAsWrittenRad(double azimuth_rad);
 
 }  // namespace sonarcal::data_io

@@ -11,7 +11,7 @@
 
 namespace sonarcal::data_io {
 
-// What was asked of one object.
+// Keys that were requested of one object.
 struct JsonReader::Lookups {
   std::string path;
   std::set<std::string, std::less<>> asked;
@@ -33,7 +33,7 @@ const JsonMember* FindMember(const JsonNode::Object& members, std::string_view k
   return found != members.end() && found->key == key ? &*found : nullptr;
 }
 
-// The value as a double, where it is a number.
+// Value as a double, if it is a number.
 std::optional<double> AsNumber(const JsonNode& node) {
   if (const auto* integer = std::get_if<std::int64_t>(&node.value)) return static_cast<double>(*integer);
   if (const auto* real = std::get_if<double>(&node.value)) return *real;
@@ -140,7 +140,7 @@ std::int64_t JsonReader::Integer(std::int64_t min, std::int64_t max) const {
   std::optional<std::int64_t> integer;
   if (const auto* exact = std::get_if<std::int64_t>(&node_->value)) integer = *exact;
   constexpr double kExactLimit =
-      9007199254740992.0;  // 2^53: beyond it a double no longer tells integers apart
+      9007199254740992.0;  // 2^53: beyond it a double does not represent every integer
   if (const auto* real = std::get_if<double>(&node_->value);
       real != nullptr && std::abs(*real) <= kExactLimit && std::trunc(*real) == *real) {
     integer = static_cast<std::int64_t>(*real);

@@ -1,16 +1,16 @@
-// A cursor over a JSON document that makes every mistake in it one sentence with file, line and key:
+// Cursor over a JSON document. Every error in the document becomes one sentence with file, line and key:
 //
 //   const JsonReader root = JsonReader::FromFile("params.json");
 //   const double gain_db = root.At("receiver").At("gain_db").Number(NumberRange::Between(-200, 200));
 //   if (const auto water = root.Find("water")) ...
 //   root.Finish();  // "params.json:7: unknown key 'receiver.gian_db'; expected one of gain_db, looks"
 //
-// A reader remembers which keys it was asked for. Finish() refuses every other key of the objects that were
-// looked into, so that no line of a configuration is silently without effect.
+// A reader records the keys that are requested. Finish() rejects every other key of the objects that were
+// read, so no line of a configuration is silently ignored.
 //
 // Readers are cheap to copy and share their document, which lives as long as the last of them. Copies in
-// several threads need a lock. All functions throw DataError; see data_io/json/json_document.h for what is
-// refused before a reader exists.
+// several threads need a lock. All functions throw DataError. data_io/json/json_document.h lists what is
+// rejected before a reader exists.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ namespace sonarcal::data_io {
 
 struct JsonNode;
 
-// What a number may be. Every number is finite.
+// Permitted range of a number. Every number is finite.
 struct NumberRange {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -61,7 +61,7 @@ class JsonReader {
   // Objects. A key whose value is null counts as absent.
   JsonReader At(std::string_view key) const;  // required
   std::optional<JsonReader> Find(std::string_view key) const;
-  std::vector<std::pair<std::string, JsonReader>> Members() const;  // by name: any key is welcome
+  std::vector<std::pair<std::string, JsonReader>> Members() const;  // by name; any key is accepted
 
   // Arrays.
   std::vector<JsonReader> Items() const;
@@ -72,7 +72,7 @@ class JsonReader {
   bool Bool() const;
   const std::string& String() const;
 
-  // The value that the string names.
+  // Value that the string names.
   template <HasWords E>
   E Word() const {
     return Word(WordsOf(std::type_identity<E>{}));
@@ -90,11 +90,11 @@ class JsonReader {
   // Throws unless the member "format" is this word.
   void CheckFormat(std::string_view format) const { At("format").Word(Words<bool, 1>{{{format, true}}}); }
 
-  // The number of an optional key: nothing, or `value` left as it is, where the key is absent.
+  // FindNumber: number of an optional key, or nothing. Update: sets `value` if the key is present.
   std::optional<double> FindNumber(std::string_view key, const NumberRange& range = {}) const;
   void Update(std::string_view key, double& value, const NumberRange& range = {}) const;
 
-  // Throws "file:line: 'path' <what>", for checks that span several values.
+  // Throws "file:line: 'path' <what>", for checks of several values.
   [[noreturn]] void Fail(std::string_view what) const;
 
   struct UnknownKey {
@@ -102,10 +102,10 @@ class JsonReader {
     std::string path;
     std::string expected;  // "one of a, b", or "no key"
   };
-  // Keys nobody asked for, of all objects of the document that were looked into, by line.
+  // Keys that were not requested, of all objects of the document that were read, by line.
   std::vector<UnknownKey> UnknownKeys() const;
 
-  // Refuses the first of UnknownKeys().
+  // Throws DataError for the first of UnknownKeys().
   void Finish() const;
 
  private:

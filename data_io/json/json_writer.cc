@@ -17,7 +17,8 @@ std::string Scalar(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// Every element of an array or object, `separate` before each but the first; keys first where it has them.
+// Visits every element of an array or object, with `separate` before each. Writes keys first, if there are
+// any.
 template <typename Separate, typename Write>
 void ForEachElement(const Json& json, Separate separate, Write write) {
   bool first = true;
@@ -42,7 +43,7 @@ bool IsListOfScalars(const Json& json) {
          std::none_of(json.begin(), json.end(), [](const Json& value) { return value.is_structured(); });
 }
 
-// `column` is where the value begins in its line.
+// `column` is the position of the value in its line.
 void Append(const Json& json, int indent, std::size_t column, std::string& text) {
   std::string line = InOneLine(json);
   if (column + line.size() <= kLineWidth || IsListOfScalars(json) || !json.is_structured()) {

@@ -1,8 +1,8 @@
 // Files about an optical camera.
 //
-// Camera: a YAML or XML file as OpenCV's calibration writes it (cv::FileStorage), or ROS's camera_info:
+// Camera: a YAML or XML file as written by OpenCV's calibration (cv::FileStorage), or ROS's camera_info:
 //
-//   image_width: 1280                      # both sizes are needed; pixels
+//   image_width: 1280                      # both sizes are required; pixels
 //   image_height: 960
 //   camera_matrix: !!opencv-matrix         # 3 x 3: fx 0 cx, 0 fy cy, 0 0 1, pixels
 //      rows: 3
@@ -12,21 +12,21 @@
 //   distortion_coefficients: !!opencv-matrix   # k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4]]]; absent: none
 //      ...
 //
-// Other keys are passed over. Refused: skew, fisheye and tilted-sensor models, files over 1 MB, and numbers
-// that are not finite.
+// Other keys are ignored. Rejected: skew, fisheye and tilted-sensor models, files over 1 MB, and non-finite
+// numbers.
 //
-// Port, JSON, lengths in metres, indices relative to air, normal (default: the optical axis) in camera axes:
+// Port, JSON: lengths in metres, indices relative to air, normal (default: the optical axis) in camera axes:
 //
 //   {"format": "sonar-port/1", "distance_m": 0.02, "thickness_m": 0.008, "glass_index": 1.49,
 //    "water_index": 1.333, "normal": [0, 0, 1]}
 //
-// Mount, JSON: takes sonar coordinates to camera coordinates; sigmas are standard deviations an axis.
+// Mount, JSON: converts sonar coordinates to camera coordinates; sigmas are standard deviations per axis.
 //
 //   {"format": "sonar-mount/1",
 //    "camera_from_sonar": {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]},
 //    "sigma": {"position_m": 0.002, "angle_deg": 0.2}}
 //
-// Everything throws DataError with file, line and key.
+// All functions throw DataError with file, line and key.
 #pragma once
 
 #include <filesystem>

@@ -1,13 +1,13 @@
-// Where the markers are, as JSON, and what dictionaries of markers there are.
+// Marker maps as JSON, and the dictionaries of markers.
 //
 //   {"format": "sonar-markers/1", "dictionary": "DICT_4X4_50",
 //    "markers": [{"id": 3, "size_m": 0.15,
 //                 "world_from_marker": {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}}],
 //    "sigma": {"position_m": 0.002, "angle_deg": 0.5}}
 //
-// Axes and corners of a marker: types/marker_map.h. `sigma` may be absent: the map is taken for exact. The
-// dictionary is one of OpenCV's, ArUco's or AprilTag's. Refused: ids that the dictionary does not have, ids
-// given twice, sizes outside 1 mm .. 100 m, more than 10,000 markers. DataError with file, line and key.
+// Axes and corners of a marker: core/types/marker_map.h. Without `sigma` the map is exact. The dictionary is
+// one of OpenCV's, ArUco's or AprilTag's. Rejected: ids that the dictionary does not have, duplicate ids,
+// sizes outside 1 mm .. 100 m, more than 10,000 markers. Throws DataError with file, line and key.
 #pragma once
 
 #include <filesystem>
@@ -21,12 +21,12 @@ namespace sonarcal::data_io {
 struct MarkerDictionary {
   std::string_view name;
   int opencv_code = 0;  // cv::aruco::PREDEFINED_DICTIONARY_NAME
-  int cells = 0;        // along a side, the black border of one cell included
+  int cells = 0;        // cells along a side, including the black border of one cell
   int ids = 0;          // 0 .. ids - 1
 };
 
 const std::vector<MarkerDictionary>& MarkerDictionaries();
-const MarkerDictionary* FindMarkerDictionary(std::string_view name);  // null for none
+const MarkerDictionary* FindMarkerDictionary(std::string_view name);  // null if there is none
 
 MarkerMap ReadMarkerMap(const std::filesystem::path& file);
 void WriteMarkerMap(const std::filesystem::path& file, const MarkerMap& map);

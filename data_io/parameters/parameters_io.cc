@@ -16,7 +16,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "sonar-parameters/1";
 
-// Levels and power ratios that are not absurd: a misplaced decimal point shows, and no formula overflows.
+// Limits of plausible levels and power ratios. They detect a misplaced decimal point and prevent overflow in
+// formulas.
 const NumberRange kLevelDb = NumberRange::Between(-500.0, 500.0);
 const NumberRange kPowerRatio = NumberRange::Between(0.0, 1e30);
 const NumberRange kExponent = NumberRange::Between(0.0, 100.0);
@@ -27,7 +28,7 @@ const NumberRange kSpreadDeg = NumberRange::Between(0.0, 360.0);
 const NumberRange kLooks = NumberRange::AboveUpTo(0.0, 1e6);
 const NumberRange kSlopeDbPerM = NumberRange::Between(-1000.0, 1000.0);
 const NumberRange kDisplayExponent = NumberRange::AboveUpTo(0.0, 10.0);
-const NumberRange kMirrorLossDb = NumberRange::Between(0.0, 200.0);  // a mirror returns no more than it gets
+const NumberRange kMirrorLossDb = NumberRange::Between(0.0, 200.0);  // a mirror does not amplify
 const NumberRange kPositive = NumberRange::AboveUpTo(0.0, 1e12);
 
 DisplayParameters<double> ReadDisplay(const JsonReader& json) {
@@ -229,7 +230,7 @@ Json ParametersJson(const ParameterSet& parameters) {
 
 void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters) {
   const std::string text = JsonText(ParametersJson(parameters));
-  ParseParameters(text, file.string());  // a fit must not leave behind what the next command refuses
+  ParseParameters(text, file.string());  // a fit must not write a file that the next command rejects
   WriteFileWhole(file, text);
 }
 

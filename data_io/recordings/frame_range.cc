@@ -10,7 +10,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-// A number of the range; `absent` where nothing is written.
+// Number of the range; `absent` if the text is empty.
 int ParseBound(std::string_view text, int absent, const std::string& range) {
   if (text.empty()) return absent;
   int value = 0;

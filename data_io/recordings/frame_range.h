@@ -1,5 +1,5 @@
-// Some frames of a recording, chosen on the command line as A:B, like a slice: from frame A up to, not
-// including, B. Either may be left out, and a single number is one frame.
+// Range of frames, given on the command line as A:B, like a slice: from frame A up to, but not including, B.
+// Either may be omitted; a single number is one frame.
 #pragma once
 
 #include <memory>
@@ -16,11 +16,10 @@ struct FrameRange {
   int count() const { return end - begin; }
 };
 
-// Throws UsageError where `text` is no range, and DataError where it names frames that a recording of
-// `frame_count` frames does not have.
+// Throws UsageError if `text` is not a range, and DataError if it names frames beyond `frame_count`.
 FrameRange ParseFrameRange(const std::string& text, int frame_count);
 
-// The chosen frames as a recording of their own, numbered from 0.
+// Selected frames as a recording, numbered from 0.
 class FrameRangeView final : public RecordingSource {
  public:
   FrameRangeView(std::unique_ptr<RecordingSource> recording, FrameRange range);

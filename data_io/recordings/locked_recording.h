@@ -1,4 +1,4 @@
-// A recording that any number of threads may read. Readers of most formats are for one thread.
+// Recording that any number of threads may read. Readers of most formats are single-threaded.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace sonarcal::data_io {
 
-// One thread at a time reads.
+// Lets one thread at a time read.
 class LockedRecording final : public RecordingSource {
  public:
   explicit LockedRecording(std::unique_ptr<RecordingSource> recording) : recording_(std::move(recording)) {}

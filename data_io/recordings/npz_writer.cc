@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little, "arrays are written as
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// The head of a .npy file, version 1.0: magic, length, and a Python dictionary padded to 64 bytes.
+// Header of a .npy file, version 1.0: magic, length, and a Python dictionary padded to 64 bytes.
 // numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 std::string NpyHead(const std::string& type, const std::vector<std::size_t>& shape) {
   std::string tuple;
@@ -41,7 +41,7 @@ std::string NpyHead(const std::string& type, const std::vector<std::size_t>& sha
   return head + dictionary;
 }
 
-// A zip that is written one array after the other.
+// Zip archive that is written array by array.
 class Zip {
  public:
   explicit Zip(const std::filesystem::path& file)
@@ -51,7 +51,7 @@ class Zip {
     Check(archive_write_open_filename(archive_.get(), file.c_str()));
   }
 
-  // Begins an array; as many bytes as its shape makes must follow.
+  // Starts an array. The caller must then write as many bytes as its shape requires.
   void Begin(const std::string& name, const std::string& type, const std::vector<std::size_t>& shape,
              std::size_t bytes_an_element) {
     const std::string head = NpyHead(type, shape);

@@ -4,10 +4,10 @@
 //       dive["images"]            frames x range bins x beams; uint8 or uint16 for grey values, else float32
 //       dive["range_m"]           centres of the range bins
 //       dive["beam_azimuth_deg"]  centres of the beams, leftmost first, positive to the right
-//       dive["time_s"]            of the frames; NaN where unknown
-//       dive["world_from_sonar"]  frames x 4 x 4; NaN where unknown
-//       dive["valid"]             range bins x beams, bool: which samples hold a measurement
-//       json.loads(dive["recording"].item())  what recording.json says, but for the frames' files
+//       dive["time_s"]            per frame; NaN if unknown
+//       dive["world_from_sonar"]  frames x 4 x 4; NaN if unknown
+//       dive["valid"]             range bins x beams, bool: samples that hold a measurement
+//       json.loads(dive["recording"].item())  content of recording.json without the frames' files
 #pragma once
 
 #include <filesystem>
@@ -17,8 +17,8 @@
 
 namespace sonarcal::data_io {
 
-// Writes `file` frame by frame, so that a recording of any length passes in constant memory. Throws DataError
-// where frames differ in their axes, or the file cannot be written.
+// Writes `file` frame by frame, so a recording of any length needs constant memory. Throws DataError if
+// frames differ in their axes, or the file cannot be written.
 void WriteNpz(const RecordingSource& recording, const std::filesystem::path& file,
               const std::function<void(int frames_done)>& progress = {});
 

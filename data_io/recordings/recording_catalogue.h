@@ -1,7 +1,7 @@
-// Public recordings of real imaging sonars, where they come from and under which licence: what
-// `sonarcal recordings` lists and scripts/fetch_recording.sh brings here. None of them is part of sonarcal.
+// Public recordings of real imaging sonars, with their sources and licences. `sonarcal recordings` lists
+// them, scripts/fetch_recording.sh downloads them. None of them is part of sonarcal.
 //
-// To add one: an entry in recording_catalogue.cc, looked at by its author, with the commit that was.
+// To add one: an entry in recording_catalogue.cc, checked by its author, with the commit that was checked.
 #pragma once
 
 #include <filesystem>
@@ -11,19 +11,19 @@
 namespace sonarcal::data_io {
 
 struct PublicRecording {
-  std::string name;  // of its folder among the recordings
+  std::string name;  // name of its folder among the recordings
   std::string sensor;
   std::string shows;
-  std::string licence;  // as its source states it; "none stated" leaves all rights with its makers
+  std::string licence;  // as its source states it; with "none stated" all rights remain with its authors
   std::string source;   // address of a git repository or of a page
-  std::string commit;   // 40 digits, which stand for every byte; empty: not in git, to be fetched by hand
-  // What to take: path in the repository, and what it is called in the folder.
+  std::string commit;   // 40 digits, which identify every byte; empty: not in git, to be downloaded by hand
+  // Files to take: path in the repository, and name in the folder.
   struct Path {
     std::string from;
     std::string to;
   };
   std::vector<Path> paths;
-  // A file of the folder by which it is known, and its SHA-256.
+  // File of the folder that identifies it, and its SHA-256.
   std::string witness;
   std::string witness_sha256;
 };
@@ -32,14 +32,14 @@ const std::vector<PublicRecording>& RecordingCatalogue();
 
 enum class RecordingPresence {
   kAbsent,
-  kPresent,    // the witness is there, byte for byte
-  kDifferent,  // the folder is there, but the witness is absent or another file
+  kPresent,    // the witness is present and identical
+  kDifferent,  // the folder exists, but the witness is absent or different
 };
 
-// Looks in `recordings`/name.
+// Checks `recordings`/name.
 RecordingPresence PresenceOf(const PublicRecording& recording, const std::filesystem::path& recordings);
 
-// Where recordings are looked for: $SONARCAL_RECORDINGS, or recordings/ of the working directory.
+// Folder of recordings: $SONARCAL_RECORDINGS, or recordings/ in the working directory.
 std::filesystem::path DefaultRecordingsFolder();
 
 }  // namespace sonarcal::data_io

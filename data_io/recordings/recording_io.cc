@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Throws where a pixel is not finite or, if grey, beyond 0 .. full_scale.
+// Throws if a pixel is not finite or, if grey, outside 0 .. full_scale.
 void CheckValues(const PolarImage& image, const std::string& what) {
   const bool is_grey = image.scale.quantity == Quantity::kGrey;
   const auto full_scale = static_cast<float>(image.scale.full_scale);
@@ -36,7 +36,7 @@ ImageHeader GreyHeader(const PolarAxes& axes, int bits) {
           .is_float = bits == 32};
 }
 
-// Size and kind are checked before anything is decoded.
+// Size and type are checked before decoding.
 Grid<float> ReadImage(const fs::path& file, const ImageHeader& expected) {
   const ImageFile image(file);
   if (image.header() != expected) {
@@ -116,7 +116,7 @@ void WriteImage(const fs::path& file, const Grid<float>& value, int bits) {
   WriteTiff(file, value);
 }
 
-// A folder has one window, one table of beams and one scale.
+// A folder has one range window, one table of beams and one scale.
 void CheckSameAsFirst(const RecordingInfo& info, const Frame& frame, int index) {
   std::string why;
   if (!info.sonar.axes.Matches(frame.image.axes, &why)) {

@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "sonar-recording/1";
 constexpr const char* kTruthFile = "truth.json";
-// Words of the file. Messages use ToString, which says "grey level".
+// Words of the file. Messages use ToString, which returns "grey level".
 constexpr Words<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
                                              {"decibel", Quantity::kDecibel},
                                              {"power", Quantity::kPower},
@@ -33,14 +33,14 @@ const NumberRange kLevelDb = NumberRange::Between(-1000.0, 1000.0);
 const NumberRange kRangeM = NumberRange::Between(0.0, 1e5);
 const NumberRange kBeamWidthDeg = NumberRange::Between(0.0, 360.0);
 
-// Once, however often a recording is converted.
+// Adds a note once, however often a recording is converted.
 void AddNote(RecordingInfo& info, std::string note) {
   if (std::find(info.notes.begin(), info.notes.end(), note) == info.notes.end()) {
     info.notes.push_back(std::move(note));
   }
 }
 
-// A number that a simulation needs but a display does without: 0, and a note, where it is absent.
+// Number that a simulation needs but a display does not. If it is absent: 0, and a note.
 double NumberOrUnknown(const JsonReader& json, const char* key, const NumberRange& range,
                        RecordingInfo& info) {
   const auto number = json.FindNumber(key, range);
@@ -76,7 +76,7 @@ PolarAxes ReadAxes(const JsonReader& json) {
   return axes;
 }
 
-// One number a beam, or nothing.
+// One number per beam, or nothing.
 std::vector<double> FindPerBeam(const JsonReader& json, const char* key, int beams) {
   const auto found = json.Find(key);
   if (!found) return {};
@@ -120,7 +120,7 @@ Json SettingsJson(const SonarSettings& settings) {
   return json;
 }
 
-// The name of a picture. Nothing outside the folder is ever opened, on any system's idea of a path.
+// Name of a picture. No file outside the folder can be opened, on any operating system.
 std::string ReadFileName(const JsonReader& json) {
   std::string name = json.String();
   const bool is_plain = !name.empty() && name != "." && name != ".." &&
@@ -171,7 +171,7 @@ void ReadImage(const JsonReader& json, RecordingHeader& header) {
   if (const auto valid = json.Find("valid")) header.valid_file = ReadFileName(*valid);
 }
 
-// Settings are those of the recording but where the frame has its own.
+// Settings are those of the recording, unless the frame has its own.
 FrameInfo ReadFrameInfo(const JsonReader& json, const SonarSettings& of_recording) {
   FrameInfo frame;
   frame.name = ReadFileName(json.At("file"));
@@ -214,7 +214,7 @@ void ReadOrigin(const JsonReader& json, const fs::path& folder, RecordingInfo& i
   if (fs::exists(folder / kTruthFile, error)) info.synthetic = true;
 }
 
-// "frames[17].gain" -> "frames[].gain": a key that every frame has is one note, not a thousand.
+// "frames[17].gain" -> "frames[].gain": an unknown key of every frame gives one note, not a thousand.
 std::string WithoutIndices(std::string_view path) {
   std::string text;
   bool inside = false;
@@ -300,7 +300,7 @@ RecordingInfo ReadSonarFile(const fs::path& file) {
   ReadSonar(json.At("sonar"), info);
   if (const auto water = json.Find("water")) info.water = ReadWater(*water);
   json.Finish();
-  // Its notes speak of a recording; here they are about this file.
+  // The notes name a recording; here they must name this file.
   for (std::string& note : info.notes) {
     if (note.starts_with(kRecordingFile))
       note.replace(0, std::string_view(kRecordingFile).size(), info.source);

@@ -1,4 +1,5 @@
-// recording.json to and from plain types; see data_io/recordings/recording_io.h, which is what to include.
+// Converts recording.json to and from plain types. Internal to data_io/recordings/recording_io.h; include
+// that file instead.
 #pragma once
 
 #include <filesystem>
@@ -15,15 +16,15 @@ inline constexpr const char* kRecordingFile = "recording.json";
 
 struct RecordingHeader {
   RecordingInfo info;
-  int bits = 8;                   // of the images: 8, 16, or 32 for float
+  int bits = 8;                   // bits of the images: 8, 16, or 32 for float
   std::vector<FrameInfo> frames;  // `name` is the name of the image file
-  std::string valid_file = {};    // of info.valid, which stands in a picture of its own; empty: none
+  std::string valid_file = {};    // file of info.valid, which is a separate picture; empty: none
 };
 
-// `folder` is where recording.json lies.
+// `folder` contains recording.json.
 RecordingHeader ReadRecordingHeader(const std::filesystem::path& folder);
 
-// `folder` is where the file will lie, absolute; the scene's path is made relative to it.
+// `folder` will contain the file, absolute; the scene's path is made relative to it.
 nlohmann::ordered_json RecordingJson(const RecordingHeader& header, const std::filesystem::path& folder);
 
 }  // namespace sonarcal::data_io

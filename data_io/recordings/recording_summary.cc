@@ -18,7 +18,7 @@ PixelSummary SummarizePixels(const PolarImage& image) {
   summary.median = *middle;
   summary.minimum = *std::min_element(values.begin(), values.end());
   summary.maximum = *std::max_element(values.begin(), values.end());
-  // Only a grey scale clips; in decibels or power the extremes are just the extremes.
+  // Only a grey scale clips; in decibels or power the extremes are not clipped.
   if (image.scale.quantity == Quantity::kGrey) {
     const auto fraction_of = [&](double value) {
       const auto count = std::count(values.begin(), values.end(), static_cast<float>(value));

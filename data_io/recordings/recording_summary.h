@@ -1,5 +1,4 @@
-// The numbers by which people recognise a recording, worked out once for the page of `inspect`, its JSON form
-// and reports.
+// Key values of a recording for the page of `inspect`, its JSON form and reports.
 #pragma once
 
 #include <optional>
@@ -13,8 +12,8 @@ struct PixelSummary {
   double minimum = 0.0;  // in the units of the image's scale
   double median = 0.0;
   double maximum = 0.0;
-  double at_minimum_fraction = 0.0;     // share of pixels with the lowest value the scale can show
-  double at_full_scale_fraction = 0.0;  // share of pixels with the highest
+  double at_minimum_fraction = 0.0;     // fraction of pixels with the lowest value of the scale
+  double at_full_scale_fraction = 0.0;  // fraction of pixels with the highest value of the scale
 };
 
 struct RecordingSummary {
@@ -26,9 +25,10 @@ struct RecordingSummary {
   double beam_spacing_max_deg = 0.0;
   int frames_with_pose = 0;
   int frames_with_time = 0;
-  std::optional<double> duration_s;  // first to last frame, where both carry a time
+  std::optional<double> duration_s;  // first to last frame, if both have a time
   std::optional<PixelSummary> first_frame;
-  std::string first_frame_failure;  // why there is none; empty where there is, or where there are no frames
+  // reason why there is none; empty if there is one, or if there are no frames
+  std::string first_frame_failure;
 
   bool EvenBeams() const {
     return beam_spacing_max_deg - beam_spacing_min_deg < 1e-3 * beam_spacing_mean_deg;

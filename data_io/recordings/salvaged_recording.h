@@ -1,4 +1,4 @@
-// What can be read of a damaged recording: the frames that open, without those that do not.
+// Readable part of a damaged recording: the frames that open, without those that do not.
 #pragma once
 
 #include <functional>
@@ -11,9 +11,9 @@ namespace sonarcal::data_io {
 
 class SalvagedRecording final : public RecordingSource {
  public:
-  // Reads every frame once to see which can be read; `on_frame` follows each. The first ten of those that
-  // cannot are noted with their sentence, and how many there are in all. Throws DataError where none can be
-  // read.
+  // Reads every frame once to find the readable ones; calls `on_frame` after each. Adds notes with the
+  // messages of the first ten unreadable frames, and their total number. Throws DataError if no frame is
+  // readable.
   explicit SalvagedRecording(std::unique_ptr<RecordingSource> recording,
                              const std::function<void(int frames_done)>& on_frame = {});
 

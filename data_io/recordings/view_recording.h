@@ -1,4 +1,4 @@
-// A recording as `sonarcal view` has it: with poses that were given or moved.
+// Recording for `sonarcal view`: with poses that were given or changed.
 #pragma once
 
 #include <memory>
@@ -9,10 +9,10 @@
 
 namespace sonarcal::data_io {
 
-// The same frames from other places; of those without one here, none is known.
+// Recording with other poses. A frame without an entry here has no pose.
 class ReposedRecording final : public RecordingSource {
  public:
-  // One entry a frame.
+  // One entry per frame.
   ReposedRecording(std::shared_ptr<const RecordingSource> recording, std::vector<std::optional<Pose>> poses)
       : recording_(std::move(recording)), poses_(std::move(poses)) {}
 
