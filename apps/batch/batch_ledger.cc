@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
   throw DataError("{}: {}", file.string(), std::strerror(errno));
 }
 
-// A file descriptor that is closed.
+// Owner of a file descriptor, which it closes.
 class Descriptor {
  public:
   Descriptor(const fs::path& file, int flags) : number_(open(file.c_str(), flags | O_CLOEXEC, 0644)) {}
@@ -65,7 +65,7 @@ const std::map<std::string, LedgerState>& BatchLedger::Read() {
   if (!stream) return states_;
   stream.seekg(static_cast<std::streamoff>(bytes_read_));
   for (std::string line; std::getline(stream, line);) {
-    if (stream.eof()) break;  // cut off
+    if (stream.eof()) break;  // incomplete line
     bytes_read_ += line.size() + 1;
     ++lines_read_;
     try {
@@ -85,7 +85,7 @@ void BatchLedger::Append(const std::string& line) const {
   LockWhole(ledger.number(), file_);
   struct stat status = {};
   if (fstat(ledger.number(), &status) != 0) FailOn(file_);
-  // What a power failure left of a line is taken away before the next is written.
+  // Removes the incomplete last line, left by a power failure, before it appends.
   off_t whole = status.st_size;
   for (char last = 0; whole > 0; --whole) {
     if (pread(ledger.number(), &last, 1, whole - 1) != 1) FailOn(file_);

@@ -1,6 +1,6 @@
-// The ledger of a batch: what was begun and what is done, one JSON object a line, only ever added to, so that
-// a batch killed at any moment goes on where it was. Several processes, of several machines that share the
-// folder, may write to it.
+// Ledger of a batch: started and finished jobs, one JSON object per line. Lines are only appended, so that a
+// batch that was killed at any moment can continue. Several processes may write to it, also from several
+// machines that share the folder.
 //
 //   {"job": "tank/0003", "key": "9f2c...", "event": "started"}
 //   {"job": "tank/0003", "key": "9f2c...", "event": "done", "status": 0, "wall_s": 1.25}
@@ -16,7 +16,7 @@ namespace sonarcal::batch {
 
 struct LedgerState {
   enum class Event { kStarted, kDone, kFailed };
-  Event event = Event::kStarted;  // the last one
+  Event event = Event::kStarted;  // latest event
   std::string key;
   int status = 0;
   double wall_s = 0.0;
@@ -25,16 +25,16 @@ struct LedgerState {
 
 class BatchLedger {
  public:
-  // `folder` is there; the ledger is its ledger.jsonl, which need not be.
+  // `folder` must exist. The ledger is its ledger.jsonl, which may be missing.
   explicit BatchLedger(const std::filesystem::path& folder) : file_(folder / "ledger.jsonl") {}
 
   const std::filesystem::path& file() const { return file_; }
 
-  // By job, with what was added since the last call, whoever added it. A last line that was cut off, as by a
-  // power failure, counts as not written. Throws DataError for any other line that is none of a ledger.
+  // Returns the states per job, including lines of other processes since the last call. Ignores an incomplete
+  // last line, such as after a power failure. Throws DataError for any other invalid line.
   const std::map<std::string, LedgerState>& Read();
 
-  // Adds a line, and returns when it lies on the disk.
+  // Append a line. Return when it is on the disk.
   void Started(const std::string& job, const std::string& key) const;
   void Done(const std::string& job, const std::string& key, int status, double wall_s) const;
   void Failed(const std::string& job, const std::string& key, int status, double wall_s,
@@ -49,10 +49,10 @@ class BatchLedger {
   int lines_read_ = 0;
 };
 
-// Holds a job, among all processes that run the batch, as long as it lives. The file stays.
+// Lock on a job, exclusive among all processes that run the batch, during its lifetime. Its file remains.
 class JobLock {
  public:
-  // `wait` waits until the job is free; otherwise held() says whether it was.
+  // `wait`: waits until the job is free. Otherwise held() returns whether it was free.
   JobLock(const std::filesystem::path& folder, const std::string& job, bool wait);
   ~JobLock();
   JobLock(JobLock&& other) noexcept : descriptor_(other.descriptor_) { other.descriptor_ = -1; }

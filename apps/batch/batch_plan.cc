@@ -24,14 +24,14 @@ constexpr std::array<std::string_view, 3> kCommands = {"simulate", "compare", "f
 constexpr std::array<std::string_view, 5> kOwnOptions = {"out", "resume", "json", "quiet", "help"};
 constexpr std::size_t kMostJobs = 100'000;
 
-// An option of an entry, in the order in which the plan has them.
+// An option of an entry, in the order of the plan.
 struct PlannedOption {
   std::string name;
-  std::vector<std::string> values;  // as words of a command line; of a flag "true" or "false"
+  std::vector<std::string> values;  // words of a command line; "true" or "false" for a flag
 };
 using Chosen = std::vector<std::pair<std::string, std::string>>;
 
-// What `read` finds, or nothing where the value is of another kind.
+// Returns the result of `read`, or nullopt if the value has another type.
 template <typename Read>
 auto IfOfThisKind(Read read) -> std::optional<decltype(read())> {
   try {
@@ -41,7 +41,7 @@ auto IfOfThisKind(Read read) -> std::optional<decltype(read())> {
   }
 }
 
-// One value as a word of a command line.
+// Converts one value to a word of a command line.
 std::string WordOf(const data_io::JsonReader& value, const CLI::Option& option) {
   if (option.get_items_expected_max() == 0) return value.Bool() ? "true" : "false";
   if (const auto given = IfOfThisKind([&] { return value.Bool(); })) {
@@ -80,7 +80,7 @@ std::vector<PlannedOption> ReadOptions(const data_io::JsonReader& json, const CL
   return options;
 }
 
-// All combinations of the options' values, the last option running fastest.
+// Returns all combinations of the options' values, with the last option varying fastest.
 std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options,
                                  const data_io::JsonReader& where) {
   std::vector<Chosen> combinations = {{}};
@@ -99,7 +99,7 @@ std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options,
   return combinations;
 }
 
-// Replaces "{out}" and "{option}" by what the job before has.
+// Replaces "{out}" and "{option}" by the values of the previous job.
 std::string Filled(const std::string& text, const BatchJob& before, const fs::path& out,
                    const data_io::JsonReader& where) {
   std::string filled;
@@ -129,9 +129,9 @@ std::vector<std::string> ArgumentsOf(const Chosen& chosen) {
   return arguments;
 }
 
-// What a job reads besides its arguments: the contents of the files that they name; of a recording's folder
-// its recording.json. For the batch's own outputs stands the key of the job before.
-// `digests`: of files read before, as many jobs name the same ones.
+// Hash of all inputs of a job: its arguments and the contents of the files that they name; for a recording
+// folder, of its recording.json. For outputs of the batch itself, the key of the previous job is used.
+// `digests`: cache of files already read, because many jobs name the same ones.
 std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& out,
                   const std::string& key_before, std::map<fs::path, std::string>& digests) {
   std::string text = job.command + '\n' + key_before + '\n';
@@ -211,7 +211,7 @@ class Reader {
     plan_.jobs.push_back(std::move(job));
   }
 
-  // A name becomes a folder.
+  // Checks a name, which becomes a folder.
   std::string NameOf(const data_io::JsonReader& json) const {
     const std::string& name = json.String();
     const bool is_plain = !name.empty() && name.size() <= 100 && name.front() != '.' && name.front() != '-' &&

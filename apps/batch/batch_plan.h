@@ -1,4 +1,4 @@
-// The plan of a batch: which commands run with which options (docs/guide/batch.md).
+// Plan of a batch: commands and their options (docs/guide/batch.md).
 //
 //   {"format": "sonarcal-batch/1",
 //    "entries": [
@@ -8,11 +8,11 @@
 //      {"name": "judged", "command": "compare", "for_each": "tank",
 //       "options": {"real": "recorded", "sim": "{out}"}}]}
 //
-// The options are those of the command, without dashes. A list stands for one job each: an entry's jobs are
-// all combinations of its lists, the last one running fastest. "rows": [{...}, {...}] gives options that
-// belong together, one job a row, combined with the lists. An entry "for_each" another has its jobs once for
-// each of the other's, and runs after them; in its words {out} is that job's output folder, and {params} the
-// value of that job's option. Paths are relative to the plan's folder.
+// Options are those of the command, without dashes. A list has one value per job: the jobs of an entry are
+// all combinations of its lists, with the last list varying fastest. "rows": [{...}, {...}] sets several
+// options together, one job per row, combined with the lists. An entry with "for_each" runs after each job of
+// the named entry. In its words, {out} is the output folder of that job, and {params} the value of that job's
+// option. Paths are relative to the folder of the plan.
 #pragma once
 
 #include <filesystem>
@@ -29,21 +29,21 @@ namespace sonarcal::batch {
 struct BatchJob {
   std::string id;                              // "tank/0003"
   std::string command;                         // "simulate"
-  std::map<std::string, std::string> options;  // as they were resolved; "true" for flags
-  std::vector<std::string> arguments;          // of the command line, after its command, without --out
-  std::string after;                           // id of the job whose output it takes; empty for none
-  std::string key;  // SHA-256 of command, arguments, and contents of the files they name
+  std::map<std::string, std::string> options;  // as resolved; "true" for flags
+  std::vector<std::string> arguments;          // words after the command, without --out
+  std::string after;                           // id of the job whose output it uses; empty: none
+  std::string key;  // SHA-256 of command, arguments, and contents of the named files
 };
 
 struct BatchPlan {
-  std::filesystem::path folder;  // absolute: where paths of the jobs are relative to
-  std::vector<BatchJob> jobs;    // each after the one it needs
+  std::filesystem::path folder;  // absolute; paths of the jobs are relative to it
+  std::vector<BatchJob> jobs;    // each after the one that it needs
 };
 
-// `out` is the batch's folder, absolute; jobs write into its folders <id>. `root` has the commands, for their
-// options' names. Throws DataError with file, line and key for what is wrong in the plan: names that stand
-// twice, commands that a batch does not run, options that a command does not have or that are the batch's own
-// (out, resume, json, quiet), words in braces that mean nothing, more than 100,000 jobs.
+// Reads a plan. `out`: folder of the batch, absolute; jobs write into its folders <id>. `root`: the commands
+// with their options. Throws DataError with file, line and key for errors in the plan: duplicate names,
+// commands that a batch does not run, unknown options or those of the batch itself (out, resume, json,
+// quiet), unknown words in braces, more than 100,000 jobs.
 BatchPlan ReadBatchPlan(const std::filesystem::path& file, const std::filesystem::path& out,
                         const CLI::App& root);
 

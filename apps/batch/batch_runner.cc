@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(20);
 
-// A comparison that passed a threshold is done: its output lies there.
+// A comparison that exceeded a threshold is done: it has written its output.
 bool IsDoneStatus(int status) {
   return status == static_cast<int>(cli::ExitStatus::kDone) ||
          status == static_cast<int>(cli::ExitStatus::kThreshold);
@@ -89,7 +89,7 @@ std::vector<std::string> BatchRunner::CommandLineOf(const BatchJob& job) const {
     const int threads = settings_.threads > 0 ? settings_.threads : std::max(1, cores / settings_.processes);
     line.insert(line.end(), {"--threads", fmt::format("{}", threads)});
   }
-  if (job.command == "simulate") line.emplace_back("--resume");  // goes on where a killed run was
+  if (job.command == "simulate") line.emplace_back("--resume");  // continues a killed run
   line.insert(line.end(), {"--quiet", "--out", (out_ / job.id).string()});
   return line;
 }
@@ -103,9 +103,10 @@ bool BatchRunner::TakeFoundOutput(const BatchJob& job) {
         "{}: is there already, and the ledger does not know it: move it away, or take another --out",
         output.string());
   }
-  // What an interrupted simulation wrote may be its first frames alone: --resume makes the rest, if any.
+  // The output of an interrupted simulation may be incomplete: --resume makes the rest.
   if (state->event == LedgerState::Event::kStarted && job.command == "simulate") return false;
-  // Outputs of the others appear whole, so that this one is; but what a comparison's thresholds said is lost.
+  // Other commands write their output as a whole, so it is complete. But the result of the thresholds of a
+  // comparison is lost.
   if (state->event == LedgerState::Event::kStarted && !job.options.contains("fail-above")) {
     ledger_.Done(job.id, job.key, 0, 0.0);
     return true;
@@ -118,13 +119,13 @@ void BatchRunner::WriteEnd(const BatchJob& job, int status, double wall_s) {
   if (IsDoneStatus(status)) return ledger_.Done(job.id, job.key, status, wall_s);
   std::string why = LastSentence(LogOf(job));
   if (why.empty()) why = fmt::format("ended with status {}", status);
-  fs::remove_all(out_ / job.id);  // what an interrupted simulation wrote so far
+  fs::remove_all(out_ / job.id);  // incomplete output of a simulation
   ledger_.Failed(job.id, job.key, status, wall_s, why);
 }
 
 bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const LedgerState& state)>& on_job,
                          const std::function<bool()>& stop) {
-  std::map<std::string, bool> succeeded;  // of jobs that ended, in this run or an earlier one
+  std::map<std::string, bool> succeeded;  // jobs that ended, in this run or an earlier one
   std::list<const BatchJob*> waiting;
   for (const BatchJob& job : plan_.jobs) {
     if (IsDone(job)) {
@@ -140,7 +141,7 @@ bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const Led
     on_job(job, state);
   };
   while (!waiting.empty() || !running.empty()) {
-    if (stop()) return false;  // the processes end with their objects
+    if (stop()) return false;  // the destructors end the processes
     for (auto one = running.begin(); one != running.end();) {
       const std::optional<int> status = one->process.Ended();
       if (!status) {
@@ -160,13 +161,13 @@ bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const Led
         ++next;
         continue;
       }
-      if (!job.after.empty() && !before->second) {  // its input will not come
+      if (!job.after.empty() && !before->second) {  // its input will not be made
         succeeded[job.id] = false;
         next = waiting.erase(next);
         continue;
       }
       JobLock lock(out_, job.id, /*wait=*/false);
-      if (!lock.held()) {  // another process has it
+      if (!lock.held()) {  // held by another process
         ++next;
         continue;
       }

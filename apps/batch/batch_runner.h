@@ -1,5 +1,5 @@
-// Runs the jobs of a batch by processes, and keeps its ledger. Killed at any moment and run again it goes on;
-// several may run one batch at a time, on machines that share its folder.
+// Runs the jobs of a batch as processes and writes its ledger. If killed at any moment, it continues when run
+// again. Several runners may work on one batch, on machines that share its folder.
 #pragma once
 
 #include <filesystem>
@@ -16,28 +16,28 @@ namespace sonarcal::batch {
 enum class JobState { kWaiting, kDone, kFailed };
 
 struct BatchSettings {
-  int processes = 1;  // jobs at a time
-  int threads = 0;    // of each job, where its command takes --threads; 0: the cores divided among them
+  int processes = 1;  // number of jobs at the same time
+  int threads = 0;    // per job, if its command has --threads; 0: divides the cores among them
 };
 
 class BatchRunner {
  public:
-  // `out` is there, absolute. Throws DataError where its ledger has a job of the plan with another key.
+  // `out` must exist and be absolute. Throws DataError if its ledger has a job of the plan with another key.
   BatchRunner(BatchPlan plan, const std::filesystem::path& out, const BatchSettings& settings);
 
   const BatchPlan& plan() const { return plan_; }
 
-  // By the ledger as it is now, in the order of the plan.
+  // Return the states by the present ledger, in the order of the plan.
   std::vector<LedgerState> States();
   std::vector<JobState> JobStates();
 
-  // Runs all that is not done, once each; jobs after one that failed are left. `on_job` is told of each that
-  // ends. Stops, its processes killed, where `stop` says so; then the answer is false.
+  // Runs all jobs that are not done, once each, except those after a failed job. Calls `on_job` after each
+  // job. If `stop` returns true, kills its processes and returns false.
   bool RunAll(const std::function<void(const BatchJob& job, const LedgerState& state)>& on_job,
               const std::function<bool()>& stop);
 
-  // Runs one job here, unless it is done, waiting while another process has it. Throws DataError where there
-  // is none of that name, or the job before it is not done.
+  // Runs one job in this process, unless it is done. Waits while another process holds it. Throws DataError
+  // for an unknown name, or if the job before it is not done.
   LedgerState RunOnly(const std::string& id);
 
  private:
@@ -47,7 +47,8 @@ class BatchRunner {
   std::vector<std::string> CommandLineOf(const BatchJob& job) const;
   const LedgerState* StateOf(const BatchJob& job);
   bool IsDone(const BatchJob& job);
-  // Whether the job's whole output lies there, from a run that was killed before it could say so.
+  // Records and returns true if the complete output exists, from a run that was killed before it recorded
+  // this.
   bool TakeFoundOutput(const BatchJob& job);
   void WriteEnd(const BatchJob& job, int status, double wall_s);
 

@@ -23,8 +23,8 @@ std::optional<Json> ReadIfThere(const std::filesystem::path& file) {
   return json;
 }
 
-// The ratios and the intensity errors of a comparison: "iou", "intensity_error.polar". The rest, which would
-// make a table of a hundred columns and more, lies beside the job.
+// Ratios and intensity errors of a comparison: "iou", "intensity_error.polar". The rest would make a hundred
+// columns and more; it is in the output of the job.
 void TakeNumbers(const Json& json, const std::string& prefix, Json& figures) {
   for (const auto& [name, value] : json.items()) {
     if (value.is_number()) figures[prefix + name] = value;

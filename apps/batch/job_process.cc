@@ -19,12 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kCouldNotStart = 127;
 
-// Between fork and exec only what is safe in a program with threads.
+// Runs between fork and exec, so it calls only functions that are safe in a program with threads.
 [[noreturn]] void Become(const char* program, char* const* arguments, const char* folder, int log,
                          pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kCouldNotStart);  // it ended before the line above
+  if (getppid() != parent) _exit(kCouldNotStart);  // the parent ended before the line above
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

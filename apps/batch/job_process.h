@@ -1,4 +1,4 @@
-// One job of a batch as a process of this program: it ends with its parent, however that ends.
+// One job of a batch as a process of this program. It ends whenever its parent ends.
 #pragma once
 
 #include <sys/types.h>
@@ -13,18 +13,18 @@ namespace sonarcal::batch {
 
 class JobProcess {
  public:
-  // Runs `sonarcal ARGUMENTS` in `folder`, its standard output and error going to `log`, whose folder is
-  // made. It is in a group of its own, so that Ctrl-C on a terminal reaches the batch alone. Throws DataError
-  // where it cannot be started.
+  // Runs `sonarcal ARGUMENTS` in `folder`, with standard output and error to `log`, whose folder is created.
+  // The process has its own group, so that Ctrl-C on a terminal reaches only the batch. Throws DataError if
+  // it cannot be started.
   JobProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
              const std::filesystem::path& log);
-  ~JobProcess();  // kills it if it still runs, and waits for its end
+  ~JobProcess();  // kills the process if it still runs, and waits for its end
   JobProcess(JobProcess&& other) noexcept;
   JobProcess(const JobProcess&) = delete;
   JobProcess& operator=(const JobProcess&) = delete;
   JobProcess& operator=(JobProcess&&) = delete;
 
-  // Its exit status once it has ended (128 + signal where a signal ended it), without waiting.
+  // Returns its exit status if it has ended (128 + signal after a signal). Does not wait.
   std::optional<int> Ended();
   int Wait();
 
@@ -37,7 +37,7 @@ class JobProcess {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// The last sentence that the program wrote to its log; empty where it wrote none.
+// Returns the last sentence of the program in its log; empty if there is none.
 std::string LastSentence(const std::filesystem::path& log);
 
 }  // namespace sonarcal::batch

@@ -1,4 +1,5 @@
-// Options structs (core/types/option.h) on the command line: "region_range" becomes "--region-range".
+// Adds the options of an options struct (core/types/option.h) to the command line: "region_range" becomes
+// "--region-range".
 //
 //   workflow::RayOptions options;
 //   AddOptions(*command, options);
@@ -36,7 +37,7 @@ struct OptionText<metrics::PolygonCorner> {
   static constexpr const char* kExpected = "RANGE:AZIMUTH in m and degrees, such as 1.5:-4,1.5:4,2:0";
 };
 
-// Files are read as soon as the command line is parsed. Throw DataError if a file cannot be used.
+// Reads files while the command line is parsed. Throws DataError if a file cannot be used.
 template <>
 struct OptionText<FromFile<ParameterSet>> {
   static bool Parse(const std::string& text, FromFile<ParameterSet>& value);
@@ -73,7 +74,7 @@ struct OptionText<FromFile<Mask>> {
 
 namespace sonarcal::cli {
 
-// "region_range" -> "--region-range".
+// Converts "region_range" to "--region-range".
 std::string OptionFlag(std::string_view name);
 
 namespace internal {
@@ -83,7 +84,7 @@ std::string RangeText(const OptionInfo& info);
 
 }  // namespace internal
 
-// Adds one option whose value goes to `value`, which holds the default.
+// Adds one option. `value` holds the default and receives the value.
 template <typename T>
 CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
   const std::string flag = OptionFlag(info.name);
@@ -119,7 +120,7 @@ void AddOptions(CLI::App& command, Options& options) {
   Options::Visit(options, [&](const OptionInfo& info, auto& value) { AddOption(command, info, value); });
 }
 
-// Adds the option with this name alone. The name must be one of the struct's.
+// Adds only the option with this name. The name must be one of the struct's.
 template <typename Options>
 CLI::Option* AddOptionNamed(CLI::App& command, Options& options, std::string_view name) {
   CLI::Option* added = nullptr;
@@ -129,7 +130,7 @@ CLI::Option* AddOptionNamed(CLI::App& command, Options& options, std::string_vie
   return added;
 }
 
-// All options by name, for provenance.
+// Returns all options by name, for provenance.
 template <typename Options>
 nlohmann::ordered_json OptionsJson(const Options& options) {
   nlohmann::ordered_json json;
@@ -147,7 +148,7 @@ nlohmann::ordered_json OptionsJson(const Options& options) {
   return json;
 }
 
-// The words of a command line that set the options whose values differ from the default.
+// Returns the words of a command line that set all options that differ from the default.
 template <typename Options>
 std::vector<std::string> OptionWords(const Options& options) {
   const Options by_default{};

@@ -1,5 +1,5 @@
-// What a command is told of a ROS bag: which of its topics is the sonar's, and how its samples lie; and of
-// pictures, where their pixels lie.
+// Options for reading a ROS bag (the topic of the sonar, the order of samples) and pictures (the geometry of
+// their pixels).
 #pragma once
 
 #include <filesystem>
@@ -17,11 +17,11 @@ struct BagArguments {
   bool operator==(const BagArguments&) const = default;
 };
 
-// --topic, --sample-order, --mirror and --picture-geometry.
+// Adds --topic, --sample-order, --mirror and --picture-geometry.
 void AddBagOptions(CLI::App& command, BagArguments& arguments);
 
-// A recording of any format; of a bag, what the options say. Throws UsageError where they say something and
-// the recording is no bag.
+// Opens a recording of any format; a bag with these options. Throws UsageError if options are given and the
+// recording is not a bag.
 std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
                                                     const BagArguments& arguments);
 

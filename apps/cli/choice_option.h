@@ -1,4 +1,4 @@
-// An option whose value is one of a few words (core/types/words.h).
+// Adds an option whose value is one of a few words (core/types/words.h).
 //
 //   AddChoice(*command, "--sampling", options->sampling, "How rays are spread");
 #pragma once
@@ -36,7 +36,7 @@ CLI::Option* AddChoice(CLI::App& command, const std::string& name, E& value, con
       ->default_str(std::string(ToString(value)));
 }
 
-// Without a default: nothing if the option is not given.
+// As above without a default: nullopt if the option is not given.
 template <HasWords E>
 CLI::Option* AddChoice(CLI::App& command, const std::string& name, std::optional<E>& value,
                        const std::string& description) {

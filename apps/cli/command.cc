@@ -19,7 +19,7 @@
 namespace sonarcal::cli {
 namespace {
 
-// Sentences may quote what the user typed; a line break in it would make two sentences of one.
+// Replaces line breaks. A sentence may quote user input, and a line break in it would make two sentences.
 std::string OneLine(std::string text) {
   for (char& c : text) {
     if (c == '\n' || c == '\r') c = ' ';
@@ -33,17 +33,17 @@ int Fail(ExitStatus status, std::string_view sentence) {
   return static_cast<int>(status);
 }
 
-// An exception that leaves a thread no one waits for can't be caught: say one sentence all the same.
+// Reports an exception that leaves a thread. It cannot be caught, but the user gets one sentence.
 [[noreturn]] void Terminate() {
   Fail(ExitStatus::kFailed, "internal error: an exception left its thread; please report this");
   RemoveUnfinishedOutputs();
   std::_Exit(static_cast<int>(ExitStatus::kFailed));
 }
 
-// "sonarcal inspect" where that command was chosen, "sonarcal" where none was.
+// The selected command: "sonarcal inspect", or "sonarcal" without one.
 struct ChosenCommand {
   const CLI::App* app;
-  std::string parent;  // what stands before its name on a command line
+  std::string parent;  // words before its name on a command line
 
   std::string path() const { return parent.empty() ? app->get_name() : parent + ' ' + app->get_name(); }
 };
@@ -89,7 +89,7 @@ int ParseAndRun(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
     return static_cast<int>(ExitStatus::kDone);
-  } catch (const CLI::RuntimeError& error) {  // how OnRun hands over a status
+  } catch (const CLI::RuntimeError& error) {  // OnRun returns a status in this way
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return ParseFailure(app, error);
@@ -159,7 +159,7 @@ void PrintNote(const CommonOptions& common, std::string_view sentence) {
 }
 
 void PrintError(std::string_view sentence) {
-  std::cout.flush();  // so that results and errors keep their order where both go to one terminal
+  std::cout.flush();  // keeps the order of results and errors on a common terminal
   std::cerr << "sonarcal: " << OneLine(std::string(sentence)) << std::endl;
 }
 

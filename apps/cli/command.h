@@ -1,5 +1,5 @@
-// The frame every command of `sonarcal` hangs in: a command is an options struct, a `Setup...` that describes
-// it to CLI11, and a `Run...` that does the work and can be called without a shell.
+// Common part of all commands of `sonarcal`. A command is an options struct, a `Setup...` that describes it
+// to CLI11, and a `Run...` that does the work and can be called without a shell.
 //
 //   void SetupInspect(CLI::App& app) {
 //     auto options = std::make_shared<InspectOptions>();
@@ -8,9 +8,10 @@
 //     OnRun(command, options->common, [options] { return RunInspect(*options); });
 //   }
 //
-// To add a command: write its file, declare its Setup in apps/commands/commands.h, call it in apps/commands/sonarcal.cc.
+// To add a command: write its file, declare its Setup in apps/commands/commands.h, call it in
+// apps/commands/sonarcal.cc.
 //
-// Results go to stdout, everything else to stderr. A failure costs one sentence on stderr, "sonarcal: ...".
+// Results go to stdout, everything else to stderr. A failure prints one sentence on stderr, "sonarcal: ...".
 #pragma once
 
 #include <functional>
@@ -28,46 +29,46 @@ namespace sonarcal::cli {
 
 enum class ExitStatus {
   kDone = 0,
-  kFailed = 1,         // bad data, or a run that failed
+  kFailed = 1,         // bad data, or a failed run
   kUsage = 2,          // wrong command line
-  kNoSolution = 3,     // a fit ended without a usable solution
-  kThreshold = 4,      // a threshold given with --fail-above was passed
-  kInterrupted = 130,  // by SIGINT or SIGTERM, with what was finished in its place (apps/cli/interruption.h)
+  kNoSolution = 3,     // a fit has no usable solution
+  kThreshold = 4,      // a figure exceeded a threshold of --fail-above
+  kInterrupted = 130,  // by SIGINT or SIGTERM; finished outputs are kept (apps/cli/interruption.h)
 };
 
-// What every command takes.
+// Options of every command.
 struct CommonOptions {
-  bool json = false;   // results as JSON on stdout
-  bool quiet = false;  // nothing on stderr but errors
-  bool force = false;  // of commands with --out DIR (apps/cli/run_output.h): write whatever the folder holds
+  bool json = false;   // prints results as JSON on stdout
+  bool quiet = false;  // prints only errors on stderr
+  bool force = false;  // for commands with --out DIR (apps/cli/run_output.h): writes into any folder
 };
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description);
 
-// Ends a command's Setup: adds the common options, and says what the command does once its line has been
-// read. Its exit status becomes the program's. `common` belongs to the options struct that `run` holds.
+// Ends a command's Setup: adds the common options and sets the function that runs the command. Its exit
+// status becomes that of the program. `common` belongs to the options struct that `run` holds.
 void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()> run);
 
-// The root of the command line, ready for Setup functions: version, help layout, "one command is required".
-// A unit and a default belong on every line of help: the unit in the type name or the description, the
-// default is added by the layout.
+// Prepares the root of the command line for Setup functions: version, help layout, "one command is required".
+// Every line of help has a unit and a default. The unit is in the type name or the description; the layout
+// adds the default.
 void SetUpRoot(CLI::App& app);
 
-// Parses, runs the chosen command, and turns every way of failing into one sentence and an exit status.
-// SIGINT and SIGTERM end the program after unfinished outputs have been removed (apps/cli/run_output.h), or,
-// where the command can keep what is finished, ask it to (apps/cli/interruption.h).
+// Parses the command line and runs the selected command. Converts every failure to one sentence and an exit
+// status. SIGINT and SIGTERM remove unfinished outputs (apps/cli/run_output.h) and end the program. If the
+// command can keep finished outputs, they ask it to stop (apps/cli/interruption.h).
 int RunApp(CLI::App& app, int argc, const char* const* argv);
 
-// The words of the command line, as RunApp was given them. For provenance.
+// Returns the words of the command line of RunApp, for provenance.
 const std::vector<std::string>& CommandLine();
 
-// One sentence for people on stderr, unless --quiet.
+// Prints a message on stderr, unless --quiet.
 void PrintNote(const CommonOptions& common, std::string_view sentence);
 
-// A failure that does not end the command, such as one bad file of several. Printed in spite of --quiet.
+// Prints a failure that does not end the command, such as one bad file of several. Ignores --quiet.
 void PrintError(std::string_view sentence);
 
-// Results on stdout.
+// Print results on stdout.
 void PrintResult(std::string_view text);
 void PrintJson(const nlohmann::ordered_json& json);
 

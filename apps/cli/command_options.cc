@@ -9,7 +9,7 @@
 namespace sonarcal::cli {
 namespace {
 
-// "frustum|beams" -> the two words; nothing for "NAME|FILE", which are not words to type.
+// Splits "frustum|beams" into its words. Returns none for "NAME|FILE", which are placeholders.
 std::vector<std::string> WordsOf(const std::string& value) {
   const bool has_capitals =
       std::any_of(value.begin(), value.end(), [](unsigned char c) { return std::isupper(c) != 0; });

@@ -1,4 +1,4 @@
-// What a command takes, as documentation shows it.
+// An argument or option of a command, for documentation.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 namespace sonarcal::cli {
 
 struct DocumentedOption {
-  std::vector<std::string> names;  // "-q", "--quiet"; of an argument its name, "FILE"
+  std::vector<std::string> names;  // "-q", "--quiet"; for an argument its name, "FILE"
   std::string value;               // "DIR", "paper|acoustic"; empty for flags and arguments
-  std::string description;         // with "(required)" or "(default: 8)" at its end
-  std::vector<std::string> words;  // what the value may be, where it is one of a few
+  std::string description;         // ends with "(required)" or "(default: 8)"
+  std::vector<std::string> words;  // possible values, if they are a few words
   bool is_argument = false;
 };
 
-// The commands that users see, in the order of --help.
+// Returns the commands that users see, in the order of --help.
 std::vector<const CLI::App*> DocumentedCommands(const CLI::App& root);
 
 std::vector<DocumentedOption> DocumentedOptions(const CLI::App& command);

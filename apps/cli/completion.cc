@@ -9,7 +9,7 @@
 namespace sonarcal::cli {
 namespace {
 
-// Within single quotes of a shell.
+// Quotes text with single quotes of a shell.
 std::string Quoted(const std::string& text) {
   std::string quoted = "'";
   for (const char c : text) {
@@ -26,7 +26,7 @@ std::string Joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-// The description up to what it says of defaults, without what zsh takes for the end of it.
+// Description without its default, and without characters that end it in zsh.
 std::string Short(const DocumentedOption& option) {
   std::string text;
   for (const char c : option.description.substr(0, option.description.find(" ("))) {

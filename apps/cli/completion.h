@@ -1,5 +1,5 @@
-// Completion for shells, made from the commands themselves: names of commands, options of each, and the words
-// of options that take one of a few; file names elsewhere.
+// Shell completion, generated from the commands: their names, their options, and the words of options with a
+// few values. Other values complete as file names.
 #pragma once
 
 #include <string>

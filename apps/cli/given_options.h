@@ -25,7 +25,7 @@ void RefuseGivenExcept(const CLI::App& command, const OptionNames& names, std::s
 // Throws UsageError for settings of other segmentation methods than the chosen one.
 void RefuseUnusedSegmentation(const CLI::App& command, const workflow::ComparisonOptions& options);
 
-// --scene-unit and --scene-up without --scene.
+// Throws UsageError for --scene-unit and --scene-up without --scene.
 void RefuseSceneFormatAlone(const CLI::App& command);
 
 }  // namespace sonarcal::cli

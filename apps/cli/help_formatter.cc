@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kColumnWidth = 30;
 constexpr std::size_t kLineWidth = 100;
 
-// Appends `text` from column kColumnWidth on, broken between words.
+// Appends `text` from column kColumnWidth on, with line breaks between words.
 void AppendWrapped(std::string& out, const std::string& text, std::size_t column) {
   if (column + 1 >= kColumnWidth) {
     out += '\n';

@@ -1,4 +1,5 @@
-// Layout of --help: one line an option, its value's name or unit beside it, its default at the end.
+// Layout of --help: one line per option, with the name or unit of its value beside it and its default at the
+// end.
 #pragma once
 
 #include <string>
@@ -15,7 +16,8 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_option(const CLI::Option* option, bool is_positional) const override;
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override;
   std::string make_usage(const CLI::App* app, std::string name) const override;
-  // CLI11 says "[At least 1 of the following options are required]" of a required subcommand.
+  // Without the text of CLI11 for a required subcommand, "[At least 1 of the following options are
+  // required]".
   std::string make_description(const CLI::App* app) const override;
 };
 

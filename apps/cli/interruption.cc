@@ -17,7 +17,7 @@ namespace {
 std::atomic<bool> command_can_stop = false;
 std::atomic<bool> command_was_asked = false;
 
-// By the signal, as a shell expects it.
+// Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
   RemoveUnfinishedOutputs();
   std::cerr << "\nsonarcal: " << why << std::endl;
@@ -32,7 +32,7 @@ void WaitForSignals(const sigset_t& signals) {
   if (sigwait(&signals, &signal) != 0) return;
   if (!command_can_stop) EndBy(signal, signals, "interrupted, unfinished outputs were removed");
   command_was_asked = true;
-  // Most commands stop within a moment; where one does not, its user should not wonder.
+  // Most commands stop at once. For others, a message tells the user to wait.
   constexpr timespec kMoment = {1, 0};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
   if (again < 0) {
@@ -57,8 +57,8 @@ bool Interruption::asked() const {
   return command_was_asked;
 }
 
-// Removing folders is nothing a signal handler may do, so a thread of its own waits for the signals, which
-// all others block.
+// A signal handler must not remove folders. So a separate thread waits for the signals, and all others block
+// them.
 void HandleSignals() {
   sigset_t signals;
   sigemptyset(&signals);

@@ -1,5 +1,5 @@
-// What SIGINT (Ctrl-C), SIGTERM and SIGHUP do: end the program, after unfinished outputs have been removed. A
-// long command that can come to an end in good order says so:
+// Effect of SIGINT (Ctrl-C), SIGTERM and SIGHUP: they remove unfinished outputs and end the program. A long
+// command that can stop and keep its finished outputs declares it:
 //
 //   const Interruption interruption;
 //   for (...; !interruption.asked(); ...) { ... }
@@ -8,7 +8,8 @@
 
 namespace sonarcal::cli {
 
-// While one lives, the first signal only asks; a second ends the program at once. One at a time.
+// During the lifetime of an object, the first signal only sets asked(). A second one ends the program at
+// once. Only one object may exist at a time.
 class Interruption {
  public:
   Interruption();
@@ -19,7 +20,7 @@ class Interruption {
   bool asked() const;
 };
 
-// Takes charge of the signals, once in a program and before it has other threads.
+// Starts handling the signals. Must be called once, before the program starts other threads.
 void HandleSignals();
 
 }  // namespace sonarcal::cli

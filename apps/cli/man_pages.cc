@@ -9,7 +9,7 @@
 namespace sonarcal::cli {
 namespace {
 
-// Text of a roff line: hyphens that are typed stay hyphens, and no line begins as a request does.
+// Escapes text for roff: hyphens stay hyphens, and no line begins like a request.
 std::string Roff(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

@@ -1,4 +1,4 @@
-// Manual pages made from the commands themselves, so that they say what --help says.
+// Manual pages, generated from the commands, so that they agree with --help.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@ class App;
 
 namespace sonarcal::cli {
 
-// roff (man macros) of "sonarcal.1": what the program is, its commands, exit statuses. `version` as in
+// Returns roff (man macros) of "sonarcal.1": purpose of the program, commands, exit statuses. `version` as in
 // --version.
 std::string ProgramManPage(const CLI::App& root, const std::string& version);
 
-// roff of "sonarcal-NAME.1": usage, arguments and options with their defaults.
+// Returns roff of "sonarcal-NAME.1": usage, arguments and options with their defaults.
 std::string CommandManPage(const CLI::App& command, const std::string& version);
 
 }  // namespace sonarcal::cli

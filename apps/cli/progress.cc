@@ -43,7 +43,7 @@ Progress::~Progress() {
 
 void Progress::Show(int done) {
   if (settings_.stream == nullptr) return;
-  // A thread never waits to show its progress: another is showing it.
+  // A thread never waits to show its progress: another one is showing it.
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return;
   const double now_s = settings_.now_s();

@@ -1,5 +1,5 @@
-// How far a long run is, on stderr: a bar on a terminal, a plain line now and then elsewhere (a log), nothing
-// with --quiet. Work of less than a second shows nothing at all.
+// Progress of a long run on stderr: a bar on a terminal, a plain line now and then otherwise (in a log),
+// nothing with --quiet. Work of less than a second shows nothing.
 #pragma once
 
 #include <atomic>
@@ -13,36 +13,39 @@
 
 namespace sonarcal::cli {
 
-// Where and how progress is shown. The defaults of a program; tests give their own clock and stream.
+// Destination and form of progress. Standard returns those of the program; tests set their own clock and
+// stream.
 struct ProgressSettings {
   std::ostream* stream = nullptr;  // nullptr shows nothing
-  bool terminal = false;           // a bar that redraws itself, rather than lines
+  bool terminal = false;           // a bar that redraws itself, instead of lines
   std::function<double()> now_s;   // a steady clock, seconds
 
   static ProgressSettings Standard(bool quiet);
 };
 
+// Reports the progress of a loop.
+//
 //   Progress progress("Simulating", frame_count, options.common);
 //   for (...) { ...; progress.Advance(); }
 class Progress {
  public:
-  // `total` is the number of steps; with 0, only what is done is counted. Where the steps have a name
-  // ("frames"), their number a second is shown.
+  // `total`: number of steps; 0: unknown, shows the number of finished steps. `unit`: name of the steps
+  // ("frames"); with it the steps per second are shown.
   Progress(std::string title, int total, const CommonOptions& common, std::string unit = {})
       : Progress(std::move(title), total, ProgressSettings::Standard(common.quiet), std::move(unit)) {}
   Progress(std::string title, int total, ProgressSettings settings, std::string unit = {});
-  ~Progress();  // takes the bar away
+  ~Progress();  // removes the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Any thread may call these, as often as it likes.
+  // Thread-safe; may be called at any rate.
   void Advance(int steps = 1) { Show(done_.fetch_add(steps) + steps); }
   void Update(int done) {
     done_ = done;
     Show(done);
   }
 
-  // A step that took no time, as it was done in an earlier run: it counts as done, but to no rate.
+  // Counts a step of an earlier run as done, but not in the rate.
   void Skip() {
     ++skipped_;
     ++done_;
@@ -59,7 +62,7 @@ class Progress {
   double start_s_ = 0.0;
   std::atomic<int> done_ = 0;
   std::atomic<int> skipped_ = 0;
-  std::mutex mutex_;  // guards the stream and what follows
+  std::mutex mutex_;  // guards the stream and the members below
   double next_show_s_ = 0.0;
   bool bar_drawn_ = false;
 };

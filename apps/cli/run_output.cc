@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kProvenance = "provenance.json";
 
-// Never destroyed: the thread that waits for signals may look at it while the program ends.
+// Never destroyed, because the thread that waits for signals may use it while the program ends.
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> staging;
@@ -53,7 +53,7 @@ struct EarlierRun {
   std::vector<fs::path> outputs;
 };
 
-// The run that wrote the folder, from provenance.json; nullopt if unknown.
+// Run that wrote the folder, from provenance.json; nullopt if unknown.
 std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
   const Json json = ReadLeniently(folder / kProvenance);
   if (!json.is_object() || json.value("program", Json()) != "sonarcal") return std::nullopt;
@@ -67,7 +67,7 @@ std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
   return run;
 }
 
-// Outputs of the run whose place this folder's new outputs take.
+// Outputs of an earlier run that the new outputs replace.
 std::vector<fs::path> OutputsToReplace(const fs::path& folder, const std::string& command, bool force) {
   if (!HoldsAnything(folder)) return {};
   const std::optional<EarlierRun> earlier = ReadEarlierRun(folder);
@@ -142,7 +142,7 @@ RunOutput::~RunOutput() {
 void RemoveUnfinishedOutputs() {
   const std::lock_guard lock(Unfinished().mutex);
   for (const fs::path& staging : Unfinished().staging) {
-    // Other threads still write: a file that appears during the removal makes it fail, so try again.
+    // Repeats the removal: it fails if another thread writes a file meanwhile.
     std::error_code error;
     for (int attempt = 0; attempt < 10; ++attempt) {
       fs::remove_all(staging, error);

@@ -1,8 +1,8 @@
-// The output folder of one run of a command: data_io's OutputDirectory, which also goes when the program is
-// interrupted, and which carries a provenance.json.
+// Output folder of one run of a command: OutputDirectory of data_io, which is also removed when the program
+// is interrupted, with a provenance.json.
 //
 // A folder belongs to one command. provenance.json lists the files that a run wrote (`outputs`), and the next
-// run removes those that it does not replace. A folder that holds anything else is refused without --force.
+// run removes those that it does not replace. A folder with other contents is refused without --force.
 #pragma once
 
 #include <filesystem>
@@ -18,14 +18,16 @@ class Option;
 
 namespace sonarcal::cli {
 
-// --out DIR, and --force into `common`.
+// Adds --out DIR, and --force into `common`.
 CLI::Option* AddOutFolder(CLI::App& command, std::filesystem::path& out, CommonOptions& common,
                           const std::string& description);
 
-// Throws DataError where `folder` holds what no earlier run of `command` wrote as far as the folder tells,
-// unless `force`. Hidden files do not count. RunOutput checks it too: this is for commands that write late.
+// Throws DataError if `folder` holds anything that no earlier run of `command` wrote, unless `force`. Ignores
+// hidden files. RunOutput checks this too; this function is for commands that write late.
 void CheckOutFolder(const std::filesystem::path& folder, const std::string& command, bool force);
 
+// Writes the outputs of a run beside the folder, and moves them into it at the end:
+//
 //   RunOutput output(options.out, "compare", options.common.force);
 //   WriteJson(output / "metrics.json", metrics);
 //   WriteProvenance(output.staging(), provenance);
@@ -36,7 +38,7 @@ class RunOutput {
   RunOutput(const std::filesystem::path& folder, std::string command, bool force,
             data_io::Aside aside = data_io::Aside::kThisRun);
 
-  // Single files in a folder that holds other things; nothing is removed or refused.
+  // For single files in a folder with other contents. Removes and refuses nothing.
   static RunOutput Beside(const std::filesystem::path& folder) { return RunOutput(folder); }
 
   ~RunOutput();
@@ -50,13 +52,13 @@ class RunOutput {
 
   bool found() const { return directory_.found(); }
 
-  // As OutputDirectory's: and no interruption removes what was written.
+  // As in OutputDirectory. Also protects the written files from removal at an interruption.
   void Keep();
 
-  // This run goes on with the earlier one: what that wrote stays and is listed.
+  // Continues the earlier run: its files stay and are listed.
   void GoOn() { goes_on_ = true; }
 
-  // Needs a provenance.json of the run, except of Beside.
+  // Needs a provenance.json of the run, except with Beside.
   void Commit();
 
  private:
@@ -68,7 +70,7 @@ class RunOutput {
   data_io::OutputDirectory directory_;
 };
 
-// Removes what runs have written aside and not yet committed. For the end of an interrupted program.
+// Removes staged files of runs that are not committed. For the end of an interrupted program.
 void RemoveUnfinishedOutputs();
 
 }  // namespace sonarcal::cli

@@ -1,5 +1,5 @@
-// --scene, for every command that takes one: glTF, and OBJ or STL with the unit and the upward axis that
-// those do not tell (data_io/scenes/cad_io.h).
+// --scene, for every command that takes one: glTF, or OBJ or STL with unit and up axis, which these formats
+// do not state (data_io/scenes/cad_io.h).
 #pragma once
 
 #include <filesystem>
@@ -36,12 +36,12 @@ double MetresPerUnit(LengthUnit unit);
 void AddSceneOptions(CLI::App& command, std::filesystem::path& scene, SceneFormat& format,
                      const std::string& description, bool required);
 
-// Reads the scene; of an OBJ or STL its size is said, which shows a wrong unit or axis. Throws UsageError
-// where a format is given for a glTF, DataError as ReadScene does.
+// Reads the scene. For OBJ or STL prints its size, which shows a wrong unit or axis. Throws UsageError if a
+// format is given for a glTF, DataError as ReadScene does.
 Scene ReadSceneFile(const std::filesystem::path& scene, const SceneFormat& format,
                     const CommonOptions& common);
 
-// For provenance: what was given, and nothing where nothing was.
+// Returns the given values for provenance; empty if none is given.
 nlohmann::ordered_json SceneFormatJson(const SceneFormat& format);
 
 }  // namespace sonarcal::cli

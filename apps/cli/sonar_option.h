@@ -7,7 +7,7 @@
 
 namespace sonarcal::cli {
 
-// `note`: appended to the description, such as " (default: that of --real)".
+// Adds --sonar. `note`: appended to the description, such as " (default: that of --real)".
 inline CLI::Option* AddSonar(CLI::App& command, std::string& sonar, const std::string& note = {}) {
   return command
       .add_option(

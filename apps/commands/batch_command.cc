@@ -69,7 +69,8 @@ cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& pl
   return cli::ExitStatus::kDone;
 }
 
-// Writes and prints the summary. Failed where any job did, or was left as the one before it did.
+// Writes and prints the summary. Returns kFailed if any job failed, or was skipped because the one before it
+// failed.
 cli::ExitStatus Finish(const BatchOptions& options, const fs::path& out, batch::BatchRunner& runner) {
   const Json summary = batch::BatchSummaryJson(runner.plan(), runner.States(), out);
   data_io::WriteFileWhole(out / "summary.csv", batch::BatchSummaryCsv(summary));

@@ -1,5 +1,4 @@
-// The commands of `sonarcal`, each described to the command line by its Setup function. In the order of
-// --help.
+// Setup functions of the commands of `sonarcal`, in the order of --help.
 #pragma once
 
 namespace CLI {

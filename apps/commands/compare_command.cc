@@ -53,7 +53,7 @@ Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<i
   return json;
 }
 
-// "0.812 [0.780, 0.840]", or "none".
+// Text such as "0.812 [0.780, 0.840]"; "none" without a value.
 std::string WithInterval(const metrics::Statistic& statistic) {
   if (!statistic.value) return "none";
   if (!statistic.ci) return fmt::format("{:.3f}", *statistic.value);

@@ -1,11 +1,13 @@
-// `sonarcal compare`: a simulated recording against a real one, every metric, frame by frame and together.
+// `sonarcal compare`: compares a simulated recording with a real one by all metrics, per frame and
+// aggregated.
 //
-// Written: metrics.json and per_frame.csv (metrics/json/metrics_json.h), residuals.csv
+// Writes metrics.json and per_frame.csv (metrics/json/metrics_json.h), residuals.csv
 // (metrics/measures/residuals.h), on request threshold_sweep.csv (metrics/threshold_sweep.h), report.html,
 // and for up to `pictures` frames recorded, simulated, overlay and object regions as PNG, polar and fan
 // (apps/report/pictures/comparison_pictures.h).
 //
-// Frames are read, compared and dropped one by one: of a frame its figures are kept, some kilobytes.
+// Frames are read, compared and released one by one. Only the figures of a frame stay in memory, some
+// kilobytes.
 #pragma once
 
 #include <filesystem>
@@ -23,10 +25,10 @@ struct CompareCommandOptions {
   std::filesystem::path real;
   std::filesystem::path simulated;
   std::filesystem::path out;
-  std::string frames;  // "A:B,..." of both, see data_io/recordings/frame_range.h; empty for all
+  std::string frames;  // "A:B,..." for both recordings, see data_io/recordings/frame_range.h; empty: all
   workflow::CompareOptions compare;
-  bool sweep_csv = false;       // write threshold_sweep.csv too
-  int pictures = 100;           // frames that get pictures, evenly spread
+  bool sweep_csv = false;       // also writes threshold_sweep.csv
+  int pictures = 100;           // max number of frames with pictures, evenly spread
   std::filesystem::path scene;  // for residuals by incidence and material, and for --object; empty: none
   cli::SceneFormat scene_format;
   std::vector<std::string> fail_above;  // "intensity_error.polar=0.1", see metrics/json/threshold_check.h

@@ -1,5 +1,5 @@
-// `sonarcal convert FILE --out REC`: any format that can be read, written as a recording folder; with the
-// sonar's poses, where a trajectory tells them.
+// `sonarcal convert FILE --out REC`: writes a recording of any readable format as a recording folder,
+// optionally with the poses of the sonar from a trajectory.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -33,19 +33,19 @@ struct ConvertOptions {
   cli::CommonOptions common;
   std::filesystem::path file;
   std::filesystem::path out;
-  std::string frames;                // "A:B", see data_io/recordings/frame_range.h; empty for all
+  std::string frames;                // "A:B", see data_io/recordings/frame_range.h; empty: all
   std::filesystem::path trajectory;  // empty: poses as recorded
-  std::optional<data_io::TrajectoryFormat> trajectory_format;  // absent: told by its first lines
+  std::optional<data_io::TrajectoryFormat> trajectory_format;  // absent: determined from its first lines
   cli::BagArguments bag;
-  std::string pose_topic;       // of a ROS bag, in place of a trajectory
-  std::string pose_frames;      // "WORLD:BODY", where the topic has transforms
-  std::filesystem::path mount;  // empty: the trajectory is the sonar's own
-  double time_offset_s = 0.0;   // added to frame times to look them up
-  bool salvage = false;         // leave out frames that cannot be read
-  double most_gap_s = 1.0;      // between poses that are interpolated
+  std::string pose_topic;       // topic of a ROS bag, in place of a trajectory
+  std::string pose_frames;      // "WORLD:BODY", for a topic of transforms
+  std::filesystem::path mount;  // empty: the trajectory is that of the sonar
+  double time_offset_s = 0.0;   // added to the time of a frame before the look-up
+  bool salvage = false;         // leaves out frames that cannot be read
+  double most_gap_s = 1.0;      // max gap between poses for interpolation
 };
 
-// world_from_body, from a file or from the bag that is converted.
+// Reads world_from_body from a file or from the bag that is converted.
 std::vector<data_io::TrajectoryPose> PosesOf(const ConvertOptions& options) {
   if (options.pose_topic.empty()) {
     const data_io::TrajectoryFormat format = options.trajectory_format
@@ -64,7 +64,7 @@ std::vector<data_io::TrajectoryPose> PosesOf(const ConvertOptions& options) {
   return data_io::ReadBagTrajectory(options.file, of_bag);
 }
 
-// The recording with these poses in place of its own.
+// Replaces the poses of the recording.
 std::unique_ptr<data_io::PosedRecording> WithPoses(std::unique_ptr<RecordingSource> recording,
                                                    const ConvertOptions& options) {
   data_io::PosesOverTime poses{
@@ -100,7 +100,7 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
     lost = salvaged->lost_count();
     recording = std::move(salvaged);
   }
-  std::optional<int> posed;  // where a trajectory gives poses
+  std::optional<int> posed;  // if a trajectory gives poses
   if (!options.trajectory.empty() || !options.pose_topic.empty()) {
     auto with_poses = WithPoses(std::move(recording), options);
     posed = with_poses->posed_count();

@@ -1,5 +1,5 @@
-// `sonarcal documentation --out DIR`, hidden from --help: manual pages and shell completion, which the build
-// and packages take from here.
+// `sonarcal documentation --out DIR`, hidden from --help: writes manual pages and shell completion for the
+// build and for packages.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -52,7 +52,7 @@ cli::ExitStatus RunDocumentation(const DocumentationOptions& options, const CLI:
 void SetupDocs(CLI::App& app) {
   auto options = std::make_shared<DocumentationOptions>();
   CLI::App* command = cli::AddCommand(app, "documentation", "Writes manual pages and shell completion");
-  command->group("");  // for those who build packages
+  command->group("");  // hidden; only for building packages
   command->add_option("--out", options->out, "Folder to write them into")->type_name("DIR")->required();
   cli::OnRun(command, options->common, [options, &app] { return RunDocumentation(*options, app); });
 }

@@ -1,13 +1,20 @@
-// `sonarcal explain`: what each part of the acoustic model is worth for a recording, and what its bright
-// cells come from (apps/workflow/explain.h).
+// `sonarcal explain`: ablation study of the acoustic model on a recording, and the causes of its bright
+// pixels (apps/workflow/explain.h).
 //
-// Written: explain.json ("format": "sonar-explanation/1": "steps", each with its figures on the frames held
-// out, "gain_nats_per_pixel", "aic_change", "bic_change" and "verdict"; "causes" with "names", and by frame
-// the shares of its bright cells); causes_0006.png, an index into the names for each pixel of frame 6, range
-// bins by beams; lobes_0006.png, 16 bits: where the cause is a side lobe in azimuth, the beam whose direction
-// it comes from, counted from 1, else 0; causes_0006_picture.png, the map with its legend; params.json of the
-// last step; report.html. Each step has its figures by frame, too ("by_frame"). With --known also recording/:
-// the recording with its poses, scene.gltf and params.json, as any other command takes them.
+// Writes:
+//
+//   explain.json             "format": "sonar-explanation/1"; "steps", each with its figures on the held-out
+//                            frames ("by_frame" also per frame), "gain_nats_per_pixel", "aic_change",
+//                            "bic_change" and "verdict"; "causes" with "names" and, per frame, shares of the
+//                            bright pixels
+//   causes_0006.png          index into the names for each pixel of frame 6, range bins x beams
+//   lobes_0006.png           16 bits; if the cause is a side lobe in azimuth, the beam in whose direction the
+//                            echo lies, counted from 1; else 0
+//   causes_0006_picture.png  the map with its legend
+//   params.json              of the last step
+//   report.html
+//   recording/               with --known: the recording with its poses, scene.gltf and params.json, as input
+//                            for other commands
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -49,24 +56,24 @@ namespace {
 struct ExplainCommandOptions {
   cli::CommonOptions common;
   std::optional<reproduce::KnownRecording> known;  // in place of real, scene and params
-  std::filesystem::path recordings;                // where it is; empty: DefaultRecordingsFolder()
+  std::filesystem::path recordings;  // folder of the recordings; empty: DefaultRecordingsFolder()
   std::filesystem::path real;
   std::filesystem::path scene;
   cli::SceneFormat scene_format;
   std::filesystem::path params;
   std::filesystem::path out;
-  bool apart = false;  // held-out frames judge one by one
+  bool apart = false;  // evaluates the held-out frames one by one
   workflow::ExplainOptions explain;
 };
 
 using Json = nlohmann::ordered_json;
 
-// What is explained, from files or one of the known ones.
+// Input of the study, from files or one of the known recordings.
 struct Subject {
   std::unique_ptr<RecordingSource> recording;
   Scene scene;
   ParameterSet given;
-  workflow::ExplainOptions options;  // as provenance has them
+  workflow::ExplainOptions options;  // as stored in provenance
   workflow::ExplainRecordingOptions explain;
   report::ExplanationTelling telling;
   std::vector<std::filesystem::path> inputs;
@@ -95,7 +102,7 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
           .inputs = {options.real, options.scene, options.params}};
 }
 
-// Prepared as `recording` of the output.
+// Prepares the recording in folder `recording` of the output.
 Subject OpenKnown(const ExplainCommandOptions& options, const cli::RunOutput& output) {
   const reproduce::PrepareOptions prepare{
       .threads = options.explain.rays.threads,
@@ -106,7 +113,7 @@ Subject OpenKnown(const ExplainCommandOptions& options, const cli::RunOutput& ou
   reproduce::WritePrepared(prepared, output / "recording");
   workflow::ExplainOptions explain = options.explain;
   workflow::ExplainRecordingOptions resolved = explain.For(prepared.recording->info().sonar.axes);
-  // A method given by name or by --object overrides the recording's own.
+  // A method from the command line or from --object overrides that of the recording.
   const metrics::SegmentationOptions& own = prepared.comparison.segmentation;
   metrics::SegmentationOptions& chosen = resolved.comparison.segmentation;
   if (!explain.comparison.segmentation && !resolved.comparison.object && own.method != chosen.method) {
@@ -175,7 +182,8 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   const workflow::ThreadLimit threads(options.explain.rays.threads);
   CheckSubject(options);
   std::optional<Subject> opened;
-  if (!options.known) opened = OpenFiles(options);  // a mistake in them leaves nothing behind
+  // before the output folder exists, so that wrong options leave nothing behind
+  if (!options.known) opened = OpenFiles(options);
   cli::RunOutput output(options.out, "explain", options.common.force);
   if (options.known) opened = OpenKnown(options, output);
   Subject& subject = *opened;

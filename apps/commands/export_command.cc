@@ -1,5 +1,5 @@
-// `sonarcal export --to WHAT --out FILE`: parameters and sonar as the configuration of another simulator, or
-// a recording as a file of other tools.
+// `sonarcal export --to WHAT --out FILE`: writes parameters and sonar as the configuration of another
+// simulator, or a recording as a file of other tools.
 #include <fmt/format.h>
 
 #include <array>
@@ -55,16 +55,16 @@ struct ExportOptions {
   cli::CommonOptions common;
   ExportTarget to = ExportTarget::kDave;
   std::filesystem::path out;  // a file; for kPng a folder
-  // Of a simulator's configuration:
+  // For the configuration of a simulator:
   std::filesystem::path params;
   std::string sonar;          // a preset's name, a recording or a JSON file
   workflow::RayOptions rays;  // absorption
-  // Of a recording:
+  // For a recording:
   std::filesystem::path recording;
   cli::BagArguments bag;
-  std::string frames;         // "A:B", see data_io/recordings/frame_range.h; empty for all
-  int height_px = 0;          // of pictures; 0: one a range bin, 800 at most
-  double frames_per_s = 0.0;  // of a video; 0: as recorded
+  std::string frames;         // "A:B", see data_io/recordings/frame_range.h; empty: all
+  int height_px = 0;          // height of pictures; 0: one pixel per range bin, at most 800
+  double frames_per_s = 0.0;  // frame rate of a video; 0: as recorded
 };
 
 namespace fs = std::filesystem;
@@ -134,12 +134,12 @@ Json Configuration(const ExportOptions& options) {
           {"frames_per_s", options.frames_per_s}};
 }
 
-// The folder that --out lies in, and the name of its file with another extension or none.
+// Folder of --out.
 fs::path FolderOf(const fs::path& out) {
   return out.has_parent_path() ? out.parent_path() : fs::path(".");
 }
 
-// A folder of pictures, or the file beside whatever else lies in its folder.
+// Makes a folder of pictures, or a file in a folder with other contents.
 cli::RunOutput OutputOf(const ExportOptions& options) {
   return options.to == ExportTarget::kPng ? cli::RunOutput(options.out, "export", options.common.force)
                                           : cli::RunOutput::Beside(FolderOf(options.out));
@@ -214,7 +214,7 @@ cli::ExitStatus ExportConfiguration(const ExportOptions& options, const Simulato
   return cli::ExitStatus::kDone;
 }
 
-// What a bag does not say of a recording.
+// Prints which properties of a recording a bag cannot hold.
 void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
   if (options.to != ExportTarget::kRos1Bag) return;
   std::vector<std::string> lost;

@@ -75,8 +75,8 @@ std::size_t NameWidth(const calib::FitReport& report) {
   return width;
 }
 
-// Curves at a few of the angles that the frames show, each with its 95 % band. They come before the
-// parameters: a curve is determined better than the values that make it.
+// Curves at a few of the visible angles, each with its 95 % band. They come before the parameters because a
+// curve is determined better than its parameters.
 std::string CurvesText(const calib::FitReport& report,
                        const std::map<std::string, workflow::IncidenceRange>& seen) {
   constexpr double kSigmasOf95 = 1.96;
@@ -87,7 +87,7 @@ std::string CurvesText(const calib::FitReport& report,
     if (range == seen.end()) continue;
     text += fmt::format("  {}, backscatter at incidence where the frames show it, dB\n", curve.material);
     for (const int deg : kAnglesDeg) {
-      const auto i = static_cast<std::size_t>(deg);  // a value every degree
+      const auto i = static_cast<std::size_t>(deg);  // one value per degree
       if (deg < range->second.low_deg || deg > range->second.high_deg || i >= curve.backscatter_db.size())
         continue;
       text += fmt::format("    {:>2} deg  {:>7.2f} +- {:.2f}{}\n", deg, curve.backscatter_db[i],

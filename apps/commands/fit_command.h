@@ -1,8 +1,8 @@
-// `sonarcal fit`: parameters of the paper model, fitted to a recording with poses.
+// `sonarcal fit`: fits the parameters of an image model to a recording with poses.
 //
-// Written: params.json (as fitted), fit.json (calib/fit_report.h, with metrics_before and metrics_after, each
-// in the form of metrics.json, and with --choose model_choice, apps/report/sections/choice_section.h), report.html. A
-// fit without a usable solution writes fit.json alone.
+// Writes params.json (fitted values), fit.json (calib/fit_report.h, with metrics_before and metrics_after,
+// each in the form of metrics.json, and with --choose model_choice, apps/report/sections/choice_section.h),
+// report.html. A fit without a usable solution writes only fit.json.
 #pragma once
 
 #include <filesystem>
@@ -24,10 +24,10 @@ struct FitCommandOptions {
   std::filesystem::path params;
   std::filesystem::path out;
   workflow::FitOptions fit;
-  // --noise-only (apps/commands/fit_noise.h): no scene, no poses; of the others real, out, held_out and, for its
-  // display, params are used.
+  // --noise-only (apps/commands/fit_noise.h): without scene and poses. Uses real, out, held_out, and params
+  // for the display.
   bool noise_only = false;
-  bool still = false;  // --still (apps/workflow/still_poses.h): no scene; real, out and params are used
+  bool still = false;  // --still (apps/workflow/still_poses.h): without scene; uses real, out and params
   std::optional<double> range_min_m;
   std::optional<double> range_max_m;
   double reject_beyond = 0.0;
@@ -35,7 +35,7 @@ struct FitCommandOptions {
   bool hold_out_bands = false;
 };
 
-// The text of fit.json.
+// Returns the text of fit.json.
 std::string FitJson(const workflow::RecordingFit& fit);
 
 cli::ExitStatus RunFit(const FitCommandOptions& options);

@@ -42,7 +42,7 @@ ParameterSet ParametersFor(const FitCommandOptions& options, const RecordingInfo
 
 calib::FitReport ReportOf(const workflow::StillPoses& still) {
   calib::FitReport report;
-  // Poses by themselves: what they say together is their mean, weighed by what each knows.
+  // Combines the poses by a mean, weighted by their information.
   double weights = 0.0;
   double sum = 0.0;
   for (const workflow::StillPose& pose : still.poses) {

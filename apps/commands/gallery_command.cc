@@ -1,8 +1,8 @@
-// `sonarcal gallery`: what a sonar would see of each scene, as Park 2024 Figs. 6 to 8 show it: a row for each
-// viewpoint; depth image, fan image and polar image in its columns. Everything in it is simulated.
+// `sonarcal gallery`: simulated images of each scene, as in Park 2024 Figs. 6 to 8: one row per viewpoint,
+// with depth image, fan image and polar image.
 //
-// Written: gallery.html; <scene>_<viewpoint>_depth.png, _fan.png and _polar.png; <scene>.png, all rows of a
-// scene in one picture; params.json as used.
+// Writes gallery.html; <scene>_<viewpoint>_depth.png, _fan.png and _polar.png; <scene>.png with all rows of a
+// scene; params.json as used.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,27 +47,27 @@ struct GalleryOptions {
   std::filesystem::path out;
   std::vector<std::string> only;  // names of sim/scenes/environments.h; empty: all
   sim::EnvironmentOptions environment = {.bed = true};
-  bool no_bed = false;          // leave mock-up, bridge pier and jacket free
-  std::filesystem::path scene;  // a user's own, in place of those
+  bool no_bed = false;          // leaves out the bed of mock-up, bridge pier and jacket
+  std::filesystem::path scene;  // scene of the user, in place of the built-in ones
   cli::SceneFormat scene_format;
-  std::filesystem::path poses;   // of the user's scene
+  std::filesystem::path poses;   // for the scene of the user
   std::filesystem::path params;  // empty: EnvironmentParameters
   std::string sonar = "p900-45";
-  int views = 0;  // the first so many viewpoints of each scene; 0: all
+  int views = 0;  // number of viewpoints of each scene; 0: all
   workflow::RayOptions rays{sim::Sampling::kFrustum};
 };
 
 using Json = nlohmann::ordered_json;
 
 struct Exhibit {
-  std::string name;  // of files
+  std::string name;  // for file names
   std::string title;
   std::string description;
   Scene scene;
   std::vector<Pose> poses;
 };
 
-// Made one at a time, as a scene may be large.
+// Makes one exhibit at a time, because a scene may be large.
 std::vector<std::function<Exhibit()>> Exhibits(const GalleryOptions& options) {
   if (!options.scene.empty()) {
     if (options.poses.empty()) throw UsageError("--poses is required with --scene");
@@ -110,7 +110,7 @@ std::string PlaceText(const Pose& pose) {
                      ahead.z() > 0.0 ? "up" : "down");
 }
 
-// Writes the pictures of one exhibit, and adds it to the report.
+// Writes the pictures of one exhibit and adds it to the report.
 void Show(const Exhibit& exhibit, const sim::Simulator& simulator, const ParameterSet& parameters,
           int views_wanted, const cli::RunOutput& output, std::vector<std::string>& files,
           report::HtmlReport& report) {

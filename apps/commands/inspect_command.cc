@@ -1,4 +1,5 @@
-// `sonarcal inspect FILE...`: what a file holds - sensor, window, beams, frames, gain, scale, quirks.
+// `sonarcal inspect FILE...`: prints the contents of a file: sensor, window, beams, frames, gain, scale,
+// quirks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +32,7 @@ struct InspectOptions {
 
 using Json = nlohmann::ordered_json;
 
-// A page of "label  value" lines, their values in one column.
+// A page of "label  value" lines with aligned values.
 class Page {
  public:
   void Add(std::string_view label, std::string_view value) { lines_.emplace_back(label, value); }

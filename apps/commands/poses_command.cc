@@ -203,7 +203,7 @@ void WriteOutputs(const PosesOptions& options, cli::RunOutput& output, const Tim
   output.Commit();
 }
 
-// The middle one of the frames with a pose.
+// Median over the frames with a pose.
 template <typename Value>
 double Median(const calib::MarkerPoses& poses, const Value& value) {
   std::vector<double> values;
@@ -214,7 +214,7 @@ double Median(const calib::MarkerPoses& poses, const Value& value) {
   return values[values.size() / 2];
 }
 
-// What a user should not miss.
+// Prints messages for the user.
 void PrintNotes(const PosesOptions& options, const TimedImages& timed, const calib::MarkerPoses& poses) {
   constexpr int kMostNamed = 5;
   int refused = 0;

@@ -1,16 +1,17 @@
-// `sonarcal poses`: where the sonar was, from pictures that a camera beside it took of markers
+// `sonarcal poses`: poses of the sonar from pictures of markers by a camera mounted beside it
 // (calib/markers/marker_poses.h; docs/guide/markers.md).
 //
-// Written: poses.json, world_from_sonar of the frames that have a pose, for `simulate --poses`;
-// trajectory.csv, the same over time, for `convert --trajectory`; marker_poses.json, every frame with its
-// markers, residuals and covariance, or why it has no pose; markers.json, the map as refined, where it has
-// sigmas; with `pictures` markers_NNNN.png, each image with the markers' outlines as the pose projects them,
-// and residuals enlarged.
+// Writes:
 //
-// An image that can't be read, or shows no marker, is reported and passed over; where none gives a pose
+//   poses.json              world_from_sonar of the frames with a pose, for `simulate --poses`
+//   trajectory.csv          these poses over time, for `convert --trajectory`
+//   marker_poses.json       every frame with its markers, residuals and covariance, or the reason for no pose
+//   markers.json            the refined map, if it has sigmas
+//   markers_NNNN.png        with `pictures`: each image with the projected outlines of the markers and
+//                           enlarged residuals
+//
+// An image that cannot be read, or shows no marker, is reported and skipped. If no image gives a pose,
 // nothing is written and the command fails.
-//
-// What `poses` writes of the poses that it found: marker_poses.json and trajectory.csv.
 #pragma once
 
 #include <filesystem>
@@ -38,26 +39,26 @@ struct MarkerPosesInputs {
   const FlatPort* port_or_null() const { return port ? &*port : nullptr; }
 };
 
-// The pictures with a time each, and where it came from.
+// Pictures with their times, and the source of the times.
 struct TimedImages {
   std::vector<data_io::CameraImageFile> images;
   std::string times;
 };
 
-// In words, for people.
+// Text for display.
 std::string RefractionText(const MarkerPosesInputs& inputs);
 
-// One number each of a pose's covariance (calib/markers/marker_poses.h): the root of the sum of three
+// Return one number for a pose's covariance (calib/markers/marker_poses.h): the root of the sum of three
 // variances.
 double SigmaPositionM(const calib::Matrix6d& covariance);
 double SigmaAngleRad(const calib::Matrix6d& covariance);
 
-// marker_poses.json; `images` and the poses' frames go with `timed.images`.
+// Makes marker_poses.json. `images` and the frames of the poses correspond to `timed.images`.
 nlohmann::ordered_json MarkerPosesJson(const TimedImages& timed,
                                        const std::vector<calib::MarkerImage>& images,
                                        const MarkerPosesInputs& inputs, const calib::MarkerPoses& poses);
 
-// trajectory.csv: the frames that have a pose.
+// Makes trajectory.csv with the frames that have a pose.
 std::string TrajectoryText(const TimedImages& timed, const calib::MarkerPoses& poses);
 
 struct PosesOptions {
@@ -68,8 +69,8 @@ struct PosesOptions {
   std::filesystem::path mount;
   std::filesystem::path port;  // empty: no refraction modelled
   std::filesystem::path out;
-  std::optional<data_io::NameTimes> time_unit;  // absent: by the names' digits
-  std::optional<double> rate_hz;                // absent: names, or else one image a second
+  std::optional<data_io::NameTimes> time_unit;  // absent: from the number of digits in the names
+  std::optional<double> rate_hz;                // absent: times from the names, or else one image per second
   double max_rms_px = 2.0;
   bool refine_focal = false;
   bool pictures = false;

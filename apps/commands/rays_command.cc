@@ -1,5 +1,5 @@
-// `sonarcal rays`: how far an image is from that of very many rays, for a series of ray counts by either
-// sampling (apps/workflow/ray_errors.h), as a table, JSON, and a report with a chart.
+// `sonarcal rays`: errors of images with several ray counts, relative to an image of very many rays, for both
+// samplings (apps/workflow/ray_errors.h). Output as a table, JSON, and a report with a chart.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -41,13 +41,13 @@ struct RaysOptions {
   std::string sonar;
   std::filesystem::path params;
   std::filesystem::path poses;
-  std::filesystem::path out;              // empty: the table alone
+  std::filesystem::path out;              // empty: only the table
   std::vector<std::string> counts;        // "WxH"; empty: DefaultGrids
   std::optional<sim::Sampling> sampling;  // absent: both
-  std::string dense = "1500x1200";        // times `denser`
+  std::string dense = "1500x1200";        // has `denser` times these rays
   double denser = 64.0;
   workflow::RayOptions rays;         // weight, absorption and threads
-  std::optional<double> display_db;  // up to the brightest echo; absent: the parameters' display
+  std::optional<double> display_db;  // span up to the brightest echo; absent: the display of the parameters
 };
 
 RayGridSize ParseGrid(const std::string& text) {
@@ -61,7 +61,7 @@ using Json = nlohmann::ordered_json;
 struct Measured {
   std::string sonar;
   std::size_t poses = 0;
-  std::string display;  // "150 .. 153 dB over 255 grey levels"
+  std::string display;  // such as "150 .. 153 dB over 255 grey levels"
   workflow::RayErrors errors;
 };
 

@@ -1,4 +1,4 @@
-// `sonarcal recordings`: public recordings of real sonars, their licences, and which of them are here.
+// `sonarcal recordings`: lists public recordings of real sonars with their licences, and which are present.
 #include <fmt/format.h>
 
 #include <filesystem>

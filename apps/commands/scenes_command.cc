@@ -60,10 +60,10 @@ cli::ExitStatus ListScenes(const ScenesOptions& options) {
 
 }  // namespace
 
-// Each material under its own name, so that a file can change one.
+// Each material has its own name, so that a file can change one of them.
 ParameterSet EnvironmentParameters() {
   std::vector<std::string> names = sim::EnvironmentMaterials();
-  names.emplace_back("default");  // whatever else a user's scene names, and STL, which names nothing
+  names.emplace_back("default");  // for other materials of a user's scene, and for STL, which has no names
   return sim::PaperValues(sim::FindSonarPreset("p900-45").sonar, names);
 }
 

@@ -1,7 +1,7 @@
-// `sonarcal scenes`: something to simulate. The scenes of Park 2024 (sim/scenes/environments.h) as glTF,
-// poses to look at each from, and parameters to start from.
+// `sonarcal scenes`: writes inputs for simulations: the scenes of Park 2024 (sim/scenes/environments.h) as
+// glTF, poses for each, and start parameters.
 //
-// Written: <name>.gltf and poses_<name>.json for each scene, params.json for all of them, and poses_1.json to
+// Writes <name>.gltf and poses_<name>.json for each scene, params.json for all of them, and poses_1.json to
 // poses_3.json, the paper's three data sets in the tank.
 #pragma once
 
@@ -19,18 +19,18 @@ namespace sonarcal::commands {
 struct ScenesOptions {
   cli::CommonOptions common;
   std::filesystem::path out;      // empty with `list`
-  bool list = false;              // say what there is, write nothing
+  bool list = false;              // lists the scenes, writes nothing
   std::vector<std::string> only;  // names; empty: all
   sim::EnvironmentOptions environment;
-  bool text_sizes = false;  // those of the paper's text rather than of its Table 5
+  bool text_sizes = false;  // uses the sizes of the paper's text instead of its Table 5
 };
 
 cli::ExitStatus RunScenes(const ScenesOptions& options);
 
-// Parameters of the paper's model for every scene: its Table 4 for every material.
+// Returns parameters of the paper's model for every scene: its Table 4 for every material.
 ParameterSet EnvironmentParameters();
 
-// Those that `only` names, or all of them. Throws UsageError for a name that is none.
+// Returns the environments that `only` names; all if it is empty. Throws UsageError for an unknown name.
 std::vector<const sim::Environment*> ChosenEnvironments(const std::vector<std::string>& only);
 
 // Adds --only, --edge, --seed and --surface.

@@ -31,7 +31,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A grey image as the file of a frame has it: 8 bits where they hold it, else 16.
+// Writes a grey image in the format of a frame: 8 bits if enough, else 16.
 void WriteGrey(const std::filesystem::path& file, const Grid<float>& value, double full_scale) {
   if (full_scale > 255.0) {
     Grid<std::uint16_t> grey(value.rows(), value.cols());
@@ -67,7 +67,7 @@ Json ConfigurationJson(const SimulateCommandOptions& options, const sim::Simulat
   return json;
 }
 
-// Pictures beside a frame's image, where they are asked for.
+// Writes optional pictures beside the image of a frame.
 class FilesBeside {
  public:
   FilesBeside(const SimulateCommandOptions& options, const sim::Simulator& simulator)
@@ -109,7 +109,7 @@ class FilesBeside {
   std::optional<FanMap> fan_map_;
 };
 
-// Writes the frames that are not there yet, until all are or the user interrupts. Returns how many are there.
+// Writes the missing frames until all exist or the user interrupts. Returns the number of existing frames.
 int WriteMissingFrames(const workflow::SimulatedRecording& recording, const FilesBeside& beside,
                        const FinishedFrames& finished, const cli::CommonOptions& common,
                        const cli::Interruption& interruption, cli::RunOutput& output) {
@@ -151,7 +151,8 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
     cli::PrintNote(options.common, sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
   const std::int64_t rays_to_look = simulator.caster().rays_cast();
 
-  const cli::Interruption interruption;  // before anything is aside that a run could go on with
+  // before the output exists, so that an interruption always keeps it for --resume
+  const cli::Interruption interruption;
   const FilesBeside beside(options, simulator);
   cli::RunOutput output(options.out, "simulate", options.common.force,
                         options.resume ? data_io::Aside::kFound : data_io::Aside::kAnew);
@@ -168,7 +169,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   FinishedFrames finished;
   if (options.resume) finished = FinishedFrames(output, provenance.made_of);
   if (finished.in_folder()) output.GoOn();
-  // Before any frame: what is found after a kill says what it is.
+  // Written before any frame, so that the remains of a killed run are identified.
   cli::WriteProvenance(output.staging(), provenance);
   const int frames_done =
       WriteMissingFrames(recording, beside, finished, options.common, interruption, output);

@@ -1,15 +1,17 @@
-// `sonarcal simulate`: a recording of what a sonar would see of a scene, from given poses.
+// `sonarcal simulate`: simulates a recording of a sonar in a scene from given poses.
 //
-// Written: the recording folder (data_io/recordings/recording_io.h), params.json with the parameters as used,
-// and where asked for fan_NNNN.png (the frames laid out in metres) and the depth image: the distance along
-// each ray to what it met first within the sonar's range window, row 0 the highest elevation, column 0 the
-// leftmost azimuth, on the grid of rays that was cast (sim/rays/ray_fan.h). As range_NNNN.tiff (metres, 0 for
-// nothing), depth_NNNN.png (16 bits, whole millimetres, 0 for nothing, 65535 for that and more), and for eyes
-// depth_view_NNNN.png (near is bright, white is nothing).
+// Writes the recording folder (data_io/recordings/recording_io.h), params.json with the used parameters, and
+// on request fan_NNNN.png (frames as fans, in metres) and depth images. A depth image holds the distance
+// along each ray to its first intersection within the range window of the sonar, on the grid of cast rays
+// (sim/rays/ray_fan.h). Row 0 is the highest elevation, column 0 the leftmost azimuth. Files:
 //
-// Frames are rendered and written one at a time. SIGINT and SIGTERM leave a recording of the frames finished
-// so far (status 130); a run that was killed leaves them aside, whole, in .NAME.unfinished. With `resume` the
-// rest are made, and the recording is that of a run never interrupted, byte by byte.
+//   range_NNNN.tiff          metres, 0 for nothing
+//   depth_NNNN.png           16 bits, whole millimetres, 0 for nothing, 65535 for that range and more
+//   depth_view_NNNN.png      for display: near is bright, white is nothing
+//
+// Frames are rendered and written one at a time. SIGINT and SIGTERM leave a recording of the finished frames
+// (status 130). A killed run leaves them complete in .NAME.unfinished. `resume` makes the missing frames. The
+// result equals that of an uninterrupted run, byte by byte.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +37,7 @@ struct SimulateCommandOptions {
   workflow::SimulateOptions simulate;
   bool fan = false;
   bool depth = false;
-  bool resume = false;  // go on with what an interrupted run of the same command left in `out`
+  bool resume = false;  // continues an interrupted run of the same command from its remains in `out`
 };
 
 cli::ExitStatus RunSimulate(const SimulateCommandOptions& options);

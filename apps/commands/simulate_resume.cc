@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Contents, of which a difference is all that can be said.
+// Data compared by digest: the message can only state that they differ.
 constexpr const char* kDigests[] = {"scene", "sonar", "parameters", "poses"};
-// Options that decide what is written; the rest of a configuration are paths, and threads.
+// Options that determine the output. The other options are paths and threads.
 constexpr const char* kOptions[] = {"model",          "sampling",    "rays", "ray_weight", "normals",
                                     "absorption",     "margin_deg",  "bits", "noise",      "expected",
                                     "frozen_speckle", "ghost_order", "fan",  "depth"};
@@ -37,7 +37,7 @@ std::string TextOf(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-// What two runs do not share, in words; empty where they are the same.
+// Describes the differences between two runs; empty if they are equal.
 std::string Differences(const Json& then, const Json& now) {
   std::string text;
   for (const auto& [key, value] : now.items()) {
@@ -51,7 +51,7 @@ std::string Differences(const Json& then, const Json& now) {
   return text;
 }
 
-// What the frames in a folder were made of; nothing where none are.
+// Reads "made_of" of the frames in a folder; nullopt without frames.
 std::optional<Json> ReadMadeOf(const fs::path& folder) {
   const fs::path file = folder / "provenance.json";
   std::ifstream stream(file);
@@ -109,7 +109,7 @@ FinishedFrames::FinishedFrames(const cli::RunOutput& output, const Json& made_of
   if (!data_io::IsRecordingFolder(folder)) return;
   const auto then = ReadMadeOf(folder);
   if (!then || *then != made_of) {
-    if (!aside_.empty()) return;  // about to be replaced by what lies aside
+    if (!aside_.empty()) return;  // will be replaced by the staged frames
     if (then) check(*then);
     throw DataError("{}: cannot be resumed: it holds a recording, but no provenance.json", folder.string());
   }

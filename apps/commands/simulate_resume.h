@@ -1,5 +1,5 @@
-// Going on with a `simulate` that was interrupted or killed: what its frames were made of, as provenance.json
-// says beside them ("made_of"), and which of them are there.
+// Resumes an interrupted or killed `simulate`: the data that determine its frames, as stored beside them in
+// provenance.json ("made_of"), and the existing frames.
 #pragma once
 
 #include <filesystem>
@@ -15,34 +15,34 @@
 
 namespace sonarcal::commands {
 
-// Of a scene as it was read, whatever files it came from.
+// Digest of a scene as read, independent of its files.
 std::string SceneDigest(const Scene& scene);
 
-// Everything that decides the bytes of the frames and of what lies beside them: contents as digests; options
-// and seed as `provenance` has them. Not the number of threads, nor any path.
+// Returns all data that determine the bytes of the frames and of the files beside them: contents as digests;
+// options and seed as in `provenance`. Excludes the number of threads and paths.
 nlohmann::ordered_json FramesMadeOf(const workflow::SimulatedRecording& recording,
                                     const std::string& scene_digest, const ParameterSet& parameters,
                                     const cli::Provenance& provenance);
 
-// The frames that an earlier run of the same command left: aside, where it was killed, or in the folder
-// itself, where it ended in good order.
+// Frames that an earlier run of the same command left: in the staging folder if it was killed, in the folder
+// itself if it was interrupted.
 class FinishedFrames {
  public:
   FinishedFrames() = default;  // none
 
-  // `output` is of Aside::kFound. Throws DataError, naming what differs, where frames were made of anything
-  // but `made_of`.
+  // `output` has Aside::kFound. Throws DataError with the differences if frames were made of anything other
+  // than `made_of`.
   FinishedFrames(const cli::RunOutput& output, const nlohmann::ordered_json& made_of);
 
-  // Whether frames are in the folder itself, which the run goes on with.
+  // Returns true if frames are in the folder itself, which the run continues.
   bool in_folder() const { return !folder_.empty(); }
 
-  // Whether the image of a frame and all files beside it are there.
+  // Returns true if the image of a frame and all files beside it exist.
   bool Has(const std::string& image, const std::vector<std::string>& beside) const;
 
  private:
-  std::filesystem::path aside_;   // empty for none
-  std::filesystem::path folder_;  // the same
+  std::filesystem::path aside_;   // empty: none
+  std::filesystem::path folder_;  // empty: none
   std::set<std::string> images_in_folder_;
 };
 

@@ -1,6 +1,6 @@
 #include <CLI/CLI.hpp>
 
-// The program `sonarcal`: one binary, one file a command.
+// The program `sonarcal`: one binary, one file per command.
 #include "apps/cli/command.h"
 #include "apps/commands/commands.h"
 

@@ -1,4 +1,4 @@
-// `sonarcal sonars`: the sonars that --sonar knows by name (sim/scenes/sonar_presets.h), with their sources.
+// `sonarcal sonars`: lists the presets of --sonar (sim/scenes/sonar_presets.h) with their sources.
 #include <fmt/format.h>
 
 #include <memory>
@@ -21,7 +21,7 @@ struct SonarsOptions {
 
 using Json = nlohmann::ordered_json;
 
-// From the outer edge of the first beam to that of the last.
+// Angle from the outer edge of the first beam to that of the last.
 double FieldDeg(const PolarAxes& axes) {
   const std::vector<double> edges_rad = axes.BeamEdgesRad();
   return DegFromRad(edges_rad.back() - edges_rad.front());

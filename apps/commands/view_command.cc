@@ -34,7 +34,7 @@ extern char** environ;
 namespace sonarcal::commands {
 namespace {
 
-// A place from which the middle of the scene lies in the middle of the range window, 25 degrees below.
+// Pose with the centre of the scene in the middle of the range window, 25 degrees below the sonar.
 Pose PlaceBeforeScene(const Scene& scene, const PolarAxes& axes) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& vertex_m : scene.vertices_m) box.extend(vertex_m);
@@ -86,7 +86,7 @@ std::string SceneWords(const cli::SceneFormat& format) {
   return words;
 }
 
-// Shows the address by the desktop's own means, with the address as one word and no shell.
+// Opens the address with the desktop's program, as one word and without a shell.
 void OpenBrowser(const std::string& url) {
   std::string program = "xdg-open";
   std::string address = url;
@@ -137,7 +137,7 @@ view::ViewSetup SetUpView(const ViewOptions& options) {
   setup.scene_words = SceneWords(options.scene_format);
   if (options.params.empty()) {
     cli::PrintNote(options.common, "no parameters are given: those of the program's own scenes are taken");
-    // For materials that those scenes do not have.
+    // For materials that are not in the built-in scenes.
     setup.parameters.materials.try_emplace("default");
   }
   for (const std::string& name : setup.scene.material_names) setup.parameters.Material(name);
@@ -155,7 +155,7 @@ cli::ExitStatus RunView(const ViewOptions& options) {
   view::ViewSession session(SetUpView(options));
   view::ViewApi api(session, options.out, options.common.force);
   view::ViewServer server(api, options.port);
-  const cli::Interruption interruption;  // until here there is nothing to bring to an end
+  const cli::Interruption interruption;  // before this point there is nothing to stop
   server.Start();
   if (options.common.json) {
     cli::PrintJson(
@@ -163,7 +163,7 @@ cli::ExitStatus RunView(const ViewOptions& options) {
   } else {
     cli::PrintResult(server.url() + "\n");
   }
-  std::cout.flush();  // whoever waits for the address has it now
+  std::cout.flush();  // sends the address to a waiting reader at once
   cli::PrintNote(options.common, "open this address in a browser of this machine; Ctrl-C ends");
   if (options.open) OpenBrowser(server.url());
   while (!interruption.asked()) std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -1,8 +1,8 @@
-// `sonarcal view`: a page on this machine that shows a scene, a sonar in it and what it would see, and
-// follows every parameter as it is moved; beside a recording where there is one (docs/guide/view.md).
+// `sonarcal view`: serves a page on this machine that shows a scene, a sonar in it and its simulated image,
+// and follows every parameter change. Shows a recording beside it, if given (docs/guide/view.md).
 //
-// Written, where asked for by the page: params.json, poses.json, sonar.json where the sonar was changed, and
-// provenance.json, into `out`.
+// Writes on request of the page into `out`: params.json, poses.json, sonar.json if the sonar was changed, and
+// provenance.json.
 #pragma once
 
 #include <filesystem>
@@ -23,9 +23,9 @@ struct ViewOptions {
   cli::SceneFormat scene_format;
   std::string sonar;             // name of a preset, or file; empty: that of `real`
   std::filesystem::path params;  // empty: those of apps/commands/scenes_command.h
-  std::filesystem::path poses;   // recording, or file of poses; empty: those of `real`, or one of its own
+  std::filesystem::path poses;   // recording, or file of poses; empty: those of `real`, or a default pose
   std::filesystem::path real;    // empty for none
-  std::filesystem::path out;     // empty: the page's files can be downloaded, not written
+  std::filesystem::path out;     // empty: the page offers its files for download only
   std::optional<EchoModel> model;
   workflow::RayOptions rays;
   std::optional<double> margin_deg;
@@ -42,14 +42,14 @@ struct ViewOptions {
     workflow::VisitReach(self.ghost_order, self.margin_deg, visit);
     workflow::ComparisonOptions::Visit(self.comparison, visit);
   }
-  int port = 8765;  // 0: any free one
+  int port = 8765;  // 0: any free port
   bool open = false;
 };
 
-// What the page starts from. Throws UsageError or DataError where the options do not go together.
+// Returns the initial state of the page. Throws UsageError or DataError if the options do not fit together.
 view::ViewSetup SetUpView(const ViewOptions& options);
 
-// Ends when the user interrupts it.
+// Runs until the user interrupts it.
 cli::ExitStatus RunView(const ViewOptions& options);
 
 }  // namespace sonarcal::commands

@@ -1,10 +1,10 @@
-// DAVE's multibeam sonar: plugin nps_uw_multibeam_sonar of Gazebo classic. It was read at
+// DAVE's multibeam sonar: plugin nps_uw_multibeam_sonar of Gazebo classic. Source:
 // github.com/Field-Robotics-Lab/nps_uw_multibeam_sonar 47dae1f: src/gazebo_multibeam_sonar_raster_based.cpp
 // (elements of the plugin, the table of reflectivities), src/sonar_calculation_cuda.cu (the echo),
 // models/oculus_m1200d_nps_multibeam_customSDFTag/model.sdf.
 //
-// An echo's power there is mu cos^2(incidence) times area, source level and spreading; each column of the
-// depth image is a beam, each row a ray. Time bins are c / (2 bandwidth) long and begin at range 0.
+// The power of an echo there is mu cos^2(incidence) times area, source level and spreading. Each column of
+// the depth image is a beam, each row a ray. Time bins are c / (2 bandwidth) long and begin at range 0.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,11 +24,11 @@ namespace sonarcal::exporting {
 namespace {
 
 constexpr double kLambert = 2.0;
-constexpr double kDefaultReflectivity = 1e-3;  // the plugin's own, for what its table does not name
+constexpr double kDefaultReflectivity = 1e-3;  // default of the plugin, for materials not in its table
 constexpr double kAbsorptionDbPerM = 0.0354;   // fixed in the plugin
 
-// mu of each material. The paper's model has levels of rays, not of areas: of those only the ratios can be
-// told, and the strongest is set to the plugin's default.
+// Returns mu of each material. The paper's model has levels of rays, not of areas, so only ratios are known.
+// The strongest is set to the plugin's default.
 std::map<std::string, double> Reflectivities(const ParameterSet& parameters,
                                              const std::map<std::string, CosineLaw>& laws) {
   std::map<std::string, double> reflectivities;
@@ -42,7 +42,7 @@ std::map<std::string, double> Reflectivities(const ParameterSet& parameters,
   return reflectivities;
 }
 
-// The plugin skips three lines, and looks names up one line at a time.
+// The plugin skips three lines, and looks up names line by line.
 std::string ReflectivityTable(const std::map<std::string, double>& reflectivities) {
   std::string text =
       "# Written by sonarcal export\n"

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Every leaf of a JSON object by its path; arrays are leaves.
+// Collects every leaf of a JSON object with its path; arrays are leaves.
 void Flatten(const std::string& path, const Json& json, std::vector<AccountLine>& lines) {
   if (!json.is_object()) {
     lines.push_back({.parameter = path, .value = json, .target = {}, .how = {}});
@@ -29,7 +29,7 @@ bool IsOf(std::string_view parameter, std::string_view name) {
   return name.ends_with('.') || name.ends_with('_') ? parameter.starts_with(name) : parameter == name;
 }
 
-// What has no effect, and why.
+// Parameters without effect, with the reason.
 std::vector<std::pair<std::string, std::string>> Unused(const ParameterSet& parameters) {
   std::vector<std::pair<std::string, std::string>> unused;
   const auto add = [&](const char* name, const char* why) { unused.emplace_back(name, why); };
@@ -86,7 +86,7 @@ ExportAccount::ExportAccount(const ExportSource& source) {
   Flatten("water", data_io::WaterJson(source.water), lines_);
   Flatten("absorption_db_per_m", source.absorption_db_per_m, lines_);
   for (const auto& [key, member] : json.items()) {
-    if (key == "water") continue;  // already there, as it was resolved
+    if (key == "water") continue;  // already added, as resolved
     Flatten(key == "materials" ? "material" : key, member, lines_);
   }
   accounted_.assign(lines_.size(), false);
@@ -145,7 +145,7 @@ nlohmann::ordered_json ExportAccount::ToJson() const {
 }
 
 std::vector<std::string> ExportAccount::Sentences() const {
-  // By what was done and why, in the order in which each reason is met first.
+  // Groups by expression and reason, in the order of the first occurrence.
   std::vector<std::pair<std::pair<Expression, std::string>, std::vector<std::string>>> groups;
   for (const AccountLine& line : Lines()) {
     if (line.expression == Expression::kExported || line.expression == Expression::kUnused) continue;

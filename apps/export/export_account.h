@@ -1,8 +1,8 @@
-// What becomes of each parameter of ours in the configuration of another simulator: every one is accounted
-// for, and none is dropped silently.
+// Account of an export to another simulator: states for each parameter how the configuration expresses it. No
+// parameter is dropped silently.
 //
 // Names are those of fit.json ("material.floor.gsab.A", "receiver.noise_db"), and sonar.* and water.* as in
-// recording.json; absorption_db_per_m is what frequency and water make.
+// recording.json. absorption_db_per_m follows from frequency and water.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@
 
 namespace sonarcal::exporting {
 
-// What is exported: parameters, and the sonar and water they are of.
+// Input of an export: parameters with their sonar and water.
 struct ExportSource {
   ParameterSet parameters;
   SonarModel sonar;
@@ -27,10 +27,10 @@ struct ExportSource {
 };
 
 enum class Expression {
-  kExported,      // as it is
-  kApproximated,  // by something like it; `how` says by what and how far off
-  kNotExpressed,  // the other simulator has nothing for it; `how` says why
-  kUnused,        // has no effect with these parameters, as mirrors of the paper's model
+  kExported,      // exactly
+  kApproximated,  // approximately; `how` states the substitute and its error
+  kNotExpressed,  // the other simulator has no equivalent; `how` states why
+  kUnused,        // has no effect with these parameters, such as mirrors in the paper's model
 };
 constexpr auto WordsOf(std::type_identity<Expression>) {
   return Words<Expression, 4>{{{"exported", Expression::kExported},
@@ -43,28 +43,28 @@ struct AccountLine {
   std::string parameter;
   nlohmann::ordered_json value;
   Expression expression = Expression::kNotExpressed;
-  std::string target;  // where it went, in the words of the other simulator; empty for none
+  std::string target;  // name in the other simulator; empty: none
   std::string how;
 };
 
 class ExportAccount {
  public:
-  // Lists every parameter of the source. Those that have no effect are accounted for at once.
+  // Lists every parameter of the source. Accounts at once for those without effect.
   explicit ExportAccount(const ExportSource& source);
 
-  // `name` is a parameter, or with a '.' or '_' at its end all those that begin with it. What is accounted
-  // for already stays as it is, so that the particular comes before the general.
+  // Account for parameter `name`, or, if it ends with '.' or '_', for all that begin with it. Parameters that
+  // are already accounted for do not change, so call these for single parameters before groups.
   void Exported(std::string_view name, const std::string& target, const std::string& how = "");
   void Approximated(std::string_view name, const std::string& target, const std::string& how);
   void NotExpressed(std::string_view name, const std::string& why);
 
-  // All lines, in the order of the parameters. Throws std::logic_error where one is not accounted for.
+  // Returns all lines in the order of the parameters. Throws std::logic_error if one is not accounted for.
   const std::vector<AccountLine>& Lines() const;
 
-  // {"exported": n, "approximated": n, ..., "parameters": [{"name", "value", "expression", ...}]}
+  // Returns {"exported": n, "approximated": n, ..., "parameters": [{"name", "value", "expression", ...}]}
   nlohmann::ordered_json ToJson() const;
 
-  // What a user should know, a sentence each: parameters of one reason together.
+  // Returns messages for the user, one sentence per reason.
   std::vector<std::string> Sentences() const;
 
  private:

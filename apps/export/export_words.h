@@ -1,4 +1,4 @@
-// What several exports say alike.
+// Texts and values that several exports share.
 #pragma once
 
 #include <map>
@@ -9,36 +9,36 @@
 
 namespace sonarcal::exporting {
 
-// Laws of all materials for one exponent of the cosine.
+// Fits the laws of all materials for one exponent of the cosine.
 std::map<std::string, CosineLaw> FitCosineLaws(const ParameterSet& parameters, double exponent);
 
-// The laws with the strongest at 1, for simulators whose images have no absolute level.
+// Scales the laws so that the strongest is 1, for simulators whose images have no absolute level.
 std::map<std::string, double> RelativeReflectivities(const std::map<std::string, CosineLaw>& laws);
 
-// Says that each curve has become one number at `target` ("{}" is the material's name): "... k cos^n, up to 3
-// dB off; ...". `also` ends the sentence.
+// Accounts for the curves, each of which has become one number at `target` ("{}" is the name of the
+// material): "... k cos^n, up to 3 dB off; ...". `also` ends the sentence.
 void AccountForMaterials(const std::map<std::string, CosineLaw>& laws, const std::string& target,
                          const std::string& also, ExportAccount& account);
 
-// The spread of a pixel's power about its mean as a part of the mean: 1 / sqrt(looks), and 0 for the paper's
-// model, which has no speckle.
+// Returns the standard deviation of a pixel's power divided by its mean: 1 / sqrt(looks), and 0 for the
+// paper's model, which has no speckle.
 double SpeckleSpread(const ParameterSet& parameters);
 
-// The floor's power at range_max_m as a part of that shown as full scale: 0 without a floor. Of the log
-// display, or as if it were one.
+// Returns the power of the noise floor at range_max_m divided by that at full scale; 0 without a floor.
+// Treats every display as logarithmic.
 double FloorOfFullScale(const ExportSource& source);
 
-// sigma of a Rayleigh law whose mean is that floor.
+// Returns sigma of a Rayleigh law whose mean is that floor.
 double RayleighOfFloor(const ExportSource& source);
 
-// Of simulators that hear nothing beyond the beam's width, and all of it alike.
+// For simulators that receive nothing beyond the width of the beam, and everything within it equally.
 inline constexpr const char* kHardEdge = "a hard edge at our half-power width";
 
-// Say what became of the beam's width in elevation, and of the floor of noise, wherever either comes from.
+// Account for the elevation beam width and for the noise floor, from any source of these values.
 void AccountForElevation(const std::string& target, const std::string& how, ExportAccount& account);
 void AccountForFloor(const std::string& target, const std::string& how, ExportAccount& account);
 
-// What no simulator here has: the rest of the parameters, by group. Called last.
+// Accounts for the other parameters, by group: no simulator here has them. Must be called last.
 void AccountForTheRest(const std::string& simulator, ExportAccount& account);
 
 }  // namespace sonarcal::exporting

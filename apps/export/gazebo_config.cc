@@ -1,7 +1,7 @@
-// Gazebo's gpu_lidar. Read at github.com/gazebosim/sdformat 2ace536, sdf/1.9/lidar.sdf and sensor.sdf; its
+// Gazebo's gpu_lidar. Source: github.com/gazebosim/sdformat 2ace536, sdf/1.9/lidar.sdf and sensor.sdf. Its
 // sensor of type "sonar" is a single cone and gives one range.
 //
-// X looks ahead, Y to the left, so that angles run the other way than our azimuths; rays go from min_angle to
+// X looks ahead, Y to the left, so angles have the opposite sign of our azimuths. Rays go from min_angle to
 // max_angle, both included.
 #include <fmt/format.h>
 
@@ -22,7 +22,8 @@ ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& nam
   const PolarAxes& axes = source.sonar.axes;
   const EvenFan fan = EvenFanOf(source);
   const double half_elevation_rad = RadFromDeg(0.5 * fan.elevation_deg);
-  // As fine in elevation as beams lie in azimuth; one ray in the middle and the ends included.
+  // The spacing in elevation equals that of the beams in azimuth. Includes one ray in the middle and both
+  // ends.
   const int rows =
       2 * std::max(1, static_cast<int>(std::lround(0.5 * fan.elevation_deg / fan.spacing_deg()))) + 1;
 

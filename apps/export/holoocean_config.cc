@@ -1,6 +1,6 @@
-// HoloOcean's ImagingSonar: an entry of "sensors" in a scenario. Read at client/src/holoocean/sensors.py (the
-// docstring of ImagingSonar lists all keys) and byu-holoocean.github.io/holoocean-docs, sensors/docs/
-// sensor-config. Intensities there have no unit; we take 1 for the power that we show as full scale.
+// HoloOcean's ImagingSonar: an entry of "sensors" in a scenario. Source: client/src/holoocean/sensors.py (the
+// docstring of ImagingSonar lists all keys) and byu-holoocean.github.io/holoocean-docs,
+// sensors/docs/sensor-config. Intensities there have no unit; we use 1 for the power at full scale.
 #include <fmt/format.h>
 
 #include "apps/export/even_fan.h"

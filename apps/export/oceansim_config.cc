@@ -1,10 +1,10 @@
-// OceanSim's ImagingSonarSensor, which is configured by arguments in Python. Read at
+// OceanSim's ImagingSonarSensor, which is configured by arguments in Python. Source:
 // github.com/umfieldrobotics/OceanSim 2809388: isaacsim/oceansim/sensors/ImagingSonarSensor.py,
 // utils/ImagingSonar_kernels.py, docs/subsections/running_example.md.
 //
-// A value there is reflectivity cos(incidence) exp(-attenuation range), summed over the points of a bin,
-// divided by the largest of the image (or, by default, of each range, which makes ranges incomparable), times
-// 0.5 + normal noise, plus Rayleigh noise that grows with the square of range.
+// A value there is reflectivity cos(incidence) exp(-attenuation range), summed over the points of a bin. It
+// is divided by the maximum of the image (by default by that of each range, which makes ranges incomparable),
+// multiplied by 0.5 + normal noise, plus Rayleigh noise that grows with the square of range.
 #include <fmt/format.h>
 
 #include <cmath>

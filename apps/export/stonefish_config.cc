@@ -1,4 +1,4 @@
-// Stonefish's forward-looking sonar: a sensor of type "fls" in a scenario file. Read at
+// Stonefish's forward-looking sonar: a sensor of type "fls" in a scenario file. Source:
 // github.com/patrykcieslak/stonefish b21eb8e: docs/sensors.rst, docs/materials.rst,
 // Library/src/core/ScenarioParser.cpp (attributes), Library/shaders/sonarInput.frag and flsOutput.comp (a
 // value is gain times the mean of restitution cos(incidence) over a bin's rays, with noise).
@@ -69,7 +69,7 @@ ExportedConfig ExportToStonefish(const ExportSource& source, const std::string& 
   account.NotExpressed("water.", "Stonefish has neither spreading nor absorption");
   AccountForTheRest("Stonefish", account);
 
-  // Materials stand in the main file of a scenario, with a density, which we do not know.
+  // Materials are in the main file of a scenario, with a density, which is unknown here.
   std::string remarks =
       "Move the sensor into your robot (then world_transform becomes origin, with a link), and set the\n"
       "  restitution of your materials (attribute of material, in the scenario's main file):";

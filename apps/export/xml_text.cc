@@ -9,7 +9,7 @@
 namespace sonarcal::exporting {
 namespace {
 
-// Two dashes end a comment in XML; names of materials may have them.
+// Replaces two dashes, which end a comment in XML; names of materials may have them.
 std::string WithoutDoubleDashes(std::string text) {
   for (std::size_t at = text.find("--"); at != std::string::npos; at = text.find("--", at + 1)) {
     text[at + 1] = '_';

@@ -1,4 +1,4 @@
-// XML of a configuration as text, with what it does not say in a comment at its head.
+// XML text of a configuration, with a comment at its head that states what it does not express.
 #pragma once
 
 #include <string>
@@ -16,20 +16,20 @@ namespace sonarcal::exporting {
 void AddElement(pugi::xml_node parent, const char* name, const std::string& value);
 void AddElement(pugi::xml_node parent, const char* name, double value);
 
-// A model with one sensor, as SDF has it: sdf / model / link / sensor, always on.
+// A model with one sensor in SDF: sdf / model / link / sensor, always on.
 struct SdfSensor {
-  const char* version;  // of SDF
+  const char* version;  // SDF version
   std::string model;
   const char* link;
   const char* name;
   const char* type;
 };
 
-// The sensor's element, to be filled.
+// Returns the empty element of the sensor.
 pugi::xml_node AddSdfSensor(pugi::xml_document& document, const SdfSensor& sensor);
 
-// Puts a comment before the root: what wrote the file, what it was written against, `remarks`, and the
-// account's sentences. Then the document as text.
+// Puts a comment before the root: program, `schema`, `remarks`, and the sentences of the account. Returns the
+// document as text.
 std::string XmlText(pugi::xml_document& document, const std::string& schema, const std::string& remarks,
                     const ExportAccount& account);
 

@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kJson = "application/json";
 constexpr const char* kBytes = "application/octet-stream";
 
-// A request that is none of this interface, beside one that asks for what can't be made.
+// A request that does not belong to this interface, unlike one whose result cannot be made.
 class BadRequest : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -72,7 +72,7 @@ Json ImageJson(const PolarImage& image) {
           {"axes", AxesJson(image.axes)}};
 }
 
-// Whole grey values, as a frame's file has them.
+// Rounds to whole grey values, as in the file of a frame.
 std::string GreyBytes(const PolarImage& image) {
   const bool wide = image.scale.full_scale > 255.0;
   std::string bytes;

@@ -19,11 +19,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A slider reaches this many surprising steps (calib/parameters/parameter_catalog.h) to either side of where
-// it starts.
+// A slider extends this many surprisingly large steps (calib/parameters/parameter_catalog.h) to either side
+// of its start.
 constexpr double kStepsToEitherSide = 3.0;
 constexpr double kLevelStepDb = 20.0;
-constexpr double kMirrorLossDb = 6.0;  // of a mirror that is switched on
+constexpr double kMirrorLossDb = 6.0;  // loss of a mirror when it is switched on
 
 constexpr std::array<std::pair<const char*, const char*>, 6> kGsabLabels = {
     {{"A", "A, specular amplitude"},
@@ -33,13 +33,13 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kGsabLabels = {
      {"E", "E, transitional amplitude"},
      {"F_deg", "F, transitional half-width"}}};
 
-// A number that no fit moves, or one of the catalogue under the name it has there.
+// A number that no fit changes, or one of the catalog under its name there.
 struct Number {
   const char* name;  // path below "parameters", with dots
   const char* group;
   const char* label;
   std::optional<EchoModel> model = {};
-  const char* unit = nullptr;  // nullptr: unit, bounds and step are the catalogue's
+  const char* unit = nullptr;  // nullptr: unit, bounds and step are those of the catalog
   double lower = 0.0;
   double upper = 0.0;
   double step = 1.0;
@@ -60,7 +60,8 @@ constexpr std::optional<EchoModel> kBoth = std::nullopt;
 constexpr EchoModel kPaper = EchoModel::kPaper;
 constexpr EchoModel kAcoustic = EchoModel::kAcoustic;
 
-// The widest bounds that data_io/parameters/parameters_io.h reads, but where a formula asks for less.
+// Bounds are the widest that data_io/parameters/parameters_io.h reads, unless a formula requires narrower
+// ones.
 constexpr std::array kNumbers = {
     Number{"source_level_db", kLevels, "Source level", kBoth},
     Number{"noise_level_db", kLevels, "Noise level NL (Eq. 10)", kPaper, "dB", -500, 500, kLevelStepDb},
@@ -104,7 +105,7 @@ struct Choice {
   const char* group;
   const char* label;
   EchoModel model;
-  std::array<const char*, 4> words;  // as params.json has them
+  std::array<const char*, 4> words;  // as in params.json
 };
 
 constexpr std::array kChoices = {
@@ -185,7 +186,7 @@ class Builder {
     return node->get<double>();
   }
 
-  // Where the slider ends, and bounds that hold the value at the start, whatever a file says.
+  // Sets the ends of the slider, and widens the bounds to contain the start value of any file.
   static void Settle(double start, double step, ViewControl& control) {
     if (!(start == 0.0 && !control.zero.empty())) {
       control.lower = std::min(control.lower, start);
@@ -256,7 +257,7 @@ class Builder {
     }
   }
 
-  // `like`: the material of the scene by which the catalogue knows the bounds.
+  // `like`: material of the scene whose bounds in the catalog apply.
   void AddMaterial(const std::string& material, const std::string& like) {
     for (const EchoModel model : {kPaper, kAcoustic}) {
       for (const auto& [key, label] : kGsabLabels) {
@@ -276,7 +277,7 @@ class Builder {
     }
   }
 
-  // Levels of noise that may not be there at all.
+  // Adds noise levels that may be absent.
   void AddNoiseLevels() {
     const double black_db = input_.parameters.display.db_min;
     for (const auto& [name, label] : {std::pair{"receiver.noise_db", "Noise level before gain over range"},

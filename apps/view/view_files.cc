@@ -32,7 +32,7 @@ std::string PosesText(const std::vector<data_io::TimedPose>& poses) {
   return data_io::JsonText({{"format", "sonar-poses/1"}, {"poses", std::move(list)}});
 }
 
-// As a shell takes it for one word.
+// Quotes text as one word of a shell.
 std::string Word(const std::string& text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,:";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
@@ -53,7 +53,7 @@ ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std:
   const ViewSetup& setup = session.setup();
   ParameterSet parameters = state.parameters;
   const Water water = workflow::ChooseWater(parameters, setup.water).water;
-  parameters.water = water;  // a file that says which water it means
+  parameters.water = water;  // makes the water of the file explicit
   ViewFiles files;
   files.text["params.json"] = data_io::JsonText(data_io::ParametersJson(parameters));
   files.text["poses.json"] = PosesText(session.Poses(state));

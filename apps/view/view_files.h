@@ -1,4 +1,4 @@
-// The files by which `sonarcal simulate` makes what the page shows, and the command that does.
+// Files and command with which `sonarcal simulate` makes the image on the page.
 #pragma once
 
 #include <map>
@@ -9,9 +9,9 @@
 namespace sonarcal::view {
 
 struct ViewFiles {
-  std::map<std::string, std::string>
-      text;             // by name: params.json, poses.json; sonar.json where it was changed
-  std::string command;  // `folder` is where the files lie
+  // Text by file name: params.json, poses.json, and sonar.json if the sonar was changed.
+  std::map<std::string, std::string> text;
+  std::string command;  // `folder` is that of the files
 };
 
 ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std::string& folder);

@@ -65,7 +65,7 @@ ViewFit::~ViewFit() {
 void ViewFit::Start(ViewFitRequest request) {
   const std::scoped_lock lock(mutex_);
   if (phase_ == Phase::kRunning) throw DataError("a fit is running already: stop it, or wait for its end");
-  if (thread_.joinable()) thread_.join();  // it has ended: it holds no lock any more
+  if (thread_.joinable()) thread_.join();  // it has ended and holds no lock any more
   stop_ = false;
   began_ = std::chrono::steady_clock::now();
   traced_ = 0;
@@ -74,7 +74,7 @@ void ViewFit::Start(ViewFitRequest request) {
   error_.clear();
   result_.clear();
   thread_ = std::thread([this, request = std::move(request)]() mutable { Run(std::move(request)); });
-  phase_ = Phase::kRunning;  // once there is a thread to end it, which waits for the lock
+  phase_ = Phase::kRunning;  // after the thread exists that ends this phase; that thread waits for the lock
 }
 
 void ViewFit::Say(const std::string& line) {

@@ -1,5 +1,5 @@
-// A fit in the background of `sonarcal view`: as `sonarcal fit` makes it (apps/workflow/fit.h), from where
-// the page's controls stand, one at a time.
+// A fit in the background of `sonarcal view`, as by `sonarcal fit` (apps/workflow/fit.h), starting from the
+// values of the controls. Only one runs at a time.
 #pragma once
 
 #include <atomic>
@@ -27,14 +27,14 @@ struct ViewFitRequest {
 class ViewFit {
  public:
   ViewFit() = default;
-  ~ViewFit();  // stops a fit that runs
+  ~ViewFit();  // stops a running fit
   ViewFit(const ViewFit&) = delete;
   ViewFit& operator=(const ViewFit&) = delete;
 
-  // Throws DataError where one runs already.
+  // Throws DataError if a fit is already running.
   void Start(ViewFitRequest request);
 
-  // Asks the fit to end; it does at its next step. Nothing where none runs.
+  // Requests the end of a fit; it ends at its next step. No effect without a fit.
   void Stop() { stop_ = true; }
 
   // {"state": "none" | "running" | "stopping" | "done" | "stopped" | "failed", "elapsed_s", "doing",
@@ -51,13 +51,13 @@ class ViewFit {
   std::thread thread_;
   std::atomic<bool> stop_ = false;
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   Phase phase_ = Phase::kNone;
   std::chrono::steady_clock::time_point began_;
   double took_s_ = 0.0;
   int traced_ = 0;
   int frames_ = 0;
-  std::deque<std::string> lines_;  // the last ones
+  std::deque<std::string> lines_;  // latest lines
   std::string error_;
   std::string result_;  // JSON
 };

@@ -7,7 +7,7 @@
 namespace sonarcal::view {
 namespace {
 
-// In a time that does not tell how much of it was right.
+// Compares in a time that does not depend on the number of equal characters.
 bool SameToken(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;

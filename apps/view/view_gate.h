@@ -1,8 +1,8 @@
-// Who may talk to `sonarcal view`: its own page in a browser of this machine, and programs that were told the
-// token. A page of another site can make a browser send requests here, and by a name of its own that resolves
-// to 127.0.0.1 even read the answers; so every request must name this server as its host, none may come from
-// another origin, and whatever the page asks of the program must carry a token that only the printed address
-// has, in a header that no foreign page may set.
+// Access control of `sonarcal view`: accepts its own page in a browser of this machine, and programs that
+// know the token. A page of another site can make a browser send requests to this server. With a host name
+// that resolves to 127.0.0.1 it can even read the answers. So every request must name this server as its
+// host, and must not come from another origin. Every API request must also carry a token in a header that no
+// foreign page can set. Only the printed address contains the token.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ struct ViewGate {
   std::string token;
 };
 
-// Headers that are absent are empty.
+// Request headers; an absent header is empty.
 struct ViewCaller {
   std::string_view method;
   std::string_view path;
@@ -32,10 +32,10 @@ struct ViewRefusal {
   std::string sentence;
 };
 
-// Why the caller is turned away; nothing where it may come in.
+// Returns the refusal of a caller; nullopt if it is accepted.
 std::optional<ViewRefusal> Refused(const ViewGate& gate, const ViewCaller& caller);
 
-// 32 hexadecimal digits of the system's random numbers.
+// Returns 32 hexadecimal digits of the system's random numbers.
 std::string RandomToken();
 
 }  // namespace sonarcal::view

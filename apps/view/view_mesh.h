@@ -1,4 +1,4 @@
-// A scene as the page's 3D view takes it (apps/view/view_api.h).
+// A scene in the format of the page's 3D view (apps/view/view_api.h).
 #pragma once
 
 #include <string>
@@ -7,15 +7,15 @@
 
 namespace sonarcal::view {
 
-// What a browser turns about smoothly; of larger meshes every second, third, ... triangle is shown, and that
-// is said.
+// Max number of triangles that a browser turns smoothly. Of larger meshes every second, third, ... triangle
+// is shown, with a note.
 inline constexpr std::size_t kMostTrianglesShown = 1'000'000;
 
-// Framed: {"vertices", "triangles", "triangles_in_scene", "material_names", "lowest_m": [x, y, z],
-// "highest_m"}.
+// Returns a framed mesh: {"vertices", "triangles", "triangles_in_scene", "material_names", "lowest_m": [x, y,
+// z], "highest_m"}.
 std::string MeshFrame(const Scene& scene, std::size_t most = kMostTrianglesShown);
 
-// JSON and the data it describes, as one answer. Data begin at a multiple of four bytes.
+// Returns JSON and its data as one answer. Data are aligned to four bytes.
 std::string Framed(const std::string& json, const std::string& data);
 
 }  // namespace sonarcal::view

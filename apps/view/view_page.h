@@ -1,4 +1,4 @@
-// The files of the page, built into the program (apps/view/CMakeLists.txt); nothing is read from disk.
+// Files of the page, built into the program (apps/view/CMakeLists.txt). Nothing is read from disk.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ struct PageFile {
 
 std::span<const PageFile> PageFiles();
 
-// Null where there is none of this path; "/" is the page itself.
+// Returns null for an unknown path; "/" is the page itself.
 const PageFile* FindPageFile(std::string_view path);
 
 }  // namespace sonarcal::view

@@ -18,14 +18,13 @@ namespace {
 constexpr const char* kHost = "127.0.0.1";
 constexpr int kThreads = 8;  // a browser opens six connections
 
-// What a browser may do with the page: run its own files, show its own pictures, ask this server, be in no
-// frame.
+// Rights of the page in a browser: its own scripts and pictures, requests to this server, no frames.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src "
     "'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-// A provider keeps the library from compressing what goes no further than this machine.
+// Uses a provider, so that the library does not compress data for this machine.
 void Put(httplib::Response& response, int status, std::string body, const std::string& type) {
   response.status = status;
   if (body.empty()) return;
@@ -50,7 +49,7 @@ struct ViewServer::Http {
   ViewGate gate;
   std::thread thread;
 
-  // Whether the caller may come in; puts the refusal where not.
+  // Returns true if the caller is accepted; otherwise sends the refusal.
   bool LetIn(const httplib::Request& request, httplib::Response& response) const {
     const auto header = [&](const char* name) { return request.get_header_value(name); };
     const std::string host = header("Host");
@@ -83,7 +82,7 @@ struct ViewServer::Http {
       if (!too_large) body.append(bytes, count);
       return !too_large;
     });
-    // The library limits bodies that tell their length by itself.
+    // The library itself limits only bodies with a stated length.
     if (too_large || response.status == 413) {
       return PutSentence(response, 413,
                          fmt::format("the request has more than {} bytes", kMostViewRequestBytes));
@@ -97,7 +96,7 @@ struct ViewServer::Http {
     server.set_keep_alive_max_count(100'000);
     server.set_keep_alive_timeout(1);
     server.set_tcp_nodelay(true);
-    // As a restart wants it, but not the library's default, by which two programs may share a port.
+    // Allows a restart on the same port, but not two programs on one port, which is the library's default.
     server.set_socket_options([](socket_t socket) {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));

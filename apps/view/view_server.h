@@ -1,5 +1,5 @@
-// `sonarcal view` on a socket of 127.0.0.1: turns away whom apps/view/view_gate.h refuses, hands out the
-// page's files, and has apps/view/view_api.h answer the rest.
+// `sonarcal view` on a socket of 127.0.0.1: applies apps/view/view_gate.h, serves the files of the page, and
+// passes other requests to apps/view/view_api.h.
 #pragma once
 
 #include <memory>
@@ -9,22 +9,22 @@
 
 namespace sonarcal::view {
 
-// Of a request's body; the largest the page sends is a set of parameters.
+// Max size of a request body. The largest that the page sends is a set of parameters.
 inline constexpr std::size_t kMostViewRequestBytes = std::size_t{1} << 20;
 
 class ViewServer {
  public:
-  // `port` 0: any free one. `api` must outlive the server. Throws DataError where the port is taken.
+  // `port` 0: any free one. `api` must outlive the server. Throws DataError if the port is taken.
   ViewServer(ViewApi& api, int port);
-  ~ViewServer();  // stops
+  ~ViewServer();  // stops the server
 
-  // Answers from now on, in threads of its own.
+  // Starts answering, in its own threads.
   void Start();
   void Stop();
 
   int port() const;
   const std::string& token() const;
-  std::string url() const;  // with the token behind '#', which a browser keeps to itself
+  std::string url() const;  // with the token after '#', which a browser does not send
 
  private:
   struct Http;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostClients = 64;
 
-// Bytes by which two things are told apart.
+// Bytes that identify a value for comparison.
 class Key {
  public:
   template <typename T>
@@ -39,7 +39,7 @@ void Add(const sim::RayFanOptions& fan, Key& key) {
       << fan.row_crowding << fan.weight << fan.stagger << fan.stagger_rows;
 }
 
-// Of everything that decides which echoes a pose gives.
+// Key of everything that determines the echoes at a pose.
 Key RaysKey(const SonarModel& sonar, const sim::SimulationOptions& options) {
   Key key;
   key << sonar.axes.range_min_m << sonar.axes.range_max_m << sonar.axes.range_bins
@@ -64,7 +64,7 @@ std::string PoseKey(const Pose& pose) {
   return key.text();
 }
 
-// Of what decides, besides, which ghosts it gives: the rays that look for them and what reflects.
+// Key of everything else that determines the ghosts at a pose: their rays and the mirrors.
 std::string MirrorKey(const sim::Simulator& simulator, const ParameterSet& parameters) {
   Key key;
   Add(sim::GhostFanOptions(simulator.options().fan, simulator.sonar(), parameters.beam), key);
@@ -100,11 +100,11 @@ double Seconds(std::chrono::steady_clock::duration time) {
 
 }  // namespace
 
-// Echoes and ghosts of one pose by one fan of rays.
+// Echoes and ghosts at one pose with one fan of rays.
 struct ViewSession::Traced {
   std::string rays_and_pose;
   sim::EchoList echoes;
-  std::optional<std::string> mirrors;  // that the ghosts are by; absent: none were traced
+  std::optional<std::string> mirrors;  // key of the ghosts' mirrors; absent: ghosts were not traced
   sim::GhostList ghosts;
 };
 

@@ -1,15 +1,15 @@
-// What `sonarcal view` shows: a scene, a sonar, poses, and a recording beside them where there is one. Images
-// are those of `sonarcal simulate --expected`, or with noise those of `sonarcal simulate --noise`: of the
-// paper's model to the bit, of the acoustic one within a grey level. Figures are those of `sonarcal compare
+// Contents of `sonarcal view`: a scene, a sonar, poses, and optionally a recording. Images equal those of
+// `sonarcal simulate --expected`, or with noise those of `sonarcal simulate --noise`: to the bit for the
+// paper's model, within a grey level for the acoustic one. Figures equal those of `sonarcal compare
 // --as-displayed` of these images.
 //
-// A scene is built once. Echoes are traced when pose, sonar or rays change, and shaded again when only
-// parameters do; the paper's model casts and shades in one pass (sim/paper/paper_frame.h), which takes less
-// time than shading stored echoes would. `simulate` does so for the acoustic model, too
-// (sim/acoustic/acoustic_frame.h), in single precision: a value next to the edge of a grey level may round to
+// A scene is built once. Echoes are traced if pose, sonar or rays change. If only parameters change, they are
+// only shaded again. The paper's model casts and shades in one pass (sim/paper/paper_frame.h), which is
+// faster than shading stored echoes. `simulate` does so for the acoustic model too
+// (sim/acoustic/acoustic_frame.h), in single precision: a value near the edge of a grey level may round to
 // the other side.
 //
-// Any thread may call any function.
+// All functions are thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -33,24 +33,24 @@ namespace sonarcal::view {
 struct ViewSetup {
   Scene scene;
   std::string scene_path;
-  std::string scene_words;     // " --scene-unit mm", where the scene needs such
-  std::string sonar_argument;  // of the command line; the recording where that was silent
+  std::string scene_words;     // such as " --scene-unit mm", if the scene needs it
+  std::string sonar_argument;  // from the command line; by default the recording
   SonarModel sonar;
   Water water;
   ParameterSet parameters;
-  std::vector<data_io::TimedPose> poses;  // one a frame
-  bool poses_given = true;                // false: one that the program chose
+  std::vector<data_io::TimedPose> poses;  // one per frame
+  bool poses_given = true;                // false: a default pose of the program
   workflow::RayOptions rays;
   std::optional<double> margin_deg;
   int ghost_order = 1;
-  std::shared_ptr<const RecordingSource> real;  // read by any thread; as many frames as poses; null for none
+  std::shared_ptr<const RecordingSource> real;  // thread-safe; as many frames as poses; null: none
   metrics::CompareOptions compare;
 };
 
 struct ViewImage {
   PolarImage image;
-  bool traced = false;   // rays were cast for it
-  double trace_s = 0.0;  // paper's model: with shading, 0 where only that was done
+  bool traced = false;   // rays were cast for this image
+  double trace_s = 0.0;  // paper's model: includes shading; 0 if only shading was done
   double shade_s = 0.0;
 };
 
@@ -61,7 +61,7 @@ struct ViewComparison {
 
 class ViewSession {
  public:
-  // Throws DataError where the scene cannot be used.
+  // Throws DataError if the scene cannot be used.
   explicit ViewSession(ViewSetup setup);
   ~ViewSession();
 
@@ -71,21 +71,20 @@ class ViewSession {
   int bits() const { return bits_; }
   std::int64_t rays_cast() const { return caster_->rays_cast(); }
 
-  // The image that the state asks for; nothing where the same client has asked for a newer one meanwhile.
-  // Throws DataError or UsageError where there can be none.
+  // Returns the image of a state; nullopt if the same client has sent a newer request meanwhile. Throws
+  // DataError or UsageError if it cannot be made.
   std::optional<ViewImage> Render(const ViewState& state);
 
-  // Frame of the recording. There must be one.
+  // Returns a frame of the recording. There must be a recording.
   Frame Recorded(int frame) const;
 
-  // The state's image against the recorded frame. There must be a recording.
+  // Compares the image of a state with the recorded frame. There must be a recording.
   ViewComparison Compare(const ViewState& state);
 
-  // Poses of all frames, some moved by the state.
+  // Poses of all frames, with those that the state changes.
   std::vector<data_io::TimedPose> Poses(const ViewState& state) const;
 
-  // The recording with these poses; a frame of which nobody said where it was taken has none. There must be a
-  // recording.
+  // Returns the recording with these poses. A frame without a known pose has none. There must be a recording.
   std::shared_ptr<const RecordingSource> RecordingOf(const ViewState& state) const;
 
  private:
@@ -102,13 +101,13 @@ class ViewSession {
   std::optional<workflow::SceneGeometry> geometry_;  // with an object to search
 
   std::mutex newest_mutex_;
-  std::map<std::string, std::int64_t> newest_;  // sequence, by client
+  std::map<std::string, std::int64_t> newest_;  // sequence number per client
 
-  std::mutex render_mutex_;  // guards what follows
+  std::mutex render_mutex_;  // guards the members below
   std::string simulator_key_;
   std::shared_ptr<const sim::Simulator> simulator_;
   std::unique_ptr<Traced> traced_;
-  std::optional<ViewState> last_state_;  // and its image, for the comparison that follows
+  std::optional<ViewState> last_state_;  // latest state; last_ is its image, for the comparison that follows
   ViewImage last_;
 };
 

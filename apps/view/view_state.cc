@@ -64,7 +64,7 @@ std::map<int, Pose> ReadPoses(const data_io::JsonReader& json, int frame_count) 
   return poses;
 }
 
-// Of `count` beams, or as many as there are, over `field_of_view_rad` from edge to edge.
+// Azimuths of `count` beams over `field_of_view_rad` from edge to edge.
 std::vector<double> SpreadBeams(const PolarAxes& axes, int count, double field_of_view_rad) {
   std::vector<double> azimuth_rad(static_cast<std::size_t>(count));
   const std::vector<double> edges = axes.BeamEdgesRad();
@@ -132,7 +132,7 @@ ViewState ParseViewState(std::string_view text, int frame_count) {
     state.sequence = sequence->Integer(0, std::int64_t{1} << 53);
   }
   json.Finish();
-  // What a file of parameters may hold, and how it is refused, is known in one place.
+  // Parses parameters as a file, so that their format and errors are defined in one place.
   state.parameters = data_io::ParseParameters(nlohmann::json::parse(text)["parameters"].dump(), "parameters");
   return state;
 }

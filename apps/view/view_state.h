@@ -1,13 +1,13 @@
-// What the page of `sonarcal view` asks to see: everything its controls hold, sent whole with each request,
-// so that the program keeps no state of the page's and undo is the page's own matter.
+// State of the page of `sonarcal view`: the values of all controls. Each request contains all of it, so the
+// program stores no state of the page, and the page itself implements undo.
 //
 //   {"parameters": {params.json, data_io/parameters/parameters_io.h},
 //    "sonar": {"frequency_hz", "range_min_m", "range_max_m", "range_bins", "beams", "field_of_view_deg",
-//              "azimuth_beam_width_deg", "elevation_beam_width_deg"},      each absent: as the sonar is
+//              "azimuth_beam_width_deg", "elevation_beam_width_deg"},      absent members: as in the sonar
 //    "frame": 0,
-//    "poses": {"0": {"position_m": [x, y, z], "yaw_deg", "pitch_deg", "roll_deg"}},   frames that were moved
+//    "poses": {"0": {"position_m": [x, y, z], "yaw_deg", "pitch_deg", "roll_deg"}},   frames with a changed pose
 //    "noise": false, "seed": 1,
-//    "client": "a1b2", "sequence": 17}      which of a page's requests is the newest
+//    "client": "a1b2", "sequence": 17}      identify the newest request of a page
 //
 // Only `parameters` is required.
 #pragma once
@@ -26,7 +26,7 @@
 
 namespace sonarcal::view {
 
-// What was changed of a sonar.
+// Changed properties of a sonar.
 struct SonarChanges {
   std::optional<double> frequency_hz;
   std::optional<double> range_min_m;
@@ -43,31 +43,31 @@ struct SonarChanges {
 inline constexpr int kMostRangeBins = 4096;
 inline constexpr int kMostBeams = 1024;
 
-// The sonar with the changes made. Beams keep their places where neither their number nor the field of view
-// is changed, are spread wider or narrower with the field of view, and stand evenly where there are more or
-// fewer; with any change they stand where sonar.json, written and read again, has them. Throws DataError
-// where no sonar comes of it.
+// Returns the sonar with the changes. Beams keep their azimuths if neither their number nor the field of view
+// changes. They are scaled with the field of view, and evenly spaced if their number changes. With any
+// change, their azimuths are as after writing and reading sonar.json. Throws DataError if the result is not a
+// valid sonar.
 SonarModel Changed(const SonarModel& sonar, const SonarChanges& changes);
 
-// Outer edge of the first beam to that of the last, degrees.
+// Angle from the outer edge of the first beam to that of the last, degrees.
 double FieldOfViewDeg(const PolarAxes& axes);
 
 struct ViewState {
   ParameterSet parameters;
   SonarChanges sonar;
   int frame = 0;
-  std::map<int, Pose> poses;  // world_from_sonar of frames that were moved
+  std::map<int, Pose> poses;  // world_from_sonar of frames with a changed pose
   bool noise = false;
   std::uint64_t seed = 1;
   std::string client;
   std::int64_t sequence = 0;
 };
 
-// Throws DataError with one sentence for anything that is not as above. `frame` and the keys of `poses` are
-// below `frame_count`.
+// Throws DataError with one sentence if the text does not have the format above. `frame` and the keys of
+// `poses` must be below `frame_count`.
 ViewState ParseViewState(std::string_view text, int frame_count);
 
-// {"position_m", "yaw_deg", "pitch_deg", "roll_deg"}, for the page's controls.
+// Returns {"position_m", "yaw_deg", "pitch_deg", "roll_deg"} for the controls of the page.
 nlohmann::ordered_json AnglePoseJson(const Pose& pose);
 
 }  // namespace sonarcal::view
