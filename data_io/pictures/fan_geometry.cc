@@ -17,7 +17,7 @@ double Cross(const Point& a, const Point& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// Leftmost and rightmost lit pixel of each row: what a hull is made of.
+// Leftmost and rightmost lit pixel of each row: the candidates for the hull.
 std::vector<Point> Outline(const Mask& lit) {
   std::vector<Point> points;
   for (int row = 0; row < lit.rows(); ++row) {
@@ -32,7 +32,7 @@ std::vector<Point> Outline(const Mask& lit) {
   return points;
 }
 
-// Andrew's monotone chain; counter-clockwise with y up, so clockwise on the picture.
+// Andrew's monotone chain. Counter-clockwise with y up, so clockwise in the picture.
 std::vector<Point> ConvexHull(std::vector<Point> points) {
   const auto before = [](const Point& a, const Point& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
@@ -55,18 +55,18 @@ std::vector<Point> ConvexHull(std::vector<Point> points) {
   return hull;
 }
 
-// x = at + slope y.
+// Side of a fan: x = at + slope y.
 struct Side {
   double at = 0.0;
   double slope = 0.0;
-  double top_px = 0.0;  // where it begins and ends
+  double top_px = 0.0;  // ends of the side
   double bottom_px = 0.0;
 };
 
-// The side through the longest edges of the hull that lean the right way: `direction` -1 is the left one.
+// Side through the longest edges of the hull with the right inclination: `direction` -1 is the left side.
 std::optional<Side> FindSide(const std::vector<Point>& hull, int direction) {
   constexpr double kNearPx = 1.5;
-  constexpr double kSteepest = 0.03;  // a side is none that is steeper than 1 in 33: no fan is so narrow
+  constexpr double kSteepest = 0.03;  // min slope of a side, 1 in 33: no fan is narrower
   struct Edge {
     Point a;
     Point b;
@@ -75,14 +75,14 @@ std::optional<Side> FindSide(const std::vector<Point>& hull, int direction) {
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Edge edge{hull[i], hull[(i + 1) % hull.size()]};
     const Point step = edge.b - edge.a;
-    // Upwards (smaller y), a side goes outwards.
+    // A side runs outwards in the upward direction (smaller y).
     if (std::abs(step.y()) < 1.0 || step.x() / -step.y() * direction < kSteepest) continue;
-    // A far arc's edges are flatter than 45 degrees but for fans wider than that.
+    // Edges of the far arc are flatter than 45 degrees, except in fans wider than that.
     if (!longest || step.norm() > (longest->b - longest->a).norm()) longest = edge;
   }
   if (!longest) return std::nullopt;
   const Point along = (longest->b - longest->a).normalized();
-  // All corners of the hull beside that edge, weighed alike: the side is straight, its pixels are steps.
+  // All corners of the hull near that edge, with equal weights: the side is straight, its pixels are steps.
   std::vector<Point> beside;
   for (const Point& corner : hull) {
     if (std::abs(Cross(along, corner - longest->a)) < kNearPx) beside.push_back(corner);
@@ -114,8 +114,8 @@ double Quantile(std::vector<double> values, double part) {
   return *at;
 }
 
-// Radius and x_scale of the arc about `apex` through points: dx^2 / (x_scale r)^2 + dy^2 / r^2 = 1, by least
-// squares over those that lie on it.
+// Radius and x_scale of the arc about `apex`: dx^2 / (x_scale r)^2 + dy^2 / r^2 = 1, a least-squares fit to
+// the points on it.
 struct Arc {
   double radius_px = 0.0;
   double x_scale = 1.0;
@@ -137,7 +137,7 @@ std::optional<Arc> FitArc(std::vector<Point> points, const Point& apex) {
         (squares / unit).colPivHouseholderQr().solve(Eigen::VectorXd::Ones(squares.rows()));
     if (!(found.x() > 0.0 && found.y() > 0.0)) return std::nullopt;
     arc = {std::sqrt(unit / found.y()), std::sqrt(found.y() / found.x())};
-    // What is dark at the edge lies within; what is lit beyond is writing. Both go.
+    // Removes dark places at the edge (points inside the arc) and text (points outside it).
     std::vector<Point> kept;
     for (const Point& point : points) {
       const Point from = point - apex;
@@ -148,7 +148,7 @@ std::optional<Arc> FitArc(std::vector<Point> points, const Point& apex) {
     points = std::move(kept);
   }
   if (points.empty()) return std::nullopt;
-  // The uppermost lit pixels lie up to a pixel, or more where it is dark, within: a high quantile.
+  // The uppermost lit pixels lie up to a pixel inside the arc, or more in dark places: a high quantile.
   constexpr double kQuantile = 0.9;
   std::vector<double> radii;
   for (const Point& point : points) {
@@ -165,8 +165,8 @@ bool IsLit(const Mask& lit, double x, double y) {
   return row >= 0 && row < lit.rows() && col >= 0 && col < lit.cols() && lit(row, col) != 0;
 }
 
-// The near arc: along many rays, how far from the apex the first lit pixel lies. Dark places push it
-// outwards, nothing pulls it in: a low quantile.
+// Radius of the near arc: distance from the apex to the first lit pixel along many rays. Dark places increase
+// it and nothing decreases it: a low quantile.
 double NearRadius(const Mask& lit, const FanGeometry& fan) {
   constexpr int kRays = 400;
   constexpr double kQuantile = 0.1;
@@ -184,13 +184,13 @@ double NearRadius(const Mask& lit, const FanGeometry& fan) {
   return radii.empty() ? 0.0 : Quantile(std::move(radii), kQuantile);
 }
 
-// Column of a side of the fan in a row: `direction` -1 is the left one.
+// Column of a side of the fan in a row: `direction` -1 is the left side.
 double SideX(const FanGeometry& fan, int direction, double row) {
   return fan.apex_x_px +
          direction * fan.x_scale * std::tan(RadFromDeg(fan.half_angle_deg)) * (fan.apex_y_px - row);
 }
 
-// Share of a side's length along which there is a lit pixel up to 3 pixels within.
+// Fraction of a side's length with a lit pixel up to 3 pixels inside.
 double LitShareOfSide(const Mask& lit, const FanGeometry& fan, int direction) {
   constexpr int kSteps = 200;
   const double cosine = std::cos(RadFromDeg(fan.half_angle_deg));
@@ -208,11 +208,11 @@ double LitShareOfSide(const Mask& lit, const FanGeometry& fan, int direction) {
   return static_cast<double>(lit_steps) / kSteps;
 }
 
-// Share of the directions in which the farthest lit pixel lies within 3 pixels of the far arc.
+// Fraction of directions in which the farthest lit pixel lies within 3 pixels of the far arc.
 double LitShareOfFarArc(const Mask& lit, const FanGeometry& fan) {
   constexpr int kRays = 200;
   constexpr double kNearPx = 3.0;
-  constexpr double kBeyondPx = 60.0;  // beyond this nothing may be lit
+  constexpr double kBeyondPx = 60.0;  // no pixel may be lit beyond this distance
   int near = 0;
   for (int ray = 0; ray < kRays; ++ray) {
     const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
@@ -252,7 +252,7 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
   if (!left || !right || left->slope <= right->slope) return std::nullopt;
   const double apex_y = (right->at - left->at) / (left->slope - right->slope);
   const Point apex(left->at + left->slope * apex_y, apex_y);
-  // The far arc: uppermost lit pixel of each column between the ends of the sides.
+  // Far arc: uppermost lit pixel of each column between the ends of the sides.
   std::vector<Point> far_arc;
   const double first = left->at + left->slope * left->top_px;
   const double last = right->at + right->slope * right->top_px;
@@ -280,7 +280,7 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
 }
 
 bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {
-  constexpr double kMinLitShare = 0.7;  // of a side or an arc that is seen
+  constexpr double kMinLitShare = 0.7;  // fraction of a visible side or arc
   const double far_px = std::max(5.0, 0.02 * lit.cols());
   const std::optional<FanGeometry> own = FindFanGeometry(lit);
   if (!own) return false;

@@ -1,5 +1,5 @@
-// Recordings as people look at them: fan pictures, 8 bits of grey, one PNG a frame or a video. Beside them
-// stands their geometry (data_io/pictures/picture_geometry.h), so that they can be read back.
+// Recordings as pictures for viewing: fan pictures with 8 bits of grey, one PNG per frame or a video. Their
+// geometry is stored with them (data_io/pictures/picture_geometry.h), so they can be read back.
 #pragma once
 
 #include <filesystem>
@@ -11,9 +11,9 @@
 
 namespace sonarcal::data_io {
 
-// Draws frames that all have the recording's axes and scale. Full scale is 255; what is no grey value has no
-// brightness, and is refused by DataError. Pictures have an even number of rows and columns, as videos need,
-// the last ones black where the fan has an odd number.
+// Draws frames with the recording's axes and scale. Full scale is 255. Throws DataError if the quantity is
+// not grey, because it has no brightness. Pictures have an even number of rows and columns, as videos
+// require; the last ones are black if the fan has an odd number.
 class FanPainter {
  public:
   FanPainter(const RecordingInfo& info, const FanOptions& options);
@@ -22,8 +22,8 @@ class FanPainter {
   int cols() const { return cols_; }
   Grid<std::uint8_t> Paint(const Frame& frame) const;
 
-  // sonar-picture-geometry/1 of these pictures. Beams are taken for even, and the fan reaches as far to
-  // either side as the recording's does to the farther one.
+  // sonar-picture-geometry/1 of these pictures. Assumes evenly spaced beams and a symmetrical fan, whose half
+  // angle is the larger one of the recording.
   std::string GeometryJson() const;
 
  private:
@@ -33,19 +33,19 @@ class FanPainter {
   int cols_;
 };
 
-// fan_0000.png, fan_0001.png, ... and geometry.json in a folder that is there.
+// Writes fan_0000.png, fan_0001.png, ... and geometry.json into an existing folder.
 void WriteFanPngs(const RecordingSource& recording, const FanPainter& painter,
                   const std::filesystem::path& folder,
                   const std::function<void(int frames_done)>& progress = {});
 
-// A video by FFmpeg, through OpenCV: MPEG-4 Part 2 in the container that the file's name tells (.mp4, .avi).
-// It is not lossless. Throws DataError where the file cannot be written.
+// Writes a video by FFmpeg through OpenCV: MPEG-4 Part 2, in the container given by the file extension (.mp4,
+// .avi). Not lossless. Throws DataError if the file cannot be written.
 void WriteFanVideo(const RecordingSource& recording, const FanPainter& painter, double frames_per_s,
                    const std::filesystem::path& file,
                    const std::function<void(int frames_done)>& progress = {});
 
-// Frames a second as recorded, by the median of the intervals; 0 where fewer than two frames have a time, or
-// times do not rise.
+// Recorded frames per second: the reciprocal of the median interval. 0 if fewer than two frames have a time,
+// or times do not increase.
 double RecordedFramesPerS(const RecordingSource& recording);
 
 }  // namespace sonarcal::data_io

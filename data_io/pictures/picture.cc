@@ -35,7 +35,7 @@ Palette MakePalette(ColorMap map) {
   return palette;
 }
 
-// A value's place in the window, 0..1.
+// Position of a value in the window, 0..1.
 double Place(double value, const ValueWindow& window) {
   const double place = (value - window.low) / (window.high - window.low);
   return place > 0.0 ? std::min(place, 1.0) : 0.0;  // NaN compares false
@@ -58,7 +58,7 @@ void CheckSameShape(const Grid<A>& a, const Grid<B>& b) {
                  b.rows(), b.cols());
 }
 
-// A picture whose pixel i is color(i) inside, kOutsideColor outside.
+// Picture with color(i) as pixel i inside, kOutsideColor outside.
 template <typename Color>
 RgbImage Paint(int rows, int cols, const Mask* inside, Color color) {
   RgbImage picture(rows, cols, kOutsideColor);
@@ -79,7 +79,7 @@ ValueWindow WindowOf(const ImageScale& scale, const Grid<float>& value, const Ma
     window.low = std::min(window.low, v);
     window.high = std::max(window.high, v);
   }
-  // Without any contrast everything is shown as the lower end.
+  // Without any contrast all pixels get the colour of the lower end.
   if (!(window.low <= window.high)) return {0.0, 1.0};
   if (window.low == window.high) window.high = window.low + 1.0;
   return window;

@@ -44,7 +44,7 @@ Grid<float> Floats(const Grid<std::uint8_t>& grey) {
   return values;
 }
 
-// As OpenCV keeps colours: blue first.
+// Converts from OpenCV's channel order, blue first.
 RgbImage RgbOf(const cv::Mat& picture) {
   RgbImage rgb(picture.rows, picture.cols);
   for (int row = 0; row < picture.rows; ++row) {
@@ -83,7 +83,7 @@ class Video final : public PictureFrames {
  public:
   explicit Video(const fs::path& file) : name_(file.string()) {
     try {
-      // By FFmpeg alone: OpenCV would go on to try whatever it has, cameras on a bus among them.
+      // FFmpeg only: OpenCV would otherwise try other backends, including cameras.
       capture_.open(name_, cv::CAP_FFMPEG);
     } catch (const cv::Exception&) {
       capture_.release();
@@ -109,7 +109,7 @@ class Video final : public PictureFrames {
     return index / frame_rate_hz_;
   }
 
-  // One frame after the other needs no search; any other is looked for.
+  // Sequential frames need no seek.
   Grid<float> Read(int index) const override {
     const std::scoped_lock lock(mutex_);
     cv::Mat picture;

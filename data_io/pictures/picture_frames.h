@@ -1,5 +1,5 @@
-// Pictures as viewers export them, one after the other, as grey values: PNG or JPEG files, or a video that
-// OpenCV can decode (AVI, MP4, ...). The one place that sees OpenCV's video.
+// Pictures exported by viewers, read one after the other as grey values: PNG or JPEG files, or a video that
+// OpenCV can decode (AVI, MP4, ...). The only file that uses OpenCV's video functions.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace sonarcal::data_io {
 
-// Whether a file's first bytes are those of a JPEG or of a video's container, or of a PNG.
+// IsPicture: the file begins like a PNG, a JPEG or a video container. IsVideo: like a video container.
 bool IsPicture(const std::filesystem::path& file);
 bool IsVideo(const std::filesystem::path& file);
 
@@ -23,19 +23,19 @@ class PictureFrames {
   virtual std::string name(int index) const = 0;
   virtual std::optional<double> time_s(int) const { return std::nullopt; }
 
-  // 0..255; of a colour picture the luminance. Throws DataError where a picture is damaged or larger than
-  // kMaxImagePixels.
+  // Grey values 0..255; the luminance of a colour picture. Throws DataError if a picture is damaged or larger
+  // than kMaxImagePixels.
   virtual Grid<float> Read(int index) const = 0;
 
-  // Whether pixels were compressed with losses, so that black is only nearly black.
+  // True if pixels were compressed with losses, so black is only nearly black.
   virtual bool is_lossy() const = 0;
 };
 
-// One picture, the pictures of a folder in the order of their names, or a video. Throws DataError where there
-// is none, or a video tells no size or number of frames.
+// Opens one picture, the pictures of a folder in the order of their names, or a video. Throws DataError if
+// there is none, or a video has no size or number of frames.
 std::unique_ptr<PictureFrames> OpenPictures(const std::filesystem::path& path);
 
-// Pictures directly in `folder`, by name, numbers in it as numbers; none where it is no folder.
+// Pictures directly in `folder`, in natural order of their names; empty if it is no folder.
 std::vector<std::filesystem::path> PicturesOf(const std::filesystem::path& folder);
 
 }  // namespace sonarcal::data_io

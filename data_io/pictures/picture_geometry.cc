@@ -133,7 +133,7 @@ void PictureSampler::LayOutPolar(const PictureGeometry& geometry) {
 void PictureSampler::LayOutFan(const PictureGeometry& geometry) {
   const FanGeometry& fan = *geometry.fan;
   const double half_rad = RadFromDeg(fan.half_angle_deg);
-  // As fine as the picture: a bin a pixel of range, a beam a pixel of the far arc.
+  // Resolution of the picture: one bin per pixel of range, one beam per pixel of the far arc.
   const auto as_fine = [](double pixels, int fewest) {
     return static_cast<int>(std::clamp(std::round(pixels), static_cast<double>(fewest), double{kMostBins}));
   };
@@ -177,7 +177,7 @@ Grid<float> PictureSampler::Apply(const Grid<float>& picture) const {
     const Sample& sample = samples_[i];
     if (sample.index < 0) continue;
     const float* pixel = &picture.values()[sample.index];
-    // In the last column and row there is no neighbour, and none is needed.
+    // The last column and row have no neighbour and need none.
     const int right = sample.right > 0.0F ? 1 : 0;
     const int below = sample.below > 0.0F ? cols_ : 0;
     const float upper = pixel[0] + sample.right * (pixel[right] - pixel[0]);

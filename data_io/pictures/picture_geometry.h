@@ -1,24 +1,26 @@
-// Where the pixels of a bare picture of a sonar lie, as somebody who knows the sonar says it: pictures and
-// videos that viewers export, and pictures in bags, do not.
+// Geometry of a bare picture of a sonar, written by the user. Pictures and videos exported by viewers, and
+// pictures in bags, do not contain it.
 //
 //   {"format": "sonar-picture-geometry/1",
-//    "range_m": [0.69, 3.0],                       of the nearest and the farthest edge; all else may be
-//    absent "name": "ARIS Explorer 3000", "frequency_hz": 3e6, "sound_speed_m_per_s": 1480,
+//    "range_m": [0.69, 3.0],                       nearest and farthest edge; all other keys are optional
+//    "name": "ARIS Explorer 3000", "frequency_hz": 3e6, "sound_speed_m_per_s": 1480,
 //    "azimuth_beam_width_deg": 0.3, "elevation_beam_width_deg": 15,
 //    "db_span": 80,                                from black to white
 //    "fan": {"apex_px": [361.9, 1343.0], "radius_px": [309, 1340], "half_angle_deg": 15.13, "x_scale": 1.0,
 //            "beams": 128, "range_bins": 780}}
-// or, in place of "fan",
+//
+// or, instead of "fan",
+//
 //    "polar": {"azimuth_first_deg": -30, "azimuth_last_deg": 30, "nearest_row": "top" | "bottom"}
 //
-// fan    Ahead is up (data_io/pictures/fan_geometry.h). apex_px and radius_px come together; without them, or
-// without
-//        "fan" and "polar", the fan is to be found by its edges. half_angle_deg may stand alone, where the
-//        sonar's is known: x_scale follows from it, which edges tell least. Default of beams and range_bins:
-//        as fine as the picture. Beams are even in azimuth, the outer edges of the outer ones at the half
-//        angle; a polar pixel is interpolated between the four picture pixels around its centre.
-// polar  Rows are ranges from one end of the window to the other, columns beams, even from the centre of the
-//        first column to that of the last.
+//   fan    Forward is up (data_io/pictures/fan_geometry.h). apex_px and radius_px must occur together.
+//          Without them, or without "fan" and "polar", the fan is found by its edges. half_angle_deg may
+//          occur alone if the sonar's is known; it determines x_scale, which edges determine least. Default
+//          of beams and range_bins: the resolution of the picture. Beams are evenly spaced, with the outer
+//          edges of the outer ones at the half angle. A polar pixel is interpolated from the four picture
+//          pixels around its centre.
+//   polar  Rows are ranges from one end of the window to the other. Columns are beams, evenly spaced from the
+//          centre of the first column to that of the last.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +39,7 @@ struct PictureGeometry {
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   std::string name = {};
-  double frequency_hz = 0.0;  // 0 = unknown, and so on
+  double frequency_hz = 0.0;  // 0 = unknown; the following members likewise
   double sound_speed_m_per_s = 0.0;
   double azimuth_beam_width_deg = 0.0;
   double elevation_beam_width_deg = 0.0;
@@ -50,16 +52,16 @@ struct PictureGeometry {
 
     bool operator==(const Polar&) const = default;
   };
-  std::optional<Polar> polar = {};            // else a fan
-  std::optional<FanGeometry> fan = {};        // absent: to be found
-  std::optional<double> half_angle_deg = {};  // of a fan that is to be found
-  int beams = 0;                              // of a fan; 0: as fine as the picture, as are range_bins
+  std::optional<Polar> polar = {};            // absent: a fan
+  std::optional<FanGeometry> fan = {};        // absent: found by its edges
+  std::optional<double> half_angle_deg = {};  // half angle of a fan that is found by its edges
+  int beams = 0;                              // fan only; 0: resolution of the picture; range_bins likewise
   int range_bins = 0;
 
-  // Takes a fan that was found, stretched to half_angle_deg where that is known.
+  // Stores a fan that was found, stretched to half_angle_deg if that is known.
   void TakeFound(FanGeometry found);
 
-  // Sonar, but for its axes, and scale of `info`.
+  // Fills the scale of `info`, and its sonar without the axes.
   void Describe(RecordingInfo& info) const;
 
   bool operator==(const PictureGeometry&) const = default;
@@ -68,29 +70,29 @@ struct PictureGeometry {
 // Throws DataError with file, line and key.
 PictureGeometry ReadPictureGeometry(const std::filesystem::path& file);
 
-// "\"apex_px\": [...], \"radius_px\": ...": the members of "fan".
+// Members of "fan" as text: "\"apex_px\": [...], \"radius_px\": ...".
 std::string JsonOf(const FanGeometry& fan);
 
-// From pictures of one size to range and azimuth: what is computed once for all of them.
+// Converts pictures of one size to range and azimuth. Stores the weights that all pictures share.
 class PictureSampler {
  public:
-  // geometry.polar or geometry.fan is there. Throws DataError beginning with `where` where a polar picture
-  // has not two columns.
+  // geometry.polar or geometry.fan must be set. Throws DataError, beginning with `where`, if a polar picture
+  // has fewer than two columns.
   PictureSampler(const PictureGeometry& geometry, int rows, int cols, const std::string& where);
 
   const PolarAxes& axes() const { return axes_; }
   int rows() const { return rows_; }
   int cols() const { return cols_; }
-  // Polar pixels that lie within the picture, where not all do; the others are 0.
+  // Polar pixels that lie within the picture; absent if all do. The others are 0.
   std::optional<Mask> inside() const;
 
-  // The picture has the size given. Row 0 nearest, columns from left to right.
+  // The picture must have the given size. Row 0 nearest, columns from left to right.
   Grid<float> Apply(const Grid<float>& picture) const;
 
  private:
-  // Four picture pixels about a polar pixel's centre; weights of the right and the lower ones.
+  // Four picture pixels around a polar pixel's centre, and the weights of the right and the lower ones.
   struct Sample {
-    std::int32_t index = -1;  // of the upper left; -1 outside the picture
+    std::int32_t index = -1;  // index of the upper left pixel; -1 outside the picture
     float right = 0.0F;
     float below = 0.0F;
   };

@@ -34,7 +34,7 @@ void CheckSize(const Grid<float>& picture, int rows, int cols, const std::string
 
 // Pixels of a frame that are not black.
 Mask LitPixels(const PictureFrames& pictures, int index) {
-  constexpr float kLossyBlack = 24.0F;  // what rings about an edge in a compressed picture
+  constexpr float kLossyBlack = 24.0F;  // limit for ringing at edges in a compressed picture
   const float black = pictures.is_lossy() ? kLossyBlack : 0.0F;
   const Grid<float> grey = pictures.Read(index);
   Mask lit(grey.rows(), grey.cols());
@@ -43,9 +43,9 @@ Mask LitPixels(const PictureFrames& pictures, int index) {
   return lit;
 }
 
-constexpr int kMaxFrames = 32;  // that the fan is looked for in
+constexpr int kMaxFrames = 32;  // frames in which the fan is searched
 
-// Frames to look at: up to `most`, evenly spread.
+// Up to `most` frames, evenly spread.
 std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMaxFrames) {
   const int count = std::min(pictures.count(), most);
   std::vector<int> indices;
@@ -54,7 +54,7 @@ std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMaxFr
   return indices;
 }
 
-// Pixels that are not black in any of the frames looked at.
+// Pixels that are not black in any of the examined frames.
 Mask LitInAny(const PictureFrames& pictures) {
   Mask lit;
   for (const int index : FramesToLookAt(pictures)) {
@@ -70,7 +70,7 @@ Mask LitInAny(const PictureFrames& pictures) {
 
 // One fan is read for all pictures. Throws DataError if some pictures show another fan.
 void RefuseAnotherFan(const PictureFrames& pictures, const FanGeometry& fan, const fs::path& path) {
-  constexpr int kMaxPictures = 512;  // files are read quickly, frames of a video are not
+  constexpr int kMaxPictures = 512;  // files are read quickly, video frames slowly
   std::vector<int> others;
   const std::vector<int> looked_at = FramesToLookAt(pictures, IsVideo(path) ? kMaxFrames : kMaxPictures);
   for (const int index : looked_at) {

@@ -1,11 +1,11 @@
-// Pictures and videos as sonar viewers export them (PNG, JPEG, AVI, MP4): a picture, a folder of them, or a
-// video, brought to range and azimuth. What a picture does not say stands in a JSON file beside it
+// Opens pictures and videos exported by sonar viewers (PNG, JPEG, AVI, MP4): a picture, a folder of pictures,
+// or a video, converted to range and azimuth. Missing properties come from a JSON file beside it
 // (data_io/pictures/picture_geometry.h): `NAME.geometry.json` beside a file NAME, `geometry.json` in a
-// folder. A fan whose place is not given is found by its edges, over up to 32 of the frames.
+// folder. A fan without a given position is found by its edges, in up to 32 frames.
 //
-// Grey values have passed through whatever the viewer did to them, neighbouring samples of a fan are not
-// independent, and of a colour picture the luminance is taken: notes say so. What lies outside the picture is
-// 0, and the share of it is noted.
+// Notes state the limits: grey values contain the viewer's processing, neighbouring samples of a fan are not
+// independent, and colour pictures are reduced to their luminance. Samples outside the picture are 0; their
+// fraction is noted.
 #pragma once
 
 #include <filesystem>
@@ -16,17 +16,17 @@
 
 namespace sonarcal::data_io {
 
-// A picture, a folder of pictures or a video. Reads first bytes only.
+// True for a picture, a folder of pictures or a video. Reads only the first bytes.
 bool IsPictures(const std::filesystem::path& path);
 
-// Pictures with that JSON file beside them.
+// True for pictures with that JSON file beside them.
 bool HasPictureGeometry(const std::filesystem::path& path);
 
-// Throws DataError where the JSON file is absent (the sentence holds one to begin with, with the fan that was
-// found), where no fan can be made out, or a picture is not to be read.
+// Throws DataError if the JSON file is absent (the message contains a template with the fan that was found),
+// if no fan is found, or if a picture cannot be read.
 std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::path& path);
 
-// With a geometry from elsewhere; no file beside the picture is looked for.
+// As above with a given geometry; does not look for a file beside the picture.
 std::unique_ptr<RecordingSource> OpenPictureRecording(const std::filesystem::path& path,
                                                       const PictureGeometry& geometry);
 

@@ -26,7 +26,7 @@ bool IsBag(const std::filesystem::path& path) {
 }
 
 std::string DescribeTopics(const std::vector<BagTopic>& topics) {
-  constexpr std::size_t kMost = 20;  // a robot has hundreds
+  constexpr std::size_t kMost = 20;  // a robot may have hundreds
   std::string text;
   for (std::size_t i = 0; i < topics.size() && i < kMost; ++i) {
     text += fmt::format("{}{} ({}, {} {})", i == 0 ? "" : ", ", Printable(topics[i].name),

@@ -1,7 +1,7 @@
-// A ROS bag of either kind: its topics, and the serialised messages of one of them, read one at a time.
+// ROS bag of either version: its topics, and the serialised messages of one of them, read one at a time.
 //
-// Bag::Open tells ROS 1 bags (data_io/ros/ros1_bag.h) from ROS 2 bags (data_io/ros/ros2_bag.h) by their
-// content.
+// Bag::Open distinguishes ROS 1 bags (data_io/ros/ros1_bag.h) and ROS 2 bags (data_io/ros/ros2_bag.h) by
+// their content.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +17,20 @@
 
 namespace sonarcal::data_io {
 
-// No message, and no chunk of a ROS 1 bag once inflated, is read that is larger.
+// Max size of a message, and of an inflated chunk of a ROS 1 bag.
 inline constexpr std::uint64_t kMostBagMessageBytes = 256 << 20;
 
 struct BagTopic {
   std::string name;  // "/sonar"
-  std::string type;  // "sensor_msgs/Image", for ROS 2 as well
+  std::string type;  // "sensor_msgs/Image", also for ROS 2
   std::uint64_t count = 0;
 };
 
-// Where a message lies in its bag.
+// Position of a message in its bag.
 struct BagMessage {
-  std::int64_t log_time_ns = 0;  // when it was recorded
+  std::int64_t log_time_ns = 0;  // time of recording
   std::uint64_t container = 0;   // chunk or file of the bag
-  std::int64_t position = 0;     // in it
+  std::int64_t position = 0;     // position in the container
 
   bool operator<(const BagMessage& other) const {
     if (log_time_ns != other.log_time_ns) return log_time_ns < other.log_time_ns;
@@ -42,34 +42,34 @@ class Bag {
  public:
   virtual ~Bag() = default;
 
-  // Throws DataError where `path` is no bag, or one that cannot be read.
+  // Throws DataError if `path` is no bag, or cannot be read.
   static std::unique_ptr<Bag> Open(const std::filesystem::path& path);
 
   virtual std::string format() const = 0;  // "ROS 1 bag"
   virtual MessageEncoding encoding() const = 0;
   virtual const std::vector<BagTopic>& topics() const = 0;
-  virtual const std::vector<std::string>& notes() const = 0;  // what was left out, one sentence each
+  virtual const std::vector<std::string>& notes() const = 0;  // omitted parts of the bag, one sentence each
 
-  // Messages of topics()[topic], by the time they were recorded.
+  // Messages of topics()[topic], in order of their time of recording.
   virtual std::vector<BagMessage> Messages(std::size_t topic) const = 0;
 
-  // The first bytes of a message, all of it where it is shorter. Throws DataError where it is damaged, or
+  // First `wanted_bytes` of a message, or all of it if it is shorter. Throws DataError if it is damaged, or
   // longer than kMostBagMessageBytes.
   virtual std::vector<std::byte> Read(
       const BagMessage& message,
       std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const = 0;
 
-  // Index of the topic of that name.
+  // Index of the topic with this name.
   std::optional<std::size_t> FindTopic(const std::string& name) const;
 };
 
-// True where the path is a bag of either kind.
+// True if the path is a bag of either version.
 bool IsBag(const std::filesystem::path& path);
 
-// "/sonar (sensor_msgs/Image, 12 messages), ...": for messages and notes.
+// Text for messages and notes: "/sonar (sensor_msgs/Image, 12 messages), ...".
 std::string DescribeTopics(const std::vector<BagTopic>& topics);
 
-// "sensor_msgs/Image" of "sensor_msgs/msg/Image".
+// Converts "sensor_msgs/msg/Image" to "sensor_msgs/Image".
 std::string Ros1TypeName(const std::string& type);
 
 }  // namespace sonarcal::data_io

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a topic that was asked for is instead of a sonar's.
+// Reason why a requested topic is not a sonar's.
 std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
   const auto index = bag.FindTopic(asked);
   if (!index) return "is not there";

@@ -9,7 +9,7 @@ namespace sonarcal::data_io {
 namespace {
 
 constexpr std::uint64_t kEncapsulationBytes = 4;
-constexpr std::uint64_t kMostPaddingBytes = 7;  // CDR's largest alignment less one
+constexpr std::uint64_t kMostPaddingBytes = 7;  // largest alignment of CDR minus one
 
 }  // namespace
 

@@ -1,12 +1,12 @@
-// The fields of one ROS message, read one after the other from its serialised bytes, of either kind:
+// Reads the fields of one ROS message in sequence from its serialised bytes, of either encoding:
 //
 //   kRos1  ROS 1 serialization: packed, little-endian; a string is a u32 length and its bytes
 //   kCdr   ROS 2's plain CDR: 4 bytes of encapsulation (0, 0 or 1 = big- or little-endian, two of options),
-//          then primitives aligned to their size, counted from behind the encapsulation; the length of a
-//          string counts the NUL at its end
+//          then primitives aligned to their size, counted from the end of the encapsulation; the length of a
+//          string includes the NUL at its end
 //
-// so that a decoder (data_io/ros/ros_messages.h) names a message's fields once. Every length is compared with
-// the bytes left before anything is allocated; a DataError names message, byte and field.
+// A decoder (data_io/ros/ros_messages.h) then names a message's fields once. Every length is compared with
+// the remaining bytes before any allocation. A DataError names message, byte and field.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ enum class MessageEncoding { kRos1, kCdr };
 
 class MessageStream {
  public:
-  // `bytes` must outlive the stream; `where` begins its messages: "dive.bag: /sonar: message 3". Throws
-  // DataError where the encapsulation is none of plain CDR.
+  // `bytes` must outlive the stream. `where` starts its messages: "dive.bag: /sonar: message 3". Throws
+  // DataError if the encapsulation is not plain CDR.
   MessageStream(std::span<const std::byte> bytes, MessageEncoding encoding, std::string where);
 
   MessageEncoding encoding() const { return encoding_; }
@@ -36,21 +36,21 @@ class MessageStream {
   std::uint64_t U64(std::string_view field) { return Integer<std::uint64_t>(field); }
   std::int16_t I16(std::string_view field);
   float F32(std::string_view field);   // any bit pattern, NaN included
-  double F64(std::string_view field);  // likewise
+  double F64(std::string_view field);  // any bit pattern, NaN included
 
   std::string String(std::string_view field);
 
-  // Number of elements of a sequence, each of which takes at least `least_bytes`.
+  // Number of elements of a sequence. Each takes at least `least_bytes`.
   std::uint32_t Count(std::string_view field, std::uint64_t least_bytes);
 
   std::vector<float> F32s(std::string_view field);
   std::vector<std::int16_t> I16s(std::string_view field);
-  std::span<const std::byte> Bytes(std::string_view field);  // u8[], where it lies in the message
+  std::span<const std::byte> Bytes(std::string_view field);  // u8[], inside the message's bytes
 
-  // Throws DataError where bytes are left: the message is of another definition. CDR may pad its end.
+  // Throws DataError if bytes remain, i.e. the message has another definition. CDR may pad its end.
   void Finish() const;
 
-  // "where: byte N: field", N being the next byte's.
+  // "where: byte N: field", with N the next byte.
   std::string Where(std::string_view field) const { return reader_.Where(at_, field); }
 
  private:

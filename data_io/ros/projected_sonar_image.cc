@@ -33,7 +33,7 @@ const SampleType& TypeOf(const ProjectedSonarImage& message, const std::string& 
   return kSampleTypes[message.sample_type];
 }
 
-// A sample as a number; `raw` has its bits in the lowest bytes.
+// Sample as a number; `raw` has its bits in the lowest bytes.
 double SampleOf(std::uint32_t type, std::uint64_t raw) {
   switch (type) {
     case 1:
@@ -87,7 +87,7 @@ std::vector<float> Samples(const ProjectedSonarImage& message, const std::string
   return samples;
 }
 
-// Whether the beams lie about X rather than Z: another frame than the definition's.
+// True if the beams lie around X rather than Z, which is not the definition's frame.
 bool LookAlongX(const ProjectedSonarImage& message) {
   constexpr double kNone = 1e-6;
   return std::ranges::all_of(message.beam_direction, [](const Eigen::Vector3d& direction) {
@@ -111,13 +111,13 @@ bool RunsDown(const std::vector<double>& azimuth_rad) {
 }
 
 bool RangesAreEdges(const ProjectedSonarImage& message, double bin_m) {
-  constexpr double kSlack = 0.05;  // of a bin
+  constexpr double kSlack = 0.05;  // fraction of a bin
   return message.range_m.front() < (0.5 - kSlack) * bin_m;
 }
 
 PolarAxes AxesOf(const ProjectedSonarImage& message, const std::string& where,
                  const SonarMessageOptions& options) {
-  constexpr double kUneven = 0.05;  // of a bin
+  constexpr double kUneven = 0.05;  // fraction of a bin
   const std::vector<float>& range_m = message.range_m;
   if (range_m.size() < 2 || range_m.size() > std::numeric_limits<int>::max())
     throw DataError("{}: {} ranges, expected at least 2", where, range_m.size());
@@ -148,7 +148,7 @@ ImageScale ScaleOf(const ProjectedSonarImage& message, const std::string& where)
   return scale;
 }
 
-// Mean of what is finite and an angle, in degrees; 0 where nothing is.
+// Mean of the finite, valid angles, in degrees; 0 if there is none.
 double MeanDeg(const std::vector<float>& width_rad) {
   double sum_rad = 0.0;
   int count = 0;
@@ -160,14 +160,14 @@ double MeanDeg(const std::vector<float>& width_rad) {
   return count == 0 ? 0.0 : DegFromRad(sum_rad / count);
 }
 
-// Mean change from each sample to the one `step` behind it.
+// Mean change from each sample to the one `step` later.
 double MeanChange(const std::vector<float>& samples, std::size_t step) {
   double sum = 0.0;
   for (std::size_t i = step; i < samples.size(); ++i) sum += std::abs(samples[i] - samples[i - step]);
   return sum / static_cast<double>(samples.size() - step);
 }
 
-// In the right order, neighbours are alike: a row behind, the next beam's or range's sample.
+// In the correct order, samples one row apart (the next beam or range) are similar.
 void NoteOrder(const ProjectedSonarImage& message, const std::string& where,
                const SonarMessageOptions& options, RecordingInfo& info) {
   constexpr double kClearly = 1.25;

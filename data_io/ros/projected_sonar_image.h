@@ -1,4 +1,4 @@
-// marine_acoustic_msgs/ProjectedSonarImage as a polar image; rules in data_io/ros/sonar_message.h.
+// Converts marine_acoustic_msgs/ProjectedSonarImage to a polar image; rules in data_io/ros/sonar_message.h.
 #pragma once
 
 #include <string>

@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMagic = "#ROSBAG V";
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kIndexEntryBytes = 12;
-constexpr std::uint64_t kMostConnectionBytes = 16 << 20;  // definitions of messages are long
+constexpr std::uint64_t kMostConnectionBytes = 16 << 20;  // message definitions are long
 
-// A file that is read here and there, by one thread at a time.
+// File with random access, for one thread at a time.
 class OpenFile {
  public:
   explicit OpenFile(const fs::path& path)
@@ -58,14 +58,14 @@ class OpenFile {
 struct Record {
   Ros1Op op;
   Ros1Fields fields;
-  std::uint64_t data_at = 0;  // in the reader it was parsed from
+  std::uint64_t data_at = 0;  // position in the reader that parsed the record
   std::uint64_t data_bytes = 0;
 
   std::uint64_t end() const { return data_at + data_bytes; }
 };
 
-// The record at `at`, of which the reader holds the header at least; its data lie within the `rest` bytes
-// from `at` to the end of what it belongs to.
+// Parses the record at `at`. The reader holds at least its header. Its data lie within the `rest` bytes from
+// `at` to the end of its container.
 Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t rest) {
   const std::uint32_t header_bytes = reader.U32(at, "length of a header");
   if (header_bytes > std::min(kMostRos1HeaderBytes, rest)) {
@@ -85,10 +85,10 @@ Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t res
   return {op, std::move(fields), length_at + 4, data_bytes};
 }
 
-// How much of a record is read to have its header: more than all but the strangest.
+// Bytes read to get a record's header: enough for almost all records.
 constexpr std::uint64_t kFirstLook = 512;
 
-// Bytes of the file from `offset` that hold a whole record header and the length behind it, at most `rest`.
+// Bytes of the file from `offset` that hold a whole record header and the length after it, at most `rest`.
 std::vector<std::byte> HeadBytes(OpenFile& file, std::uint64_t offset, std::uint64_t rest) {
   std::vector<std::byte> bytes = file.Bytes(offset, std::min(rest, kFirstLook), "record");
   const std::uint64_t needed =
@@ -98,7 +98,7 @@ std::vector<std::byte> HeadBytes(OpenFile& file, std::uint64_t offset, std::uint
 }
 
 struct Chunk {
-  std::uint64_t data_offset = 0;  // in the file
+  std::uint64_t data_offset = 0;  // position in the file
   std::uint64_t data_bytes = 0;
   Ros1Compression compression = Ros1Compression::kNone;
   std::uint32_t inflated_bytes = 0;
@@ -177,7 +177,7 @@ class Ros1Bag final : public Bag {
                     file_.name(), at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
   }
 
-  // Reads the heads of all records.
+  // Reads the headers of all records.
   void Walk() {
     std::uint64_t offset = kVersion2.size();
     while (offset < file_.size()) {
@@ -232,8 +232,8 @@ class Ros1Bag final : public Bag {
         TakeConnection(record, file_.Bytes(offset + record.data_at, record.data_bytes, "connection"),
                        offset + record.data_at);
         return;
-      case Ros1Op::kMessage:    // stand in chunks
-      case Ros1Op::kChunkInfo:  // says again what chunks and indices say
+      case Ros1Op::kMessage:    // messages are in chunks
+      case Ros1Op::kChunkInfo:  // repeats the content of chunks and indices
         return;
     }
     throw DataError("{}: record of kind {}, expected 2..7", where, static_cast<int>(record.op));
@@ -277,7 +277,7 @@ class Ros1Bag final : public Bag {
     connections_[record.fields.U32("conn")] = {record.fields.Text("topic"), Ros1TypeName(about.Text("type"))};
   }
 
-  // A bag whose end is missing tells its connections only inside the chunks, before their first message.
+  // A truncated bag contains its connections only inside the chunks, before their first message.
   void FindMissingConnections() {
     std::set<std::uint64_t> chunks;
     for (const auto& [id, messages] : messages_) {
@@ -326,7 +326,7 @@ class Ros1Bag final : public Bag {
     return fmt::format("{}: inside the chunk at byte {}", file_.name(), chunk.data_offset);
   }
 
-  // Of a chunk, what its records are read from. The last one is kept: messages are read in order.
+  // Inflated records of a chunk. The last chunk is cached, because messages are read in order.
   std::shared_ptr<const std::vector<std::byte>> Inflated(std::uint64_t index) const {
     const std::lock_guard lock(inflated_mutex_);
     if (inflated_ && inflated_index_ == index) return inflated_;

@@ -20,7 +20,7 @@
 
 namespace sonarcal::data_io {
 
-// A message as it stands in a bag, for librosbag, which asks for its parts by traits.
+// Message as stored in a bag. librosbag accesses its parts by traits.
 struct Ros1Message {
   const char* type = nullptr;
   const char* md5 = nullptr;
@@ -71,7 +71,7 @@ namespace {
 constexpr const char* kImageTopic = "/sonar/image";
 constexpr const char* kPoseTopic = "/sonar/pose";
 
-// Fields one after the other, least byte first, as ROS 1 has them.
+// Serialises fields in sequence, little-endian, as in ROS 1.
 class Fields {
  public:
   template <typename T>
@@ -148,7 +148,7 @@ std::string ImageMessage(const Frame& frame, const SonarModel& sonar, std::uint3
   fields.Header(sequence, stamp, "sonar");
   fields.Number(static_cast<float>(sonar.frequency_hz));
   fields.Number(static_cast<float>(sonar.sound_speed_m_per_s));
-  AddWidth(fields, sonar.elevation_beam_width_deg);  // what is sent is one fan
+  AddWidth(fields, sonar.elevation_beam_width_deg);  // one fan is transmitted
   AddWidth(fields, sonar.azimuth_beam_width_deg);
   fields.Count(axes.beam_azimuth_rad.size());
   for (const double azimuth_rad : axes.beam_azimuth_rad) {
@@ -172,7 +172,7 @@ std::string PoseMessage(const Pose& world_from_sonar, std::uint32_t sequence, co
   return fields.Take();
 }
 
-// The time of a frame, or 0, which ROS takes for none: time 0 becomes the first nanosecond.
+// Time of a frame, or 0, which means "no time" in ROS. Time 0 becomes the first nanosecond.
 ros::Time StampOf(const FrameInfo& info) {
   if (!info.time_s) return {};
   const double time_s = *info.time_s;
@@ -190,11 +190,12 @@ ros::Time StampOf(const FrameInfo& info) {
 }
 
 struct FrameTimes {
-  ros::Time stamp;   // in the headers of its messages; 0 without a time
-  ros::Time logged;  // that of the bag, by which readers order messages and time those without a stamp
+  ros::Time stamp;  // time in the headers of its messages; 0 without a time
+  // time in the bag, by which readers order messages, and the time of those without a stamp
+  ros::Time logged;
 };
 
-// Readers find the pose of an image by its time, so that no two poses may share one.
+// Readers find the pose of an image by its time, so no two poses may have the same time.
 std::vector<FrameTimes> TimesOf(const RecordingSource& recording) {
   std::vector<FrameTimes> times;
   std::map<ros::Time, int> posed;

@@ -12,7 +12,7 @@ std::vector<std::byte> InflateRos1Chunk(std::span<const std::byte> packed, Ros1C
                                         std::uint32_t bytes, const std::string& where) {
   if (compression == Ros1Compression::kNone) return {packed.begin(), packed.end()};
   std::vector<std::byte> inflated(bytes);
-  // Takes what it reads from by a pointer to mutable.
+  // decompress takes its source by a non-const pointer.
   std::vector<std::byte> source(packed.begin(), packed.end());
   try {
     rosbag::ChunkedFile file;

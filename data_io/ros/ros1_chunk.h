@@ -1,4 +1,4 @@
-// The compressed chunks of ROS 1 bags, inflated by librosbag-storage: the one place that uses it.
+// Inflates the compressed chunks of ROS 1 bags by librosbag-storage; the only file that reads with it.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@ namespace sonarcal::data_io {
 
 enum class Ros1Compression { kNone, kBz2, kLz4 };
 
-// `bytes` comes out, the caller having checked that it is no more than he wants to hold. Throws DataError
-// beginning with `where` where the data are damaged.
+// Returns `bytes` bytes; the caller has checked that this is acceptable. Throws DataError, beginning with
+// `where`, if the data are damaged.
 std::vector<std::byte> InflateRos1Chunk(std::span<const std::byte> packed, Ros1Compression compression,
                                         std::uint32_t bytes, const std::string& where);
 

@@ -1,5 +1,5 @@
-// Definitions of the ROS messages that are written, as they stand in a bag: the message's own, then those of
-// the messages it holds. Comments are left out; they do not enter the MD5.
+// Definitions of the ROS messages that are written, as stored in a bag: the message's own, then those of its
+// nested messages. Comments are omitted; they do not affect the MD5.
 //
 // marine_acoustic_msgs: github.com/apl-ocean-engineering/marine_msgs 88e39b6 (BSD-3-Clause), version 2.
 #pragma once

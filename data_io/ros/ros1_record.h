@@ -1,4 +1,4 @@
-// One record of a ROS 1 bag: its header's fields and where its data lie. Layout: data_io/ros/ros1_bag.h.
+// One record of a ROS 1 bag: its header fields and the position of its data. Layout: data_io/ros/ros1_bag.h.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace sonarcal::data_io {
 
-// Fields "name=value", each behind its u32 length.
+// Fields "name=value", each after its u32 length.
 class Ros1Fields {
  public:
-  // Throws DataError where a length leads out of `bytes`, or a field has no '='. `bytes` must outlive it.
+  // Throws DataError if a length leads out of `bytes`, or a field has no '='. `bytes` must outlive it.
   Ros1Fields(std::span<const std::byte> bytes, std::string file, std::uint64_t file_offset);
 
-  // Value of a field of that many bytes, or DataError where it is missing or of another size.
+  // Value of a field of that size. Throws DataError if it is missing or has another size.
   std::uint8_t U8(std::string_view name) const;
   std::uint32_t U32(std::string_view name) const;
   std::string Text(std::string_view name) const;
@@ -33,7 +33,7 @@ class Ros1Fields {
   std::vector<std::pair<std::string, std::span<const std::byte>>> fields_;
 };
 
-// No record's header is longer; those that are written have a hundred bytes, or a topic's name more.
+// Max size of a record's header. Real headers have about a hundred bytes plus a topic's name.
 inline constexpr std::uint64_t kMostRos1HeaderBytes = 1 << 16;
 
 enum class Ros1Op : std::uint8_t {

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
 constexpr std::string_view kMcapMagic{"\x89MCAP", 5};
-constexpr std::uint64_t kLeastRowBytes = 4;  // of any row in the file
+constexpr std::uint64_t kLeastRowBytes = 4;  // min size of any row in the file
 
 bool BeginsWith(const fs::path& file, std::string_view magic) {
   std::error_code error;
@@ -29,7 +29,7 @@ bool BeginsWith(const fs::path& file, std::string_view magic) {
   return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()) == magic;
 }
 
-// The number at the end of "dive_12.db3"; files without one come first.
+// Number at the end of "dive_12.db3"; files without one come first.
 std::uint64_t NumberOf(const fs::path& file) {
   const std::string stem = file.stem().string();
   const std::string digits = stem.substr(stem.find_last_not_of("0123456789") + 1);
@@ -38,7 +38,7 @@ std::uint64_t NumberOf(const fs::path& file) {
   return number;
 }
 
-// Files of a folder, or the file itself, that begin so; by number, then name.
+// Files of a folder, or the file itself, that begin with `magic`; by number, then name.
 std::vector<fs::path> FilesThatBegin(const fs::path& path, std::string_view magic) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -67,7 +67,7 @@ std::string ImmutableUri(const fs::path& file) {
   return uri + "?immutable=1";
 }
 
-// One file of a bag. Not for several threads at once.
+// One file of a bag. Not thread-safe.
 class Database {
  public:
   explicit Database(const fs::path& file) : name_(file.string()), size_(RegularFileSize(file)) {
@@ -75,7 +75,7 @@ class Database {
                                        SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
     handle_.reset(db_);
     if (opened != SQLITE_OK) Fail("cannot be opened");
-    // What a hostile schema could set going.
+    // Disables features that a malicious schema could use.
     sqlite3_db_config(db_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
@@ -86,14 +86,15 @@ class Database {
     sqlite3_exec(db_, "PRAGMA cell_size_check=ON; PRAGMA mmap_size=0", nullptr, nullptr, nullptr);
   }
   ~Database() = default;
-  // SQLite has the object's address.
+  // Not copyable, because SQLite holds the object's address.
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
   const std::string& name() const { return name_; }
   std::uint64_t size() const { return size_; }
 
-  // Calls `take` with the statement for every row. Throws DataError where the file cannot hold so many.
+  // Calls `take` with the statement for every row. Throws DataError if there are more rows than the file can
+  // hold.
   template <typename Take>
   void ForEachRow(const char* sql, Take take) {
     sqlite3_stmt* prepared = nullptr;
@@ -111,7 +112,7 @@ class Database {
     if (status != SQLITE_DONE) Fail("is damaged");
   }
 
-  // An ordinary table: a view or a virtual table would run what the file says.
+  // Requires an ordinary table: a view or a virtual table would execute SQL of the file.
   void RequireTable(const std::string& table) {
     int ordinary = 0;
     ForEachRow("SELECT name, type, sql FROM sqlite_master", [&](sqlite3_stmt* row) {
@@ -148,8 +149,7 @@ class Database {
  private:
   static constexpr int kStepsACall = 100'000;
 
-  // A tree of pages that leads in circles could be walked for ever: more than a step a byte is no honest
-  // file.
+  // A cyclic tree of pages would never end. A valid file needs at most about one step per byte.
   static int StepsAreSpent(void* self) {
     auto* database = static_cast<Database*>(self);
     database->steps_ += kStepsACall;
@@ -240,7 +240,7 @@ class Ros2Bag final : public Bag {
 
   std::vector<std::unique_ptr<Database>> databases_;
   std::vector<BagTopic> topics_;
-  std::vector<std::vector<BagMessage>> messages_;  // of each topic
+  std::vector<std::vector<BagMessage>> messages_;  // per topic
   std::vector<std::string> notes_;
   mutable std::mutex mutex_;
 };

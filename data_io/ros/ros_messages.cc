@@ -19,7 +19,7 @@ Eigen::Vector3d ReadVector(MessageStream& stream, std::string_view field) {
   return vector;
 }
 
-// x, y, z, w on the wire.
+// Serialised order: x, y, z, w.
 Pose ReadPose(MessageStream& stream, std::string_view position_field, std::string_view rotation_field) {
   Pose pose;
   pose.position_m = ReadVector(stream, position_field);
@@ -115,7 +115,7 @@ std::int64_t ReadStampNs(MessageStream& stream) {
   if (stream.encoding() == MessageEncoding::kRos1) stream.U32("header.seq");
   const std::uint32_t seconds = stream.U32("header.stamp.sec");
   const std::uint32_t nanoseconds = stream.U32("header.stamp.nanosec");
-  // Signed in ROS 2, where no recording was made before 1970.
+  // Signed in ROS 2; no recording was made before 1970.
   return static_cast<std::int64_t>(seconds) * kNsPerS + nanoseconds;
 }
 

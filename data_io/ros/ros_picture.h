@@ -1,4 +1,4 @@
-// The grey samples of a sensor_msgs/Image or CompressedImage.
+// Grey samples of a sensor_msgs/Image or CompressedImage.
 #pragma once
 
 #include <string>
@@ -13,12 +13,12 @@ struct RosPicture {
   double full_scale = 255.0;  // 255 or 65535
 };
 
-// Encodings mono8, 8UC1, mono16 and 16UC1. Throws DataError beginning with `where` for any other, and where
-// sizes do not agree.
+// Encodings mono8, 8UC1, mono16 and 16UC1. Throws DataError, beginning with `where`, for any other, or if
+// sizes are inconsistent.
 RosPicture PictureOf(const RosImage& image, const std::string& where);
 
-// Grey PNG of 8 or 16 bits, or grey JPEG, told by its bytes: `format` is free text. Sizes are checked before
-// anything is decoded.
+// Grey PNG of 8 or 16 bits, or grey JPEG, detected by its bytes, because `format` is free text. Sizes are
+// checked before decoding.
 RosPicture PictureOf(const RosCompressedImage& image, const std::string& where);
 
 }  // namespace sonarcal::data_io

@@ -30,7 +30,7 @@ struct PingWithPicture {
   RosPicture picture;
 };
 
-// The message as the sonar's own, checked to the point where DescribeOculus can take it.
+// Converts the message to the sonar's own ping, with the checks that DescribeOculus requires.
 PingWithPicture PingOf(const RosOculusPing& message, const std::string& where) {
   constexpr std::uint8_t kRangeIsMetres = 1;
   const RosPicture picture =
@@ -99,7 +99,7 @@ ImageScale ScaleOf(const RosPicture& picture, const PictureGeometry& geometry) {
   return scale;
 }
 
-// A message stands alone: a fan is not looked for over several.
+// A message is read alone, so a fan is not searched in several frames.
 PictureSampler SamplerFor(const PictureGeometry& geometry, const RosPicture& picture,
                           const std::string& where) {
   if (!geometry.polar && !geometry.fan) {
@@ -114,7 +114,7 @@ PictureSampler SamplerFor(const PictureGeometry& geometry, const RosPicture& pic
 
 struct PolarPicture {
   PolarImage image;
-  std::optional<Mask> inside;  // of the picture, where not all of the image is
+  std::optional<Mask> inside;  // set if part of the image lies outside the picture
 };
 
 template <typename T>

@@ -30,14 +30,14 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
 
-// Vertices at the same place become one: STL repeats each for every triangle, assimp does so for OBJ.
+// Merges vertices at the same position: STL repeats each one per triangle, and so does assimp for OBJ.
 class VertexWelder {
  public:
   VertexWelder(SceneAssembler* scene, const Eigen::Matrix3d& world_from_file)
       : scene_(scene), world_from_file_(world_from_file) {}
 
   std::uint32_t IndexOf(const aiVector3D& vertex) {
-    // Adding 0 makes one zero of -0 and 0. Bits are compared, as NaN equals nothing, itself included.
+    // Adding 0 makes -0 equal to 0. Bits are compared because NaN is not equal to itself.
     const Key key = {std::bit_cast<std::uint32_t>(vertex.x + 0.0F),
                      std::bit_cast<std::uint32_t>(vertex.y + 0.0F),
                      std::bit_cast<std::uint32_t>(vertex.z + 0.0F)};
@@ -76,7 +76,7 @@ Eigen::Matrix3d WorldFromFile(const SceneConventions& conventions, UpAxis defaul
   return scale * world_from_file;
 }
 
-// `hint` is the format's extension, by which assimp picks its reader.
+// `hint` is the format's extension, by which assimp selects its reader.
 std::unique_ptr<Assimp::Importer> Import(const std::string& bytes, const char* hint,
                                          const std::string& file) {
   auto importer = std::make_unique<Assimp::Importer>();
@@ -92,7 +92,7 @@ std::unique_ptr<Assimp::Importer> Import(const std::string& bytes, const char* h
   return importer;
 }
 
-// The number that a reduced OBJ has for a material's name; -1 for what assimp made up.
+// Number that a reduced OBJ has as a material's name; -1 for a material that assimp added.
 int MaterialNumber(const aiScene& imported, const aiMesh& mesh, std::size_t count) {
   if (mesh.mMaterialIndex >= imported.mNumMaterials) return -1;
   aiString name;
@@ -103,7 +103,7 @@ int MaterialNumber(const aiScene& imported, const aiMesh& mesh, std::size_t coun
   return whole && number >= 0 && static_cast<std::size_t>(number) < count ? number : -1;
 }
 
-// The triangles of all meshes. Materials are those of `names`, or none where it is empty.
+// Triangles of all meshes. Materials are those of `names`; none if it is empty.
 Scene Assemble(const aiScene& imported, const Eigen::Matrix3d& world_from_file,
                const std::vector<std::string>& names, std::size_t triangles_expected,
                const std::string& file) {

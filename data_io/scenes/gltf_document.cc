@@ -26,7 +26,7 @@ constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
 constexpr std::size_t kGlbHeaderBytes = 12;
 constexpr std::size_t kChunkHeaderBytes = 8;
 
-// The two parts of a file; `bin` is empty where there is no binary chunk.
+// JSON and binary part of a file; `bin` is empty if there is no binary chunk.
 struct Parts {
   bool binary = false;
   std::string_view json;
@@ -46,10 +46,10 @@ Parts SplitGlb(std::string_view bytes, const std::string& file) {
   for (int chunk = 0; at < bytes.size(); ++chunk) {
     const std::uint32_t chunk_bytes = reader.U32(at, "length of a chunk");
     const std::uint32_t type = reader.U32(at + 4, "type of a chunk");
-    reader.Bytes(at + kChunkHeaderBytes, chunk_bytes, "chunk");  // refuses what lies beyond the file
+    reader.Bytes(at + kChunkHeaderBytes, chunk_bytes, "chunk");  // rejects a chunk beyond the end of the file
     const std::string_view content = bytes.substr(at + kChunkHeaderBytes, chunk_bytes);
     if (chunk == 0 && type == kJsonChunk) parts.json = content;
-    if (chunk == 1 && type == kBinChunk) parts.bin = content;  // chunks of other types are to be ignored
+    if (chunk == 1 && type == kBinChunk) parts.bin = content;  // chunks of other types are ignored
     at += kChunkHeaderBytes + chunk_bytes;
   }
   if (parts.json.empty()) throw DataError("{}: no JSON in its first chunk", file);
@@ -62,8 +62,8 @@ Parts Split(std::string_view bytes, const std::string& file) {
   return binary ? SplitGlb(bytes, file) : Parts{.binary = false, .json = bytes, .bin = {}};
 }
 
-// Nesting and number of values, counted from brackets and commas before any tree is built of them. Text that
-// is no JSON may be miscounted from where it ceases to be, which is as far as the parser goes.
+// Checks nesting and number of values, counted from brackets and commas before a tree is built. In text that
+// is not JSON the count may be wrong after the first error, which is where the parser stops.
 void CheckJsonSize(std::string_view text, const std::string& file) {
   int depth = 0;
   std::size_t values = 1;
@@ -97,14 +97,13 @@ Json Parse(std::string_view text, const std::string& file) {
   try {
     return Json::parse(text);
   } catch (const Json::exception& error) {
-    // "[json.exception.parse_error.101] parse error at line 1, column 2: ...": the first word is for
-    // programmers.
+    // In "[json.exception.parse_error.101] parse error at line 1, column 2: ...", the first word is removed.
     const std::string_view what = error.what();
     throw DataError("{}: not readable as JSON: {}", file, Printable(what.substr(what.find(' ') + 1), 200));
   }
 }
 
-// Where in the JSON a member stands, for messages: "nodes[3].mesh".
+// Path of a member in the JSON, for messages: "nodes[3].mesh".
 std::string Where(const std::string& owner, const char* member) {
   return owner.empty() ? member : owner + "." + member;
 }
@@ -145,8 +144,8 @@ void CheckNumbers(const Json& object, const std::string& owner, const std::strin
   }
 }
 
-// Calls `check(object, "nodes[3]")` for each object of an array that may be absent, and takes off what nobody
-// reads.
+// Calls `check(object, "nodes[3]")` for each object of an array that may be absent, and removes members that
+// are not read.
 template <typename Check>
 void ForEachObject(Json& object, const std::string& owner, const std::string& file, const char* member,
                    const Check& check) {
@@ -200,7 +199,7 @@ void CheckGeometry(Json& root, const std::string& file) {
   });
 }
 
-// In a .glb the first buffer, and no other, may lie in the binary chunk.
+// In a .glb, only the first buffer may lie in the binary chunk.
 void CheckBuffers(Json& root, const Parts& parts, const std::string& file) {
   std::uint64_t total_bytes = 0;
   bool may_be_chunk = parts.binary;
@@ -237,7 +236,7 @@ void CheckVersion(const Json& root, const std::string& file) {
   }
 }
 
-// Extensions of a material's look change no geometry.
+// Extensions of a material's appearance do not change the geometry.
 void CheckExtensions(const Json& root, const std::string& file) {
   const auto required = root.find("extensionsRequired");
   if (required == root.end()) return;

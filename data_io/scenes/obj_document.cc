@@ -18,12 +18,12 @@
 namespace sonarcal::data_io {
 namespace {
 
-// What says nothing of a mesh's shape.
+// Statements that do not affect a mesh's shape.
 constexpr std::array<std::string_view, 21> kIgnored = {
     "vt",       "vn",       "o",      "g",      "s",          "mg",        "l",
     "p",        "mtllib",   "usemap", "maplib", "shadow_obj", "trace_obj", "bevel",
     "c_interp", "d_interp", "lod",    "vp",     "ctech",      "stech",     "end"};
-// What would leave a hole where it is not read.
+// Statements that would leave a hole if they were ignored.
 constexpr std::array<std::string_view, 15> kRefused = {"curv", "curv2", "surf", "cstype", "deg",
                                                        "bmat", "step",  "parm", "trim",   "hole",
                                                        "scrv", "sp",    "con",  "call",   "csh"};
@@ -37,7 +37,7 @@ bool IsBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }
 
-// The next word of `rest`, which loses it; empty at the end.
+// Removes and returns the next word of `rest`; empty at the end.
 std::string_view TakeWord(std::string_view& rest) {
   while (!rest.empty() && IsBlank(rest.front())) rest.remove_prefix(1);
   std::size_t length = 0;
@@ -47,7 +47,7 @@ std::string_view TakeWord(std::string_view& rest) {
   return word;
 }
 
-// A whole word as a number; false where it is none.
+// Parses a whole word as a number; false if it is none.
 template <typename T>
 bool Parse(std::string_view word, T& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
@@ -60,8 +60,8 @@ class ObjReducer {
   explicit ObjReducer(const std::string& file) : file_(file) {}
 
   ObjDocument Reduce(std::string_view bytes) {
-    if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);  // a mark that says UTF-8
-    std::string joined;                                             // lines that a backslash joins
+    if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);  // byte order mark of UTF-8
+    std::string joined;                                             // lines joined by a backslash
     while (!bytes.empty()) {
       const std::size_t end = std::min(bytes.find('\n'), bytes.size());
       std::string_view line = bytes.substr(0, end);
@@ -113,19 +113,19 @@ class ObjReducer {
       }
       ++count;
     }
-    // Three coordinates; a weight; a colour.
+    // Three coordinates, optionally with a weight or a colour.
     if (count != 3 && count != 4 && count != 6 && count != 7) {
       Refuse("a vertex of {} numbers, expected 3 coordinates", count);
     }
     if (count == 4 && numbers[3] != 1.0) Refuse("a vertex of weight {:g}, expected none or 1", numbers[3]);
     if (vertices_m_.size() == kMaxObjVertices) Refuse("more than {} vertices", kMaxObjVertices);
     vertices_m_.push_back(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]).cast<float>());
-    // Nine digits bring a float back as it was.
+    // Nine digits restore a float exactly.
     fmt::format_to(std::back_inserter(vertex_text_), "v {:.9g} {:.9g} {:.9g}\n", numbers[0], numbers[1],
                    numbers[2]);
   }
 
-  // "7", "7/1", "7//3" or "7/1/3": the place of the vertex from 1.
+  // "7", "7/1", "7//3" or "7/1/3": position of the vertex, starting at 1.
   std::size_t Corner(std::string_view word) {
     const std::string_view whole = word;
     std::array<long long, 3> index{};
@@ -171,7 +171,7 @@ class ObjReducer {
   }
 
   void UseMaterial(std::string_view line) {
-    std::string_view name = line;  // may hold blanks and '#'
+    std::string_view name = line;  // may contain blanks and '#'
     TakeWord(name);
     while (!name.empty() && IsBlank(name.front())) name.remove_prefix(1);
     while (!name.empty() && IsBlank(name.back())) name.remove_suffix(1);
@@ -208,7 +208,7 @@ class ObjReducer {
   std::vector<Eigen::Vector3f> vertices_m_;
   std::size_t material_ = kNoMaterial;
   std::map<std::string, std::size_t> material_index_;
-  std::vector<std::string> face_text_;  // by material
+  std::vector<std::string> face_text_;  // per material
 };
 
 }  // namespace

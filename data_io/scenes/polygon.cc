@@ -14,12 +14,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Of the square of the polygon's size: areas within it are none; and, where nothing else goes on, those that
-// rounding to floats makes.
+// Relative to the square of the polygon's size: limit below which an area is zero, and larger limit for areas
+// from rounding to float, used if nothing else works.
 constexpr double kNoArea = 1e-12;
 constexpr double kRoundedArea = 1e-7;
 
-// Twice the area of a triangle, positive where it turns left.
+// Twice the area of a triangle, positive if it turns left.
 double Turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
@@ -36,7 +36,8 @@ class EarClipper {
 
   std::optional<std::vector<std::array<int, 3>>> Divide() {
     while (left_.size() > 3) {
-      // With a corner just on an ear's side a division may go wrong later: such ears only where no other is.
+      // An ear with a corner exactly on its side may prevent a later division, so it is used only if there is
+      // no other.
       if (!ClipEar(-no_area_, no_area_) && !ClipEar(no_area_, no_area_) &&
           !ClipEar(rounded_area_, rounded_area_)) {
         return std::nullopt;
@@ -48,7 +49,7 @@ class EarClipper {
   }
 
  private:
-  // Clips the first ear that no other corner reaches into by more than `reach`.
+  // Clips the first ear into which no other corner reaches by more than `reach`.
   bool ClipEar(double reach, double no_area) {
     const std::size_t count = left_.size();
     for (std::size_t i = 0; i < count; ++i) {
@@ -74,7 +75,7 @@ class EarClipper {
   }
 
   std::vector<Vector2d> points_;
-  std::vector<int> left_;  // corners not yet clipped, in turn
+  std::vector<int> left_;  // corners not yet clipped, in order
   double no_area_;
   double rounded_area_;
   std::vector<std::array<int, 3>> triangles_;
@@ -93,7 +94,7 @@ std::optional<std::vector<std::array<int, 3>>> DividePolygon(std::span<const Vec
     size_m = std::max(size_m, (corners[i] - corners[0]).norm());
   }
   const double no_area = kNoArea * size_m * size_m;
-  // Corners in line have no plane, and any division of them has no area.
+  // Collinear corners have no plane, and any division of them has no area.
   const bool flat = !(normal.norm() > no_area);
   const Vector3d up = flat ? Vector3d::UnitZ() : normal.normalized();
   const Vector3d right = up.unitOrthogonal();

@@ -42,7 +42,8 @@ void SceneAssembler::AddTriangles(TriangleMode mode, const std::vector<std::uint
   if (separate && corners.size() % 3 != 0) {
     throw DataError("{}: {} corners of triangles, expected a multiple of 3", file_, corners.size());
   }
-  // Corners are counted, not triangles, for a mesh repeated by many nodes may hold none and take for ever.
+  // Counts corners, not triangles: a mesh repeated by many nodes may have no triangle and still take very
+  // long.
   corners_seen_ += corners.size();
   const std::size_t count = separate ? corners.size() / 3 : std::max<std::size_t>(corners.size(), 2) - 2;
   if (corners_seen_ > 3 * kMaxSceneTriangles || count > kMaxSceneTriangles - scene_.triangles.size()) {
@@ -59,7 +60,7 @@ void SceneAssembler::AddTriangles(TriangleMode mode, const std::vector<std::uint
     for (int k = 0; k < 3; ++k) triangle[k] = static_cast<int>(vertices.first + corners[places[k]]);
     const bool stitch =
         triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
-    if (stitch && !separate) continue;  // how strips are joined; no triangle is meant
+    if (stitch && !separate) continue;  // joins strips; not a real triangle
     if (mirrored) std::swap(triangle[1], triangle[2]);
     scene_.triangles.push_back(triangle);
     material_of_triangle_.push_back(material);

@@ -1,6 +1,6 @@
-// A scene put together from the pieces of a file, with its limits kept.
+// Assembles a scene from the parts of a file and enforces its limits.
 //
-// Materials are numbered as in the file until the end; Finish names those that triangles have.
+// Materials keep their numbers of the file until Finish, which names those that have triangles.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,10 +17,10 @@ namespace sonarcal::data_io {
 inline constexpr std::size_t kMaxSceneVertices = 30'000'000;
 inline constexpr std::size_t kMaxSceneTriangles = 20'000'000;
 
-// How a sequence of corners makes triangles: glTF 2.0, section 3.7.2.1.
+// Conversion of a sequence of corners to triangles: glTF 2.0, section 3.7.2.1.
 enum class TriangleMode { kSeparate, kStrip, kFan };
 
-// Some of the vertices added so far.
+// Range of the vertices added so far.
 struct VertexRange {
   std::size_t first = 0;
   std::size_t count = 0;
@@ -28,23 +28,23 @@ struct VertexRange {
 
 class SceneAssembler {
  public:
-  // `file` is the name that error sentences carry.
+  // `file` is the name used in error messages.
   explicit SceneAssembler(std::string file) : file_(std::move(file)) {}
 
   std::size_t vertex_count() const { return scene_.vertices_m.size(); }
 
-  // Throws DataError where a coordinate is not finite as a float, or there are too many vertices.
+  // Throws DataError if a coordinate is not finite as a float, or there are too many vertices.
   void AddVertex(const Eigen::Vector3d& world_m);
 
-  // Triangles whose corners are numbered from 0 within `vertices`. `mirrored` turns them over. `material` is
-  // negative for none. Throws DataError for a corner beyond `vertices`, corners that make no whole triangles,
-  // or too many of them.
+  // Adds triangles whose corners are numbered from 0 within `vertices`. `mirrored` reverses their
+  // orientation. `material` is negative for none. Throws DataError for a corner beyond `vertices`, an
+  // incomplete triangle, or too many of them.
   void AddTriangles(TriangleMode mode, const std::vector<std::uint32_t>& corners, const VertexRange& vertices,
                     bool mirrored, int material);
 
-  // The scene, once. `names` are those of the file's materials: "" becomes "material_N", no material
-  // "default", and materials of one name are one. Names without triangles are dropped, the others keep their
-  // order, with "default" last. Throws DataError where there are no triangles.
+  // Returns the scene; call once. `names` are those of the file's materials: "" becomes "material_N", no
+  // material "default", and materials with one name are merged. Names without triangles are dropped; the
+  // others keep their order, with "default" last. Throws DataError if there are no triangles.
   Scene Finish(const std::vector<std::string>& names);
 
  private:

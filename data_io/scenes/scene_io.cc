@@ -27,9 +27,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little-endian");
 
-// How tinygltf reaches a buffer's file. Exceptions pass through it.
+// File access of tinygltf for buffers. Exceptions pass through it.
 tinygltf::FsCallbacks FilesBelow(std::filesystem::path* directory) {
-  // Everything "exists", so that reading, which says what is wrong, is never passed over.
+  // Every file "exists", so that reading is always attempted and reports the error.
   return {.FileExists = [](const std::string&, void*) { return true; },
           .ExpandFilePath = [](const std::string& uri, void*) { return uri; },
           .ReadWholeFile =
@@ -61,7 +61,7 @@ tinygltf::Model LoadModel(std::string_view bytes, const std::filesystem::path& f
             : loader.LoadASCIIFromString(&model, &error, &warning, document.bytes.data(), size, "");
   } catch (const DataError& refused) {
     throw DataError("{}: {}", name, refused.what());
-  } catch (const std::exception& thrown) {  // nlohmann's among them
+  } catch (const std::exception& thrown) {  // including those of nlohmann::json
     throw DataError("{}: not readable as glTF: {}", name, Printable(thrown.what(), 300));
   }
   if (!loaded) {
@@ -71,7 +71,7 @@ tinygltf::Model LoadModel(std::string_view bytes, const std::filesystem::path& f
   return model;
 }
 
-// Elements of an accessor, known to lie inside their buffer.
+// Elements of an accessor, checked to lie inside their buffer.
 struct Elements {
   const unsigned char* first = nullptr;
   std::size_t stride_bytes = 0;
@@ -101,7 +101,7 @@ class SceneBuilder {
   Scene Build() {
     std::vector<Visit> pending;
     const auto push = [&](const std::vector<int>& nodes, const Eigen::Affine3d& transform, int depth) {
-      // Last first, so that they are taken in the order of the file.
+      // Last first, so that they are processed in the order of the file.
       for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
         pending.push_back({*node, transform, depth});
       }
@@ -165,7 +165,7 @@ class SceneBuilder {
   Eigen::Affine3d ParentFromNode(const tinygltf::Node& node, int index) const {
     Eigen::Affine3d transform = Eigen::Affine3d::Identity();
     if (node.matrix.size() == 16) {
-      const Eigen::Map<const Eigen::Matrix4d> matrix(node.matrix.data());  // columns first, as in glTF
+      const Eigen::Map<const Eigen::Matrix4d> matrix(node.matrix.data());  // column-major, as in glTF
       if (matrix.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)) {
         throw DataError("{}: the matrix of node {} does not end in a row 0 0 0 1", file_, index);
       }
@@ -188,7 +188,7 @@ class SceneBuilder {
   }
 
   void AddMesh(const tinygltf::Mesh& mesh, const Eigen::Affine3d& world_from_node) {
-    std::map<int, VertexRange> vertices_of;  // primitives that share their positions share vertices
+    std::map<int, VertexRange> vertices_of;  // primitives with the same positions share vertices
     const bool mirrored = world_from_node.linear().determinant() < 0.0;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       const auto position = primitive.attributes.find("POSITION");
@@ -222,7 +222,7 @@ class SceneBuilder {
     }
   }
 
-  // Checks what tinygltf does not: that an accessor is of the kind wanted and lies inside its buffer.
+  // Checks that an accessor has the required type and lies inside its buffer, which tinygltf does not check.
   Elements Resolve(int index, int type, std::initializer_list<int> component_types,
                    const char* expected) const {
     const tinygltf::Accessor& accessor = At(model_.accessors, index, "accessor");
@@ -260,7 +260,7 @@ class SceneBuilder {
     return {bytes.data() + view.byteOffset + accessor.byteOffset, stride_bytes, accessor.count};
   }
 
-  // The vertices that a primitive names in turn; without indices, all of them.
+  // Vertices of a primitive in order; all of them if it has no indices.
   std::vector<std::uint32_t> Corners(const tinygltf::Primitive& primitive, std::size_t vertex_count) const {
     std::vector<std::uint32_t> corners;
     if (primitive.indices < 0) {
@@ -292,7 +292,7 @@ class SceneBuilder {
   SceneAssembler scene_;
 };
 
-// Appends values to the only buffer, under a new buffer view, and returns the index of a new accessor.
+// Appends values to the only buffer, in a new buffer view. Returns the index of a new accessor.
 template <typename T>
 int AppendAccessor(tinygltf::Model* model, const std::vector<T>& values, std::size_t count, int type,
                    int component_type, int target) {

@@ -28,7 +28,7 @@ void RequireCount(std::size_t triangles, const std::string& file) {
   if (triangles > kMaxSceneTriangles) throw DataError("{}: more than {} triangles", file, kMaxSceneTriangles);
 }
 
-// Words of a text with the line they stand on.
+// Words of a text with their line numbers.
 class Words {
  public:
   Words(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -48,10 +48,10 @@ class Words {
     throw DataError("{}:{}: '{}', expected '{}'", file_, line_, Printable(found, 30), expected);
   }
 
-  // A number by its looks; what it is worth the parser says.
+  // Checks that a word looks like a number; the parser evaluates it.
   void ExpectNumber() {
     const std::string_view word = Take();
-    static constexpr std::string_view kLetters = "0123456789+-.eEnNaAiIfFtTyY";  // inf and nan too
+    static constexpr std::string_view kLetters = "0123456789+-.eEnNaAiIfFtTyY";  // including inf and nan
     const bool looks_right =
         !word.empty() && word.size() <= 64 && word.find_first_not_of(kLetters) == std::string_view::npos;
     if (!looks_right) {

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t kMagic = 0x05464444;
-constexpr std::uint64_t kHeaderBytes = 1024;  // of the file, and of each frame
+constexpr std::uint64_t kHeaderBytes = 1024;  // size of the file header, and of each frame header
 
 std::uint64_t FrameBytes(const ArisHeader& header) {
   return kHeaderBytes + static_cast<std::uint64_t>(header.beam_count()) * header.samples_per_beam;
@@ -94,7 +94,7 @@ class ArisRecording final : public RecordingSource {
         ReadFileRange(file_, Offset(index) + kHeaderBytes, frame.image.value.size(), "samples");
     const std::byte* next = grey.data();
     for (int bin = 0; bin < frame.image.value.rows(); ++bin) {
-      // ARIS beams count from the right, columns from the left.
+      // ARIS beams are numbered from the right, columns from the left.
       for (int column = beams - 1; column >= 0; --column) {
         frame.image.value(bin, column) = std::to_integer<std::uint8_t>(*next++);
       }

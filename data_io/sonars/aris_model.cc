@@ -87,7 +87,7 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
 void NoteArisWindow(const ArisHeader& header, RecordingInfo& info) {
   const double window_end_m = double{header.window_start_m} + header.window_length_m;
   const double tolerance_m = header.bin_m();
-  // Negated, so that a NaN in the header is noted too.
+  // Negated so that a NaN in the header is noted too.
   if (!(std::abs(header.window_start_m - header.range_min_m()) <= tolerance_m &&
         std::abs(window_end_m - header.range_max_m()) <= tolerance_m)) {
     info.notes.push_back(

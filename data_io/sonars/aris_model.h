@@ -1,4 +1,4 @@
-// What the header of an ARIS frame says of its sonar and its image, whichever way it was recorded.
+// Properties of sonar and image in the header of an ARIS frame, for every type of recording.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace sonarcal::data_io {
 
 inline constexpr std::uint32_t kMostArisSamplesPerBeam = 1 << 16;
 
-// Fields as the maker names them: data_io/sonars/aris_io.h.
+// Fields with the manufacturer's names: data_io/sonars/aris_io.h.
 struct ArisHeader {
   double time_s = 0.0;  // since 1970; 0 = not set
   float window_start_m = 0.0f;
@@ -41,16 +41,17 @@ struct ArisHeader {
   double range_max_m() const { return range_min_m() + samples_per_beam * bin_m(); }
 };
 
-// Columns from left to right. Throws DataError naming `what` where the maker has no table of such beams.
+// Columns from left to right. Throws DataError, naming `what`, if the manufacturer has no table of such
+// beams.
 PolarAxes ArisAxes(const ArisHeader& header, const std::string& what);
 
-// Sonar, scale, water and settings of the first frame, with notes on what is presumed or garbage.
+// Sonar, scale, water and settings of the first frame, with notes on assumptions and invalid values.
 void DescribeAris(const ArisHeader& header, const std::string& what, RecordingInfo& info);
 
-// What a frame's header tells of how its grey values were made; a gain over range is not recorded.
+// Settings in a frame's header; time-varying gain is not recorded.
 SonarSettings ArisSettings(const ArisHeader& header);
 
-// Adds a note where the window of the header is another than that of the sample timing.
+// Adds a note if the window of the header differs from that of the sample timing.
 void NoteArisWindow(const ArisHeader& header, RecordingInfo& info);
 
 }  // namespace sonarcal::data_io

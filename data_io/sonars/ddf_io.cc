@@ -45,7 +45,7 @@ struct DdfFrameHeader {
   float roll_deg = 0.0F;
 };
 
-// 3 or 4 where the bytes begin a file of that version.
+// Version 3 or 4 if the bytes begin a file of that version, otherwise 0.
 int VersionOf(std::span<const std::byte> bytes) {
   constexpr std::array<std::byte, 3> kName = {std::byte{'D'}, std::byte{'D'}, std::byte{'F'}};
   if (bytes.size() < kMagicBytes || !std::equal(kName.begin(), kName.end(), bytes.begin())) return 0;
@@ -69,7 +69,7 @@ DdfHeader ParseFileHeader(const ByteReader& reader, int version) {
   return header;
 }
 
-// Seconds since 1970 of the frame's clock fields; nothing where they are no date.
+// Seconds since 1970 of the frame's clock fields; nothing if they are not a date.
 std::optional<double> TimeOf(const ByteReader& reader) {
   const auto field = [&](int index) { return reader.I32(20 + 4 * index, "date and time"); };
   const std::chrono::year_month_day date{std::chrono::year{field(0)},
@@ -85,7 +85,7 @@ std::optional<double> TimeOf(const ByteReader& reader) {
 }
 
 double WindowLengthM(const DdfHeader& header, bool classic, bool long_range, int code) {
-  // By long range, then classic.
+  // Indexed by long range, then classic.
   constexpr double kLengthM[2][2][6] = {
       {{1.25, 2.5, 5.0, 10.0, 20.0, 40.0}, {1.125, 2.25, 4.5, 9.0, 18.0, 36.0}},
       {{2.5, 5.0, 10.0, 20.0, 40.0, 70.0}, {2.25, 4.5, 9.0, 18.0, 36.0, 72.0}}};

@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kMostFrameIndex = 100'000'000;
 constexpr double kMostM = 1e6;
 
-// What is the sonar's in the frame of the data set's calibration: X right, Y down, Z ahead there.
+// Sonar pose in the frame of the data set's calibration, which has X right, Y down, Z forward.
 Pose CalibrationFromSonar() {
   Eigen::Matrix3d axes;
   axes.col(0) = Eigen::Vector3d::UnitX();   // right
-  axes.col(1) = Eigen::Vector3d::UnitZ();   // ahead
+  axes.col(1) = Eigen::Vector3d::UnitZ();   // forward
   axes.col(2) = -Eigen::Vector3d::UnitY();  // up
   return {Eigen::Quaterniond(axes), Eigen::Vector3d::Zero()};
 }
@@ -101,14 +101,14 @@ class DfkiUxoRecording final : public RecordingSource {
     const fs::path file = Picture(frames_.at(index).number);
     Frame frame{InfoOf(index, header), {ArisAxes(header, file.string()), info_.scale, {}}};
     frame.image.value = ReadPgm(file, frame.image.axes.range_bins, frame.image.axes.beam_count());
-    // ARIS beams count from the right, columns from the left.
+    // ARIS beams are numbered from the right, columns from the left.
     for (int row = 0; row < frame.image.value.rows(); ++row) std::ranges::reverse(frame.image.value.row(row));
     return frame;
   }
 
  private:
   struct Entry {
-    int row = 0;              // in the table
+    int row = 0;              // row of the table
     std::int64_t number = 0;  // its FrameIndex
   };
 
@@ -170,7 +170,7 @@ class DfkiUxoRecording final : public RecordingSource {
     DescribeTarget(tree);
   }
 
-  // The arm hangs on the gantry, which does not turn.
+  // The arm is mounted on the gantry, which does not rotate.
   void CompareGantry(const FrameTree& tree) {
     constexpr double kSameM = 1e-3;
     const fs::path file = folder_ / "gantry.csv";
@@ -192,7 +192,7 @@ class DfkiUxoRecording final : public RecordingSource {
     }
   }
 
-  // The target is named as the folder of its recordings.
+  // The target has the name of the folder of its recordings.
   void DescribeTarget(const FrameTree& tree) {
     const std::string target = fs::absolute(folder_).lexically_normal().parent_path().filename().string();
     const std::optional<Pose> pose = tree.Find("world", "target/" + target);
@@ -221,7 +221,7 @@ bool IsDfkiUxo(const fs::path& path) {
 }
 
 std::unique_ptr<RecordingSource> OpenDfkiUxo(const fs::path& path) {
-  // Its parents are told by name: "a/b/" has an empty one.
+  // Its parents are found by name, and "a/b/" has an empty one.
   return std::make_unique<DfkiUxoRecording>(path.has_filename() ? path : path.parent_path());
 }
 

@@ -20,7 +20,7 @@ constexpr int kBeams = 96;
 constexpr int kMostRangeBins = 1 << 16;
 constexpr double kMostRangeM = 1000.0;
 
-// The file name of a ping: only digits, at least as many as a time in seconds since 1970 has.
+// Time in the file name of a ping: only digits, at least as many as a time in seconds since 1970 has.
 std::optional<std::uint64_t> TimeInMicroseconds(const fs::path& file) {
   const std::string stem = file.stem().string();
   std::uint64_t time_us = 0;
@@ -38,7 +38,7 @@ struct Ping {
   bool operator<(const Ping& other) const { return time_us < other.time_us; }
 };
 
-// The ping that `file` is one half of.
+// Ping to which `file` belongs.
 std::optional<Ping> PingOf(const fs::path& file) {
   if (file.extension() != ".png" && file.extension() != ".json") return std::nullopt;
   const std::optional<std::uint64_t> time_us = TimeInMicroseconds(file);
@@ -166,7 +166,7 @@ std::vector<double> DidsonAzimuthsRad() {
   std::vector<double> azimuth_rad(kBeams);
   double t_deg = -14.0;  // near beam 0; then each beam starts from its neighbour
   for (int beam = 0; beam < kBeams; ++beam) {
-    // Newton's method; the slope, between 2.67 and 4.8 beams a degree out there, makes it converge at once.
+    // Newton's method. It converges immediately, because the slope is between 2.67 and 4.8 beams per degree.
     for (int step = 0; step < 20; ++step) {
       const double value = ((0.0030 * t_deg - 0.0055) * t_deg + 2.6829) * t_deg + 48.04 - beam;
       const double slope = (3.0 * 0.0030 * t_deg - 2.0 * 0.0055) * t_deg + 2.6829;

@@ -36,7 +36,7 @@ FrameTree::FrameTree(const std::filesystem::path& file) {
 std::optional<Pose> FrameTree::Find(const std::string& ancestor, const std::string& frame) const {
   Pose ancestor_from_frame;
   std::string at = frame;
-  // More steps than frames lead in a circle.
+  // A chain with more steps than frames is a cycle.
   for (std::size_t step = 0; at != ancestor; ++step) {
     const auto found = frames_.find(at);
     if (found == frames_.end() || step > frames_.size()) return std::nullopt;

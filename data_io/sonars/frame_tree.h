@@ -1,4 +1,4 @@
-// Coordinate frames that hang on each other, from the `transforms.yaml` of the DFKI UXO data set:
+// Tree of coordinate frames, from the `transforms.yaml` of the DFKI UXO data set:
 //
 //   setup:
 //     - frame_id: "setup/aris"
@@ -6,7 +6,7 @@
 //       translation: {x, y, z}       # metres
 //       rotation: {x, y, z, w}       # a quaternion
 //
-// Lists of frames under any heading are read.
+// Reads lists of frames under any heading.
 #pragma once
 
 #include <filesystem>
@@ -20,11 +20,11 @@ namespace sonarcal::data_io {
 
 class FrameTree {
  public:
-  // Throws DataError with file and line where a value is no number, a frame lacks a part, stands twice, or
-  // its quaternion is not of unit length to 1e-3.
+  // Throws DataError with file and line if a value is not a number, a frame is incomplete or occurs twice, or
+  // the length of its quaternion differs from 1 by more than 1e-3.
   explicit FrameTree(const std::filesystem::path& file);
 
-  // ancestor_from_frame; nothing where no chain leads up from one to the other.
+  // ancestor_from_frame; nothing if no chain leads from one to the other.
   std::optional<Pose> Find(const std::string& ancestor, const std::string& frame) const;
 
  private:

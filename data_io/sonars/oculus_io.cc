@@ -67,8 +67,8 @@ class OculusRecording final : public RecordingSource {
  private:
   struct PingOfFile {
     OculusPing ping;
-    std::vector<std::byte> bytes;           // of the message, the first that were wanted
-    std::optional<double> log_time_s = {};  // where it lies in a log
+    std::vector<std::byte> bytes;           // first bytes of the message, as many as requested
+    std::optional<double> log_time_s = {};  // time in a log
   };
 
   // Finds the whole pings of the file.
@@ -102,7 +102,7 @@ class OculusRecording final : public RecordingSource {
       info_.notes.push_back(fmt::format("{} messages that are no pings were passed over.", others));
   }
 
-  // Finds the pings of a log, each an item of its own.
+  // Finds the pings of a log, one per item.
   void IndexLog() {
     int others = 0;
     info_.notes = ForEachOculusLogItem(file_, [&](const OculusLogItem& item) {
@@ -130,8 +130,8 @@ class OculusRecording final : public RecordingSource {
     }
   }
 
-  // The first `wanted` bytes of a message, or all of it, and what they say. Of a file of any length only the
-  // places of its pings are kept.
+  // First `wanted` bytes of a message, or all of it, and the parsed ping. Only the positions of pings are
+  // kept in memory, so files of any length can be read.
   PingOfFile ReadPing(int index, std::uint64_t wanted = std::numeric_limits<std::uint64_t>::max()) const {
     const std::uint64_t offset = offsets_.at(index);
     PingOfFile read;
@@ -147,7 +147,7 @@ class OculusRecording final : public RecordingSource {
     return read;
   }
 
-  // Of a message that was found to be one before.
+  // Header of a message that was found before.
   OculusHead HeadOf(const std::vector<std::byte>& bytes, std::uint64_t offset) const {
     const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
     if (!head) throw DataError("{}: byte {}: no Oculus message any more, expected one", name_, offset);
@@ -168,7 +168,7 @@ class OculusRecording final : public RecordingSource {
   fs::path file_;
   std::string name_;
   bool is_log_ = false;
-  std::vector<std::uint64_t> offsets_;  // of messages, or of the log's items
+  std::vector<std::uint64_t> offsets_;  // positions of messages, or of the log's items
   RecordingInfo info_;
 };
 
@@ -181,7 +181,8 @@ bool IsOculus(const fs::path& path) {
     return false;
   const std::vector<std::byte> head = ReadFileRange(path, 0, kOculusHeadBytes, "message head");
   const std::optional<OculusHead> parsed = ParseOculusHead({head, path.string()});
-  // All message ids fit in a byte: a text that begins with the letters of the id is no recording.
+  // All message ids fit into a byte, so a text file that begins with the letters of the magic number is
+  // rejected.
   return parsed && parsed->message_id <= 0xff;
 }
 

@@ -18,7 +18,7 @@ constexpr std::uint32_t kItemMagic = 0xaabbccdd;
 constexpr std::uint64_t kLogHeadBytes = 48;
 constexpr std::uint64_t kItemHeadBytes = 40;
 constexpr std::uint64_t kMostHeadBytes = 4096;
-constexpr std::uint64_t kLengthBytes = 4;  // before a compressed payload
+constexpr std::uint64_t kLengthBytes = 4;  // length before a compressed payload
 constexpr std::uint16_t kSonarItem = 10;
 
 std::uint64_t HeadBytes(const ByteReader& reader, std::uint64_t known) {
@@ -30,7 +30,7 @@ std::uint64_t HeadBytes(const ByteReader& reader, std::uint64_t known) {
   return bytes;
 }
 
-// The first `wanted` bytes of a message, all of it where it is shorter.
+// First `wanted` bytes of a message, or all of it if it is shorter.
 std::vector<std::byte> Inflate(std::vector<std::byte> packed, const OculusLogItem& item, std::uint64_t wanted,
                                const std::string& where) {
   const std::uint64_t announced =

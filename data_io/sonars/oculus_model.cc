@@ -9,7 +9,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-// A model's nominal figures in one of its modes (Blueprint Subsea, data sheets of the Oculus series).
+// Nominal values of a model in one of its modes (Blueprint Subsea, data sheets of the Oculus series).
 struct Mode {
   std::uint8_t mode;
   double frequency_hz;
@@ -22,7 +22,7 @@ constexpr Mode kModes[] = {
     {1, 1.2e6, "Oculus M1200d or M3000d", 0.6, 20.0}, {2, 2.1e6, "Oculus M1200d", 0.4, 12.0},
     {2, 3.0e6, "Oculus M3000d", 0.25, 20.0},
 };
-constexpr double kFrequencyTolerance = 0.05;  // the recorded frequency is a little off the nominal one
+constexpr double kFrequencyTolerance = 0.05;  // the recorded frequency differs slightly from the nominal one
 
 const Mode* FindMode(const OculusPing& ping) {
   for (const Mode& mode : kModes) {
@@ -34,7 +34,8 @@ const Mode* FindMode(const OculusPing& ping) {
   return nullptr;
 }
 
-// Within limits, and not one of the tiny numbers that uninitialised memory makes when read as a double.
+// True if the value is within the limits, and not one of the tiny numbers that uninitialised memory gives as
+// a double.
 bool IsPlausible(double value, double lowest, double highest) {
   return value >= lowest && value <= highest && (value == 0.0 || std::abs(value) > 1e-6);
 }

@@ -1,4 +1,4 @@
-// What a ping of an Oculus says of its sonar and its image, whichever way it was recorded.
+// Properties of sonar and image in a ping of an Oculus, for every type of recording.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace sonarcal::data_io {
 
-// The ping has bearings.
+// Requires a ping with bearings.
 bool BearingsRunRightToLeft(const OculusPing& ping);
 
-// Columns from left to right. Throws DataError naming `what` where bearings or resolution are no axes.
+// Columns from left to right. Throws DataError, naming `what`, if bearings or resolution are not valid axes.
 PolarAxes OculusAxes(const OculusPing& ping, const std::string& what);
 
 ImageScale OculusScale(const OculusPing& ping);
 
-// Sonar, scale, display gamma, water and settings of the first ping, with notes on what is presumed or
-// garbage. info.source is set already.
+// Sonar, scale, display gamma, water and settings of the first ping, with notes on assumptions and invalid
+// values. info.source must be set.
 void DescribeOculus(const OculusPing& ping, RecordingInfo& info);
 
 }  // namespace sonarcal::data_io

@@ -11,13 +11,13 @@ namespace {
 constexpr std::uint8_t kFlagRangeInMetres = 1 << 0;
 constexpr std::uint8_t kFlagSendGain = 1 << 2;
 
-// Where the fields of a ping result are, from the message's head.
+// Positions of the fields of a ping result, from the message's head.
 struct Layout {
-  std::uint64_t ping_id;  // the fields up to the pressure follow it in every version
+  std::uint64_t ping_id;  // followed by the fields up to the pressure in every version
   std::uint64_t sound_speed;
-  std::uint64_t data_size;     // resolution, ranges and beams follow it
-  std::uint64_t image_offset;  // image size and message size follow it
-  std::uint64_t end;           // bearings
+  std::uint64_t data_size;     // followed by resolution, ranges and beams
+  std::uint64_t image_offset;  // followed by image size and message size
+  std::uint64_t end;           // start of the bearings
 };
 
 constexpr Layout LayoutOfVersion1() {
@@ -34,7 +34,7 @@ constexpr Layout kVersion1 = LayoutOfVersion1();
 constexpr Layout kVersion2 = LayoutOfVersion2(36);
 constexpr Layout kVersion2WithoutExtendedFlags = LayoutOfVersion2(0);
 
-// What makes a ping's fields contradict each other; empty where nothing does.
+// Contradiction between a ping's fields; empty if there is none.
 std::string Contradiction(const ByteReader& reader, const Layout& layout, const OculusPing& ping,
                           const OculusHead& head) {
   if (ping.bytes_per_sample > 4) {

@@ -19,7 +19,7 @@ struct OculusHead {
   std::uint64_t message_bytes = 0;  // head included
 };
 
-// Nothing where the bytes do not begin with an Oculus head.
+// Returns nothing if the bytes do not begin with an Oculus head.
 std::optional<OculusHead> ParseOculusHead(const ByteReader& reader);
 
 struct OculusPing {
@@ -38,7 +38,7 @@ struct OculusPing {
   double frequency_hz = 0.0;
   double temperature_c = 0.0;
   double pressure_bar = 0.0;
-  double heading_deg = 0.0;  // version 2, with pitch and roll
+  double heading_deg = 0.0;  // version 2, as are pitch and roll
   double pitch_deg = 0.0;
   double roll_deg = 0.0;
   double sound_speed_m_per_s = 0.0;
@@ -56,8 +56,8 @@ struct OculusPing {
   double full_scale() const { return static_cast<double>((std::uint64_t{1} << 8 * bytes_per_sample) - 1); }
 };
 
-// `reader` holds the message up to the end of its bearings at least (kMostOculusPingHeaderBytes are enough).
-// Throws DataError where sizes, counts or resolution cannot be those of a message of head.message_bytes.
+// `reader` must hold the message at least up to the end of its bearings (kMostOculusPingHeaderBytes suffice).
+// Throws DataError if sizes, counts or resolution are impossible for a message of head.message_bytes.
 OculusPing ParseOculusPing(const ByteReader& reader, const OculusHead& head);
 
 inline constexpr std::uint64_t kMostOculusPingHeaderBytes = 202 + 2 * 0xffff;
