@@ -16,9 +16,6 @@ find_dependency(ZLIB)
 find_dependency(TinyGLTF)
 find_dependency(pugixml)
 find_dependency(yaml-cpp)
-find_dependency(assimp 5.2)
-# Debian's package names what a static assimp would link (draco, minizip) and does not depend on it.
-set_target_properties(assimp::assimp PROPERTIES INTERFACE_LINK_LIBRARIES "")
 # Debian's package has no CMake files for what is used of ROS 1, and its headers include those of plugins, each
 # in a folder of its own.
 find_library(ROSBAG_STORAGE_LIBRARY rosbag_storage REQUIRED)

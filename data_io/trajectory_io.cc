@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <string_view>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
 #include "core/types/rotation.h"
 #include "core/types/units.h"
@@ -68,8 +68,7 @@ class LineReader {
   double Number(std::size_t column, std::string_view name) const {
     double value = 0.0;
     const std::string_view field = Field(column, name);
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
+    if (!ParseNumber(field, value) || !std::isfinite(value))
       Fail(fmt::format("{} is '{}', expected a finite number", name, Printable(field)));
     return value;
   }
@@ -78,8 +77,7 @@ class LineReader {
   double Nanoseconds(std::size_t column) const {
     std::int64_t value = 0;
     const std::string_view field = Field(column, "the time");
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc() || end != field.data() + field.size())
+    if (!ParseNumber(field, value))
       Fail(fmt::format("the time is '{}', expected whole nanoseconds", Printable(field)));
     constexpr std::int64_t kPerSecond = 1'000'000'000;
     return static_cast<double>(value / kPerSecond) + 1e-9 * static_cast<double>(value % kPerSecond);

@@ -30,8 +30,6 @@ if ((${#targets[@]} == 0)); then
   for folder in "$root"/tests/fuzz/corpus/*/; do targets+=("$(basename "$folder")"); done
 fi
 mkdir -p "$root/build-fuzz/broken"
-# What assimp loses by itself on damaged files.
-export LSAN_OPTIONS="suppressions=$root/cmake/lsan_suppressions.txt"
 bad=()
 for target in "${targets[@]}"; do
   program="$root/build-fuzz/tests/fuzz/fuzz_$target"

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
 #include "core/types/units.h"
 #include "data_io/json/json_fields.h"
@@ -55,8 +55,7 @@ std::map<int, Pose> ReadPoses(const data_io::JsonReader& json, int frame_count) 
   std::map<int, Pose> poses;
   for (const auto& [key, pose] : json.Members()) {
     int frame = -1;
-    const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), frame);
-    if (error != std::errc() || end != key.data() + key.size() || frame < 0 || frame >= frame_count) {
+    if (!ParseNumber(key, frame) || frame < 0 || frame >= frame_count) {
       json.Fail(fmt::format("moves frame '{}', expected one of 0 to {}", Printable(key), frame_count - 1));
     }
     poses[frame] = ReadAnglePose(pose);

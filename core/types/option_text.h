@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "core/types/option.h"
+#include "core/types/parse_number.h"
 #include "core/types/words.h"
 
 namespace sonarcal {
@@ -32,13 +32,6 @@ inline std::string NumberType(const OptionInfo& info) {
   return type;
 }
 
-// Parses a number that is all of `text`.
-template <typename T>
-bool ParseNumber(std::string_view text, T& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 // Parses "A<separator>B".
 template <typename T>
 bool ParsePair(std::string_view text, char separator, T& first, T& second) {
@@ -52,7 +45,7 @@ bool ParsePair(std::string_view text, char separator, T& first, T& second) {
 template <typename T>
 requires std::is_arithmetic_v<T>
 struct OptionText<T> {
-  static bool Parse(const std::string& text, T& value) { return internal::ParseNumber(text, value); }
+  static bool Parse(const std::string& text, T& value) { return ParseNumber(text, value); }
   static std::string Format(const T& value) { return fmt::format("{}", value); }
   static std::string Type(const OptionInfo& info) { return internal::NumberType(info); }
   static constexpr const char* kExpected = std::is_floating_point_v<T> ? "a number"

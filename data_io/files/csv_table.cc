@@ -1,9 +1,9 @@
 #include "data_io/files/csv_table.h"
 
-#include <charconv>
 #include <cmath>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
 
@@ -54,9 +54,8 @@ double CsvTable::Number(int row, const std::string& column, double lowest, doubl
   if (index == columns_.end()) throw DataError("{}:1: no column '{}', expected one", name_, column);
   const std::string_view cell = cells_.at(row)[index->second];
   double value = 0.0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   // Negated so that NaN is rejected too.
-  if (error != std::errc() || end != cell.data() + cell.size() || !(value >= lowest && value <= highest)) {
+  if (!ParseNumber(cell, value) || !(value >= lowest && value <= highest)) {
     throw DataError("{}:{}: {} is '{}', expected a number within {:g}..{:g}", name_, row + 2, column,
                     Printable(cell), lowest, highest);
   }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "data_io/files/file_bytes.h"
 #include "data_io/files/natural_order.h"
 #include "data_io/images/image_io.h"
@@ -57,8 +57,7 @@ NameTimes UnitOf(std::string_view name) {
 
 double SecondsOf(std::string_view name, NameTimes unit, const fs::path& file) {
   double number = 0.0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (error != std::errc() || end != name.data() + name.size() || !std::isfinite(number))
+  if (!ParseNumber(name, number) || !std::isfinite(number))
     throw DataError("{}: the name is not a number in range, expected a time", file.string());
   const double per_second = unit == NameTimes::kSeconds        ? 1.0
                             : unit == NameTimes::kMilliseconds ? 1e3

@@ -1,53 +1,39 @@
 #include "data_io/images/pgm_codec.h"
 
-#include <charconv>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <sstream>
 #include <string>
 
 #include "core/types/error.h"
 #include "data_io/files/file_bytes.h"
 
 namespace sonarcal::data_io {
-namespace {
-
-bool IsBlank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
-// Next number after blanks and comments.
-int NextNumber(const std::string& bytes, std::size_t& at, const std::string& name) {
-  while (at < bytes.size() && (IsBlank(bytes[at]) || bytes[at] == '#')) {
-    if (bytes[at] == '#') at = std::min(bytes.size(), bytes.find('\n', at));
-    if (at < bytes.size()) ++at;
-  }
-  int value = 0;
-  const auto [end, error] = std::from_chars(bytes.data() + at, bytes.data() + bytes.size(), value);
-  if (error != std::errc()) throw DataError("{}: byte {}: a PGM header's number was expected", name, at);
-  at = static_cast<std::size_t>(end - bytes.data());
-  return value;
-}
-
-}  // namespace
 
 Grid<float> ReadPgm(const std::filesystem::path& file, int rows, int cols) {
-  constexpr std::size_t kMostHeaderBytes = 4096;
+  constexpr std::size_t kMaxHeaderBytes = 4096;
   const std::string name = file.string();
   Grid<float> grey(rows, cols);
-  const std::string bytes = ReadFileBytes(file, grey.size() + kMostHeaderBytes);
+  const std::string bytes = ReadFileBytes(file, grey.size() + kMaxHeaderBytes);
   if (!bytes.starts_with("P5")) throw DataError("{}: byte 0: expected \"P5\" (binary PGM)", name);
-  std::size_t at = 2;
-  const int found_cols = NextNumber(bytes, at, name);
-  const int found_rows = NextNumber(bytes, at, name);
-  const int largest = NextNumber(bytes, at, name);
-  if (found_rows != rows || found_cols != cols || largest < 1 || largest > 255) {
+  std::istringstream header(bytes.substr(2, kMaxHeaderBytes));
+  std::array<int, 3> numbers{};  // columns, rows, largest value
+  for (int& number : numbers) {
+    while ((header >> std::ws).peek() == '#') header.ignore(kMaxHeaderBytes, '\n');
+    header >> number;
+  }
+  if (numbers[0] != cols || numbers[1] != rows || numbers[2] < 1 || numbers[2] > 255) {
     throw DataError("{}: a picture of {} rows x {} columns up to {}, expected {} x {} up to 255", name,
-                    found_rows, found_cols, largest, rows, cols);
+                    numbers[1], numbers[0], numbers[2], rows, cols);
   }
-  ++at;  // one blank
-  if (at > bytes.size() || bytes.size() - at < grey.size()) {
-    throw DataError("{}: {} bytes of pixels, expected {}", name, bytes.size() - std::min(at, bytes.size()),
-                    grey.size());
+  header.clear();  // the end of the text may follow the last number
+  const std::size_t begin =
+      std::min(bytes.size(), 3 + static_cast<std::size_t>(header.tellg()));  // one blank
+  if (bytes.size() - begin < grey.size()) {
+    throw DataError("{}: {} bytes of pixels, expected {}", name, bytes.size() - begin, grey.size());
   }
-  for (float& value : grey.values()) value = static_cast<unsigned char>(bytes[at++]);
+  std::copy_n(reinterpret_cast<const std::uint8_t*>(&bytes[begin]), grey.size(), grey.values().begin());
   return grey;
 }
 

@@ -8,6 +8,9 @@
 #include <cstring>
 #include <memory>
 
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
 #include "core/types/error.h"
 #include "core/types/printable.h"
 
@@ -19,14 +22,11 @@ struct CloseTiff {
 };
 using TiffHandle = std::unique_ptr<TIFF, CloseTiff>;
 
-// File in memory for libtiff's callbacks. Reading never writes, and writing never shrinks it.
+// A file in memory that libtiff reads through callbacks.
 struct MemoryFile {
-  std::string_view source = {};            // when reading
-  std::vector<std::uint8_t> written = {};  // when writing
+  std::string_view bytes;
   std::uint64_t position = 0;
-  char message[256] = {};  // first error message of libtiff
-
-  std::uint64_t size() const { return source.empty() ? written.size() : source.size(); }
+  char message[256] = {};  // libtiff's first complaint
 };
 
 MemoryFile& File(thandle_t handle) {
@@ -35,25 +35,20 @@ MemoryFile& File(thandle_t handle) {
 
 tmsize_t ReadBytes(thandle_t handle, void* target, tmsize_t count) {
   MemoryFile& file = File(handle);
-  if (count <= 0 || file.position >= file.source.size()) return 0;
-  const std::size_t available = std::min<std::size_t>(count, file.source.size() - file.position);
-  std::memcpy(target, file.source.data() + file.position, available);
+  if (count <= 0 || file.position >= file.bytes.size()) return 0;
+  const std::size_t available = std::min<std::size_t>(count, file.bytes.size() - file.position);
+  std::memcpy(target, file.bytes.data() + file.position, available);
   file.position += available;
   return static_cast<tmsize_t>(available);
 }
 
-tmsize_t WriteBytes(thandle_t handle, void* bytes, tmsize_t count) {
-  MemoryFile& file = File(handle);
-  const std::size_t end = file.position + static_cast<std::size_t>(count);
-  if (file.written.size() < end) file.written.resize(end);
-  std::memcpy(file.written.data() + file.position, bytes, count);
-  file.position = end;
-  return count;
+tmsize_t WriteNothing(thandle_t, void*, tmsize_t) {
+  return 0;
 }
 
 toff_t Seek(thandle_t handle, toff_t offset, int whence) {
   MemoryFile& file = File(handle);
-  const std::uint64_t from = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? file.position : file.size();
+  const std::uint64_t from = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? file.position : file.bytes.size();
   return file.position = from + offset;
 }
 
@@ -61,15 +56,14 @@ int CloseNothing(thandle_t) {
   return 0;
 }
 toff_t Size(thandle_t handle) {
-  return File(handle).size();
+  return File(handle).bytes.size();
 }
 
 // Gives libtiff the bytes themselves, so that it does not allocate a buffer of a length claimed by the file.
 int Map(thandle_t handle, void** base, toff_t* size) {
-  MemoryFile& file = File(handle);
-  *base = const_cast<char*>(file.source.data());
-  *size = file.source.size();
-  return file.source.empty() ? 0 : 1;
+  *base = const_cast<char*>(File(handle).bytes.data());
+  *size = File(handle).bytes.size();
+  return 1;
 }
 void UnmapNothing(thandle_t, void*, toff_t) {}
 
@@ -82,11 +76,11 @@ int DropMessage(TIFF*, void*, const char*, const char*, va_list) {
   return 1;
 }
 
-TiffHandle Open(MemoryFile& file, const char* mode) {
+TiffHandle Open(MemoryFile& file) {
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options, KeepFirstMessage, &file);
   TIFFOpenOptionsSetWarningHandlerExtR(options, DropMessage, nullptr);
-  TiffHandle tiff(TIFFClientOpenExt("", mode, &file, ReadBytes, WriteBytes, Seek, CloseNothing, Size, Map,
+  TiffHandle tiff(TIFFClientOpenExt("", "r", &file, ReadBytes, WriteNothing, Seek, CloseNothing, Size, Map,
                                     UnmapNothing, options));
   TIFFOpenOptionsFree(options);
   return tiff;
@@ -100,8 +94,8 @@ T Field(TIFF* tiff, std::uint32_t tag, T absent = T{}) {
 
 class TiffReader {
  public:
-  TiffReader(std::string_view bytes, const std::string& name) : file_{.source = bytes}, name_(name) {
-    tiff_ = Open(file_, "r");
+  TiffReader(std::string_view bytes, const std::string& name) : file_{.bytes = bytes}, name_(name) {
+    tiff_ = Open(file_);
     if (tiff_ == nullptr) FailDamaged();
     header_ = {.rows = SizeField(TIFFTAG_IMAGELENGTH),
                .cols = SizeField(TIFFTAG_IMAGEWIDTH),
@@ -177,23 +171,11 @@ std::vector<std::byte> DecodeTiff(std::string_view bytes, const std::string& fil
 std::vector<std::uint8_t> EncodeFloatTiff(int rows, int cols, std::span<const float> samples) {
   SONARCAL_CHECK(rows > 0 && cols > 0 && samples.size() == static_cast<std::size_t>(rows) * cols,
                  "{} samples for {} x {}", samples.size(), rows, cols);
-  MemoryFile file;
-  TiffHandle tiff = Open(file, "w");
-  SONARCAL_CHECK(tiff != nullptr, "libtiff: {}", file.message);
-  TIFFSetField(tiff.get(), TIFFTAG_IMAGEWIDTH, cols);
-  TIFFSetField(tiff.get(), TIFFTAG_IMAGELENGTH, rows);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
-  TIFFSetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, 32);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
-  TIFFSetField(tiff.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  TIFFSetField(tiff.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  TIFFSetField(tiff.get(), TIFFTAG_ROWSPERSTRIP, rows);
-  const auto strip_bytes = static_cast<tmsize_t>(samples.size_bytes());
-  const tmsize_t written =
-      TIFFWriteEncodedStrip(tiff.get(), 0, const_cast<float*>(samples.data()), strip_bytes);
-  SONARCAL_CHECK(written == strip_bytes, "libtiff: {}", file.message);
-  tiff.reset();  // writes the directory
-  return std::move(file.written);
+  const cv::Mat image(rows, cols, CV_32FC1, const_cast<float*>(samples.data()));
+  std::vector<std::uint8_t> encoded;
+  const bool done = cv::imencode(".tiff", image, encoded, {cv::IMWRITE_TIFF_COMPRESSION, COMPRESSION_NONE});
+  SONARCAL_CHECK(done, "OpenCV does not encode a float TIFF");
+  return encoded;
 }
 
 }  // namespace sonarcal::data_io

@@ -1,10 +1,10 @@
 #include "data_io/recordings/frame_range.h"
 
-#include <charconv>
 #include <string_view>
 #include <utility>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
 
 namespace sonarcal::data_io {
@@ -14,8 +14,7 @@ namespace {
 int ParseBound(std::string_view text, int absent, const std::string& range) {
   if (text.empty()) return absent;
   int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
+  if (!ParseNumber(text, value) || value < 0) {
     throw UsageError("frames '{}', expected A:B with whole numbers from 0", Printable(range));
   }
   return value;

@@ -7,19 +7,16 @@
 //   OBJ    Read: vertices, faces with any number of corners (positive or negative indices), `usemtl` names as
 //          materials. Faces before the first `usemtl` get "default". The .mtl file is not read, because only
 //          names are used. Ignored: textures, normals, colours, groups, lines and points, smoothing.
-//          Rejected: free-form curves and surfaces, and sizes beyond the limits of
-//          data_io/scenes/obj_document.h.
+//          Rejected: free-form curves and surfaces, and sizes beyond the limits of data_io/scenes/cad_mesh.h.
 //   STL    Text or binary, detected by the size that the count of a binary file implies; one material,
 //          "default". Stored normals are ignored: corners run counter-clockwise seen from outside. Vertices
 //          at the same position are merged.
-//
-// assimp reads the files after their bytes were checked and reduced (data_io/scenes/obj_document.h,
-// data_io/scenes/stl_document.h).
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "core/types/scene.h"
@@ -51,7 +48,7 @@ bool NeedsConventions(const std::filesystem::path& file);
 Scene ReadScene(const std::filesystem::path& file, const SceneConventions& conventions = {});
 
 // Reads bytes in memory; `file` is the name used in error messages.
-Scene ParseObj(std::string bytes, const std::string& file, const SceneConventions& conventions = {});
-Scene ParseStl(std::string bytes, const std::string& file, const SceneConventions& conventions = {});
+Scene ParseObj(std::string_view bytes, const std::string& file, const SceneConventions& conventions = {});
+Scene ParseStl(std::string_view bytes, const std::string& file, const SceneConventions& conventions = {});
 
 }  // namespace sonarcal::data_io

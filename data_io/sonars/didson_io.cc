@@ -1,12 +1,12 @@
 #include "data_io/sonars/didson_io.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/units.h"
 #include "data_io/images/grey_frame.h"
 #include "data_io/json/json_reader.h"
@@ -24,8 +24,7 @@ constexpr double kMostRangeM = 1000.0;
 std::optional<std::uint64_t> TimeInMicroseconds(const fs::path& file) {
   const std::string stem = file.stem().string();
   std::uint64_t time_us = 0;
-  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), time_us);
-  if (error != std::errc() || end != stem.data() + stem.size() || stem.size() < 10) return std::nullopt;
+  if (!ParseNumber(stem, time_us) || stem.size() < 10) return std::nullopt;
   return time_us;
 }
 

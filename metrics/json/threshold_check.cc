@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
 
 namespace sonarcal::metrics {
@@ -36,9 +36,8 @@ std::vector<Threshold> ParseThresholds(const std::vector<std::string>& texts) {
     Threshold threshold;
     const std::string_view value =
         equals == std::string::npos ? std::string_view() : std::string_view(text).substr(equals + 1);
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), threshold.limit);
-    if (equals == 0 || equals == std::string::npos || error != std::errc() ||
-        end != value.data() + value.size() || !std::isfinite(threshold.limit)) {
+    if (equals == 0 || equals == std::string::npos || !ParseNumber(value, threshold.limit) ||
+        !std::isfinite(threshold.limit)) {
       throw UsageError("--fail-above '{}', expected NAME=VALUE such as intensity_error.polar=0.1",
                        Printable(text));
     }

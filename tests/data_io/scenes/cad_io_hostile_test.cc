@@ -9,8 +9,7 @@
 
 #include "core/types/error.h"
 #include "data_io/scenes/cad_io.h"
-#include "data_io/scenes/obj_document.h"
-#include "data_io/scenes/stl_document.h"
+#include "data_io/scenes/cad_mesh.h"
 #include "tests/data_io/cad_files.h"
 #include "tests/data_io/refusal.h"
 

@@ -1,18 +1,16 @@
-#include "data_io/scenes/obj_document.h"
-
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <utility>
 
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
+#include "data_io/files/text_words.h"
+#include "data_io/scenes/cad_mesh.h"
 #include "data_io/scenes/polygon.h"
 
 namespace sonarcal::data_io {
@@ -33,33 +31,15 @@ bool Holds(const std::array<std::string_view, N>& words, std::string_view word) 
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-bool IsBlank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+bool ParseObjNumber(std::string_view word, auto& value) {
+  return ParseNumber(word.substr(word.starts_with('+') ? 1 : 0), value);
 }
 
-// Removes and returns the next word of `rest`; empty at the end.
-std::string_view TakeWord(std::string_view& rest) {
-  while (!rest.empty() && IsBlank(rest.front())) rest.remove_prefix(1);
-  std::size_t length = 0;
-  while (length < rest.size() && !IsBlank(rest[length])) ++length;
-  const std::string_view word = rest.substr(0, length);
-  rest.remove_prefix(length);
-  return word;
-}
-
-// Parses a whole word as a number; false if it is none.
-template <typename T>
-bool Parse(std::string_view word, T& value) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
-}
-
-class ObjReducer {
+class ObjReader {
  public:
-  explicit ObjReducer(const std::string& file) : file_(file) {}
+  explicit ObjReader(const std::string& file) : file_(file) {}
 
-  ObjDocument Reduce(std::string_view bytes) {
+  CadMesh Read(std::string_view bytes) {
     if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);  // byte order mark of UTF-8
     std::string joined;                                             // lines joined by a backslash
     while (!bytes.empty()) {
@@ -81,7 +61,8 @@ class ObjReducer {
       }
     }
     Statement(joined);
-    return Finish();
+    if (triangle_count_ == 0) throw DataError("{}: no faces, expected a mesh", file_);
+    return std::move(mesh_);
   }
 
  private:
@@ -108,7 +89,7 @@ class ObjReducer {
     std::size_t count = 0;
     for (std::string_view word = TakeWord(rest); !word.empty(); word = TakeWord(rest)) {
       if (count == numbers.size()) Refuse("a vertex of more than {} numbers", numbers.size());
-      if (!Parse(word, numbers[count]) || !std::isfinite(static_cast<float>(numbers[count]))) {
+      if (!ParseObjNumber(word, numbers[count]) || !std::isfinite(static_cast<float>(numbers[count]))) {
         Refuse("'{}' in a vertex, expected a finite number", Printable(word, 30));
       }
       ++count;
@@ -118,103 +99,87 @@ class ObjReducer {
       Refuse("a vertex of {} numbers, expected 3 coordinates", count);
     }
     if (count == 4 && numbers[3] != 1.0) Refuse("a vertex of weight {:g}, expected none or 1", numbers[3]);
-    if (vertices_m_.size() == kMaxObjVertices) Refuse("more than {} vertices", kMaxObjVertices);
-    vertices_m_.push_back(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]).cast<float>());
-    // Nine digits restore a float exactly.
-    fmt::format_to(std::back_inserter(vertex_text_), "v {:.9g} {:.9g} {:.9g}\n", numbers[0], numbers[1],
-                   numbers[2]);
+    if (vertices_.size() == kMaxObjVertices) Refuse("more than {} vertices", kMaxObjVertices);
+    vertices_.push_back(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]).cast<float>());
   }
 
-  // "7", "7/1", "7//3" or "7/1/3": position of the vertex, starting at 1.
-  std::size_t Corner(std::string_view word) {
+  // The vertex that "7", "7/1", "7//3" or "7/1/3" names.
+  const Eigen::Vector3f& Corner(std::string_view word) const {
     const std::string_view whole = word;
     std::array<long long, 3> index{};
     for (std::size_t part = 0; part < 3; ++part) {
       const std::size_t slash = std::min(word.find('/'), word.size());
       const std::string_view number = word.substr(0, slash);
       const bool may_be_absent = part > 0;
-      if (!(number.empty() && may_be_absent) && !Parse(number, index[part])) {
+      if (!(number.empty() && may_be_absent) && !ParseObjNumber(number, index[part])) {
         Refuse("'{}' in a face, expected vertex indices", Printable(whole, 30));
       }
       if (slash == word.size()) break;
       if (part == 2) Refuse("'{}' in a face, expected at most 3 indices a corner", Printable(whole, 30));
       word.remove_prefix(slash + 1);
     }
-    const long long count = static_cast<long long>(vertices_m_.size());
+    const long long count = static_cast<long long>(vertices_.size());
     if (index[0] == 0) Refuse("vertex 0 in a face, expected 1 or more, or -1 or less");
     if (index[0] < -count || index[0] > count) {
       Refuse("vertex {} in a face, but {} stand before it", index[0], count);
     }
-    return static_cast<std::size_t>(index[0] > 0 ? index[0] : count + 1 + index[0]);
+    return vertices_[static_cast<std::size_t>(index[0] > 0 ? index[0] - 1 : count + index[0])];
   }
 
   void Face(std::string_view rest) {
     if (material_ == kNoMaterial) material_ = MaterialIndex("default");
-    std::vector<std::size_t> vertices;
+    std::vector<Eigen::Vector3f> vertices;
     std::vector<Eigen::Vector3d> corners;
     for (std::string_view word = TakeWord(rest); !word.empty(); word = TakeWord(rest)) {
       if (corners.size() == kMaxObjFaceCorners) Refuse("a face of more than {} corners", kMaxObjFaceCorners);
       vertices.push_back(Corner(word));
-      corners.push_back(vertices_m_[vertices.back() - 1].cast<double>());
+      corners.push_back(vertices.back().cast<double>());
     }
     if (corners.size() < 3) Refuse("a face of {} corners, expected 3 or more", corners.size());
     const auto triangles = DividePolygon(corners);
     if (!triangles) Refuse("a face of {} corners whose sides cross", corners.size());
-    document_.triangles += triangles->size();
-    if (document_.triangles > kMaxObjTriangles) {
+    triangle_count_ += triangles->size();
+    if (triangle_count_ > kMaxObjTriangles) {
       Refuse("more than {} triangles, expected a glTF for a mesh of this size", kMaxObjTriangles);
     }
-    for (const auto& [a, b, c] : *triangles) {
-      fmt::format_to(std::back_inserter(face_text_[material_]), "f {} {} {}\n", vertices[a], vertices[b],
-                     vertices[c]);
+    for (const auto& triangle : *triangles) {
+      for (const int corner : triangle) mesh_.corners[material_].push_back(vertices[corner]);
     }
   }
 
   void UseMaterial(std::string_view line) {
     std::string_view name = line;  // may contain blanks and '#'
     TakeWord(name);
-    while (!name.empty() && IsBlank(name.front())) name.remove_prefix(1);
-    while (!name.empty() && IsBlank(name.back())) name.remove_suffix(1);
+    name.remove_prefix(std::min(name.find_first_not_of(kBlanks), name.size()));
+    name = name.substr(0, name.find_last_not_of(kBlanks) + 1);
     material_ = MaterialIndex(name.empty() ? "default" : std::string(name));
   }
 
   std::size_t MaterialIndex(const std::string& name) {
-    const auto [found, added] = material_index_.try_emplace(name, document_.materials.size());
+    const auto [found, added] = material_index_.try_emplace(name, mesh_.materials.size());
     if (added) {
-      if (document_.materials.size() == kMaxObjMaterials) Refuse("more than {} materials", kMaxObjMaterials);
-      document_.materials.push_back(name);
-      face_text_.emplace_back();
+      if (mesh_.materials.size() == kMaxObjMaterials) Refuse("more than {} materials", kMaxObjMaterials);
+      mesh_.materials.push_back(name);
+      mesh_.corners.emplace_back();
     }
     return found->second;
-  }
-
-  ObjDocument Finish() {
-    if (document_.triangles == 0) throw DataError("{}: no faces, expected a mesh", file_);
-    document_.text = std::move(vertex_text_);
-    for (std::size_t i = 0; i < face_text_.size(); ++i) {
-      if (face_text_[i].empty()) continue;
-      document_.text += fmt::format("usemtl {}\n{}", i, face_text_[i]);
-      face_text_[i] = {};
-    }
-    return std::move(document_);
   }
 
   static constexpr std::size_t kNoMaterial = static_cast<std::size_t>(-1);
 
   std::string file_;
   std::size_t line_ = 0;
-  ObjDocument document_;
-  std::string vertex_text_;
-  std::vector<Eigen::Vector3f> vertices_m_;
+  CadMesh mesh_;
+  std::size_t triangle_count_ = 0;
+  std::vector<Eigen::Vector3f> vertices_;
   std::size_t material_ = kNoMaterial;
   std::map<std::string, std::size_t> material_index_;
-  std::vector<std::string> face_text_;  // per material
 };
 
 }  // namespace
 
-ObjDocument ReduceObj(std::string_view bytes, const std::string& file) {
-  return ObjReducer(file).Reduce(bytes);
+CadMesh ReadObjMesh(std::string_view bytes, const std::string& file) {
+  return ObjReader(file).Read(bytes);
 }
 
 }  // namespace sonarcal::data_io
