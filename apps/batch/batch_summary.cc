@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/files/csv_text.h"
+#include "core/types/csv_text.h"
 
 namespace sonarcal::batch {
 namespace {
@@ -52,7 +52,7 @@ Json FiguresOf(const BatchJob& job, const std::filesystem::path& output) {
 }
 
 std::string Cell(const Json& value) {
-  return data_io::CsvText(value.is_string() ? value.get<std::string>() : value.dump());
+  return CsvText(value.is_string() ? value.get<std::string>() : value.dump());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Grey pictures in binary PGM ("P5") of 8 bits: blanks or '#' comments between width, height and the largest
-// value, one blank, then the rows from the top. OpenCV does not read them here because it prints the cause of a
-// failure to the terminal without returning it.
+// value, one blank, then the rows from the top. OpenCV does not read them here because it prints the cause of
+// a failure to the terminal without returning it.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace sonarcal::data_io {
 
-// Returns the stored numbers. Throws DataError naming the file if it is not a PGM of `rows` x `cols` and up to
-// 255, or if pixels are missing.
+// Returns the stored numbers. Throws DataError naming the file if it is not a PGM of `rows` x `cols` and up
+// to 255, or if pixels are missing.
 Grid<float> ReadPgm(const std::filesystem::path& file, int rows, int cols);
 
 }  // namespace sonarcal::data_io

@@ -1,7 +1,8 @@
 // Grey TIFF to and from memory. Include data_io/images/image_io.h instead.
 //
 // libtiff reads and OpenCV writes. OpenCV does not read here: it has no call for the header alone, so that it
-// would allocate what a header claims, and it prints the cause of a failure to the terminal without returning it.
+// would allocate what a header claims, and it prints the cause of a failure to the terminal without returning
+// it.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +22,8 @@ bool IsTiff(std::string_view bytes);
 // a single image in strips, uncompressed or with LZW, deflate or PackBits.
 ImageHeader ReadTiffHeader(std::string_view bytes, const std::string& file);
 
-// Returns the samples row by row in the byte order of this machine: one channel of 8 or 16 bits or 32-bit float.
-// Throws DataError if they are of another kind or damaged.
+// Returns the samples row by row in the byte order of this machine: one channel of 8 or 16 bits or 32-bit
+// float. Throws DataError if they are of another kind or damaged.
 std::vector<std::byte> DecodeTiff(std::string_view bytes, const std::string& file);
 
 // Returns an uncompressed file, which every program reads. `samples`: rows x cols.

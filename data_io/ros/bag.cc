@@ -2,6 +2,7 @@
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/ros/bag_kind.h"
 #include "data_io/ros/ros1_bag.h"
 #include "data_io/ros/ros2_bag.h"
 

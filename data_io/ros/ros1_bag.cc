@@ -1,7 +1,8 @@
 #include "data_io/ros/ros1_bag.h"
 
+#include <rosbag/chunked_file.h>
+
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
@@ -10,8 +11,6 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
-#include "data_io/ros/ros1_chunk.h"
-#include "data_io/ros/ros1_record.h"
 #include "data_io/ros/ros_messages.h"
 
 namespace sonarcal::data_io {
@@ -19,45 +18,65 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "#ROSBAG V";
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kIndexEntryBytes = 12;
-constexpr std::uint64_t kMostConnectionBytes = 16 << 20;  // message definitions are long
+constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;      // a topic's name and a hundred bytes
+constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // message definitions are long
 
-// File with random access, for one thread at a time.
-class OpenFile {
+enum class Op : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndexData = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7,
+};
+
+// Fields "name=value", each behind its u32 length. The bytes must outlive it.
+class Fields {
  public:
-  explicit OpenFile(const fs::path& path)
-      : name_(path.string()), size_(RegularFileSize(path)), stream_(path, std::ios::binary) {
-    if (!stream_) throw DataError("{}: cannot be opened for reading", name_);
-  }
-
-  const std::string& name() const { return name_; }
-  std::uint64_t size() const { return size_; }
-
-  std::vector<std::byte> Bytes(std::uint64_t offset, std::uint64_t count, std::string_view what) {
-    const std::lock_guard lock(mutex_);
-    std::vector<std::byte> bytes(count);
-    stream_.clear();
-    stream_.seekg(static_cast<std::streamoff>(offset));
-    stream_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-    if (static_cast<std::uint64_t>(stream_.gcount()) != count) {
-      throw DataError("{}: byte {}: {}: {} bytes could be read, expected {}", name_, offset, what,
-                      stream_.gcount(), count);
+  // Throws DataError for a length that leads out of `bytes` and for a field without '='.
+  explicit Fields(const ByteReader& bytes) : where_(bytes.Where(0, "header of a record")) {
+    for (std::uint64_t at = 0; at < bytes.size();) {
+      const std::uint32_t length = bytes.U32(at, "length of a field");
+      const std::span<const std::byte> field = bytes.Bytes(at + 4, length, "field");
+      const auto equals = std::ranges::find(field, std::byte{'='});
+      if (equals == field.end()) {
+        throw DataError("{}: no '=' in it, expected name=value", bytes.Where(at + 4, "field"));
+      }
+      const auto name_bytes = static_cast<std::size_t>(equals - field.begin());
+      values_.emplace(TextOf(field.first(name_bytes)),
+                      ByteReader(field.subspan(name_bytes + 1), bytes.file(), bytes.file_offset()));
+      at += 4 + std::uint64_t{length};
     }
-    return bytes;
   }
+
+  // Throws DataError for a value that is missing or too short.
+  std::uint8_t U8(const std::string& name) const { return Value(name).U8(0, name); }
+  std::uint32_t U32(const std::string& name) const { return Value(name).U32(0, name); }
+  std::string Text(const std::string& name) const {
+    return TextOf(Value(name).Bytes(0, Value(name).size(), name));
+  }
+  bool Has(const std::string& name) const { return values_.contains(name); }
 
  private:
-  std::string name_;
-  std::uint64_t size_;
-  std::mutex mutex_;
-  std::ifstream stream_;
+  static std::string TextOf(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+  const ByteReader& Value(const std::string& name) const {
+    const auto found = values_.find(name);
+    if (found == values_.end()) throw DataError("{}: no field '{}', expected one", where_, name);
+    return found->second;
+  }
+
+  std::string where_;
+  std::map<std::string, ByteReader> values_;
 };
 
 struct Record {
-  Ros1Op op;
-  Ros1Fields fields;
+  Op op;
+  Fields fields;
   std::uint64_t data_at = 0;  // position in the reader that parsed the record
   std::uint64_t data_bytes = 0;
 
@@ -68,12 +87,12 @@ struct Record {
 // `at` to the end of its container.
 Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t rest) {
   const std::uint32_t header_bytes = reader.U32(at, "length of a header");
-  if (header_bytes > std::min(kMostRos1HeaderBytes, rest)) {
+  if (header_bytes > std::min(kMaxHeaderBytes, rest)) {
     throw DataError("{}: {}, expected at most {}", reader.Where(at, "length of a header"), header_bytes,
-                    std::min(kMostRos1HeaderBytes, rest));
+                    std::min(kMaxHeaderBytes, rest));
   }
-  Ros1Fields fields(reader.Bytes(at + 4, header_bytes, "header of a record"), reader.file(),
-                    reader.file_offset() + at + 4);
+  Fields fields({reader.Bytes(at + 4, header_bytes, "header of a record"), reader.file(),
+                 reader.file_offset() + at + 4});
   const std::uint64_t length_at = at + 4 + header_bytes;
   const std::uint32_t data_bytes = reader.U32(length_at, "length of the data");
   const std::uint64_t head_bytes = length_at + 4 - at;
@@ -81,7 +100,7 @@ Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t res
     throw DataError("{}: {}, of which {} are there", reader.Where(length_at, "length of the data"),
                     data_bytes, rest - std::min(rest, head_bytes));
   }
-  const auto op = static_cast<Ros1Op>(fields.U8("op"));
+  const auto op = static_cast<Op>(fields.U8("op"));
   return {op, std::move(fields), length_at + 4, data_bytes};
 }
 
@@ -89,18 +108,18 @@ Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t res
 constexpr std::uint64_t kFirstLook = 512;
 
 // Bytes of the file from `offset` that hold a whole record header and the length after it, at most `rest`.
-std::vector<std::byte> HeadBytes(OpenFile& file, std::uint64_t offset, std::uint64_t rest) {
-  std::vector<std::byte> bytes = file.Bytes(offset, std::min(rest, kFirstLook), "record");
+std::vector<std::byte> HeadBytes(const fs::path& file, std::uint64_t offset, std::uint64_t rest) {
+  std::vector<std::byte> bytes = ReadFileRange(file, offset, std::min(rest, kFirstLook), "record");
   const std::uint64_t needed =
-      ByteReader(bytes, file.name(), offset).U32(0, "length of a header") + std::uint64_t{8};
-  if (needed <= bytes.size() || needed > std::min(rest, kMostRos1HeaderBytes)) return bytes;
-  return file.Bytes(offset, needed, "record");
+      ByteReader(bytes, file.string(), offset).U32(0, "length of a header") + std::uint64_t{8};
+  if (needed <= bytes.size() || needed > std::min(rest, kMaxHeaderBytes)) return bytes;
+  return ReadFileRange(file, offset, needed, "record");
 }
 
 struct Chunk {
   std::uint64_t data_offset = 0;  // position in the file
   std::uint64_t data_bytes = 0;
-  Ros1Compression compression = Ros1Compression::kNone;
+  rosbag::CompressionType compression = rosbag::compression::Uncompressed;
   std::uint32_t inflated_bytes = 0;
   bool has_index = false;
 };
@@ -110,21 +129,35 @@ struct Connection {
   std::string type;
 };
 
-Ros1Compression CompressionOf(const std::string& name, const std::string& where) {
-  if (name == "none") return Ros1Compression::kNone;
-  if (name == "bz2") return Ros1Compression::kBz2;
-  if (name == "lz4") return Ros1Compression::kLz4;
+rosbag::CompressionType CompressionOf(const std::string& name, const std::string& where) {
+  if (name == "none") return rosbag::compression::Uncompressed;
+  if (name == "bz2") return rosbag::compression::BZ2;
+  if (name == "lz4") return rosbag::compression::LZ4;
   throw DataError("{}: compression '{}', expected none, bz2 or lz4", where, Printable(name));
+}
+
+// Replaces the packed bytes of a chunk by the inflated ones. Throws DataError if they are damaged.
+void Inflate(const Chunk& chunk, std::vector<std::byte>& bytes, const std::string& where) {
+  if (chunk.compression == rosbag::compression::Uncompressed) return;
+  std::vector<std::byte> inflated(chunk.inflated_bytes);
+  try {
+    rosbag::ChunkedFile().decompress(chunk.compression, reinterpret_cast<std::uint8_t*>(inflated.data()),
+                                     chunk.inflated_bytes, reinterpret_cast<std::uint8_t*>(bytes.data()),
+                                     static_cast<unsigned>(bytes.size()));
+  } catch (const std::exception& error) {
+    throw DataError("{}: the compressed chunk is damaged: {}", where, error.what());
+  }
+  bytes = std::move(inflated);
 }
 
 class Ros1Bag final : public Bag {
  public:
-  explicit Ros1Bag(const fs::path& path) : file_(path) {
-    const std::uint64_t magic_bytes = std::min<std::uint64_t>(file_.size(), kVersion2.size());
-    const std::vector<std::byte> magic = file_.Bytes(0, magic_bytes, "magic number");
+  explicit Ros1Bag(const fs::path& path) : file_(path), file_bytes_(RegularFileSize(path)) {
+    const std::vector<std::byte> magic =
+        FileBytes(0, std::min<std::uint64_t>(file_bytes_, kVersion2.size()), "magic number");
     const std::string_view found(reinterpret_cast<const char*>(magic.data()), magic.size());
     if (found != kVersion2) {
-      throw DataError("{}: byte 0: '{}', expected \"#ROSBAG V2.0\" and a line's end", file_.name(),
+      throw DataError("{}: byte 0: '{}', expected \"#ROSBAG V2.0\" and a line's end", name(),
                       Printable(found));
     }
     Walk();
@@ -154,13 +187,13 @@ class Ros1Bag final : public Bag {
   std::vector<std::byte> Read(const BagMessage& message, std::uint64_t wanted_bytes) const override {
     const Chunk& chunk = chunks_.at(message.container);
     const auto at = static_cast<std::uint64_t>(message.position);
-    if (chunk.compression == Ros1Compression::kNone) {
+    if (chunk.compression == rosbag::compression::Uncompressed) {
       const std::uint64_t offset = chunk.data_offset + at;
       const std::uint64_t rest = chunk.data_bytes - at;
       const std::vector<std::byte> head = HeadBytes(file_, offset, rest);
-      const Record record = ParseRecord({head, file_.name(), offset}, 0, rest);
+      const Record record = ParseRecord({head, name(), offset}, 0, rest);
       CheckMessage(record, offset);
-      return file_.Bytes(offset + record.data_at, std::min(record.data_bytes, wanted_bytes), "message");
+      return FileBytes(offset + record.data_at, std::min(record.data_bytes, wanted_bytes), "message");
     }
     const std::shared_ptr<const std::vector<std::byte>> bytes = Inflated(message.container);
     const ByteReader reader(*bytes, ChunkName(chunk));
@@ -171,20 +204,26 @@ class Ros1Bag final : public Bag {
   }
 
  private:
+  std::string name() const { return file_.string(); }
+
+  std::vector<std::byte> FileBytes(std::uint64_t offset, std::uint64_t count, std::string_view what) const {
+    return ReadFileRange(file_, offset, count, what);
+  }
+
   void CheckMessage(const Record& record, std::uint64_t at) const {
-    if (record.op == Ros1Op::kMessage && record.data_bytes <= kMostBagMessageBytes) return;
+    if (record.op == Op::kMessage && record.data_bytes <= kMostBagMessageBytes) return;
     throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}",
-                    file_.name(), at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
+                    name(), at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
   }
 
   // Reads the headers of all records.
   void Walk() {
     std::uint64_t offset = kVersion2.size();
-    while (offset < file_.size()) {
-      const std::uint64_t rest = file_.size() - offset;
+    while (offset < file_bytes_) {
+      const std::uint64_t rest = file_bytes_ - offset;
       try {
         const std::vector<std::byte> head = HeadBytes(file_, offset, rest);
-        const Record record = ParseRecord({head, file_.name(), offset}, 0, rest);
+        const Record record = ParseRecord({head, name(), offset}, 0, rest);
         Take(record, offset);
         offset += record.end();
       } catch (const DataError& error) {
@@ -193,7 +232,7 @@ class Ros1Bag final : public Bag {
                         offset, error.what()));
         break;
       }
-      if (is_encrypted_) throw DataError("{}: the bag is encrypted and cannot be read", file_.name());
+      if (is_encrypted_) throw DataError("{}: the bag is encrypted and cannot be read", name());
     }
     const auto without = std::ranges::count_if(chunks_, [](const Chunk& chunk) { return !chunk.has_index; });
     if (without > 0) {
@@ -204,43 +243,43 @@ class Ros1Bag final : public Bag {
   }
 
   void Take(const Record& record, std::uint64_t offset) {
-    const std::string where = fmt::format("{}: byte {}", file_.name(), offset);
+    const std::string where = fmt::format("{}: byte {}", name(), offset);
     switch (record.op) {
-      case Ros1Op::kBagHeader:
+      case Op::kBagHeader:
         is_encrypted_ = record.fields.Has("encryptor") && !record.fields.Text("encryptor").empty();
         return;
-      case Ros1Op::kChunk: {
+      case Op::kChunk: {
         const Chunk chunk{.data_offset = offset + record.data_at,
                           .data_bytes = record.data_bytes,
                           .compression = CompressionOf(record.fields.Text("compression"), where),
                           .inflated_bytes = record.fields.U32("size")};
-        if (chunk.compression == Ros1Compression::kNone && chunk.inflated_bytes != chunk.data_bytes) {
+        if (chunk.compression == rosbag::compression::Uncompressed && chunk.inflated_bytes != chunk.data_bytes) {
           throw DataError("{}: a chunk of {} bytes that announces {}", where, chunk.data_bytes,
                           chunk.inflated_bytes);
         }
         chunks_.push_back(chunk);
         return;
       }
-      case Ros1Op::kIndexData:
+      case Op::kIndexData:
         TakeIndex(record, offset);
         return;
-      case Ros1Op::kConnection:
-        if (record.data_bytes > kMostConnectionBytes) {
+      case Op::kConnection:
+        if (record.data_bytes > kMaxConnectionBytes) {
           throw DataError("{}: a connection of {} bytes, expected at most {}", where, record.data_bytes,
-                          kMostConnectionBytes);
+                          kMaxConnectionBytes);
         }
-        TakeConnection(record, file_.Bytes(offset + record.data_at, record.data_bytes, "connection"),
+        TakeConnection(record, FileBytes(offset + record.data_at, record.data_bytes, "connection"),
                        offset + record.data_at);
         return;
-      case Ros1Op::kMessage:    // messages are in chunks
-      case Ros1Op::kChunkInfo:  // repeats the content of chunks and indices
+      case Op::kMessage:    // messages are in chunks
+      case Op::kChunkInfo:  // repeats the content of chunks and indices
         return;
     }
     throw DataError("{}: record of kind {}, expected 2..7", where, static_cast<int>(record.op));
   }
 
   void TakeIndex(const Record& record, std::uint64_t offset) {
-    const std::string where = fmt::format("{}: byte {}: index", file_.name(), offset);
+    const std::string where = fmt::format("{}: byte {}: index", name(), offset);
     if (chunks_.empty()) throw DataError("{}: no chunk before it", where);
     if (record.fields.U32("ver") != 1) {
       throw DataError("{}: version {}, expected 1", where, record.fields.U32("ver"));
@@ -251,8 +290,8 @@ class Ros1Bag final : public Bag {
                       kIndexEntryBytes);
     }
     const std::uint64_t data_offset = offset + record.data_at;
-    const std::vector<std::byte> bytes = file_.Bytes(data_offset, record.data_bytes, "index");
-    const ByteReader entries(bytes, file_.name(), data_offset);
+    const std::vector<std::byte> bytes = FileBytes(data_offset, record.data_bytes, "index");
+    const ByteReader entries(bytes, name(), data_offset);
     Chunk& chunk = chunks_.back();
     std::vector<BagMessage> messages;
     messages.reserve(count);
@@ -273,7 +312,7 @@ class Ros1Bag final : public Bag {
   }
 
   void TakeConnection(const Record& record, std::span<const std::byte> data, std::uint64_t data_offset) {
-    const Ros1Fields about(data, file_.name(), data_offset);
+    const Fields about({data, name(), data_offset});
     connections_[record.fields.U32("conn")] = {record.fields.Text("topic"), Ros1TypeName(about.Text("type"))};
   }
 
@@ -289,7 +328,7 @@ class Ros1Bag final : public Bag {
       try {
         for (std::uint64_t at = 0; at < bytes->size();) {
           const Record record = ParseRecord(reader, at, bytes->size() - at);
-          if (record.op == Ros1Op::kConnection)
+          if (record.op == Op::kConnection)
             TakeConnection(record, reader.Bytes(record.data_at, record.data_bytes, "connection"), at);
           at = record.end();
         }
@@ -323,7 +362,7 @@ class Ros1Bag final : public Bag {
   }
 
   std::string ChunkName(const Chunk& chunk) const {
-    return fmt::format("{}: inside the chunk at byte {}", file_.name(), chunk.data_offset);
+    return fmt::format("{}: inside the chunk at byte {}", name(), chunk.data_offset);
   }
 
   // Inflated records of a chunk. The last chunk is cached, because messages are read in order.
@@ -335,14 +374,15 @@ class Ros1Bag final : public Bag {
       throw DataError("{}: {} bytes, expected at most {}", ChunkName(chunk), chunk.inflated_bytes,
                       kMostBagMessageBytes);
     }
-    inflated_ = std::make_shared<const std::vector<std::byte>>(
-        InflateRos1Chunk(file_.Bytes(chunk.data_offset, chunk.data_bytes, "chunk"), chunk.compression,
-                         chunk.inflated_bytes, ChunkName(chunk)));
+    std::vector<std::byte> bytes = FileBytes(chunk.data_offset, chunk.data_bytes, "chunk");
+    Inflate(chunk, bytes, ChunkName(chunk));
+    inflated_ = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
     inflated_index_ = index;
     return inflated_;
   }
 
-  mutable OpenFile file_;
+  fs::path file_;
+  std::uint64_t file_bytes_;
   bool is_encrypted_ = false;
   std::vector<Chunk> chunks_;
   std::map<std::uint32_t, Connection> connections_;
@@ -355,13 +395,6 @@ class Ros1Bag final : public Bag {
 };
 
 }  // namespace
-
-bool IsRos1Bag(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) < kMagic.size() || error) return false;
-  const std::vector<std::byte> magic = ReadFileRange(path, 0, kMagic.size(), "magic number");
-  return std::string_view(reinterpret_cast<const char*>(magic.data()), magic.size()) == kMagic;
-}
 
 std::unique_ptr<Bag> OpenRos1Bag(const fs::path& file) {
   return std::make_unique<Ros1Bag>(file);

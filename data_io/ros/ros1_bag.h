@@ -1,22 +1,22 @@
-// Bags of ROS 1, format 2.0 (`.bag`): a sequence of records, each a header of "name=value" fields, and data.
+// Bags of ROS 1, format 2.0 (`.bag`): "#ROSBAG V2.0\n", then records. Each record has a u32 header length,
+// the fields of the header, a u32 data length and the data. Each field is a u32 length, a name, '=' and a
+// value. All numbers are little-endian. The field `op` tells the kind of the record:
 //
-// "#ROSBAG V2.0\n", then records, little-endian: u32 header length; for each field u32 length, name, '=',
-// value; u32 data length, data. A field `op` gives the type:
-//
-//   3 bag header   index_pos u64, conn_count u32, chunk_count u32; encryptor, which is rejected
-//   5 chunk        compression "none", "bz2" or "lz4", size u32 inflated; data: records of op 2 and 7
-//   4 index data   after its chunk: ver u32 = 1, conn u32, count u32; data: count x (u32 s, u32 ns, u32
-//                  offset)
-//   7 connection   conn u32, topic; data: fields type, md5sum, message_definition
-//   2 message      conn u32, time
-//   6 chunk info   not needed
+//   op  record        fields of the header                  data
+//   2   message       conn u32, time                        the serialised message
+//   3   bag header    index_pos u64, conn_count u32,        blanks
+//                     chunk_count u32, encryptor (refused)
+//   4   index data    ver u32 = 1, conn u32, count u32      of the chunk before: count x (u32 s, ns, offset)
+//   5   chunk         compression none|bz2|lz4, size u32    records of op 2 and 7; `size` is their inflated length
+//   6   chunk info    (not read)
+//   7   connection    conn u32, topic                       fields type, md5sum, message_definition
 //
 // Source: wiki.ros.org/Bags/Format/2.0.
 //
-// The header of every record is read and checked against the file before any message; no length is trusted.
-// Records after a damaged one are omitted with a note. A truncated bag is therefore read up to its end, with
-// its connections taken from the chunks. librosbag-storage inflates the chunks (data_io/ros/ros1_chunk.h) and
-// does nothing else, because its own reader trusts the offsets inside a chunk.
+// librosbag-storage inflates the chunks and does no more. Its own reader trusts the offsets inside a chunk,
+// and it refuses a bag whose recording was cut off. Here each record's head is compared with the file before
+// a message is read. A damaged record and all that follows it are left out with a note, and missing
+// connections are looked up inside the chunks.
 #pragma once
 
 #include <filesystem>
@@ -26,9 +26,7 @@
 
 namespace sonarcal::data_io {
 
-// True if the file begins with "#ROSBAG V".
-bool IsRos1Bag(const std::filesystem::path& path);
-
+// Throws DataError for a file of another version, an encrypted bag, and a file that cannot be read.
 std::unique_ptr<Bag> OpenRos1Bag(const std::filesystem::path& file);
 
 }  // namespace sonarcal::data_io

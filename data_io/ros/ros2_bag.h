@@ -20,9 +20,7 @@
 
 namespace sonarcal::data_io {
 
-// True for an SQLite file, for a file of mcap (rejected when opened), and for a folder with either.
-bool IsRos2Bag(const std::filesystem::path& path);
-
+// Throws DataError if no file is an SQLite database, which is the only storage that is read.
 std::unique_ptr<Bag> OpenRos2Bag(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

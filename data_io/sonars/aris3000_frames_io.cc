@@ -8,13 +8,13 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/sonars/aris_beam_tables.h"
 #include "core/types/printable.h"
 #include "core/types/units.h"
 #include "data_io/files/file_bytes.h"
 #include "data_io/images/grey_frame.h"
 #include "data_io/pictures/picture_frames.h"
 #include "data_io/pictures/picture_geometry.h"
-#include "data_io/sonars/aris_beam_tables.h"
 
 namespace sonarcal::data_io {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "core/sonars/aris_beam_tables.h"
 #include "core/types/recording.h"
-#include "data_io/sonars/aris_beam_tables.h"
 
 namespace sonarcal::data_io {
 

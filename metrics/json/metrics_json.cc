@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data_io/files/csv_text.h"
+#include "core/types/csv_text.h"
 #include "data_io/json/json_writer.h"
 #include "metrics/figures.h"
 #include "metrics/json/report_json.h"
@@ -331,7 +331,7 @@ std::string PerFrameCsv(const std::vector<FrameMetrics>& frames, IntensityDomain
     }
   };
   for (const FrameMetrics& frame : frames) {
-    csv += fmt::format("{},{}", frame.index, data_io::CsvText(frame.name));
+    csv += fmt::format("{},{}", frame.index, CsvText(frame.name));
     for (const bool fan : {false, true}) {
       const ViewMetrics& view = fan ? frame.fan : frame.polar;
       csv += fmt::format(",{},{},{}", view.occupancy.ns, view.occupancy.nr, view.occupancy.na);

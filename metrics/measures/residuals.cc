@@ -1,7 +1,7 @@
 #include "metrics/measures/residuals.h"
 
+#include "core/types/csv_text.h"
 #include "core/types/units.h"
-#include "data_io/files/csv_text.h"
 
 namespace sonarcal::metrics {
 namespace {
@@ -96,9 +96,9 @@ std::string ResidualsCsv(const std::vector<ResidualTable>& tables) {
   for (const ResidualTable& table : tables) {
     for (const ResidualClass& line : table.classes) {
       const auto add = [&](const char* domain, const DifferenceSums& sums) {
-        csv += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", table.by, data_io::CsvText(line.name),
-                           number(line.from), number(line.to), table.unit, domain, sums.pixels,
-                           number(sums.bias()), number(sums.mean_absolute()), number(sums.rmse()));
+        csv += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", table.by, CsvText(line.name), number(line.from),
+                           number(line.to), table.unit, domain, sums.pixels, number(sums.bias()),
+                           number(sums.mean_absolute()), number(sums.rmse()));
       };
       add("whole", line.sums.whole);
       add("union", line.sums.union_region);

@@ -4,9 +4,9 @@
 
 #include <utility>
 
+#include "core/sonars/aris_beam_tables.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
-#include "data_io/sonars/aris_beam_tables.h"
 #include "sim/physics/absorption.h"
 
 namespace sonarcal::sim {
@@ -66,10 +66,10 @@ struct RangeWindow {
 constexpr RangeWindow kAris3000Window = {0.690, 2.998, 780};
 
 // Without a width, the beam width is the beam spacing.
-SonarPreset Aris(std::string_view name, int model, data_io::ArisSystem system, double frequency_hz, int beams,
+SonarPreset Aris(std::string_view name, int model, ArisSystem system, double frequency_hz, int beams,
                  const RangeWindow& window, std::string_view assumed, double width_deg = 0.0) {
-  const auto centres_deg = data_io::ArisBeamCentresDeg(system, beams, data_io::ArisLens::kStandard);
-  PolarAxes axes{window.min_m, window.max_m, window.bins, data_io::ArisAzimuthsRad(centres_deg)};
+  const auto centres_deg = ArisBeamCentresDeg(system, beams, ArisLens::kStandard);
+  PolarAxes axes{window.min_m, window.max_m, window.bins, ArisAzimuthsRad(centres_deg)};
   const double spacing_deg = DegFromRad(axes.beam_spacing_rad());
   return {.name = name,
           .source = "beams: the maker's table in the ARIS File SDK; field of view: the maker's nominal one",
@@ -78,7 +78,7 @@ SonarPreset Aris(std::string_view name, int model, data_io::ArisSystem system, d
                     .frequency_hz = frequency_hz,
                     .axes = std::move(axes),
                     .azimuth_beam_width_deg = width_deg > 0.0 ? width_deg : spacing_deg,
-                    .elevation_beam_width_deg = system == data_io::ArisSystem::kAris3000 ? 15.0 : 14.0,
+                    .elevation_beam_width_deg = system == ArisSystem::kAris3000 ? 15.0 : 14.0,
                     .sound_speed_m_per_s = BilaniukWongSoundSpeed(kFreshWater.temperature_c),
                     .beam_forming = BeamForming::kLens},
           .water = kFreshWater};
@@ -129,15 +129,15 @@ std::vector<SonarPreset> AllPresets() {
       P900(),
       Didson("didson-1.8", 1.8e6, 96, 0.3, 0.3),
       Didson("didson-1.1", 1.1e6, 48, 0.6, 0.4),
-      Aris("aris1200-1.2", 1200, data_io::ArisSystem::kAris1200, 1.2e6, 48, kAris1200Window, kArisAssumed),
-      Aris("aris1200-0.7", 1200, data_io::ArisSystem::kAris1200, 0.7e6, 48, kAris1200Window, kArisAssumed),
-      Aris("aris1800-1.8", 1800, data_io::ArisSystem::kAris1800, 1.8e6, 96, kAris1800Window, kArisAssumed),
-      Aris("aris1800-1.1", 1800, data_io::ArisSystem::kAris1800, 1.1e6, 48, kAris1800Window, kArisAssumed),
-      Aris("aris3000", 3000, data_io::ArisSystem::kAris3000, 3.0e6, 128, kAris3000Window,
+      Aris("aris1200-1.2", 1200, ArisSystem::kAris1200, 1.2e6, 48, kAris1200Window, kArisAssumed),
+      Aris("aris1200-0.7", 1200, ArisSystem::kAris1200, 0.7e6, 48, kAris1200Window, kArisAssumed),
+      Aris("aris1800-1.8", 1800, ArisSystem::kAris1800, 1.8e6, 96, kAris1800Window, kArisAssumed),
+      Aris("aris1800-1.1", 1800, ArisSystem::kAris1800, 1.1e6, 48, kAris1800Window, kArisAssumed),
+      Aris("aris3000", 3000, ArisSystem::kAris3000, 3.0e6, 128, kAris3000Window,
            "beam width, range window and bins (inferred from frames of the DFKI UXO data set), fresh water "
            "of 15 C",
            0.25),
-      Aris("aris3000-1.8", 3000, data_io::ArisSystem::kAris3000, 1.8e6, 64, kAris3000Window, kArisAssumed),
+      Aris("aris3000-1.8", 3000, ArisSystem::kAris3000, 1.8e6, 64, kAris3000Window, kArisAssumed),
       Oculus("oculus-m750d-0.75", "M750d", {0.75e6, 130.0, 1.0, 20.0, 4e-3}),
       Oculus("oculus-m750d-1.2", "M750d", {1.2e6, 130.0, 0.6, 20.0, 2.5e-3}),
       Oculus("oculus-m1200d-1.2", "M1200d", {1.2e6, 130.0, 0.6, 20.0, 2.5e-3}),

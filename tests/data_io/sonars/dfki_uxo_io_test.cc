@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/sonars/aris_beam_tables.h"
 #include "data_io/images/pgm_codec.h"
 #include "data_io/open_recording.h"
-#include "data_io/sonars/aris_beam_tables.h"
 #include "data_io/sonars/frame_tree.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/refusal.h"

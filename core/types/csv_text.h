@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace sonarcal::data_io {
+namespace sonarcal {
 
 // Quotes the text if necessary.
 inline std::string CsvText(const std::string& text) {
@@ -16,4 +16,4 @@ inline std::string CsvText(const std::string& text) {
   return quoted + '"';
 }
 
-}  // namespace sonarcal::data_io
+}  // namespace sonarcal

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-namespace sonarcal::data_io {
+namespace sonarcal {
 
 // Value of the header field TheSystemType.
 enum class ArisSystem { kAris1800 = 0, kAris3000 = 1, kAris1200 = 2 };
@@ -28,4 +28,4 @@ std::span<const double> ArisBeamCentresDeg(ArisSystem system, int beam_count, Ar
 // Beam centres as azimuths of a polar image's columns, left to right: negated and in reverse order.
 std::vector<double> ArisAzimuthsRad(std::span<const double> centres_deg);
 
-}  // namespace sonarcal::data_io
+}  // namespace sonarcal

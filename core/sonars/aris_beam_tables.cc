@@ -1,10 +1,10 @@
-#include "data_io/sonars/aris_beam_tables.h"
+#include "core/sonars/aris_beam_tables.h"
 
 #include <array>
 
 #include "core/types/units.h"
 
-namespace sonarcal::data_io {
+namespace sonarcal {
 namespace {
 
 // BeamWidths_ARIS1800_1200_48.h
@@ -106,4 +106,4 @@ std::vector<double> ArisAzimuthsRad(std::span<const double> centres_deg) {
   return azimuth_rad;
 }
 
-}  // namespace sonarcal::data_io
+}  // namespace sonarcal

@@ -1,4 +1,4 @@
-#include "data_io/sonars/aris_beam_tables.h"
+#include "core/sonars/aris_beam_tables.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "core/types/units.h"
 #include "tests/support/recordings.h"
 
-namespace sonarcal::data_io {
+namespace sonarcal {
 namespace {
 
 struct TableCase {
@@ -70,4 +70,4 @@ TEST(ArisAzimuths, ArisCountsFromTheRightSoTheLastBeamIsTheLeftmostColumn) {
 }
 
 }  // namespace
-}  // namespace sonarcal::data_io
+}  // namespace sonarcal
