@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kIndexEntryBytes = 12;
-constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;      // a topic's name and a hundred bytes
-constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // message definitions are long
+constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;       // a topic's name and a hundred bytes
+constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // definitions of messages are long
 
 enum class Op : std::uint8_t {
   kMessage = 2,
@@ -212,8 +212,8 @@ class Ros1Bag final : public Bag {
 
   void CheckMessage(const Record& record, std::uint64_t at) const {
     if (record.op == Op::kMessage && record.data_bytes <= kMostBagMessageBytes) return;
-    throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}",
-                    name(), at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
+    throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}", name(),
+                    at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
   }
 
   // Reads the headers of all records.
@@ -253,7 +253,8 @@ class Ros1Bag final : public Bag {
                           .data_bytes = record.data_bytes,
                           .compression = CompressionOf(record.fields.Text("compression"), where),
                           .inflated_bytes = record.fields.U32("size")};
-        if (chunk.compression == rosbag::compression::Uncompressed && chunk.inflated_bytes != chunk.data_bytes) {
+        if (chunk.compression == rosbag::compression::Uncompressed &&
+            chunk.inflated_bytes != chunk.data_bytes) {
           throw DataError("{}: a chunk of {} bytes that announces {}", where, chunk.data_bytes,
                           chunk.inflated_bytes);
         }

@@ -7,7 +7,7 @@
 //   3   bag header    index_pos u64, conn_count u32,        blanks
 //                     chunk_count u32, encryptor (refused)
 //   4   index data    ver u32 = 1, conn u32, count u32      of the chunk before: count x (u32 s, ns, offset)
-//   5   chunk         compression none|bz2|lz4, size u32    records of op 2 and 7; `size` is their inflated length
+//   5   chunk         compression none|bz2|lz4, size u32    records of op 2 and 7; size: their inflated bytes
 //   6   chunk info    (not read)
 //   7   connection    conn u32, topic                       fields type, md5sum, message_definition
 //

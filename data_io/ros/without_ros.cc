@@ -22,7 +22,8 @@ std::unique_ptr<Bag> OpenRos2Bag(const std::filesystem::path& path) {
   Refuse(path);
 }
 
-void WriteRos1Bag(const RecordingSource&, const std::filesystem::path& file, const std::function<void(int)>&) {
+void WriteRos1Bag(const RecordingSource&, const std::filesystem::path& file,
+                  const std::function<void(int)>&) {
   Refuse(file);
 }
 
