@@ -29,6 +29,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/sonarcalConfigVersion.cma
 install(FILES
   ${PROJECT_BINARY_DIR}/sonarcalConfig.cmake
   ${PROJECT_BINARY_DIR}/sonarcalConfigVersion.cmake
+  cmake/FindRosbagStorage.cmake
   cmake/SonarcalDependencies.cmake
   DESTINATION ${SONARCAL_PACKAGE_DIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

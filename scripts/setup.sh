@@ -106,7 +106,10 @@ configure_and_build() {
   ((free_kib > 1024 * 1024)) || fail "the disk of $root has less than 1 GiB left, too little for a build"
 
   drop_stale_build
-  local options=("-DSONARCAL_BUILD_TESTS=$([[ $with_tests == yes ]] && echo ON || echo OFF)")
+  local tests_on
+  tests_on="$([[ $with_tests == yes ]] && echo ON || echo OFF)"
+  # A user's compiler may know warnings that ours do not.
+  local options=("-DSONARCAL_BUILD_TESTS=$tests_on" "-DSONARCAL_WARNINGS_AS_ERRORS=$tests_on")
   if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
   (cd "$root" && quietly "Configuring build/" cmake --preset release "${options[@]}") ||
     fail "cmake cannot configure the project, its last lines are above"

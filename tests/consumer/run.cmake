@@ -16,3 +16,11 @@ run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${consumer_build} -G ${GENERATOR}
 run(${CMAKE_COMMAND} --build ${consumer_build})
 run(${prefix}/bin/sonarcal scenes --only tank --quiet --out ${consumer_build}/tank)
 run(${consumer_build}/consumer ${consumer_build}/tank/params.json)
+
+# Whoever links sonarcal::sim and sonarcal::metrics gets no library that reads files.
+run(${consumer_build}/simulation)
+execute_process(COMMAND readelf --dynamic ${consumer_build}/simulation
+  OUTPUT_VARIABLE linked COMMAND_ERROR_IS_FATAL ANY)
+if(linked MATCHES "NEEDED[^\n]*(rosbag|sqlite|archive|yaml|tiff|png|imgcodecs)[^\n]*")
+  message(FATAL_ERROR "A program of sonarcal::sim and sonarcal::metrics links a library of data_io: ${CMAKE_MATCH_0}")
+endif()
