@@ -12,7 +12,7 @@ foreach(library IN ITEMS class_loader roscpp_serialization rostime cpp_common co
   list(APPEND rosbag_storage_libraries ${ROSBAG_${library}_LIBRARY})
 endforeach()
 find_package_handle_standard_args(RosbagStorage REQUIRED_VARS ${rosbag_storage_variables}
-  REASON_FAILURE_MESSAGE "Debian's package librosbag-storage-dev has it; SONARCAL_WITH_ROS=OFF does without")
+  REASON_FAILURE_MESSAGE "Install librosbag-storage-dev or set SONARCAL_WITH_ROS=OFF")
 if(RosbagStorage_FOUND AND NOT TARGET rosbag_storage::rosbag_storage)
   set(rosbag_storage_includes ${ROSBAG_STORAGE_INCLUDE_DIR})
   foreach(package IN ITEMS pluginlib class_loader rcpputils rcutils ament_index_cpp)

@@ -1,5 +1,5 @@
-// Divides plane polygons into triangles. Hand-written because the triangulators that exist (earcut, assimp) drop
-// corners in line, which opens seams between faces, or divide some concave polygons wrongly.
+// Divides plane polygons into triangles. Hand-written because the triangulators that exist (earcut, assimp)
+// drop corners in line, which opens seams between faces, or divide some concave polygons wrongly.
 #pragma once
 
 #include <Eigen/Core>
