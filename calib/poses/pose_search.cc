@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "core/math/smoothing.h"
+#include "core/math/statistics.h"
 #include "core/types/units.h"
 
 namespace sonarcal::calib {
@@ -190,12 +191,9 @@ class Matcher {
 // the median, weighted by their excess.
 TargetPose PoseOfBrightRegion(const Grid<float>& image, const PolarAxes& axes) {
   std::vector<float> values(image.values().begin(), image.values().end());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  const float median = *middle;
+  const float median = UpperMedian(values);
   for (float& value : values) value = std::abs(value - median);
-  std::nth_element(values.begin(), middle, values.end());
-  const double threshold = median + 4.0 * 1.4826 * *middle;  // median deviation to standard deviation
+  const double threshold = median + 4.0 * kSigmaPerMad * UpperMedian(std::move(values));
   double weight = 0.0;
   double range_m = 0.0;
   double azimuth_rad = 0.0;

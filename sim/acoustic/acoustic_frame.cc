@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -42,8 +41,7 @@ class PatchShader {
               const AcousticGeometry& geometry, const ParameterSet& parameters)
       : fan_(fan),
         // Two-way absorption. Spreading (40 log10 R) and the patch's R^2 together leave 1 / R^2.
-        loss_per_m_(static_cast<float>(2.0 * TransmissionLossDb(1.0, geometry.absorption_db_per_m) *
-                                       std::numbers::ln10 / 10.0)),
+        loss_per_m_(static_cast<float>(2.0 * TransmissionLossDb(1.0, geometry.absorption_db_per_m) * kNeperPerDb)),
         factor_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)) {
     double narrowest_deg = 90.0;
     std::vector<GsabParameters<double>> curves;

@@ -192,13 +192,10 @@ class CauseFinder {
 
   Grid<int> StrongestLobes() const {
     const PolarAxes& axes = simulator_.sonar().axes;
-    const std::vector<double> edges_rad = axes.BeamEdgesRad();
     const int beams = axes.beam_count();
     std::vector<int> beam_of_column;
-    for (const double azimuth_rad : columns_) {
-      const auto above = std::upper_bound(edges_rad.begin() + 1, edges_rad.end() - 1, azimuth_rad);
-      beam_of_column.push_back(std::min(static_cast<int>(above - edges_rad.begin()) - 1, beams - 1));
-    }
+    for (const double azimuth_rad : columns_)
+      beam_of_column.push_back(std::clamp(axes.BeamAt(azimuth_rad), 0, beams - 1));
     Grid<int> strongest(axes.range_bins, beams);
     for (int bin = 0; bin < axes.range_bins; ++bin) {
       const double* line = &by_column_[static_cast<std::size_t>(bin) * columns_.size()];
