@@ -151,7 +151,8 @@ class RowShader {
     const int beams = axes_.beam_count();
     if (even_beams_) {
       row_math::Bins(of.azimuth_rad.data(), static_cast<float>(axes_.BeamEdgeRad(0)),
-                     static_cast<float>(1.0 / (axes_.field_of_view_rad() / beams)), beams, count, of.beam.data());
+                     static_cast<float>(1.0 / (axes_.field_of_view_rad() / beams)), beams, count,
+                     of.beam.data());
       return;
     }
     for (int i = 0; i < count; ++i) {

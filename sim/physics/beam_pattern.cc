@@ -68,8 +68,7 @@ std::pair<double, double> AzimuthReachRad(const AzimuthResponse<double>& respons
     case AzimuthPattern::kGaussian:
       break;
   }
-  const double reach =
-      0.5 * shape.width_rad * std::sqrt(-kNeperPerDb * level_db / std::numbers::ln2);
+  const double reach = 0.5 * shape.width_rad * std::sqrt(-kNeperPerDb * level_db / std::numbers::ln2);
   return {beam_azimuth_rad - reach, beam_azimuth_rad + reach};
 }
 

@@ -88,8 +88,7 @@ inline double DisplaySlope(const DisplayParameters<double>& display, double powe
       return per_db * kDbPerNeper / (power + PowerFromDb(display.soft_db));
     case DisplayLaw::kSoftAmplitude: {
       const double amplitude = std::sqrt(power);
-      return per_db * kDbPerNeper /
-             (amplitude * (amplitude + AmplitudeFromDb(display.soft_db)));
+      return per_db * kDbPerNeper / (amplitude * (amplitude + AmplitudeFromDb(display.soft_db)));
     }
     case DisplayLaw::kPower:
       return 0.5 * display.exponent * DisplayValue(display, power) / power;

@@ -54,8 +54,8 @@ inline double NoisePower(const ReceiverParameters& receiver, double range_m, int
   double power = 0.0;
   if (receiver.noise_db) {
     power += PowerFromDb(*receiver.noise_db + receiver.noise_slope_db_per_m * range_m +
-                          taper_db(receiver.noise_taper_db) +
-                          TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
+                         taper_db(receiver.noise_taper_db) +
+                         TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
   }
   if (receiver.noise_after_gain_db) {
     power += PowerFromDb(*receiver.noise_after_gain_db + taper_db(receiver.noise_after_gain_taper_db));
