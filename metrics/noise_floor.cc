@@ -10,7 +10,6 @@
 namespace sonarcal::metrics {
 namespace {
 
-
 enum class Stillness { kStill, kMoved, kUnknown };
 
 Stillness Between(const FrameInfo& a, const FrameInfo& b) {

@@ -24,22 +24,21 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
   const auto laws = FitCosineLaws(parameters, 1.0);
   constexpr double kMeanFactor = 0.5;
 
-  const nlohmann::ordered_json arguments = {
-      {"ImagingSonarSensor",
-       {{"name", name},
-        {"min_range", axes.range_min_m},
-        {"max_range", axes.range_max_m},
-        {"range_res", axes.range_bin_m()},
-        {"hori_fov", fan.field_deg},
-        {"vert_fov", fan.elevation_deg},
-        {"angular_res", fan.spacing_deg()}}},
-      {"sonar_initialize", {{"normalizing_method", "all"}}},
-      {"make_sonar_data",
-       {{"attenuation", 2.0 * source.absorption_db_per_m * kNeperPerDb},
-        {"gau_noise_param", kMeanFactor * SpeckleSpread(parameters)},
-        {"ray_noise_param", RayleighOfFloor(source)},
-        {"central_peak", 0.0}}},
-      {"reflectivity", RelativeReflectivities(laws)}};
+  const nlohmann::ordered_json arguments = {{"ImagingSonarSensor",
+                                             {{"name", name},
+                                              {"min_range", axes.range_min_m},
+                                              {"max_range", axes.range_max_m},
+                                              {"range_res", axes.range_bin_m()},
+                                              {"hori_fov", fan.field_deg},
+                                              {"vert_fov", fan.elevation_deg},
+                                              {"angular_res", fan.spacing_deg()}}},
+                                            {"sonar_initialize", {{"normalizing_method", "all"}}},
+                                            {"make_sonar_data",
+                                             {{"attenuation", 2.0 * source.absorption_db_per_m * kNeperPerDb},
+                                              {"gau_noise_param", kMeanFactor * SpeckleSpread(parameters)},
+                                              {"ray_noise_param", RayleighOfFloor(source)},
+                                              {"central_peak", 0.0}}},
+                                            {"reflectivity", RelativeReflectivities(laws)}};
 
   ExportedConfig config{.files = {{"", data_io::JsonText(arguments)}},
                         .account = ExportAccount(source),

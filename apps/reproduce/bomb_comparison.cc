@@ -81,7 +81,9 @@ Mask Background(const PolarImage& image, const metrics::SegmentationOptions& seg
 // Of all echoes but the rarest 0.1 % at either end.
 workflow::IncidenceRange IncidenceOf(const sim::EchoList& echoes) {
   if (echoes.incidence_rad.empty()) return {};
-  const auto at = [&](double share) { return DegFromRad(double{LowerQuantile(echoes.incidence_rad, share)}); };
+  const auto at = [&](double share) {
+    return DegFromRad(double{LowerQuantile(echoes.incidence_rad, share)});
+  };
   return {.low_deg = at(0.001), .high_deg = at(0.999)};
 }
 
