@@ -14,6 +14,7 @@
 #include "calib/poses/pose_ambiguity.h"
 #include "calib/poses/pose_refinement.h"
 #include "calib/problem_builder.h"
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 
@@ -364,12 +365,11 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
     for (const RecordedPower& recorded : frame.recorded) powers.push_back(recorded.power);
   }
   if (powers.empty()) throw DataError("fit: no pixels");
-  const auto at = powers.begin() + static_cast<std::ptrdiff_t>(kDarkest * static_cast<double>(powers.size()));
-  std::nth_element(powers.begin(), at, powers.end());
+  const auto rank = static_cast<std::size_t>(kDarkest * static_cast<double>(powers.size()));
   // If all of them were noise, the darkest fifth of exponential power would end at -ln(0.8) of its mean. With
   // more looks it would end closer to the mean.
   const double of_mean = looks > 2.0 ? 1.0 : -std::log1p(-kDarkest);
-  return DbFromPower(*at / of_mean);
+  return DbFromPower(RankedValue(std::move(powers), rank) / of_mean);
 }
 
 AcousticFit FitAcousticModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -44,7 +44,6 @@ std::string MovingTogether(const Eigen::VectorXd& direction, const std::vector<i
 std::string KnownAllTheSame(const Eigen::MatrixXd& covariance,
                             const std::vector<NamedCoordinate>& coordinates) {
   constexpr double kKnownShare = 0.1;
-  constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;
   const auto n = static_cast<Eigen::Index>(coordinates.size());
   Eigen::VectorXd step(n);
   for (Eigen::Index i = 0; i < n; ++i) step(i) = coordinates[i].step;

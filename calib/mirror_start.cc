@@ -35,8 +35,7 @@ ParameterSet WithMirrorStart(ParameterSet initial, const FitConfig& config,
   }
   BeamParameters& beam = initial.beam;
   if (beam.transmit_end_deg > 0.0 || !Names(config.free, kTransmitEnd)) return initial;
-  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
-  beam.transmit_even_deg = DegFromRad(std::max(-edges_rad.front(), edges_rad.back()));
+  beam.transmit_even_deg = DegFromRad(sonar.axes.OuterEdgeRad());
   beam.transmit_end_deg = beam.transmit_even_deg + kStartTransmitDeg;
   return initial;
 }

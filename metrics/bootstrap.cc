@@ -4,19 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 
 namespace sonarcal::metrics {
-namespace {
-
-double Quantile(const std::vector<double>& sorted, double share) {
-  const double position = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return std::lerp(sorted[below], sorted[above], position - static_cast<double>(below));
-}
-
-}  // namespace
 
 std::span<const int> FrameResampler::Next() {
   const std::size_t count = indices_.size();
@@ -71,9 +62,8 @@ int PolitisWhiteBlockLength(std::span<const double> series) {
 }
 
 Interval PercentileInterval95(std::vector<double> draws) {
-  SONARCAL_CHECK(!draws.empty(), "an interval of nothing");
   std::sort(draws.begin(), draws.end());
-  return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
+  return {QuantileOfSorted(draws, 0.025), QuantileOfSorted(draws, 0.975)};
 }
 
 }  // namespace sonarcal::metrics

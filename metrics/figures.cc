@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/types/units.h"
+
 namespace sonarcal::metrics {
 namespace {
 
@@ -179,7 +181,7 @@ std::optional<double> Figure::Unfinish(double figure) const {
     case Averaging::kRootMeanSquare:
       return figure * figure;
     case Averaging::kDecibelOfMeanSquare:
-      return std::pow(10.0, -0.1 * figure);
+      return PowerFromDb(-figure);
     case Averaging::kReciprocal:
       return Reciprocal(figure);
   }

@@ -5,11 +5,10 @@
 #include <utility>
 
 #include "core/types/pose.h"
+#include "core/types/units.h"
 
 namespace sonarcal::metrics {
 namespace {
-
-constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;  // dB of power per neper
 
 enum class Stillness { kStill, kMoved, kUnknown };
 

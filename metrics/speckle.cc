@@ -1,9 +1,9 @@
 #include "metrics/speckle.h"
 
 #include <cmath>
-#include <numbers>
 #include <span>
 
+#include "core/types/units.h"
 #include "metrics/compare.h"
 
 namespace sonarcal::metrics {
@@ -15,7 +15,7 @@ constexpr double kMostClipped = 0.02 * kBlockPixels;
 
 Grid<double> Power(const Grid<float>& value, const ImageScale& scale) {
   const std::optional<double> span_db = DbSpan(scale);
-  const double nepers = span_db.value_or(0.0) * std::numbers::ln10 / 10.0;  // nepers of power over full scale
+  const double nepers = span_db.value_or(0.0) * kNeperPerDb;  // nepers of power over full scale
   Grid<double> power(value.rows(), value.cols());
   for (std::size_t i = 0; i < value.size(); ++i) {
     const double share = static_cast<double>(value.values()[i]) / scale.full_scale;

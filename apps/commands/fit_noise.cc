@@ -143,8 +143,7 @@ Json ChoicesJson(const calib::NoiseFit& fit) {
 
 std::pair<double, double> WindowM(const calib::NoiseCells& cells) {
   const PolarAxes& axes = cells.axes;
-  return {axes.range_min_m + cells.first_bin * axes.range_bin_m(),
-          axes.range_min_m + cells.last_bin * axes.range_bin_m()};
+  return {axes.range_edge_m(cells.first_bin), axes.range_edge_m(cells.last_bin)};
 }
 
 double ShareLeftOut(const calib::NoiseFit& fit) {

@@ -19,6 +19,7 @@
 #include "apps/commands/commands.h"
 #include "apps/report/pictures/marker_picture.h"
 #include "calib/markers/marker_images.h"
+#include "core/math/statistics.h"
 #include "core/types/units.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/images/image_io.h"
@@ -210,8 +211,7 @@ double Median(const calib::MarkerPoses& poses, const Value& value) {
   for (const calib::MarkerFramePose& frame : poses.frames) {
     if (frame.refused.empty()) values.push_back(value(frame));
   }
-  std::ranges::nth_element(values, values.begin() + values.size() / 2);
-  return values[values.size() / 2];
+  return UpperMedian(std::move(values));
 }
 
 // Prints messages for the user.

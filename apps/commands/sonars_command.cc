@@ -21,17 +21,11 @@ struct SonarsOptions {
 
 using Json = nlohmann::ordered_json;
 
-// Angle from the outer edge of the first beam to that of the last.
-double FieldDeg(const PolarAxes& axes) {
-  const std::vector<double> edges_rad = axes.BeamEdgesRad();
-  return DegFromRad(edges_rad.back() - edges_rad.front());
-}
-
 Json ToJson(const sim::SonarPreset& preset) {
   return {{"name", preset.name},
           {"sonar", data_io::SonarJson(preset.sonar)},
           {"water", data_io::WaterJson(preset.water)},
-          {"field_of_view_deg", FieldDeg(preset.sonar.axes)},
+          {"field_of_view_deg", DegFromRad(preset.sonar.axes.field_of_view_rad())},
           {"azimuth_beam_width_is", Describe(preset.azimuth_width)},
           {"elevation_beam_width_is", Describe(preset.elevation_width)},
           {"source", preset.source},
@@ -46,7 +40,8 @@ std::string Text(const sim::SonarPreset& preset) {
     text += fmt::format("  {:<10} {}\n", label, value);
   };
   add("sonar", sonar.name);
-  add("beams", fmt::format("{} over {:.1f} degrees, formed by {}", axes.beam_count(), FieldDeg(axes),
+  add("beams", fmt::format("{} over {:.1f} degrees, formed by {}", axes.beam_count(),
+                           DegFromRad(axes.field_of_view_rad()),
                            sonar.beam_forming == BeamForming::kLens ? "a lens" : "an array"));
   add("azimuth", fmt::format("{:.2g} degrees per beam: {}", sonar.azimuth_beam_width_deg,
                              Describe(preset.azimuth_width)));

@@ -10,7 +10,7 @@ namespace sonarcal::exporting {
 
 CosineLaw FitCosineLaw(const GsabParameters<double>& gsab, double exponent) {
   const auto excess_db = [&](double degree) {
-    return sim::GsabDb(gsab, degree) - 10.0 * exponent * std::log10(std::cos(RadFromDeg(degree)));
+    return sim::GsabDb(gsab, degree) - exponent * DbFromPower(std::cos(RadFromDeg(degree)));
   };
   const int angles = static_cast<int>(kCosineLawMostDeg) + 1;
   double sum_db = 0.0;

@@ -26,13 +26,12 @@ bool EvenFan::IsCentred() const {
 
 EvenFan EvenFanOf(const ExportSource& source) {
   const PolarAxes& axes = source.sonar.axes;
-  const std::vector<double> edges_rad = axes.BeamEdgesRad();
   EvenFan fan;
   fan.beams = axes.beam_count();
   fan.first_deg = DegFromRad(axes.beam_azimuth_rad.front());
   fan.last_deg = DegFromRad(axes.beam_azimuth_rad.back());
-  fan.field_deg = DegFromRad(edges_rad.back() - edges_rad.front());
-  fan.centre_deg = DegFromRad(0.5 * (edges_rad.back() + edges_rad.front()));
+  fan.field_deg = DegFromRad(axes.field_of_view_rad());
+  fan.centre_deg = DegFromRad(0.5 * (axes.BeamEdgeRad(fan.beams) + axes.BeamEdgeRad(0)));
   const double own_deg = source.parameters.beam.elevation_width_deg;
   fan.elevation_deg = own_deg > 0.0 && source.parameters.model != EchoModel::kPaper
                           ? own_deg

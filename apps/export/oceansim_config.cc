@@ -12,6 +12,7 @@
 #include "apps/export/even_fan.h"
 #include "apps/export/export_words.h"
 #include "apps/export/simulator_configs.h"
+#include "core/types/units.h"
 #include "data_io/json/json_writer.h"
 
 namespace sonarcal::exporting {
@@ -22,24 +23,22 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
   const EvenFan fan = EvenFanOf(source);
   const auto laws = FitCosineLaws(parameters, 1.0);
   constexpr double kMeanFactor = 0.5;
-  const double per_m_of_db_per_m = std::log(10.0) / 10.0;
 
-  const nlohmann::ordered_json arguments = {
-      {"ImagingSonarSensor",
-       {{"name", name},
-        {"min_range", axes.range_min_m},
-        {"max_range", axes.range_max_m},
-        {"range_res", axes.range_bin_m()},
-        {"hori_fov", fan.field_deg},
-        {"vert_fov", fan.elevation_deg},
-        {"angular_res", fan.spacing_deg()}}},
-      {"sonar_initialize", {{"normalizing_method", "all"}}},
-      {"make_sonar_data",
-       {{"attenuation", 2.0 * source.absorption_db_per_m * per_m_of_db_per_m},
-        {"gau_noise_param", kMeanFactor * SpeckleSpread(parameters)},
-        {"ray_noise_param", RayleighOfFloor(source)},
-        {"central_peak", 0.0}}},
-      {"reflectivity", RelativeReflectivities(laws)}};
+  const nlohmann::ordered_json arguments = {{"ImagingSonarSensor",
+                                             {{"name", name},
+                                              {"min_range", axes.range_min_m},
+                                              {"max_range", axes.range_max_m},
+                                              {"range_res", axes.range_bin_m()},
+                                              {"hori_fov", fan.field_deg},
+                                              {"vert_fov", fan.elevation_deg},
+                                              {"angular_res", fan.spacing_deg()}}},
+                                            {"sonar_initialize", {{"normalizing_method", "all"}}},
+                                            {"make_sonar_data",
+                                             {{"attenuation", 2.0 * source.absorption_db_per_m * kNeperPerDb},
+                                              {"gau_noise_param", kMeanFactor * SpeckleSpread(parameters)},
+                                              {"ray_noise_param", RayleighOfFloor(source)},
+                                              {"central_peak", 0.0}}},
+                                            {"reflectivity", RelativeReflectivities(laws)}};
 
   ExportedConfig config{.files = {{"", data_io::JsonText(arguments)}},
                         .account = ExportAccount(source),

@@ -8,6 +8,7 @@
 #include "calib/bomb_fit.h"
 #include "calib/models/held_out_frames.h"
 #include "calib/noise/background_display.h"
+#include "core/math/statistics.h"
 #include "core/types/units.h"
 #include "data_io/sonars/aris3000_frames_io.h"
 #include "sim/paper/paper_values.h"
@@ -28,10 +29,7 @@ constexpr double kEchoOverNoiseDb = 60.0;
 constexpr double kElevationSpanDeg = 28.0;
 
 double MedianGrey(const PolarImage& image) {
-  std::vector<float> values(image.value.values().begin(), image.value.values().end());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return UpperMedian(std::vector<float>(image.value.values().begin(), image.value.values().end()));
 }
 
 // Display and noise floor read off the image: most of it is background. Only differences of level are known,
@@ -82,13 +80,9 @@ Mask Background(const PolarImage& image, const metrics::SegmentationOptions& seg
 
 // Of all echoes but the rarest 0.1 % at either end.
 workflow::IncidenceRange IncidenceOf(const sim::EchoList& echoes) {
-  std::vector<float> incidence = echoes.incidence_rad;
-  if (incidence.empty()) return {};
+  if (echoes.incidence_rad.empty()) return {};
   const auto at = [&](double share) {
-    const auto nth =
-        incidence.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(incidence.size() - 1));
-    std::nth_element(incidence.begin(), nth, incidence.end());
-    return DegFromRad(static_cast<double>(*nth));
+    return DegFromRad(double{LowerQuantile(echoes.incidence_rad, share)});
   };
   return {.low_deg = at(0.001), .high_deg = at(0.999)};
 }

@@ -66,10 +66,9 @@ std::map<int, Pose> ReadPoses(const data_io::JsonReader& json, int frame_count) 
 // Azimuths of `count` beams over `field_of_view_rad` from edge to edge.
 std::vector<double> SpreadBeams(const PolarAxes& axes, int count, double field_of_view_rad) {
   std::vector<double> azimuth_rad(static_cast<std::size_t>(count));
-  const std::vector<double> edges = axes.BeamEdgesRad();
-  const double middle_rad = 0.5 * (edges.front() + edges.back());
+  const double middle_rad = 0.5 * (axes.BeamEdgeRad(0) + axes.BeamEdgeRad(axes.beam_count()));
   if (count == axes.beam_count()) {
-    const double factor = field_of_view_rad / (edges.back() - edges.front());
+    const double factor = field_of_view_rad / axes.field_of_view_rad();
     for (std::size_t i = 0; i < azimuth_rad.size(); ++i) {
       azimuth_rad[i] = middle_rad + factor * (axes.beam_azimuth_rad[i] - middle_rad);
     }
@@ -84,8 +83,7 @@ std::vector<double> SpreadBeams(const PolarAxes& axes, int count, double field_o
 }  // namespace
 
 double FieldOfViewDeg(const PolarAxes& axes) {
-  const std::vector<double> edges = axes.BeamEdgesRad();
-  return DegFromRad(edges.back() - edges.front());
+  return DegFromRad(axes.field_of_view_rad());
 }
 
 SonarModel Changed(const SonarModel& sonar, const SonarChanges& changes) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/workflow/compare.h"
+#include "core/types/units.h"
 #include "sim/physics/speckle.h"
 
 namespace sonarcal::workflow {
@@ -22,7 +23,7 @@ double LevelShownAs(const sim::MeanDisplayTable& mean_display, const DisplayPara
   double high_db = display.db_max + 60.0;
   for (int i = 0; i < 60; ++i) {
     const double middle_db = 0.5 * (low_db + high_db);
-    (mean_display(sim::PowerOfLevel(middle_db)) < value ? low_db : high_db) = middle_db;
+    (mean_display(PowerFromDb(middle_db)) < value ? low_db : high_db) = middle_db;
   }
   return high_db;
 }
@@ -37,7 +38,7 @@ SpeckleDraw::SpeckleDraw(const ParameterSet& parameters, double full_scale)
   const sim::MeanDisplayTable mean_display(parameters.display, looks);
   for (int step = 0; step <= kMeansTold; ++step) {
     const double value = static_cast<double>(step) / kMeansTold;
-    const double power = sim::PowerOfLevel(LevelShownAs(mean_display, parameters.display, value));
+    const double power = PowerFromDb(LevelShownAs(mean_display, parameters.display, value));
     std::vector<float>& cumulative = cumulative_.emplace_back();
     for (int level = 0; level < levels_; ++level) {
       const double edge = (level + 0.5) / levels_;

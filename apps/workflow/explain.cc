@@ -11,6 +11,7 @@
 #include "apps/workflow/simulate.h"
 #include "calib/acoustic_fit.h"
 #include "calib/models/held_out_frames.h"
+#include "core/math/local_sums.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/parameters/parameters_io.h"
@@ -89,33 +90,6 @@ std::optional<double> MeanDifference(const std::vector<PolarImage>& a, const std
   }
   if (count == 0.0) return std::nullopt;
   return sum / count;
-}
-
-// Mean of `value` over boxes of 2 x half + 1 pixels, clipped at the edge of the image.
-Grid<double> BoxMean(const Grid<double>& value, int half_bins, int half_beams) {
-  const int rows = value.rows();
-  const int cols = value.cols();
-  Grid<double> integral(rows + 1, cols + 1);
-  for (int row = 0; row < rows; ++row) {
-    double line = 0.0;
-    for (int col = 0; col < cols; ++col) {
-      line += value(row, col);
-      integral(row + 1, col + 1) = integral(row, col + 1) + line;
-    }
-  }
-  Grid<double> mean(rows, cols);
-  for (int row = 0; row < rows; ++row) {
-    const int top = std::max(0, row - half_bins);
-    const int bottom = std::min(rows, row + half_bins + 1);
-    for (int col = 0; col < cols; ++col) {
-      const int left = std::max(0, col - half_beams);
-      const int right = std::min(cols, col + half_beams + 1);
-      const double sum =
-          integral(bottom, right) - integral(top, right) - integral(bottom, left) + integral(top, left);
-      mean(row, col) = sum / ((bottom - top) * (right - left));
-    }
-  }
-  return mean;
 }
 
 class RecordingExplainer {
@@ -317,8 +291,8 @@ class RecordingExplainer {
     const ParameterSet complete = sim::WithResponse(simulator_->sonar(), last.parameters);
     const int half_bins = half(complete.pulse.length_m, axes.range_bin_m());
     const int half_beams = half(complete.beam.azimuth_width_deg, DegFromRad(axes.beam_spacing_rad()));
-    const Grid<double> recorded_about = BoxMean(recorded, half_bins, half_beams);
-    const Grid<double> expected_about = BoxMean(expected, half_bins, half_beams);
+    const Grid<double> recorded_about = BoxMean(recorded, 2 * half_bins + 1, 2 * half_beams + 1);
+    const Grid<double> expected_about = BoxMean(expected, 2 * half_bins + 1, 2 * half_beams + 1);
     std::vector<std::uint8_t> names;
     for (const sim::EchoCause& cause : causes.causes) names.push_back(NameIndex(cause));
     CauseMap map{.index = frame.index,

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/parameters/parameters_io.h"
@@ -44,9 +45,7 @@ class Differences {
     error.within_one = static_cast<double>(std::count_if(grey_.begin(), grey_.end(), within)) / count;
     error.within_one_lit = lit_ > 0 ? static_cast<double>(lit_within_one_) / lit_ : 1.0;
     error.max_grey = *std::max_element(grey_.begin(), grey_.end());
-    const auto at = grey_.begin() + static_cast<std::ptrdiff_t>(std::ceil(kShareWithinOne * count)) - 1;
-    std::nth_element(grey_.begin(), at, grey_.end());
-    error.p999_grey = *at;
+    error.p999_grey = UpperQuantile(grey_, kShareWithinOne);
     error.p999_db = error.p999_grey * db_a_grey;
     return error;
   }

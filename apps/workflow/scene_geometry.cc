@@ -27,8 +27,7 @@ sim::RayFanOptions FanOptionsFor(const SonarModel& sonar) {
 }
 
 int BinOf(double range_m, const PolarAxes& axes) {
-  const double bin = std::floor((range_m - axes.range_min_m) / axes.range_bin_m());
-  return std::clamp(static_cast<int>(bin), 0, axes.range_bins - 1);
+  return std::clamp(axes.BinAt(range_m), 0, axes.range_bins - 1);
 }
 
 }  // namespace

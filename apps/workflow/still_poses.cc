@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal::workflow {
@@ -21,7 +22,7 @@ std::vector<double> NoiseShapeDb(const ReceiverParameters& receiver, const Polar
   std::vector<double> shape_db;
   for (int bin = 0; bin < axes.range_bins; ++bin) {
     for (int beam = 0; beam < axes.beam_count(); ++beam)
-      shape_db.push_back(sim::LevelOfPower(noise.Power(bin, beam)) - *receiver.noise_db);
+      shape_db.push_back(DbFromPower(noise.Power(bin, beam)) - *receiver.noise_db);
   }
   return shape_db;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/markers/camera.h"
+#include "core/math/statistics.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -122,9 +123,7 @@ std::optional<EdgeLine> FitLine(const std::vector<Vector2d>& points, const Vecto
       distances.push_back(std::abs(distance));
       if (used[i]) line.scatter2 += distance * distance;
     }
-    std::vector<double> sorted = distances;
-    std::ranges::nth_element(sorted, sorted.begin() + sorted.size() / 2);
-    const double most = 3.5 * 1.4826 * sorted[sorted.size() / 2] + 1e-6;
+    const double most = 3.5 * kSigmaPerMad * UpperMedian(distances) + 1e-6;
     if (round == 2) break;
     for (std::size_t i = 0; i < points.size(); ++i) used[i] = distances[i] <= most;
   }

@@ -10,6 +10,7 @@
 #include "calib/markers/camera.h"
 #include "calib/markers/marker_adjustment.h"
 #include "calib/markers/marker_start.h"
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 
 namespace sonarcal::calib {
@@ -38,8 +39,7 @@ double TypicalFactor(const std::vector<StartedFrame>& frames, const MarkerMap& m
       factors.push_back(misfit / (kMedianOfChi2With8 * left));
   }
   if (factors.empty()) return 1.0;
-  std::ranges::nth_element(factors, factors.begin() + factors.size() / 2);
-  return std::max(factors[factors.size() / 2], 1e-6);
+  return std::max(UpperMedian(std::move(factors)), 1e-6);
 }
 
 // Removes the worst marker and starts again, as long as one contradicts two or more others.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -17,7 +16,6 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
 constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-level cache
 constexpr double kMostGrowth = 3.0;  // max growth of an echo for which its slope holds, nepers of power
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -63,7 +63,6 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
       counts.Set(bin, beam, counted ? 1.0 : 0.0);
     }
   }
-  constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;
   const int reach_bins = static_cast<int>(std::ceil(options.grain_bins));
   const int reach_beams = static_cast<int>(std::ceil(options.grain_beams));
   const double grain = options.grain_bins * options.grain_beams;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calib/noise/noise_solver.h"
+#include "core/math/statistics.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -15,13 +16,6 @@ constexpr double kOneLevel = 0.9;      // share of pixels
 constexpr double kWindowReject = 2.5;  // robust standard deviations, for the law that measures a window
 constexpr double kOneGrey = 1.0;
 constexpr double kAsGood = 1.25;
-constexpr double kPerMedianOff = 1.4826;  // standard deviation of a normal law / median absolute deviation
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Measure per cell, under the law that fits the cells of weight 1 best.
 std::vector<double> Measure(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
@@ -62,7 +56,7 @@ std::vector<double> PolishedGrey(const NoiseCounts& counts, const NoiseCells& ce
     for (int line = 0; line < lines; ++line) {
       std::vector<double> values;
       for (int i = 0; i < of_line; ++i) values.push_back(grey[line * line_stride + i * stride]);
-      const double median = Median(values);
+      const double median = UpperMedian(std::move(values));
       for (int i = 0; i < of_line; ++i) grey[line * line_stride + i * stride] -= median;
     }
   };
@@ -75,10 +69,10 @@ std::vector<double> PolishedGrey(const NoiseCounts& counts, const NoiseCells& ce
 
 // 1 within `limit` robust standard deviations of the median, else 0. `least`: min value of the limit.
 std::vector<double> Within(const std::vector<double>& measure, double limit, double least) {
-  const double middle = Median(measure);
+  const double middle = UpperMedian(measure);
   std::vector<double> distance;
   for (const double value : measure) distance.push_back(std::abs(value - middle));
-  const double most = std::max(least, limit * kPerMedianOff * Median(distance));
+  const double most = std::max(least, limit * kSigmaPerMad * UpperMedian(distance));
   std::vector<double> weight;
   for (const double value : distance) weight.push_back(value <= most ? 1.0 : 0.0);
   return weight;

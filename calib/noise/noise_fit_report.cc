@@ -111,8 +111,8 @@ class Builder {
     };
     if (layout.noise_db < 0 || std::none_of(untold_.begin(), untold_.end(), is_floor)) return;
     Eigen::VectorXd at_middle = Eigen::VectorXd::Zero(layout.count);
-    const double near_m = cells.axes.range_min_m + cells.first_bin * cells.axes.range_bin_m();
-    const double far_m = cells.axes.range_min_m + cells.last_bin * cells.axes.range_bin_m();
+    const double near_m = cells.axes.range_edge_m(cells.first_bin);
+    const double far_m = cells.axes.range_edge_m(cells.last_bin);
     at_middle[layout.noise_db] = 1.0;
     at_middle[layout.slope] = 0.5 * (near_m + far_m);
     const double variance =

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
 
@@ -59,7 +60,7 @@ int Richness(const NoiseForm& form) {
 NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
                  double absorption_db_per_m) {
   NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
-  const double level_db = sim::LevelOfPower(RoughNoisePower(counts, cells, form.display));
+  const double level_db = DbFromPower(RoughNoisePower(counts, cells, form.display));
   if (form.display.law == DisplayLaw::kSoftLog && form.display.soft_db == 0.0) {
     // Starts below all recorded values, because nothing below the soft floor is ever shown.
     const double span_db = form.display.db_max - form.display.db_min;

@@ -5,21 +5,13 @@
 #include <limits>
 
 #include "core/math/distribution.h"
+#include "core/math/statistics.h"
 
 namespace sonarcal::calib {
 namespace {
 
 constexpr double kLooksStep = 1e-5;  // step of ln looks, for a difference
 constexpr double kDbStep = 1e-5;
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double position = share * static_cast<double>(values.size() - 1);
-  const std::size_t i = static_cast<std::size_t>(position);
-  const double next = values[std::min(i + 1, values.size() - 1)];
-  return values[i] + (position - static_cast<double>(i)) * (next - values[i]);
-}
 
 void Normalise(std::vector<double>& values, double sum) {
   for (double& value : values) value /= sum;
@@ -195,8 +187,10 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
     Normalise(block.predicted, block.pixels);
     by_block.push_back(KolmogorovSmirnov(block.recorded, block.predicted));
   }
-  agreement.cell_ks_median = Quantile(by_block, 0.5);
-  agreement.cell_ks_p95 = Quantile(by_block, 0.95);
+  if (!by_block.empty()) {
+    agreement.cell_ks_median = Quantile(by_block, 0.5);
+    agreement.cell_ks_p95 = Quantile(by_block, 0.95);
+  }
   agreement.recorded = std::move(all.recorded);
   agreement.predicted = std::move(all.predicted);
   return agreement;

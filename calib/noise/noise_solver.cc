@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "calib/noise/noise_information.h"
+#include "core/types/units.h"
 
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kNatsPerDb = std::numbers::ln10 / 10.0;
 // Precision (1 / dB^2) that holds the mean of a taper over beams at 0. A taper is relative to the level of
 // its floor.
 constexpr double kTaperMeanPrecision = 1e8;
@@ -148,15 +147,15 @@ CellParameters AtCell(const NoiseLaw& law, const NoiseLayout& layout, double ran
   if (law.receiver.noise_after_gain_db) {
     const double taper_db =
         law.receiver.noise_after_gain_taper_db.empty() ? 0.0 : law.receiver.noise_after_gain_taper_db[beam];
-    share = 1.0 - sim::PowerOfLevel(*law.receiver.noise_after_gain_db + taper_db) / cell.noise_power;
+    share = 1.0 - PowerFromDb(*law.receiver.noise_after_gain_db + taper_db) / cell.noise_power;
   }
   // ln N is the logarithm of a sum of two powers. Its curvature by their ratio is share (1 - share).
-  cell.bend = kNatsPerDb * kNatsPerDb * share * (1.0 - share);
-  cell.Add(layout.noise_db, kNatsPerDb * share, 1.0, -1);
-  cell.Add(layout.slope, kNatsPerDb * share * range_m, range_m, -1);
-  cell.Add(layout.taper < 0 ? -1 : layout.taper + beam, kNatsPerDb * share, 1.0, -1);
-  cell.Add(layout.after_db, kNatsPerDb * (1.0 - share), -1.0, -1);
-  cell.Add(layout.after_taper < 0 ? -1 : layout.after_taper + beam, kNatsPerDb * (1.0 - share), -1.0, -1);
+  cell.bend = kNeperPerDb * kNeperPerDb * share * (1.0 - share);
+  cell.Add(layout.noise_db, kNeperPerDb * share, 1.0, -1);
+  cell.Add(layout.slope, kNeperPerDb * share * range_m, range_m, -1);
+  cell.Add(layout.taper < 0 ? -1 : layout.taper + beam, kNeperPerDb * share, 1.0, -1);
+  cell.Add(layout.after_db, kNeperPerDb * (1.0 - share), -1.0, -1);
+  cell.Add(layout.after_taper < 0 ? -1 : layout.after_taper + beam, kNeperPerDb * (1.0 - share), -1.0, -1);
   cell.Add(layout.log_looks, 0.0, 0.0, 1);
   cell.Add(layout.span_db, 0.0, 0.0, 2);
   cell.Add(layout.soft_db, 0.0, 0.0, 3);

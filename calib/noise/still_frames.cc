@@ -10,7 +10,9 @@
 #include <map>
 
 #include "calib/noise/still_likelihood.h"
+#include "core/math/statistics.h"
 #include "core/types/error.h"
+#include "core/types/units.h"
 #include "sim/physics/display.h"
 
 namespace sonarcal::calib {
@@ -132,7 +134,7 @@ Telling TellingPixels(const Stack& stack, const StillOptions& options, double no
   std::vector<float> shape_db;
   for (std::size_t pixel = 0; pixel < stack.pixels(); pixel += every) {
     const double limit_db = noise_db + NoiseShapeDb(options, pixel) + brightest_db;
-    if (!Counts(options, pixel) || !(stack.MeanPower(pixel) < sim::PowerOfLevel(limit_db))) continue;
+    if (!Counts(options, pixel) || !(stack.MeanPower(pixel) < PowerFromDb(limit_db))) continue;
     pixels.push_back(pixel);
     shape_db.push_back(static_cast<float>(NoiseShapeDb(options, pixel)));
     for (const auto& frame : stack.frames) classes_of.push_back(frame[pixel]);
@@ -147,12 +149,11 @@ double FirstLookDb(const Stack& stack, const StillOptions& options) {
   std::vector<double> levels_db;
   for (std::size_t pixel = 0; pixel < stack.pixels(); ++pixel) {
     if (!Counts(options, pixel)) continue;
-    levels_db.push_back(sim::LevelOfPower(std::max(stack.MeanPower(pixel), sim::kSilencePower)) -
+    levels_db.push_back(DbFromPower(std::max(stack.MeanPower(pixel), sim::kSilencePower)) -
                         NoiseShapeDb(options, pixel));
   }
-  const auto at = levels_db.begin() + static_cast<std::ptrdiff_t>(levels_db.size() / 5);
-  std::nth_element(levels_db.begin(), at, levels_db.end());
-  return *at;
+  const std::size_t rank = levels_db.size() / 5;
+  return RankedValue(std::move(levels_db), rank);
 }
 
 // Log-likelihoods per pixel about the most likely level.
@@ -278,7 +279,7 @@ void FillEchoes(const Stack& stack, const StillOptions& options, const Telling& 
       continue;
     }
     // Pixels far above the noise, where the frames agree.
-    power[pixel] = stack.MeanPower(pixel) - sim::PowerOfLevel(levels.noise_db + NoiseShapeDb(options, pixel));
+    power[pixel] = stack.MeanPower(pixel) - PowerFromDb(levels.noise_db + NoiseShapeDb(options, pixel));
   }
   const std::vector<double> near_noise = telling.likelihood.EchoPower(levels.noise_db, weights);
   for (std::size_t i = 0; i < near_noise.size(); ++i) {
@@ -293,9 +294,9 @@ void FillEchoes(const Stack& stack, const StillOptions& options, const Telling& 
     by_block[BlockOf(pixel, stack.beams, options)] += power[pixel];
   }
   if (levels.pixels == 0) throw DataError("still frames: every pixel is clipped at the top of the display");
-  levels.echo_db = sim::LevelOfPower(sum / static_cast<double>(levels.pixels));
+  levels.echo_db = DbFromPower(sum / static_cast<double>(levels.pixels));
   levels.echo_sigma_db =
-      sim::LevelOfPower(1.0 + std::sqrt(VarianceOfSum(by_block, BlocksAcross(stack.beams, options))) / sum);
+      DbFromPower(1.0 + std::sqrt(VarianceOfSum(by_block, BlocksAcross(stack.beams, options))) / sum);
 }
 
 }  // namespace
@@ -349,7 +350,7 @@ StillLevels TellSpeckleFromNoise(std::span<const PolarImage> images, std::span<c
 
   const Level bright = TopOf(profiles, block_of, [&](std::size_t i) {
     const std::size_t pixel = telling.pixels[i];
-    return levels.echo_power[pixel] > sim::PowerOfLevel(noise.db + NoiseShapeDb(options, pixel) + kBrightDb);
+    return levels.echo_power[pixel] > PowerFromDb(noise.db + NoiseShapeDb(options, pixel) + kBrightDb);
   });
   if (bright.sigma_db < kBrightSigmaDb) {
     levels.bright_noise_db = bright.db;
@@ -373,11 +374,11 @@ SceneEchoes CompareSceneEchoes(const StillLevels& levels, const std::vector<doub
   for (std::size_t pixel = 0; pixel < expected_power.size(); ++pixel) {
     const double noise_db = levels.noise_db + NoiseShapeDb(options, pixel);
     if (std::isnan(levels.echo_power[pixel])) continue;
-    if (!(expected_power[pixel] >= sim::PowerOfLevel(noise_db + above_noise_db))) continue;
+    if (!(expected_power[pixel] >= PowerFromDb(noise_db + above_noise_db))) continue;
     const double ratio = levels.echo_power[pixel] / expected_power[pixel];
     sum += ratio;
     squares += ratio * ratio;
-    echoes.expected_db += sim::LevelOfPower(expected_power[pixel]);
+    echoes.expected_db += DbFromPower(expected_power[pixel]);
     ++echoes.pixels;
     Block& block = blocks[BlockOf(pixel, levels.beams, options)];
     block.sum += ratio;
@@ -390,8 +391,8 @@ SceneEchoes CompareSceneEchoes(const StillLevels& levels, const std::vector<doub
   for (const auto& [index, block] : blocks) scatter += std::pow(block.sum - mean * block.count, 2);
   const auto b = static_cast<double>(blocks.size());
   echoes.expected_db /= n;
-  echoes.measured_db = echoes.expected_db + sim::LevelOfPower(mean);
-  echoes.sigma_db = sim::LevelOfPower(1.0 + std::sqrt(scatter * b / (b - 1.0)) / sum);
+  echoes.measured_db = echoes.expected_db + DbFromPower(mean);
+  echoes.sigma_db = DbFromPower(1.0 + std::sqrt(scatter * b / (b - 1.0)) / sum);
   echoes.contrast = std::sqrt(std::max(0.0, squares / n - mean * mean)) / mean;
   return echoes;
 }

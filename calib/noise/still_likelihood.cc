@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/types/units.h"
 #include "sim/physics/display.h"
 #include "sim/physics/frozen_speckle.h"
 
@@ -32,14 +33,14 @@ double Spacing(double looks, int frames) {
 
 // Amplitude above all that the brightest pixels may have.
 double HighestNode(double brightest_db) {
-  return 1.1 * sim::AmplitudeOfLevel(brightest_db) + 3.0;
+  return 1.1 * AmplitudeFromDb(brightest_db) + 3.0;
 }
 
 }  // namespace
 
 double BrightestTellingDb(double looks, int frames, double asked_db) {
   const double highest = (kMostNodes * Spacing(looks, frames) - 3.0) / 1.1;
-  return std::min(asked_db, 2.0 * sim::LevelOfPower(highest));
+  return std::min(asked_db, 2.0 * DbFromPower(highest));
 }
 
 GreyClasses::GreyClasses(const DisplayParameters<double>& display, double full_scale) {
@@ -83,7 +84,7 @@ std::vector<std::vector<float>> StillLikelihood::LogTables(double noise_db) cons
   tbb::parallel_for(std::size_t{0}, shapes_db_.size() * nodes, [&](std::size_t task) {
     const std::size_t shape = task / nodes;
     const std::size_t node = task % nodes;
-    const double noise = sim::PowerOfLevel(noise_db + shapes_db_[shape]);
+    const double noise = PowerFromDb(noise_db + shapes_db_[shape]);
     const double echo = amplitude_[node] * amplitude_[node];
     double below = 0.0;
     for (int c = 0; c < classes_.count(); ++c) {
@@ -170,7 +171,7 @@ std::vector<double> StillLikelihood::EchoPower(double noise_db, const std::vecto
         sum += chance;
         mean += chance * amplitude_[node] * amplitude_[node];
       }
-      power[i] = mean / sum * sim::PowerOfLevel(noise_db + shapes_db_[shape_index_[i]]);
+      power[i] = mean / sum * PowerFromDb(noise_db + shapes_db_[shape_index_[i]]);
       ++i;
     }
   });

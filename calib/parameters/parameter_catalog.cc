@@ -80,8 +80,7 @@ constexpr std::array<Limits, 6> kRealGsabBounds = {
 CatalogEntry TransmitEntry(const SonarModel& sonar) {
   constexpr double kFurthestDeg = 60.0;
   constexpr double kStepDeg = 20.0;
-  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
-  const double edge_deg = DegFromRad(std::max(-edges_rad.front(), edges_rad.back()));
+  const double edge_deg = DegFromRad(sonar.axes.OuterEdgeRad());
   return {.name = "beam.transmit_end_deg",
           .unit = "deg",
           .group = ParameterGroup::kTransmit,

@@ -2,7 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -49,9 +48,9 @@ PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
   return slopes;
 }
 
-PoseProblem::Normal PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
+NormalEquations PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
   const auto count = static_cast<Eigen::Index>(entries_.size());
-  Normal normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+  NormalEquations normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const PoseView::Judgement& judged = state.judged[i];
     const Eigen::MatrixXd slope = slopes[i].cast<double>();
@@ -70,20 +69,8 @@ PoseProblem::Normal PoseProblem::NormalAt(const State& state, const Slopes& slop
 }
 
 double PoseProblem::Step(const Slopes& slopes, double& damping, State& state) const {
-  constexpr int kTries = 5;  // max number of damping values
-  const Normal normal = NormalAt(state, slopes);
-  for (int i = 0; i < kTries; ++i, damping *= 10.0) {
-    Eigen::MatrixXd damped = normal.information;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::VectorXd step = damped.ldlt().solve(normal.score);
-    State trial = At(MovedEntries(state.values, step));
-    if (!(trial.cost < state.cost)) continue;
-    const double fall = state.cost - trial.cost;
-    state = std::move(trial);
-    damping = std::max(0.2 * damping, 1e-6);
-    return fall;
-  }
-  return 0.0;
+  const auto trial_at = [&](const Eigen::VectorXd& step) { return At(MovedEntries(state.values, step)); };
+  return DampedStep(NormalAt(state, slopes), trial_at, damping, state);
 }
 
 Eigen::VectorXd PoseProblem::Ridge(const State& state, const Slopes& slopes) const {

@@ -7,6 +7,7 @@
 
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/parameters/pose_step.h"
+#include "calib/poses/damped_steps.h"
 #include "calib/poses/pose_view.h"
 
 namespace sonarcal::calib {
@@ -32,15 +33,9 @@ class PoseProblem {
   using Slopes = std::vector<Eigen::MatrixXf>;
   Slopes SlopesAt(const ParameterValues& values) const;
 
-  // Second and first derivatives of the cost by the entries, at a state.
-  struct Normal {
-    Eigen::MatrixXd information;
-    Eigen::VectorXd score;
-  };
-  Normal NormalAt(const State& state, const Slopes& slopes) const;
+  NormalEquations NormalAt(const State& state, const Slopes& slopes) const;
 
-  // Makes a damped step (Levenberg, Marquardt) to a lower cost. Returns the fall of the cost, or 0 if there
-  // is none.
+  // DampedStep of the entries, within their bounds.
   double Step(const Slopes& slopes, double& damping, State& state) const;
 
   // Direction among the entries that a state determines least, with a length of one prior sigma.

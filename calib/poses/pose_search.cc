@@ -1,50 +1,47 @@
 #include "calib/poses/pose_search.h"
 
-#include <ceres/dynamic_numeric_diff_cost_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
+#include "calib/poses/damped_steps.h"
 #include "core/math/smoothing.h"
+#include "core/math/statistics.h"
 #include "core/types/units.h"
 
 namespace sonarcal::calib {
 namespace {
 
 // Coordinates of the solver: range (m), azimuth, elevation, yaw, pitch (rad), gain (dB). The unit of each is
-// a step over which the image changes by a comparable amount. Ceres takes differences over a fraction of a
-// coordinate's value; the large offset makes that the same fraction of every step, also at an angle of zero.
-// Differences must span a few rays, otherwise they show the effect of single rays at edges.
+// a step over which the image changes by a comparable amount.
 constexpr int kElevation = 2;
 constexpr int kCoordinates = 6;
-constexpr std::array<double, kCoordinates> kSteps = {0.02, 0.01, 0.05, 0.05, 0.05, 1.0};
-constexpr double kOffset = 1000.0;
-constexpr double kDifference = 0.3;  // fraction of a step
-
-using Coordinates = std::array<double, kCoordinates>;
+using Coordinates = Eigen::Matrix<double, kCoordinates, 1>;
+const Coordinates kSteps = {0.02, 0.01, 0.05, 0.05, 0.05, 1.0};
+// Differences must span a few rays, otherwise they show the effect of single rays at edges.
+constexpr double kDifference = 0.3;  // steps
+constexpr double kFirstDamping = 1e-4;
+constexpr double kConverged = 1e-5;  // relative fall of the cost
 
 Coordinates CoordinatesOf(const PoseCandidate& candidate) {
   const TargetPose& p = candidate.pose;
-  Coordinates x = {p.range_m, p.azimuth_rad, p.elevation_rad, p.yaw_rad, p.pitch_rad, candidate.gain_db};
-  for (int i = 0; i < kCoordinates; ++i) x[i] = x[i] / kSteps[i] + kOffset;
-  return x;
+  const Coordinates x = {p.range_m, p.azimuth_rad, p.elevation_rad,
+                         p.yaw_rad, p.pitch_rad,   candidate.gain_db};
+  return x.cwiseQuotient(kSteps);
 }
 
-PoseCandidate CandidateAt(const double* x) {
-  const auto value = [&](int i) { return (x[i] - kOffset) * kSteps[i]; };
-  return {.pose = {.range_m = value(0),
-                   .azimuth_rad = value(1),
-                   .elevation_rad = value(2),
-                   .yaw_rad = value(3),
-                   .pitch_rad = value(4)},
-          .gain_db = value(5)};
+PoseCandidate CandidateAt(const Coordinates& in_steps) {
+  const Coordinates x = in_steps.cwiseProduct(kSteps);
+  return {.pose = {.range_m = x(0),
+                   .azimuth_rad = x(1),
+                   .elevation_rad = x(2),
+                   .yaw_rad = x(3),
+                   .pitch_rad = x(4)},
+          .gain_db = x(5)};
 }
 
 // Mean over groups of range bins, scaled to full scale 1.
@@ -129,54 +126,76 @@ class Matcher {
 
   // Refines a start with Levenberg-Marquardt. `hold_elevation` fixes that coordinate.
   PoseCandidate Refine(const PoseCandidate& start, bool hold_elevation) const {
-    struct Residual {
-      const Matcher* matcher;
-      bool operator()(double const* const* blocks, double* residuals) const {
-        const PoseCandidate at = CandidateAt(blocks[0]);
-        const Grid<float> predicted = matcher->Displayed(matcher->EchoPower(at.pose), at.gain_db);
-        for (std::size_t i = 0; i < predicted.size(); ++i) {
-          residuals[i] = static_cast<double>(predicted.values()[i]) - matcher->measured_.values()[i];
-        }
-        return true;
+    const auto [lower, upper] = Bounds();
+    State state = At(CoordinatesOf(start).cwiseMax(lower).cwiseMin(upper));
+    double damping = kFirstDamping;
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      NormalEquations normal = NormalAt(state);
+      if (hold_elevation) Hold(kElevation, normal);
+      for (int k = 0; k < kCoordinates; ++k) {
+        const bool at_bound = (state.x(k) <= lower(k) && normal.score(k) < 0.0) ||
+                              (state.x(k) >= upper(k) && normal.score(k) > 0.0);
+        if (at_bound) Hold(k, normal);
       }
-    };
-    ceres::NumericDiffOptions differences;
-    differences.relative_step_size = kDifference / kOffset;
-    using Cost = ceres::DynamicNumericDiffCostFunction<Residual, ceres::CENTRAL>;
-    auto cost = std::make_unique<Cost>(new Residual{this}, ceres::TAKE_OWNERSHIP, differences);
-    cost->AddParameterBlock(kCoordinates);
-    cost->SetNumResiduals(static_cast<int>(measured_.size()));
-    Coordinates x = CoordinatesOf(start);
-    ceres::Problem problem;
-    problem.AddResidualBlock(cost.release(), nullptr, x.data());
-    const auto bound = [&](int i, double low, double high) {
-      const double lower = low / kSteps[i] + kOffset;
-      const double upper = high / kSteps[i] + kOffset;
-      problem.SetParameterLowerBound(x.data(), i, lower);
-      problem.SetParameterUpperBound(x.data(), i, upper);
-      x[i] = std::clamp(x[i], lower, upper);
-    };
-    bound(0, axes().range_min_m, axes().range_max_m);
-    bound(1, axes().beam_azimuth_rad.front(), axes().beam_azimuth_rad.back());
-    bound(kElevation, -RadFromDeg(options_.elevation_limit_deg), RadFromDeg(options_.elevation_limit_deg));
-    bound(4, -RadFromDeg(options_.pitch_limit_deg), RadFromDeg(options_.pitch_limit_deg));
-    if (hold_elevation) {
-      problem.SetManifold(x.data(), new ceres::SubsetManifold(kCoordinates, {kElevation}));
+      const auto trial_at = [&, &low = lower, &high = upper](const Eigen::VectorXd& step) {
+        return At((state.x + step).cwiseMax(low).cwiseMin(high));
+      };
+      if (DampedStep(normal, trial_at, damping, state) <= kConverged * state.cost) break;
     }
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    solver.max_num_iterations = options_.max_iterations;
-    solver.function_tolerance = 1e-5;
-    solver.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
-    PoseCandidate refined = CandidateAt(x.data());
-    refined.cost = 2.0 * summary.final_cost / static_cast<double>(measured_.size());
+    PoseCandidate refined = CandidateAt(state.x);
+    refined.cost = state.cost;
     refined.pose.yaw_rad = std::remainder(refined.pose.yaw_rad, 2.0 * kPi);
     return refined;
   }
 
  private:
+  struct State {
+    Coordinates x;
+    Grid<float> predicted;
+    double cost = 0.0;
+  };
+
+  State At(const Coordinates& x) const {
+    const PoseCandidate at = CandidateAt(x);
+    State state{.x = x, .predicted = Displayed(EchoPower(at.pose), at.gain_db)};
+    state.cost = Cost(state.predicted);
+    return state;
+  }
+
+  // Lowest and highest coordinates.
+  std::pair<Coordinates, Coordinates> Bounds() const {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const double elevation_rad = RadFromDeg(options_.elevation_limit_deg);
+    const double pitch_rad = RadFromDeg(options_.pitch_limit_deg);
+    const std::vector<double>& beams_rad = axes().beam_azimuth_rad;
+    const Coordinates lower = {
+        axes().range_min_m, beams_rad.front(), -elevation_rad, -kNone, -pitch_rad, -kNone};
+    const Coordinates upper = {axes().range_max_m, beams_rad.back(), elevation_rad, kNone, pitch_rad, kNone};
+    return {lower.cwiseQuotient(kSteps), upper.cwiseQuotient(kSteps)};
+  }
+
+  // By central differences of traced images.
+  NormalEquations NormalAt(const State& state) const {
+    const auto pixels = static_cast<Eigen::Index>(measured_.size());
+    const auto image = [pixels](const Grid<float>& grid) {
+      return Eigen::Map<const Eigen::VectorXf>(grid.values().data(), pixels).cast<double>();
+    };
+    Eigen::MatrixXd slopes(pixels, kCoordinates);
+    for (int k = 0; k < kCoordinates; ++k) {
+      const Coordinates move = kDifference * Coordinates::Unit(k);
+      slopes.col(k) =
+          (image(At(state.x + move).predicted) - image(At(state.x - move).predicted)) / (2.0 * kDifference);
+    }
+    return {slopes.transpose() * slopes, slopes.transpose() * (image(measured_) - image(state.predicted))};
+  }
+
+  static void Hold(int coordinate, NormalEquations& normal) {
+    normal.information.row(coordinate).setZero();
+    normal.information.col(coordinate).setZero();
+    normal.information(coordinate, coordinate) = 1.0;
+    normal.score(coordinate) = 0.0;
+  }
+
   sim::AcousticGeometry geometry() const { return {simulator_->sonar(), simulator_->absorption_db_per_m()}; }
 
   const PoseSearchOptions& options_;
@@ -190,12 +209,9 @@ class Matcher {
 // the median, weighted by their excess.
 TargetPose PoseOfBrightRegion(const Grid<float>& image, const PolarAxes& axes) {
   std::vector<float> values(image.values().begin(), image.values().end());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  const float median = *middle;
+  const float median = UpperMedian(values);
   for (float& value : values) value = std::abs(value - median);
-  std::nth_element(values.begin(), middle, values.end());
-  const double threshold = median + 4.0 * 1.4826 * *middle;  // median deviation to standard deviation
+  const double threshold = median + 4.0 * kSigmaPerMad * UpperMedian(std::move(values));
   double weight = 0.0;
   double range_m = 0.0;
   double azimuth_rad = 0.0;

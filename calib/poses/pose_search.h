@@ -2,9 +2,9 @@
 //
 // The acoustic model predicts the image (power over a noise floor, through beam and pulse), because the
 // paper's sum of decibels differs too much from a real image. Both images are smoothed and compared by grey
-// levels. A coarse sweep over headings and pitches gives starts. The best starts are refined with Ceres
-// (Levenberg-Marquardt, central differences, tracing the scene in every evaluation), first on a coarse image,
-// then the best on the full one. The strength of the target's echo is fitted at the same time.
+// levels. A coarse sweep over headings and pitches gives starts. The best starts are refined by
+// damped steps (calib/poses/damped_steps.h, slopes by central differences of traced images), first on a coarse
+// image, then the best on the full one. The strength of the target's echo is fitted at the same time.
 //
 // Limit: one image does not determine everything. The result states what is open: the mirror image in the
 // plane of the beams, the ridge along elevation, and the roll of a body of revolution.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "calib/noise/noise_likelihood.h"
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 
 namespace sonarcal::calib {
@@ -145,7 +146,6 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
 
 NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
                                 const std::vector<std::vector<double>>& expected_grey) {
-  constexpr double kOfMedian = 1.4826;  // standard deviation of a normal law / median absolute deviation
   std::vector<double> off;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const auto values = frames[f].image.value.values();
@@ -154,14 +154,9 @@ NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
     }
   }
   if (off.empty()) throw DataError("fit: no pixels");
-  const auto median = [&] {
-    const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-    std::nth_element(off.begin(), middle, off.end());
-    return *middle;
-  };
-  NormalGreyLaw law{.offset = median()};
+  NormalGreyLaw law{.offset = UpperMedian(off)};
   for (double& value : off) value = std::abs(value - law.offset);
-  law.sigma = std::max(kOfMedian * median(), 0.5);  // at least the rounding of a level
+  law.sigma = std::max(kSigmaPerMad * UpperMedian(std::move(off)), 0.5);  // at least the rounding of a level
   return law;
 }
 

@@ -6,54 +6,44 @@
 
 namespace sonarcal {
 
-LocalSums::LocalSums(const Grid<float>& value, const Mask* valid) : stride_(value.cols() + 1), offset_(0.0) {
-  const auto counts = [&](std::size_t i) { return valid == nullptr || valid->values()[i] != 0; };
-  double valid_count = 0.0;
+namespace {
+
+double MeanOfValid(const Grid<float>& value, const Mask* valid) {
+  double sum = 0.0;
+  double count = 0.0;
   for (std::size_t i = 0; i < value.size(); ++i) {
-    if (!counts(i)) continue;
-    offset_ += value.values()[i];
-    valid_count += 1.0;
+    if (valid != nullptr && valid->values()[i] == 0) continue;
+    sum += value.values()[i];
+    count += 1.0;
   }
-  offset_ /= std::max(1.0, valid_count);
-  sum_.assign(static_cast<std::size_t>(value.rows() + 1) * stride_, 0.0);
-  count_ = square_ = sum_;
-  for (int row = 0; row < value.rows(); ++row) {
-    double sum = 0.0;
-    double square = 0.0;
-    double count = 0.0;
-    for (int col = 0; col < value.cols(); ++col) {
-      if (counts(static_cast<std::size_t>(row) * value.cols() + col)) {
-        const double v = value(row, col) - offset_;
-        sum += v;
-        square += v * v;
-        count += 1.0;
-      }
-      const std::size_t at = static_cast<std::size_t>(row + 1) * stride_ + col + 1;
-      sum_[at] = sum_[at - stride_] + sum;
-      square_[at] = square_[at - stride_] + square;
-      count_[at] = count_[at - stride_] + count;
-    }
-  }
+  return sum / std::max(1.0, count);
 }
 
-double LocalSums::Over(const std::vector<double>& integral, const TrainingWindow& window) const {
-  const auto within = [&](const CellBlock& block) {
-    const auto at = [&](int row, int col) { return integral[static_cast<std::size_t>(row) * stride_ + col]; };
-    return at(block.bottom, block.right) - at(block.top, block.right) - at(block.bottom, block.left) +
-           at(block.top, block.left);
-  };
-  return within(window.outer) - within(window.guard);
+// Sums of f(value) over cells that count.
+template <typename Function>
+BoxSums SumsOf(const Grid<float>& value, const Mask* valid, const Function& f) {
+  return {value.rows(), value.cols(), [&](int row, int col) {
+            return valid == nullptr || (*valid)(row, col) != 0 ? f(value(row, col)) : 0.0;
+          }};
 }
+
+}  // namespace
+
+LocalSums::LocalSums(const Grid<float>& value, const Mask* valid)
+    : offset_(MeanOfValid(value, valid)),
+      sum_(SumsOf(value, valid, [this](double v) { return v - offset_; })),
+      square_(SumsOf(value, valid, [this](double v) { return (v - offset_) * (v - offset_); })),
+      count_(SumsOf(value, valid, [](double) { return 1.0; })) {}
 
 int LocalSums::Count(const TrainingWindow& window) const {
-  return static_cast<int>(std::lround(Over(count_, window)));
+  return static_cast<int>(std::lround(count_.Over(window)));
 }
 
 Moments LocalSums::Over(const TrainingWindow& window) const {
-  const double count = Over(count_, window);
+  const double count = count_.Over(window);
   SONARCAL_CHECK(count > 0.5, "moments of {} cells", count);
-  const double mean = Over(sum_, window) / count;
-  const double square = Over(square_, window) / count;
+  const double mean = sum_.Over(window) / count;
+  const double square = square_.Over(window) / count;
   return {offset_ + mean, std::sqrt(std::max(0.0, square - mean * mean))};
 }
 
@@ -125,10 +115,21 @@ Grid<float> BoxMean(const Grid<float>& value, int rows, int cols, const Mask* va
   Grid<float> mean(value.rows(), value.cols());
   for (int row = 0; row < value.rows(); ++row) {
     for (int col = 0; col < value.cols(); ++col) {
-      const TrainingWindow box = {{std::max(0, row - rows / 2), std::min(value.rows(), row + rows / 2 + 1),
-                                   std::max(0, col - cols / 2), std::min(value.cols(), col + cols / 2 + 1)},
-                                  {}};
+      const TrainingWindow box = {BlockAbout(row, col, rows / 2, cols / 2, value.rows(), value.cols()), {}};
       mean(row, col) = sums.Count(box) > 0 ? static_cast<float>(sums.Over(box).mean) : value(row, col);
+    }
+  }
+  return mean;
+}
+
+Grid<double> BoxMean(const Grid<double>& value, int rows, int cols) {
+  SONARCAL_CHECK(rows % 2 == 1 && cols % 2 == 1, "a box of {} x {}", rows, cols);
+  const BoxSums sums(value.rows(), value.cols(), value);
+  Grid<double> mean(value.rows(), value.cols());
+  for (int row = 0; row < value.rows(); ++row) {
+    for (int col = 0; col < value.cols(); ++col) {
+      const CellBlock box = BlockAbout(row, col, rows / 2, cols / 2, value.rows(), value.cols());
+      mean(row, col) = sums.Over(box) / box.count();
     }
   }
   return mean;

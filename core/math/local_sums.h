@@ -1,6 +1,7 @@
-// Moments and ordered values of the training cells of a moving window (core/math/training_window.h). The cost
-// does not depend on the size of the window (moments), or only on its height (ordered values). Cells outside
-// `valid` (the image's shape; null: all are valid) are not training cells.
+// Sums over rectangles of an image, and moments and ordered values of the training cells of a moving window
+// (core/math/training_window.h). The cost does not depend on the size of the rectangle or window (sums,
+// moments), or only on its height (ordered values). Cells outside `valid` (the image's shape; null: all are
+// valid) are not training cells.
 #pragma once
 
 #include <array>
@@ -12,6 +13,31 @@
 #include "core/types/mask.h"
 
 namespace sonarcal {
+
+// Sums over rectangles of an image (a summed-area table).
+class BoxSums {
+ public:
+  // value_of(row, col) gives the value of each cell, row by row.
+  template <typename ValueOf>
+  BoxSums(int rows, int cols, const ValueOf& value_of) : sum_(rows + 1, cols + 1) {
+    for (int row = 0; row < rows; ++row) {
+      double line = 0.0;
+      for (int col = 0; col < cols; ++col) {
+        line += value_of(row, col);
+        sum_(row + 1, col + 1) = sum_(row, col + 1) + line;
+      }
+    }
+  }
+
+  double Over(const CellBlock& block) const {
+    return sum_(block.bottom, block.right) - sum_(block.top, block.right) - sum_(block.bottom, block.left) +
+           sum_(block.top, block.left);
+  }
+  double Over(const TrainingWindow& window) const { return Over(window.outer) - Over(window.guard); }
+
+ private:
+  Grid<double> sum_;  // of all cells above and to the left of a corner
+};
 
 struct Moments {
   double mean = 0.0;
@@ -30,13 +56,10 @@ class LocalSums {
   Moments Over(const TrainingWindow& window) const;
 
  private:
-  double Over(const std::vector<double>& integral, const TrainingWindow& window) const;
-
-  int stride_;
   double offset_;  // subtracted from every value to keep the digits of squares
-  std::vector<double> sum_;
-  std::vector<double> square_;
-  std::vector<double> count_;
+  BoxSums sum_;
+  BoxSums square_;
+  BoxSums count_;
 };
 
 // The k-th smallest training cell. Values are resolved to a 4095th of the image's span.
@@ -69,5 +92,8 @@ class LocalOrder {
 // Mean of the valid pixels in a box of rows x cols, both odd, around each pixel. Equals the pixel itself if
 // none is valid.
 Grid<float> BoxMean(const Grid<float>& value, int rows, int cols, const Mask* valid = nullptr);
+
+// The same over all pixels of an image, without the shift that keeps the digits of squares.
+Grid<double> BoxMean(const Grid<double>& value, int rows, int cols);
 
 }  // namespace sonarcal

@@ -19,6 +19,12 @@ struct CellBlock {
   bool operator==(const CellBlock&) const = default;
 };
 
+// Cells at most `reach_rows` and `reach_cols` away from (row, col), cut at the border of rows x cols.
+inline CellBlock BlockAbout(int row, int col, int reach_rows, int reach_cols, int rows, int cols) {
+  return {std::max(0, row - reach_rows), std::min(rows, row + reach_rows + 1), std::max(0, col - reach_cols),
+          std::min(cols, col + reach_cols + 1)};
+}
+
 struct TrainingWindow {
   CellBlock outer;
   CellBlock guard;  // inside `outer`
@@ -43,8 +49,7 @@ inline TrainingWindow WindowAt(const TrainingShape& shape, int row, int col, int
   TrainingWindow window;
   shifted(row, shape.guard_rows + shape.training_rows, rows, window.outer.top, window.outer.bottom);
   shifted(col, shape.guard_cols + shape.training_cols, cols, window.outer.left, window.outer.right);
-  window.guard = {std::max(0, row - shape.guard_rows), std::min(rows, row + shape.guard_rows + 1),
-                  std::max(0, col - shape.guard_cols), std::min(cols, col + shape.guard_cols + 1)};
+  window.guard = BlockAbout(row, col, shape.guard_rows, shape.guard_cols, rows, cols);
   return window;
 }
 

@@ -5,14 +5,32 @@
 
 namespace sonarcal {
 
+double PolarAxes::BeamEdgeRad(int edge) const {
+  const std::vector<double>& centre = beam_azimuth_rad;
+  const int beams = beam_count();
+  SONARCAL_CHECK(beams >= 2, "{} beams; edges need at least two", beams);
+  SONARCAL_CHECK(edge >= 0 && edge <= beams, "edge {} of {} beams", edge, beams);
+  if (edge == 0) return 2.0 * centre[0] - BeamEdgeRad(1);
+  if (edge == beams) return 2.0 * centre[beams - 1] - BeamEdgeRad(beams - 1);
+  return 0.5 * (centre[edge - 1] + centre[edge]);
+}
+
 std::vector<double> PolarAxes::BeamEdgesRad() const {
-  const std::size_t n = beam_azimuth_rad.size();
-  SONARCAL_CHECK(n >= 2, "{} beams; edges need at least two", n);
-  std::vector<double> edges(n + 1);
-  for (std::size_t i = 1; i < n; ++i) edges[i] = 0.5 * (beam_azimuth_rad[i - 1] + beam_azimuth_rad[i]);
-  edges[0] = 2.0 * beam_azimuth_rad[0] - edges[1];
-  edges[n] = 2.0 * beam_azimuth_rad[n - 1] - edges[n - 1];
+  std::vector<double> edges;
+  for (int edge = 0; edge <= beam_count(); ++edge) edges.push_back(BeamEdgeRad(edge));
   return edges;
+}
+
+int PolarAxes::BinAt(double range_m) const {
+  const double bin = std::floor((range_m - range_min_m) / range_bin_m());
+  if (!(bin >= 0.0)) return -1;
+  return bin < range_bins ? static_cast<int>(bin) : range_bins;
+}
+
+int PolarAxes::BeamAt(double azimuth_rad) const {
+  const auto above = std::upper_bound(beam_azimuth_rad.begin(), beam_azimuth_rad.end(), azimuth_rad);
+  const int right = static_cast<int>(above - beam_azimuth_rad.begin());  // first centre to the right
+  return azimuth_rad < BeamEdgeRad(right) ? right - 1 : right;
 }
 
 bool PolarAxes::Matches(const PolarAxes& other, std::string* why) const {

@@ -66,10 +66,25 @@ struct PolarAxes {
     return (beam_azimuth_rad.back() - beam_azimuth_rad.front()) / std::max(1, beam_count() - 1);
   }
   double range_centre_m(int bin) const { return range_min_m + (bin + 0.5) * range_bin_m(); }
+  // Near edge of a bin; edge range_bins is the far edge of the last bin.
+  double range_edge_m(int edge) const { return range_min_m + edge * range_bin_m(); }
 
-  // beam_count() + 1 edges, midway between centres. The two outer edges are as far from their centre as the
-  // next inner ones.
+  // Left edge of a beam, 0 .. beam_count(), midway between centres. The two outer edges are as far from their
+  // centre as the next inner ones. Needs at least two beams.
+  double BeamEdgeRad(int edge) const;
+  // All beam_count() + 1 edges.
   std::vector<double> BeamEdgesRad() const;
+  // From the left edge of the first beam to the right edge of the last.
+  double field_of_view_rad() const { return BeamEdgeRad(beam_count()) - BeamEdgeRad(0); }
+  // Azimuth of the edge that lies farther aside, regardless of its sign.
+  double OuterEdgeRad() const { return std::max(-BeamEdgeRad(0), BeamEdgeRad(beam_count())); }
+
+  // Bin that contains a range, its near edge included. -1 for a range nearer than the window, range_bins for
+  // one beyond it.
+  int BinAt(double range_m) const;
+  // Beam that contains an azimuth, its left edge included. -1 for an azimuth to the left of all beams,
+  // beam_count() for one to the right.
+  int BeamAt(double azimuth_rad) const;
 
   // True if the geometry agrees to within a thousandth of a bin and of a beam. Otherwise `why`, if given,
   // receives the difference.

@@ -24,17 +24,28 @@ constexpr T RadFromDeg(const T& angle_deg) {
   return angle_deg * T(kRadPerDeg);
 }
 
+// Decibels of power in nepers of power (the unit of a natural logarithm), and back.
+inline constexpr double kNeperPerDb = std::numbers::ln10 / 10.0;
+inline constexpr double kDbPerNeper = 10.0 / std::numbers::ln10;
+
 // 10 log10(power). Requires power > 0.
 template <typename T>
 T DbFromPower(const T& power) {
-  using std::log10;
-  return T(10.0) * log10(power);
+  using std::log;
+  return log(power) * T(kDbPerNeper);
 }
 
+// 10^(level_db / 10).
 template <typename T>
 T PowerFromDb(const T& level_db) {
   using std::exp;
-  return exp(level_db * T(std::numbers::ln10 / 10.0));
+  return exp(level_db * T(kNeperPerDb));
+}
+
+// 10^(level_db / 20): the amplitude of a level of power.
+template <typename T>
+T AmplitudeFromDb(const T& level_db) {
+  return PowerFromDb(T(T(0.5) * level_db));
 }
 
 }  // namespace sonarcal

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 
@@ -108,12 +109,6 @@ std::optional<Side> FindSide(const std::vector<Point>& hull, int direction) {
   return Side{mean_x - slope * mean_y, slope, lowest->y(), highest->y()};
 }
 
-double Quantile(std::vector<double> values, double part) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // Radius and x_scale of the arc about `apex`: dx^2 / (x_scale r)^2 + dy^2 / r^2 = 1, a least-squares fit to
 // the points on it.
 struct Arc {
@@ -155,7 +150,7 @@ std::optional<Arc> FitArc(std::vector<Point> points, const Point& apex) {
     const Point from = point - apex;
     radii.push_back(std::hypot(from.x() / arc.x_scale, from.y()));
   }
-  arc.radius_px = Quantile(std::move(radii), kQuantile);
+  arc.radius_px = LowerQuantile(std::move(radii), kQuantile);
   return arc;
 }
 
@@ -181,7 +176,7 @@ double NearRadius(const Mask& lit, const FanGeometry& fan) {
       }
     }
   }
-  return radii.empty() ? 0.0 : Quantile(std::move(radii), kQuantile);
+  return radii.empty() ? 0.0 : LowerQuantile(std::move(radii), kQuantile);
 }
 
 // Column of a side of the fan in a row: `direction` -1 is the left side.

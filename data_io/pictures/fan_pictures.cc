@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/files/atomic_output.h"
@@ -55,9 +56,8 @@ Grid<std::uint8_t> FanPainter::Paint(const Frame& frame) const {
 std::string FanPainter::GeometryJson() const {
   const PolarAxes& polar = info_.sonar.axes;
   const FanAxes& fan = map_.axes();
-  const std::vector<double> edges_rad = polar.BeamEdgesRad();
-  const double half_rad = std::max(std::abs(edges_rad.front()), std::abs(edges_rad.back()));
-  const double spacing_rad = (edges_rad.back() - edges_rad.front()) / polar.beam_count();
+  const double half_rad = polar.OuterEdgeRad();
+  const double spacing_rad = polar.field_of_view_rad() / polar.beam_count();
   nlohmann::ordered_json json = {{"format", "sonar-picture-geometry/1"},
                                  {"range_m", {polar.range_min_m, polar.range_max_m}}};
   const auto add = [&json](const char* key, double value) {
@@ -120,9 +120,8 @@ double RecordedFramesPerS(const RecordingSource& recording) {
     before_s = time_s;
   }
   if (intervals_s.empty()) return 0.0;
-  const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
-  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
-  return *middle > 0.0 ? 1.0 / *middle : 0.0;
+  const double interval_s = UpperMedian(std::move(intervals_s));
+  return interval_s > 0.0 ? 1.0 / interval_s : 0.0;
 }
 
 }  // namespace sonarcal::data_io

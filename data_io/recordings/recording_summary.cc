@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/math/statistics.h"
 #include "core/types/units.h"
 
 namespace sonarcal::data_io {
@@ -11,11 +12,8 @@ namespace {
 
 PixelSummary SummarizePixels(const PolarImage& image) {
   std::vector<float> values(image.value.values().begin(), image.value.values().end());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-
   PixelSummary summary;
-  summary.median = *middle;
+  summary.median = UpperMedian(values);
   summary.minimum = *std::min_element(values.begin(), values.end());
   summary.maximum = *std::max_element(values.begin(), values.end());
   // Only a grey scale clips; in decibels or power the extremes are not clipped.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/units.h"
+
 namespace sonarcal::metrics {
 namespace {
 
@@ -84,7 +86,7 @@ DifferenceSums& DifferenceSums::operator+=(const DifferenceSums& other) {
 
 std::optional<double> PsnrDb(double mean_square) {
   if (!(mean_square > 0.0)) return std::nullopt;
-  return -10.0 * std::log10(mean_square);
+  return -DbFromPower(mean_square);
 }
 
 std::optional<double> ObjectLevels::mean_difference() const {

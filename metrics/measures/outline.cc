@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/math/statistics.h"
+
 namespace sonarcal::metrics {
 namespace {
 
@@ -57,13 +59,6 @@ double DistanceToNearest(const Point& point, const std::vector<Point>& others) {
   return nearest_m;
 }
 
-double Percentile95(std::vector<double> values) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(0.95 * static_cast<double>(values.size())));
-  const auto at = values.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 }  // namespace
 
 std::optional<double> OutlineDistance::mean_m() const {
@@ -103,7 +98,7 @@ OutlineDistance MeasureOutlines(const Mask& real, const Mask& simulated, const P
       result.sum_m += distances_m.back();
     }
     result.points += static_cast<std::int64_t>(points->size());
-    result.percentile_m = std::max(result.percentile_m, Percentile95(std::move(distances_m)));
+    result.percentile_m = std::max(result.percentile_m, UpperQuantile(std::move(distances_m), 0.95));
   }
   return result;
 }

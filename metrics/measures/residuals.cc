@@ -68,7 +68,7 @@ void ResidualCollector::AddTo(ResidualTable& table, const std::function<int(int 
 ResidualTable ResidualCollector::ByRange() const {
   ResidualTable table{.by = "range", .unit = "m", .classes = {}};
   for (std::size_t bin = 0; bin < by_bin_.size(); ++bin) {
-    const double from = axes_.range_min_m + static_cast<double>(bin) * axes_.range_bin_m();
+    const double from = axes_.range_edge_m(static_cast<int>(bin));
     table.classes.push_back(
         {.name = {}, .from = from, .to = from + axes_.range_bin_m(), .sums = by_bin_[bin]});
   }

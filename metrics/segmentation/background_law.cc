@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "core/types/units.h"
 
 namespace sonarcal::metrics {
 
@@ -37,7 +38,7 @@ Grid<float> PowerOfGrey(const Grid<float>& grey, double full_scale,
 
 std::function<double(double value)> LogDisplayPower(double span_db) {
   SONARCAL_CHECK(span_db > 0.0, "a display over {} dB", span_db);
-  const double nepers = span_db * std::numbers::ln10 / 10.0;
+  const double nepers = span_db * kNeperPerDb;
   return [nepers](double value) { return std::exp(nepers * value); };
 }
 

@@ -6,28 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 
 namespace sonarcal::metrics {
 namespace {
 
 constexpr int kClasses = 4096;
-constexpr double kSigmaPerMad = 1.4826;  // 1 / (quantile 0.75 of the standard normal distribution)
 
 struct ValueClass {
   std::int64_t count = 0;
   double sum = 0.0;
   double highest = 0.0;
 };
-
-// Median; the mean of the two middle values if their number is even. Reorders the values.
-double Median(std::vector<float>& values) {
-  SONARCAL_CHECK(!values.empty(), "the median of nothing");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (static_cast<double>(*middle) + *std::max_element(values.begin(), middle));
-}
 
 }  // namespace
 
@@ -104,7 +95,7 @@ double TriangleThreshold(const std::vector<float>& values, double full_scale) {
 Background RobustBackground(std::vector<float> values) {
   const double centre = Median(values);
   for (float& value : values) value = static_cast<float>(std::abs(value - centre));
-  return {centre, kSigmaPerMad * Median(values)};
+  return {centre, kSigmaPerMad * Median(std::move(values))};
 }
 
 Background PlainBackground(std::vector<float> values) {
@@ -113,7 +104,8 @@ Background PlainBackground(std::vector<float> values) {
   const double mean = sum / static_cast<double>(values.size());
   double squares = 0.0;
   for (const double value : values) squares += (value - mean) * (value - mean);
-  return {Median(values), std::sqrt(squares / static_cast<double>(values.size()))};
+  const double spread = std::sqrt(squares / static_cast<double>(values.size()));
+  return {Median(std::move(values)), spread};
 }
 
 }  // namespace sonarcal::metrics

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -38,21 +37,18 @@ std::vector<float> Tabulated(int steps, const Value& value) {
 // column.
 class PatchShader {
  public:
-  PatchShader(const RayFan& fan, const std::vector<std::string>& material_names,
-              const AcousticGeometry& geometry, const ParameterSet& parameters)
+  // `elevation_width_deg`: half-power width of the beam.
+  PatchShader(const RayFan& fan, const EchoPowerModel& model, double elevation_width_deg)
       : fan_(fan),
         // Two-way absorption. Spreading (40 log10 R) and the patch's R^2 together leave 1 / R^2.
-        loss_per_m_(static_cast<float>(2.0 * TransmissionLossDb(1.0, geometry.absorption_db_per_m) *
-                                       std::numbers::ln10 / 10.0)),
-        factor_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)) {
+        loss_per_m_(
+            static_cast<float>(2.0 * TransmissionLossDb(1.0, model.absorption_db_per_m()) * kNeperPerDb)),
+        factor_(model.level()) {
     double narrowest_deg = 90.0;
-    std::vector<GsabParameters<double>> curves;
-    for (const std::string& name : material_names) {
-      curves.push_back(parameters.Material(name).gsab);
-      narrowest_deg = std::min({narrowest_deg, curves.back().b_deg, curves.back().f_deg});
-    }
+    for (const GsabParameters<double>& curve : model.materials())
+      narrowest_deg = std::min({narrowest_deg, curve.b_deg, curve.f_deg});
     strength_steps_ = TableSteps(90.0 / narrowest_deg);
-    for (const GsabParameters<double>& curve : curves) {
+    for (const GsabParameters<double>& curve : model.materials()) {
       strength_.push_back(Tabulated(strength_steps_, [&](double half_tangent) {
         const double incidence_rad = 2.0 * std::atan(half_tangent);
         return GsabPower(curve, DegFromRad(incidence_rad)) * PatchAreaM2(1.0, 1.0, std::cos(incidence_rad));
@@ -61,12 +57,10 @@ class PatchShader {
     const double top_rad = fan.RowElevationRad(0) + 0.5 * fan.RowHeightRad(0);
     lowest_rad_ = fan.RowElevationRad(fan.rows() - 1) - 0.5 * fan.RowHeightRad(fan.rows() - 1);
     span_rad_ = top_rad - lowest_rad_;
-    const double width_deg = ElevationWidthDeg(geometry.sonar, parameters.beam);
-    const ElevationResponse response = ElevationResponseOf(geometry.sonar, parameters.beam);
-    elevation_steps_ = TableSteps(DegFromRad(span_rad_) / std::max(width_deg, 1e-3));
+    elevation_steps_ = TableSteps(DegFromRad(span_rad_) / std::max(elevation_width_deg, 1e-3));
     elevation_ = Tabulated(elevation_steps_, [&](double part) {
       const double elevation_rad = lowest_rad_ + part * span_rad_;
-      return std::cos(elevation_rad) * response.Power(elevation_rad);
+      return std::cos(elevation_rad) * model.elevation().Power(elevation_rad);
     });
     for (int col = 0; col < fan.cols(); ++col) {
       width_rad_.push_back(static_cast<float>(fan.ColumnWidthRad(col)));
@@ -124,8 +118,9 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
   SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "a pinhole's rays are shaded one at a time");
   const PolarAxes& axes = geometry.sonar.axes;
   ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
-  const PatchShader shader(fan, caster.material_names(), geometry, parameters);
-  const ScatterMap::Rows rows = scatter.RowsOf(axes);
+  const PatchShader shader(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
+                           ElevationWidthDeg(geometry.sonar, parameters.beam));
+  const FineRows rows = scatter.RowsOf(axes);
   const auto nearest_m = static_cast<float>(axes.range_min_m);
   const auto farthest_m = static_cast<float>(axes.range_max_m);
   tbb::enumerable_thread_specific<PatchShader::Buffers> locals;

@@ -13,9 +13,6 @@
 #include "core/math/random.h"
 #include "sim/acoustic/beam_noise.h"
 #include "sim/physics/beam_and_pulse.h"
-#include "sim/physics/gsab.h"
-#include "sim/physics/patch.h"
-#include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
 #include "sim/physics/speckle.h"
 #include "sim/rays/row_math.h"
@@ -123,35 +120,29 @@ ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters) {
   ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
-  const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters.beam);
-  std::vector<GsabParameters<double>> materials;
-  for (const std::string& name : echoes.material_names) materials.push_back(parameters.Material(name).gsab);
+  const EchoPowerModel model(geometry, parameters, echoes.material_names);
 
   // Each power is computed separately on all cores, then summed in the order of the rays, so sums do not
   // depend on the number of threads.
   std::vector<double> powers(echoes.size());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, echoes.size(), 4096),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        // Neighbouring rays of a row share their elevation.
-        float elevation_rad = std::numeric_limits<float>::quiet_NaN();
-        double elevation_power = 1.0;
-        for (std::size_t echo = range.begin(); echo != range.end(); ++echo) {
-          if (echoes.elevation_rad[echo] != elevation_rad) {
-            elevation_rad = echoes.elevation_rad[echo];
-            elevation_power = elevation.Power(elevation_rad);
-          }
-          const double range_m = echoes.range_m[echo];
-          const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
-                                  2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
-          const double incidence_rad = echoes.incidence_rad[echo];
-          const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
-          powers[echo] = PowerFromDb(level_db) *
-                         GsabPower(materials[echoes.material[echo]], DegFromRad(incidence_rad)) * area_m2 *
-                         elevation_power;
-        }
-      });
-  const ScatterMap::Rows rows = scatter.RowsOf(geometry.sonar.axes);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, echoes.size(), 4096),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      // Neighbouring rays of a row share their elevation.
+                      float elevation_rad = std::numeric_limits<float>::quiet_NaN();
+                      double elevation_power = 1.0;
+                      for (std::size_t echo = range.begin(); echo != range.end(); ++echo) {
+                        if (echoes.elevation_rad[echo] != elevation_rad) {
+                          elevation_rad = echoes.elevation_rad[echo];
+                          elevation_power = model.elevation().Power(elevation_rad);
+                        }
+                        const double incidence_rad = echoes.incidence_rad[echo];
+                        powers[echo] =
+                            model.Power(model.StraightBack(echoes.range_m[echo], incidence_rad,
+                                                           echoes.solid_angle_sr[echo], elevation_power),
+                                        model.Backscatter(echoes.material[echo], incidence_rad));
+                      }
+                    });
+  const FineRows rows = scatter.RowsOf(geometry.sonar.axes);
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     scatter.Add(rows, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols), powers[echo]);
   }

@@ -23,6 +23,8 @@
 #include <cstdint>
 
 #include "core/types/parameters.h"
+#include "sim/physics/echo_power_model.h"
+#include "sim/physics/fine_rows.h"
 #include "sim/rays/trace.h"
 
 namespace sonarcal::sim {
@@ -34,30 +36,12 @@ struct ScatterMap {
   int range_steps = 4;
   std::vector<double> column_azimuth_rad;
 
-  // Position of the rows in range.
-  struct Rows {
-    double first_m = 0.0;  // middle of row 0
-    double per_m = 1.0;
-  };
-  Rows RowsOf(const PolarAxes& axes) const {
-    const double per_m = range_steps / axes.range_bin_m();
-    return {axes.range_min_m + 0.5 / per_m, per_m};
-  }
+  FineRows RowsOf(const PolarAxes& axes) const { return {axes, range_steps}; }
 
-  // Adds the power of a patch within the window. It is shared between the two nearest rows, so the image
-  // changes smoothly with range.
-  void Add(const Rows& rows, double range_m, int col, double of_patch) {
-    const double position = (range_m - rows.first_m) * rows.per_m;  // not below -1/2
-    const int row = static_cast<int>(position + 1.0) - 1;
-    const double fraction = position - row;
-    if (row >= 0 && row < power.rows()) power(row, col) += (1.0 - fraction) * of_patch;
-    if (row + 1 < power.rows()) power(row + 1, col) += fraction * of_patch;
+  // Adds the power of an echo, shared between the two nearest rows.
+  void Add(const FineRows& rows, double range_m, int col, double echo) {
+    rows.Share(range_m, echo, [&](int row, double part) { power(row, col) += part; });
   }
-};
-
-struct AcousticGeometry {
-  const SonarModel& sonar;
-  double absorption_db_per_m = 0.0;
 };
 
 // Time-varying gain of each range bin, a factor on power.

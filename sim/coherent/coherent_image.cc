@@ -11,13 +11,10 @@
 #include <span>
 
 #include "core/math/random.h"
-#include "core/types/units.h"
 #include "sim/ghosts/ghost_power.h"
 #include "sim/physics/beam_and_pulse.h"
-#include "sim/physics/gsab.h"
+#include "sim/physics/echo_power_model.h"
 #include "sim/physics/line_array.h"
-#include "sim/physics/patch.h"
-#include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal::sim {
@@ -44,42 +41,13 @@ struct Scatterer {
   Complex amplitude;
 };
 
-// Power that one patch sends back, before the array.
-class PatchPower {
- public:
-  PatchPower(const CoherentGeometry& geometry, const ParameterSet& parameters)
-      : level_db_(parameters.source_level_db + parameters.receiver.gain_db),
-        absorption_db_per_m_(geometry.absorption_db_per_m),
-        elevation_(ElevationResponseOf(geometry.sonar, parameters.beam)) {
-    for (const std::string& name : geometry.caster.material_names()) {
-      materials_.push_back(parameters.Material(name).gsab);
-    }
-  }
-
-  double At(const Eigen::Vector3d& direction, double range_m, const Eigen::Vector3d& normal, int material,
-            double solid_angle_sr) const {
-    const double cosine = std::abs(direction.dot(normal));
-    const double incidence_rad = std::atan2(direction.cross(normal).norm(), cosine);
-    const double elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0));
-    return PowerFromDb(level_db_ - 2.0 * TransmissionLossDb(range_m, absorption_db_per_m_)) *
-           GsabPower(materials_[material], DegFromRad(incidence_rad)) *
-           PatchAreaM2(range_m, solid_angle_sr, cosine) * elevation_.Power(elevation_rad);
-  }
-
- private:
-  double level_db_;
-  double absorption_db_per_m_;
-  ElevationResponse elevation_;
-  std::vector<GsabParameters<double>> materials_;
-};
-
 // Draws scatterers for the surfaces that the fan hits.
 class ScattererSource {
  public:
   ScattererSource(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                   const ParameterSet& parameters)
       : geometry_(geometry),
-        patch_(geometry, parameters),
+        power_({geometry.sonar, geometry.absorption_db_per_m}, parameters, geometry.caster.material_names()),
         sonar_from_world_(world_from_sonar.rotation.conjugate().toRotationMatrix()),
         // Echoes from just beyond the window still reach its last bins.
         hits_(geometry.caster.Cast(geometry.fan, world_from_sonar,
@@ -121,13 +89,17 @@ class ScattererSource {
       direction = centre;
     }
     const double range_m = hits_.range_m[ray] * stretch;
-    const double power = patch_.At(direction, range_m, normal, geometry_.caster.TriangleMaterial(triangle),
-                                   geometry_.fan.SolidAngleSr(row, col));
+    const double incidence_rad = std::atan2(direction.cross(normal).norm(), std::abs(direction.dot(normal)));
+    const double elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0));
+    const double power =
+        power_.Power(power_.StraightBack(range_m, incidence_rad, geometry_.fan.SolidAngleSr(row, col),
+                                         power_.elevation().Power(elevation_rad)),
+                     power_.Backscatter(geometry_.caster.TriangleMaterial(triangle), incidence_rad));
     return {range_m, direction.x() / std::hypot(direction.x(), direction.y()), std::sqrt(0.5 * power) * unit};
   }
 
   const CoherentGeometry& geometry_;
-  PatchPower patch_;
+  EchoPowerModel power_;
   Eigen::Matrix3d sonar_from_world_;
   FanHits hits_;
 };

@@ -7,13 +7,12 @@
 #include <set>
 #include <utility>
 
-#include "core/types/units.h"
 #include "sim/gathered/ghost_echoes.h"
 #include "sim/gathered/power_response.h"
 #include "sim/ghosts/ghost_power.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/beam_pattern.h"
-#include "sim/physics/gsab.h"
+#include "sim/physics/echo_power_model.h"
 
 namespace sonarcal::sim {
 namespace {
@@ -59,20 +58,19 @@ EchoList Only(const EchoList& echoes, const Keep& keep) {
 }
 
 // Power of each cell by material: echoes x curve, source level and gain included.
-std::vector<double> CellPowers(const EchoPower& echoes, const std::vector<std::string>& materials,
-                               const ParameterSet& parameters) {
+std::vector<double> CellPowers(const EchoPower& echoes, const EchoPowerModel& model) {
+  const std::size_t materials = model.materials().size();
   std::vector<double> curve;
-  for (const std::string& name : materials) {
+  for (const GsabParameters<double>& gsab : model.materials()) {
     for (int node = 0; node < kIncidenceNodes; ++node)
-      curve.push_back(GsabPower(parameters.Material(name).gsab, IncidenceOfNodeDeg(node)));
+      curve.push_back(GsabPower(gsab, IncidenceOfNodeDeg(node)));
   }
-  const double level = PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db);
-  std::vector<double> powers(echoes.cells.size() * materials.size(), 0.0);
+  const double level = model.level();
+  std::vector<double> powers(echoes.cells.size() * materials, 0.0);
   for (std::size_t cell = 0; cell < echoes.cells.size(); ++cell) {
     for (std::uint32_t e = echoes.cells[cell].first_entry; e < echoes.cells[cell].last_entry; ++e) {
       const EchoPower::Entry& entry = echoes.entries[e];
-      powers[cell * materials.size() + entry.node / kIncidenceNodes] +=
-          level * entry.power * curve[entry.node];
+      powers[cell * materials + entry.node / kIncidenceNodes] += level * entry.power * curve[entry.node];
     }
   }
   return powers;
@@ -86,8 +84,8 @@ class CauseFinder {
         pose_(pose),
         parameters_(parameters),
         geometry_{simulator.sonar(), simulator.absorption_db_per_m()},
-        elevation_(ElevationResponseOf(simulator.sonar(), parameters.beam)),
         materials_(simulator.caster().material_names()),
+        model_(geometry_, parameters, materials_),
         gain_(GainByBin(geometry_, parameters)) {}
 
   EchoCauses Find() {
@@ -103,13 +101,6 @@ class CauseFinder {
     const bool any = std::any_of(values.begin(), values.end(), [](double value) { return value > 0.0; });
     if (!any && kind != CauseKind::kNoise) return;
     found_.causes.push_back({.kind = kind, .name = name, .power = std::move(power)});
-  }
-
-  EchoPower Gathered(const EchoList& echoes) const {
-    return GatherEchoPower(echoes, simulator_.fan(), simulator_.sonar().axes,
-                           {.absorption_db_per_m = simulator_.absorption_db_per_m(),
-                            .elevation = elevation_,
-                            .range_steps = RangeStepsFor(simulator_.sonar(), parameters_)});
   }
 
   PowerResponse Response(const std::vector<double>& columns, int steps, bool main_lobe) const {
@@ -136,13 +127,15 @@ class CauseFinder {
 
   void AddDirect() {
     const EchoList all = simulator_.TraceEchoes(pose_);
-    const auto end_rad = static_cast<float>(MainLobeEndRad(elevation_));
+    const auto end_rad = static_cast<float>(MainLobeEndRad(model_.elevation()));
     const int count = static_cast<int>(materials_.size());
     Grid<double> in_lobes(simulator_.sonar().axes.range_bins, simulator_.sonar().axes.beam_count());
     for (const bool main_elevation : {true, false}) {
-      const EchoPower echoes = Gathered(Only(
-          all, [&](std::size_t i) { return (std::abs(all.elevation_rad[i]) <= end_rad) == main_elevation; }));
-      const std::vector<double> cells = CellPowers(echoes, materials_, parameters_);
+      const EchoPower echoes = GatherEchoPower(
+          Only(all,
+               [&](std::size_t i) { return (std::abs(all.elevation_rad[i]) <= end_rad) == main_elevation; }),
+          simulator_.fan(), geometry_, parameters_);
+      const std::vector<double> cells = CellPowers(echoes, model_);
       const PowerResponse whole = Response(echoes.column_azimuth_rad, echoes.range_steps, false);
       const PowerResponse main = Response(echoes.column_azimuth_rad, echoes.range_steps, true);
       const ImageStack through_whole = whole.Apply(echoes, cells, count);
@@ -192,13 +185,10 @@ class CauseFinder {
 
   Grid<int> StrongestLobes() const {
     const PolarAxes& axes = simulator_.sonar().axes;
-    const std::vector<double> edges_rad = axes.BeamEdgesRad();
     const int beams = axes.beam_count();
     std::vector<int> beam_of_column;
-    for (const double azimuth_rad : columns_) {
-      const auto above = std::upper_bound(edges_rad.begin() + 1, edges_rad.end() - 1, azimuth_rad);
-      beam_of_column.push_back(std::min(static_cast<int>(above - edges_rad.begin()) - 1, beams - 1));
-    }
+    for (const double azimuth_rad : columns_)
+      beam_of_column.push_back(std::clamp(axes.BeamAt(azimuth_rad), 0, beams - 1));
     Grid<int> strongest(axes.range_bins, beams);
     for (int bin = 0; bin < axes.range_bins; ++bin) {
       const double* line = &by_column_[static_cast<std::size_t>(bin) * columns_.size()];
@@ -243,8 +233,8 @@ class CauseFinder {
   const Pose& pose_;
   const ParameterSet& parameters_;
   AcousticGeometry geometry_;
-  ElevationResponse elevation_;
   const std::vector<std::string>& materials_;
+  EchoPowerModel model_;
   std::vector<double> gain_;
   std::vector<double> columns_;
   std::vector<double> by_column_;        // power of each column in each bin

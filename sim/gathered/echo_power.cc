@@ -4,42 +4,32 @@
 #include <cmath>
 #include <utility>
 
-#include "core/types/error.h"
 #include "core/types/units.h"
-#include "sim/physics/beam_pattern.h"
-#include "sim/physics/patch.h"
-#include "sim/physics/propagation.h"
+#include "sim/physics/fine_rows.h"
 
 namespace sonarcal::sim {
 namespace {
 
 // Shares of each echo for the cells and nodes around it.
-std::vector<EchoShare> Shares(const EchoList& echoes, const PolarAxes& axes, const EchoPowerOptions& options,
-                              int rows) {
-  const double step_m = axes.range_bin_m() / options.range_steps;
+std::vector<EchoShare> Shares(const EchoList& echoes, const EchoPowerModel& model, const FineRows& rows) {
   std::vector<EchoShare> shares;
   shares.reserve(4 * echoes.size());
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const double range_m = echoes.range_m[echo];
     const double incidence_rad = echoes.incidence_rad[echo];
-    const double area_m2 = PatchAreaM2(range_m, echoes.solid_angle_sr[echo], std::cos(incidence_rad));
-    double power = PowerFromDb(-2.0 * TransmissionLossDb(range_m, options.absorption_db_per_m)) * area_m2;
-    power *= options.elevation.Power(echoes.elevation_rad[echo]);
-    const double position = (range_m - axes.range_min_m) / step_m - 0.5;
-    const int row = static_cast<int>(std::floor(position));
-    const double along = position - row;
+    const double power =
+        EchoPowerModel::UnitPower(model.StraightBack(range_m, incidence_rad, echoes.solid_angle_sr[echo],
+                                                     model.elevation().Power(echoes.elevation_rad[echo])));
     const double angle = DegFromRad(incidence_rad) / kIncidenceStepDeg;
     const int node = std::clamp(static_cast<int>(angle), 0, kIncidenceNodes - 2);
     const double between = std::clamp(angle - node, 0.0, 1.0);
     const auto first_node = static_cast<std::uint32_t>(echoes.material[echo] * kIncidenceNodes + node);
     const std::uint32_t col = echoes.ray[echo] % echoes.cols;
-    for (const int side : {0, 1}) {
-      if (row + side < 0 || row + side >= rows) continue;
-      const auto cell = static_cast<std::uint32_t>(row + side) * echoes.cols + col;
-      const double of_row = power * (side == 0 ? 1.0 - along : along);
+    rows.Share(range_m, power, [&](int row, double of_row) {
+      const auto cell = static_cast<std::uint32_t>(row) * echoes.cols + col;
       shares.push_back({cell, first_node, static_cast<float>(of_row * (1.0 - between))});
       shares.push_back({cell, first_node + 1, static_cast<float>(of_row * between)});
-    }
+    });
   }
   return shares;
 }
@@ -83,16 +73,16 @@ EchoPower SumShares(EchoPower frame, const std::vector<EchoShare>& shares) {
   return gathered;
 }
 
-EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,
-                          const EchoPowerOptions& options) {
-  SONARCAL_CHECK(options.range_steps >= 1, "{} rows a range bin", options.range_steps);
+EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters) {
   EchoPower frame;
-  frame.range_steps = options.range_steps;
-  frame.rows = axes.range_bins * options.range_steps;
+  frame.range_steps = RangeStepsFor(geometry.sonar, parameters);
+  const FineRows rows(geometry.sonar.axes, frame.range_steps);
+  frame.rows = rows.count;
   frame.cols = echoes.cols;
   frame.materials = static_cast<int>(echoes.material_names.size());
   for (int col = 0; col < fan.cols(); ++col) frame.column_azimuth_rad.push_back(fan.AzimuthRad(col));
-  const std::vector<EchoShare> shares = Shares(echoes, axes, options, frame.rows);
+  const std::vector<EchoShare> shares = Shares(echoes, EchoPowerModel(geometry, parameters, {}), rows);
   return SumShares(std::move(frame), shares);
 }
 

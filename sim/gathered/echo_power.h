@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/types/sonar_model.h"
+#include "core/types/parameters.h"
 #include "sim/paper/echo_histogram.h"
-#include "sim/physics/beam_pattern.h"
+#include "sim/physics/echo_power_model.h"
 #include "sim/rays/trace.h"
 
 namespace sonarcal::sim {
@@ -39,12 +39,6 @@ struct EchoPower {
   std::vector<Entry> entries;
 };
 
-struct EchoPowerOptions {
-  double absorption_db_per_m = 0.0;
-  ElevationResponse elevation{ElevationPattern::kGaussian, 0.0, 0.0};  // none
-  int range_steps = 4;                                                 // at least 4 per pulse length
-};
-
 // Share of one echo for a node of one cell, row * cols + col.
 struct EchoShare {
   std::uint32_t cell;
@@ -55,7 +49,8 @@ struct EchoShare {
 // Sums shares by cell and node. Keeps the other members of `frame`.
 EchoPower SumShares(EchoPower frame, const std::vector<EchoShare>& shares);
 
-EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const PolarAxes& axes,
-                          const EchoPowerOptions& options);
+// Gathers the echoes of a fan. Materials and levels of the parameters are not used.
+EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters);
 
 }  // namespace sonarcal::sim

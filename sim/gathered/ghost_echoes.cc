@@ -90,15 +90,15 @@ GhostEchoes GatherGhostEchoes(const Simulator& simulator, const GhostList& ghost
   GhostEchoes gathered{.ways = WaysOf(ghosts), .materials = static_cast<int>(ghosts.material_names.size())};
   EchoPower frame;
   frame.range_steps = RangeStepsFor(simulator.sonar(), parameters);
-  frame.rows = axes.range_bins * frame.range_steps;
+  const FineRows rows(axes, frame.range_steps);
+  frame.rows = rows.count;
   frame.cols = fan.cols();
   frame.materials = static_cast<int>(gathered.ways.size()) * gathered.materials * kCurveParts;
   for (int col = 0; col < fan.cols(); ++col) frame.column_azimuth_rad.push_back(fan.AzimuthRad(col));
 
   const GhostPower power(ghosts.material_names, {simulator.sonar(), simulator.absorption_db_per_m()},
                          parameters);
-  const ArrivalGrid grid(frame.column_azimuth_rad, axes.range_min_m, axes.range_bin_m() / frame.range_steps,
-                         frame.rows);
+  const ArrivalGrid grid(frame.column_azimuth_rad, rows);
   std::vector<EchoShare> shares;
   shares.reserve(16 * ghosts.echoes.size());
   for (const GhostEcho& echo : ghosts.echoes) {

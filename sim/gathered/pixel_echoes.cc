@@ -152,10 +152,8 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
 
 EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
                        const ParameterSet& parameters) {
-  return GatherEchoPower(simulator.TraceEchoes(world_from_sonar), simulator.fan(), simulator.sonar().axes,
-                         {.absorption_db_per_m = simulator.absorption_db_per_m(),
-                          .elevation = ElevationResponseOf(simulator.sonar(), parameters.beam),
-                          .range_steps = RangeStepsFor(simulator.sonar(), parameters)});
+  return GatherEchoPower(simulator.TraceEchoes(world_from_sonar), simulator.fan(),
+                         {simulator.sonar(), simulator.absorption_db_per_m()}, parameters);
 }
 
 PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,

@@ -23,25 +23,36 @@ constexpr double kLeastInCommon = 1e-6;
 
 GhostPower::GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
                        const ParameterSet& parameters)
-    : level_(PowerFromDb(parameters.source_level_db + parameters.receiver.gain_db)),
-      absorption_db_per_m_(geometry.absorption_db_per_m),
-      elevation_(ElevationResponseOf(geometry.sonar, parameters.beam)),
+    : model_(geometry, parameters, material_names),
       azimuth_(AzimuthShapeOf(geometry.sonar, parameters)),
       transmit_(parameters.beam) {
   for (const std::string& name : material_names) {
-    materials_.push_back(parameters.Material(name).gsab);
     const auto mirror = parameters.mirrors.find(name);
     loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
                                                           : mirror->second.loss_db);
   }
 }
 
-// Factor of one leg on the power of an echo, without reflections.
-double GhostPower::OfLeg(const GhostLeg& leg) const {
+// Loss of one leg, without reflections.
+double GhostPower::LossDb(const GhostLeg& leg) const {
   const double spreading_m = leg.spreading_m;
-  const double loss_db = TransmissionLossDb(spreading_m, absorption_db_per_m_) +
-                         absorption_db_per_m_ * (leg.length_m - spreading_m);
-  return PowerFromDb(-loss_db) * std::sqrt(elevation_.Power(leg.elevation_rad));
+  return TransmissionLossDb(spreading_m, model_.absorption_db_per_m()) +
+         model_.absorption_db_per_m() * (leg.length_m - spreading_m);
+}
+
+// Path out along one leg and back along the other, without reflections.
+EchoPath GhostPower::PathOf(const GhostEcho& echo) const {
+  const double loss_db = LossDb(echo.leg);
+  const double elevation_power = model_.elevation().Power(echo.leg.elevation_rad);
+  EchoPath path{
+      .loss_db = 2.0 * loss_db,
+      .elevation_power = elevation_power,
+      .area_m2 = PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad))};
+  if (echo.both_ways) {
+    path.loss_db = loss_db + LossDb(echo.other);
+    path.elevation_power = std::sqrt(elevation_power * model_.elevation().Power(echo.other.elevation_rad));
+  }
+  return path;
 }
 
 double GhostPower::MirrorLossDb(const GhostLeg& leg) const {
@@ -53,21 +64,19 @@ double GhostPower::MirrorLossDb(const GhostLeg& leg) const {
 }
 
 double GhostPower::UnitOneWay(const GhostEcho& echo) const {
-  const double area_m2 =
-      PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad));
-  const double of_leg = OfLeg(echo.leg);
-  return of_leg * (echo.both_ways ? OfLeg(echo.other) : of_leg) * area_m2;
+  return EchoPowerModel::UnitPower(PathOf(echo));
 }
 
 double GhostPower::OneWay(const GhostEcho& echo) const {
-  const GsabParameters<double>& gsab = materials_[echo.material];
+  const GsabParameters<double>& gsab = model_.materials()[echo.material];
   const double incidence_deg = DegFromRad(double{echo.leg.incidence_rad});
   const double scattered =
       echo.both_ways ? GsabBetweenPower(gsab, incidence_deg, DegFromRad(double{echo.other.incidence_rad}),
                                         DegFromRad(double{echo.tilt_rad}))
                      : GsabPower(gsab, incidence_deg);
-  return level_ * PowerFromDb(-MirrorLossDb(echo.leg) - MirrorLossDb(echo.other)) * scattered *
-         UnitOneWay(echo);
+  EchoPath path = PathOf(echo);
+  path.loss_db += MirrorLossDb(echo.leg) + MirrorLossDb(echo.other);
+  return model_.Power(path, scattered);
 }
 
 double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
@@ -90,9 +99,7 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
                ScatterMap& scatter) {
   if (ghosts.echoes.empty()) return;
   const GhostPower power(ghosts.material_names, geometry, parameters);
-  const PolarAxes& axes = geometry.sonar.axes;
-  const ArrivalGrid grid(scatter.column_azimuth_rad, axes.range_min_m,
-                         axes.range_bin_m() / scatter.range_steps, scatter.power.rows());
+  const ArrivalGrid grid(scatter.column_azimuth_rad, scatter.RowsOf(geometry.sonar.axes));
   // Computes powers on all cores, then sums in the order of the list, so the result does not depend on the
   // number of threads.
   std::vector<double> one_way(ghosts.echoes.size());

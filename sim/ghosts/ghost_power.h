@@ -73,17 +73,15 @@ class GhostPower {
   }
 
  private:
-  double OfLeg(const GhostLeg& leg) const;
+  double LossDb(const GhostLeg& leg) const;
+  EchoPath PathOf(const GhostEcho& echo) const;
   double MirrorLossDb(const GhostLeg& leg) const;
   // Response at the mean azimuth to an echo at `azimuth_rad`; 0 if negligible.
   double InCommon(double azimuth_rad, double middle_rad) const;
 
-  double level_;
-  double absorption_db_per_m_;
-  ElevationResponse elevation_;
+  EchoPowerModel model_;
   AzimuthResponse<double> azimuth_;
   TransmitPattern transmit_;
-  std::vector<GsabParameters<double>> materials_;
   std::vector<double> loss_db_;  // per material, of one reflection; infinity if it is no mirror
 };
 
@@ -92,23 +90,18 @@ class GhostPower {
 class ArrivalGrid {
  public:
   // `column_azimuth_rad` must outlive it.
-  ArrivalGrid(const std::vector<double>& column_azimuth_rad, double range_min_m, double step_m, int rows)
-      : columns_(column_azimuth_rad), range_min_m_(range_min_m), step_m_(step_m), rows_(rows) {}
+  ArrivalGrid(const std::vector<double>& column_azimuth_rad, const FineRows& rows)
+      : columns_(column_azimuth_rad), rows_(rows) {}
 
   // Calls take(row, column, power) for up to four cells.
   template <typename Take>
   void ForEachCell(const GhostArrival& arrival, Take&& take) const {
     const auto column = Place(arrival.azimuth_rad);
     if (!column) return;
-    const double position = (arrival.range_m - range_min_m_) / step_m_ - 0.5;
-    const int row = static_cast<int>(std::floor(position));
-    const double along = position - row;
-    for (const int down : {0, 1}) {
-      if (row + down < 0 || row + down >= rows_) continue;
-      const double of_row = arrival.power * (down == 0 ? 1.0 - along : along);
-      take(row + down, column->index, (1.0 - column->fraction) * of_row);
-      take(row + down, column->index + 1, column->fraction * of_row);
-    }
+    rows_.Share(arrival.range_m, arrival.power, [&](int row, double of_row) {
+      take(row, column->index, (1.0 - column->fraction) * of_row);
+      take(row, column->index + 1, column->fraction * of_row);
+    });
   }
 
  private:
@@ -120,9 +113,7 @@ class ArrivalGrid {
   std::optional<Between> Place(double azimuth_rad) const;
 
   const std::vector<double>& columns_;
-  double range_min_m_;
-  double step_m_;
-  int rows_;
+  FineRows rows_;
 };
 
 // Adds the list to a map. An arrival between two columns or rows is shared between them; arrivals outside the

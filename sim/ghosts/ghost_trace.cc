@@ -328,8 +328,8 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
     const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));
     options.elevation_span_deg = std::min(options.elevation_span_deg, main_lobe_deg);
   }
-  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
-  const double edge_deg = DegFromRad(std::min(-edges_rad.front(), edges_rad.back()));
+  const PolarAxes& axes = sonar.axes;
+  const double edge_deg = DegFromRad(std::min(-axes.BeamEdgeRad(0), axes.BeamEdgeRad(axes.beam_count())));
   options.azimuth_margin_deg =
       std::clamp(beam.transmit_end_deg - edge_deg, fan.azimuth_margin_deg, kWidestMarginDeg);
   return options;

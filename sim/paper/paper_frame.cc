@@ -31,7 +31,7 @@ class RowShader {
  public:
   RowShader(const RayFan& fan, const SonarModel& sonar, const PaperParameters<double>& parameters,
             double absorption_db_per_m, const PaperImageOptions& options)
-      : fan_(fan), axes_(sonar.axes), seed_(options.noise_seed), edges_rad_(sonar.axes.BeamEdgesRad()) {
+      : fan_(fan), axes_(sonar.axes), seed_(options.noise_seed) {
     const double span_db = parameters.display.db_max - parameters.display.db_min;
     // Two-way loss is linear in ln R and R: spreading alone at ln R = 1, absorption alone at R = 1. The rest
     // of the sonar equation is the echo at 1 m without absorption and strength.
@@ -149,15 +149,14 @@ class RowShader {
 
   void BeamsOf(int count, Buffers& of) const {
     const int beams = axes_.beam_count();
-    const double width = (edges_rad_.back() - edges_rad_.front()) / beams;
     if (even_beams_) {
-      row_math::Bins(of.azimuth_rad.data(), static_cast<float>(edges_rad_.front()),
-                     static_cast<float>(1.0 / width), beams, count, of.beam.data());
+      row_math::Bins(of.azimuth_rad.data(), static_cast<float>(axes_.BeamEdgeRad(0)),
+                     static_cast<float>(1.0 / (axes_.field_of_view_rad() / beams)), beams, count,
+                     of.beam.data());
       return;
     }
     for (int i = 0; i < count; ++i) {
-      const auto above = std::upper_bound(edges_rad_.begin(), edges_rad_.end(), of.azimuth_rad[i]);
-      const auto beam = static_cast<std::int32_t>(above - edges_rad_.begin()) - 1;
+      const int beam = axes_.BeamAt(of.azimuth_rad[i]);
       of.beam[i] = beam < beams ? beam : -1;
     }
   }
@@ -165,7 +164,6 @@ class RowShader {
   const RayFan& fan_;
   const PolarAxes& axes_;
   std::optional<std::uint64_t> seed_;
-  std::vector<double> edges_rad_;
   row_math::EchoLevel level_;
   std::vector<std::vector<float>> strengths_;  // per material
   int table_steps_ = 0;

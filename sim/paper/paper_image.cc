@@ -46,7 +46,6 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
   const PolarAxes& axes = sonar.axes;
   const int bins = axes.range_bins;
   const int beams = axes.beam_count();
-  const std::vector<double> edges_rad = axes.BeamEdgesRad();
   const bool noisy = options.noise_seed.has_value();
   const std::uint64_t seed = options.noise_seed.value_or(0);
 
@@ -65,19 +64,17 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
         const double azimuth_rad =
             echoes.azimuth_rad[echo] +
             azimuth_error * JitterSigmaAzimuthRad(parameters.jitter, range_m, sonar.frequency_hz);
-        beam = static_cast<int>(std::upper_bound(edges_rad.begin(), edges_rad.end(), azimuth_rad) -
-                                edges_rad.begin()) -
-               1;
+        beam = axes.BeamAt(azimuth_rad);
         if (beam < 0 || beam >= beams) continue;
       }
-      const double bin = std::floor((noisy_range_m - axes.range_min_m) / axes.range_bin_m());
-      if (!(bin >= 0.0 && bin < bins)) continue;
+      const int bin = axes.BinAt(noisy_range_m);
+      if (bin < 0 || bin >= bins) continue;
       const double loss_db = 2.0 * TransmissionLossDb(range_m, absorption_db_per_m);
       const double strength_db =
           GsabDb(parameters.materials[echoes.material[echo]], DegFromRad<double>(echoes.incidence_rad[echo]));
       const double echo_value = std::clamp(NormalisedPaperEcho(parameters, loss_db, strength_db),
                                            -kLargestPaperEcho, kLargestPaperEcho);
-      sums(static_cast<int>(bin), beam) +=
+      sums(bin, beam) +=
           static_cast<std::int64_t>(std::llrint(echo_value * echoes.Weight(echo) / rays * kFixedPoint));
     }
   });

@@ -1,5 +1,7 @@
 #include "sim/physics/beam_pattern.h"
 
+#include "core/types/units.h"
+
 namespace sonarcal::sim {
 namespace {
 
@@ -34,9 +36,9 @@ double BeamSpacingRad(const AzimuthShape<double>& shape, double beam_azimuth_rad
 
 // Integral of 10^(level / 10) over a step of 1 in which the level is linear.
 double StepIntegral(double from_db, double to_db) {
-  const double exponent = 0.1 * std::numbers::ln10 * (to_db - from_db);
+  const double exponent = kNeperPerDb * (to_db - from_db);
   const double mean = std::abs(exponent) < 1e-6 ? 1.0 + 0.5 * exponent : std::expm1(exponent) / exponent;
-  return std::pow(10.0, 0.1 * from_db) * mean;
+  return PowerFromDb(from_db) * mean;
 }
 
 }  // namespace
@@ -47,7 +49,7 @@ std::pair<double, double> AzimuthReachRad(const AzimuthResponse<double>& respons
   switch (shape.pattern) {
     case AzimuthPattern::kAperture: {
       const double reach =
-          ApertureReach(std::pow(10.0, 0.05 * level_db), shape.taper) / response.aperture_wavelengths();
+          ApertureReach(AmplitudeFromDb(level_db), shape.taper) / response.aperture_wavelengths();
       const double sine = std::sin(beam_azimuth_rad);
       return {std::asin(std::max(sine - reach, -1.0)), std::asin(std::min(sine + reach, 1.0))};
     }
@@ -66,8 +68,7 @@ std::pair<double, double> AzimuthReachRad(const AzimuthResponse<double>& respons
     case AzimuthPattern::kGaussian:
       break;
   }
-  const double reach =
-      0.5 * shape.width_rad * std::sqrt(-0.1 * level_db * std::numbers::ln10 / std::numbers::ln2);
+  const double reach = 0.5 * shape.width_rad * std::sqrt(-kNeperPerDb * level_db / std::numbers::ln2);
   return {beam_azimuth_rad - reach, beam_azimuth_rad + reach};
 }
 

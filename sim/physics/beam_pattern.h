@@ -186,7 +186,7 @@ class AzimuthResponse {
     const int below = std::min(static_cast<int>(position), std::max(last - 1, 0));
     const int above = std::min(below + 1, last);
     const double level_db = table_db[below] + (position - below) * (table_db[above] - table_db[below]);
-    return std::pow(10.0, 0.1 * level_db);
+    return PowerFromDb(level_db);
   }
 
   AzimuthShape<T> shape_;

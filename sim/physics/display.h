@@ -12,10 +12,10 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "core/types/error.h"
 #include "core/types/parameters.h"
+#include "core/types/units.h"
 
 namespace sonarcal::sim {
 
@@ -28,22 +28,6 @@ T LogDisplay(const DisplayParameters<T>& display, const T& level_db) {
   return (level_db - display.db_min) / (display.db_max - display.db_min);
 }
 
-template <typename T>
-T PowerOfLevel(const T& level_db) {
-  using std::exp;
-  return exp(level_db * T(std::numbers::ln10 / 10.0));
-}
-
-inline double AmplitudeOfLevel(double level_db) {
-  return PowerOfLevel(0.5 * level_db);
-}
-
-template <typename T>
-T LevelOfPower(const T& power) {
-  using std::log;
-  return log(power) * T(10.0 / std::numbers::ln10);
-}
-
 // Display value of power >= 0. Power below kSilencePower counts as kSilencePower.
 template <typename T>
 T DisplayValue(const DisplayParameters<T>& display, const T& power) {
@@ -52,16 +36,16 @@ T DisplayValue(const DisplayParameters<T>& display, const T& power) {
   const T audible = power < T(kSilencePower) ? T(kSilencePower) : power;
   switch (display.law) {
     case DisplayLaw::kLog:
-      return LogDisplay(display, LevelOfPower(audible));
+      return LogDisplay(display, DbFromPower(audible));
     case DisplayLaw::kSoftLog:
-      return LogDisplay(display, LevelOfPower(T(audible + T(PowerOfLevel(display.soft_db)))));
+      return LogDisplay(display, DbFromPower(T(audible + T(PowerFromDb(display.soft_db)))));
     case DisplayLaw::kSoftAmplitude: {
       using std::sqrt;
       return LogDisplay(display,
-                        T(T(2.0) * LevelOfPower(T(sqrt(audible) + AmplitudeOfLevel(display.soft_db)))));
+                        T(T(2.0) * DbFromPower(T(sqrt(audible) + AmplitudeFromDb(display.soft_db)))));
     }
     case DisplayLaw::kPower:
-      return exp(T(0.5 * display.exponent) * (log(audible) - display.db_max * T(std::numbers::ln10 / 10.0)));
+      return exp(T(0.5 * display.exponent) * (log(audible) - display.db_max * T(kNeperPerDb)));
   }
   SONARCAL_CHECK(false, "display law {}", static_cast<int>(display.law));
   return T(0.0);
@@ -75,20 +59,20 @@ T PowerFromDisplay(const DisplayParameters<T>& display, const T& value) {
   using std::log;
   switch (display.law) {
     case DisplayLaw::kLog:
-      return PowerOfLevel(T(display.db_min + value * (display.db_max - display.db_min)));
+      return PowerFromDb(T(display.db_min + value * (display.db_max - display.db_min)));
     case DisplayLaw::kSoftLog: {
-      const T softened = PowerOfLevel(T(display.db_min + value * (display.db_max - display.db_min)));
-      const T power = softened - T(PowerOfLevel(display.soft_db));
+      const T softened = PowerFromDb(T(display.db_min + value * (display.db_max - display.db_min)));
+      const T power = softened - T(PowerFromDb(display.soft_db));
       return power > T(0.0) ? power : T(0.0);
     }
     case DisplayLaw::kSoftAmplitude: {
-      const T softened = PowerOfLevel(T(0.5 * (display.db_min + value * (display.db_max - display.db_min))));
-      const T amplitude = softened - T(AmplitudeOfLevel(display.soft_db));
+      const T softened = AmplitudeFromDb(T(display.db_min + value * (display.db_max - display.db_min)));
+      const T amplitude = softened - T(AmplitudeFromDb(display.soft_db));
       return amplitude > T(0.0) ? T(amplitude * amplitude) : T(0.0);
     }
     case DisplayLaw::kPower:
       if (!(value > T(0.0))) return T(0.0);
-      return exp(log(value) * T(2.0 / display.exponent)) * PowerOfLevel(display.db_max);
+      return exp(log(value) * T(2.0 / display.exponent)) * PowerFromDb(display.db_max);
   }
   SONARCAL_CHECK(false, "display law {}", static_cast<int>(display.law));
   return T(0.0);
@@ -99,13 +83,12 @@ inline double DisplaySlope(const DisplayParameters<double>& display, double powe
   const double per_db = 1.0 / (display.db_max - display.db_min);
   switch (display.law) {
     case DisplayLaw::kLog:
-      return per_db * 10.0 / std::numbers::ln10 / power;
+      return per_db * kDbPerNeper / power;
     case DisplayLaw::kSoftLog:
-      return per_db * 10.0 / std::numbers::ln10 / (power + PowerOfLevel(display.soft_db));
+      return per_db * kDbPerNeper / (power + PowerFromDb(display.soft_db));
     case DisplayLaw::kSoftAmplitude: {
       const double amplitude = std::sqrt(power);
-      return per_db * 10.0 / std::numbers::ln10 /
-             (amplitude * (amplitude + AmplitudeOfLevel(display.soft_db)));
+      return per_db * kDbPerNeper / (amplitude * (amplitude + AmplitudeFromDb(display.soft_db)));
     }
     case DisplayLaw::kPower:
       return 0.5 * display.exponent * DisplayValue(display, power) / power;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 #include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 #include <vector>
@@ -54,12 +53,12 @@ inline double NoisePower(const ReceiverParameters& receiver, double range_m, int
   };
   double power = 0.0;
   if (receiver.noise_db) {
-    power += PowerOfLevel(*receiver.noise_db + receiver.noise_slope_db_per_m * range_m +
-                          taper_db(receiver.noise_taper_db) +
-                          TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
+    power += PowerFromDb(*receiver.noise_db + receiver.noise_slope_db_per_m * range_m +
+                         taper_db(receiver.noise_taper_db) +
+                         TimeVariedGainDb(receiver.time_varied_gain, range_m, absorption_db_per_m));
   }
   if (receiver.noise_after_gain_db) {
-    power += PowerOfLevel(*receiver.noise_after_gain_db + taper_db(receiver.noise_after_gain_taper_db));
+    power += PowerFromDb(*receiver.noise_after_gain_db + taper_db(receiver.noise_after_gain_taper_db));
   }
   return power;
 }
@@ -80,7 +79,7 @@ class ReceiverNoise {
     after.noise_db.reset();
     constexpr double kAnyRangeM = 1.0;
     for (int beam = 0; beam < axes.beam_count(); ++beam) {
-      taper_.push_back(receiver.noise_taper_db.empty() ? 1.0 : PowerOfLevel(receiver.noise_taper_db[beam]));
+      taper_.push_back(receiver.noise_taper_db.empty() ? 1.0 : PowerFromDb(receiver.noise_taper_db[beam]));
       after_gain_.push_back(NoisePower(after, kAnyRangeM, beam, absorption_db_per_m));
     }
   }
@@ -97,7 +96,7 @@ class ReceiverNoise {
 
 // E[10 log10 power] - 10 log10 E[power] = (10 / ln 10) (psi(L) - ln L), dB: -2.507 at one look. looks > 0.
 inline double MeanLogSpeckleDb(double looks) {
-  return 10.0 / std::numbers::ln10 * (Eigen::numext::digamma(looks) - std::log(looks));
+  return kDbPerNeper * (Eigen::numext::digamma(looks) - std::log(looks));
 }
 
 // Weights of an average of floor(L) looks and one more of weight w in [0, 1) that has the variance of L

@@ -17,6 +17,7 @@
 #include <unsupported/Eigen/SpecialFunctions>
 #include <vector>
 
+#include "core/types/units.h"
 #include "core/types/words.h"
 #include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
@@ -124,16 +125,16 @@ class MeanDisplayTable {
     const int count = static_cast<int>(std::ceil((span_db + 40.0) / kStepDb)) + 1;
     const std::vector<double> edges = GreyEdges(display, kMeanSteps);
     for (int i = 0; i < count; ++i) {
-      mean_.push_back(MeanDisplayedGrey(edges, looks, PowerOfLevel(low_db_ + i * kStepDb), law));
+      mean_.push_back(MeanDisplayedGrey(edges, looks, PowerFromDb(low_db_ + i * kStepDb), law));
     }
   }
 
   double operator()(double power) const {
-    const double level_db = LevelOfPower(std::max(power, kSilencePower));
+    const double level_db = DbFromPower(std::max(power, kSilencePower));
     const double position = (level_db - low_db_) / kStepDb;
     if (position <= 0.0) {
       return display_.law == DisplayLaw::kPower
-                 ? mean_.front() * PowerOfLevel(0.5 * display_.exponent * (level_db - low_db_))
+                 ? mean_.front() * PowerFromDb(0.5 * display_.exponent * (level_db - low_db_))
                  : mean_.front();
     }
     const auto i = static_cast<std::size_t>(position);

@@ -146,8 +146,7 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
 
   rays_per_beam_.assign(beams, 0);
   for (int col = 0; col < cols_; ++col) {
-    const auto above = std::upper_bound(beam_edges_rad_.begin(), beam_edges_rad_.end(), azimuth_rad_[col]);
-    const int beam = std::clamp(static_cast<int>(above - beam_edges_rad_.begin()) - 1, 0, beams - 1);
+    const int beam = std::clamp(sonar.axes.BeamAt(azimuth_rad_[col]), 0, beams - 1);
     beam_of_column_.push_back(beam);
     rays_per_beam_[beam] += rows_;
   }

@@ -1,10 +1,10 @@
 // What the benchmarks of a frame share: the scene, the sonar's options, a clock.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <vector>
 
+#include "core/math/statistics.h"
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
@@ -13,12 +13,6 @@ namespace sonarcal::benchmarks {
 
 inline double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-inline double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 // The paper's tank, its mock-ups of this many triangles each.

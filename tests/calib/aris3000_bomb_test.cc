@@ -92,7 +92,7 @@ TEST(Aris3000BombTest, BackgroundFollowsASoftenedAmplitude) {
   // A logarithm softened in power is no match at one look, which is what the object's speckle has.
   EXPECT_GE(power.ks, 0.08);
   EXPECT_LT(amplitude.nats_per_pixel, power.nats_per_pixel);
-  EXPECT_NEAR(sim::AmplitudeOfLevel(amplitude.display.soft_db), 1.27, 0.05);
+  EXPECT_NEAR(AmplitudeFromDb(amplitude.display.soft_db), 1.27, 0.05);
 }
 
 // The whole of frame 0: fitted once for all tests.

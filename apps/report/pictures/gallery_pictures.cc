@@ -6,6 +6,7 @@
 
 #include "apps/report/pictures/depth_picture.h"
 #include "core/imaging/fan_image.h"
+#include "core/math/statistics.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/pictures/picture.h"
@@ -19,8 +20,8 @@ constexpr double kShareBelowBrightest = 0.995;
 
 // Number of rows of a pinhole grid with square pixels.
 int SquarePixelRows(const SonarModel& sonar, int cols) {
-  const std::vector<double> edges_rad = sonar.axes.BeamEdgesRad();
-  const double width = std::tan(edges_rad.back()) - std::tan(edges_rad.front());
+  const PolarAxes& axes = sonar.axes;
+  const double width = std::tan(axes.BeamEdgeRad(axes.beam_count())) - std::tan(axes.BeamEdgeRad(0));
   const double height = 2.0 * std::tan(RadFromDeg(0.5 * sonar.elevation_beam_width_deg));
   return std::max(1, static_cast<int>(std::lround(cols * height / width)));
 }
@@ -67,10 +68,7 @@ double BrightestGrey(const std::vector<GalleryView>& views) {
     }
   }
   if (lit.empty()) return 255.0;
-  const double last = static_cast<double>(lit.size() - 1);
-  const auto place = lit.begin() + static_cast<std::ptrdiff_t>(kShareBelowBrightest * last);
-  std::nth_element(lit.begin(), place, lit.end());
-  return *place;
+  return LowerQuantile(std::move(lit), kShareBelowBrightest);
 }
 
 GalleryPictures MakePictures(const GalleryView& view, double brightest_grey) {

@@ -153,8 +153,7 @@ std::string NoiseWindowText(const calib::NoiseFit& fit) {
   return fmt::format(
       "window {:.2f} to {:.2f} m, found by rule: the longest of those that one floor with a trend describes "
       "about as well as any",
-      axes.range_min_m + fit.cells.first_bin * axes.range_bin_m(),
-      axes.range_min_m + fit.cells.last_bin * axes.range_bin_m());
+      axes.range_edge_m(fit.cells.first_bin), axes.range_edge_m(fit.cells.last_bin));
 }
 
 std::string NoiseJudgedText(const calib::NoiseFit& fit) {

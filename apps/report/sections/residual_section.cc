@@ -9,6 +9,7 @@
 
 #include "apps/report/html/html_text.h"
 #include "apps/report/sections/figure_words.h"
+#include "core/math/statistics.h"
 #include "data_io/images/image_io.h"
 #include "data_io/pictures/picture.h"
 
@@ -72,9 +73,7 @@ void AddMap(HtmlReport& report, const metrics::ResidualMap& map, const std::stri
   }
   if (sizes.empty()) return;
   // Full colour at the 98th percentile, so that one extreme cell does not pale all others.
-  const auto high = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
-  std::nth_element(sizes.begin(), high, sizes.end());
-  const double limit = std::max(*high, 1e-3);
+  const double limit = std::max(LowerQuantile(std::move(sizes), 0.98), 1e-3);
   report.Add(PictureRow{
       .caption = fmt::format(
           "Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. "

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/types/units.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
@@ -109,8 +110,7 @@ TEST_F(FitNoiseCommand, FindsTheNoiseOfASyntheticSonar) {
   double level_db = *fitted.receiver.noise_db + 2.5 * fitted.receiver.noise_slope_db_per_m +
                     sim::TimeVariedGainDb(fitted.receiver.time_varied_gain, 2.5, 0.0);
   if (fitted.receiver.noise_after_gain_db) {
-    level_db = sim::LevelOfPower(sim::PowerOfLevel(level_db) +
-                                 sim::PowerOfLevel(*fitted.receiver.noise_after_gain_db));
+    level_db = DbFromPower(PowerFromDb(level_db) + PowerFromDb(*fitted.receiver.noise_after_gain_db));
   }
   EXPECT_NEAR(shown(fitted.display, level_db),
               shown(NoiseAlone().display, *truth.noise_db + 2.5 * truth.noise_slope_db_per_m), 0.01);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/types/units.h"
 #include "sim/physics/speckle.h"
 
 namespace sonarcal::workflow {
@@ -28,12 +29,12 @@ TEST(SpeckleDrawTest, DrawsScatterAboutTheImageAsTheLawSays) {
       EXPECT_EQ(grey, std::round(grey));
       const double level_db = grey / 255.0 * 80.0;
       sum += level_db;
-      power += sim::PowerOfLevel(level_db);
+      power += PowerFromDb(level_db);
     }
     const double count = static_cast<double>(drawn.size());
     EXPECT_NEAR(sum / count, kMeanDb, 0.1);
     // 10 / ln 10 (digamma(L) - ln L): -2.507 dB at one look, -0.763 at three.
-    EXPECT_NEAR(sim::LevelOfPower(power / count) - kMeanDb, looks == 1.0 ? 2.507 : 0.763, 0.08) << looks;
+    EXPECT_NEAR(DbFromPower(power / count) - kMeanDb, looks == 1.0 ? 2.507 : 0.763, 0.08) << looks;
   }
 }
 

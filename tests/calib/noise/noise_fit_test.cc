@@ -13,6 +13,7 @@
 #include "calib/noise/quantile_residual.h"
 #include "core/math/random.h"
 #include "core/types/error.h"
+#include "core/types/units.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -210,7 +211,7 @@ TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
 TEST(NoiseInformationTest, OfAnExponentialPixelIsOne) {
   const NoiseLaw law = Logarithm(1.0);
   const GreyLevels grey(law, 255);
-  const double power = sim::PowerOfLevel(35.0);  // neither clip is near
+  const double power = PowerFromDb(35.0);  // neither clip is near
   const PixelInformation information = ExpectedInformation(grey, 255, power);
   EXPECT_NEAR(information(0, 0), 1.0, 0.01);
   const InformationTable table(grey, 255, 0.01 * power, 100.0 * power);

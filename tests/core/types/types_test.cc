@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/types/image.h"
 #include "core/types/pose.h"
 #include "core/types/scene.h"
@@ -37,6 +40,46 @@ TEST(PolarAxesTest, EdgesLieMidwayBetweenUnevenCentres) {
   EXPECT_NEAR(edges[3], 0.4, 1e-15);
 }
 
+TEST(PolarAxesTest, BinAtIsTheBinWhoseEdgesHoldTheRange) {
+  const PolarAxes axes{0.7, 3.1, 7, {0.0, 0.1}};
+  EXPECT_EQ(axes.range_edge_m(0), 0.7);
+  EXPECT_NEAR(axes.range_edge_m(7), 3.1, 1e-15);
+  for (int i = -5; i < 80; ++i) {
+    const double range_m = 0.013 + 0.05 * i;
+    int bin = -1;
+    while (bin < axes.range_bins && axes.range_edge_m(bin + 1) <= range_m) ++bin;
+    EXPECT_EQ(axes.BinAt(range_m), bin) << range_m;
+  }
+  EXPECT_EQ(axes.BinAt(0.7), 0);
+  EXPECT_EQ(axes.BinAt(std::nextafter(0.7, 0.0)), -1);
+  for (int bin = 0; bin < 7; ++bin) EXPECT_EQ(axes.BinAt(axes.range_centre_m(bin)), bin);
+  EXPECT_EQ(axes.BinAt(-1e300), -1);
+  EXPECT_EQ(axes.BinAt(1e300), 7);
+}
+
+TEST(PolarAxesTest, BeamAtIsTheBeamWhoseEdgesHoldTheAzimuth) {
+  const PolarAxes axes{1.0, 2.0, 10, {-0.4, -0.31, -0.1, 0.05, 0.07, 0.3}};
+  const std::vector<double> edges = axes.BeamEdgesRad();
+  const auto by_edges = [&](double azimuth_rad) {
+    return static_cast<int>(std::upper_bound(edges.begin(), edges.end(), azimuth_rad) - edges.begin()) - 1;
+  };
+  for (int i = -500; i < 500; ++i) EXPECT_EQ(axes.BeamAt(1e-3 * i), by_edges(1e-3 * i)) << i;
+  for (int edge = 0; edge <= 6; ++edge) {
+    EXPECT_EQ(axes.BeamEdgeRad(edge), edges[edge]);
+    EXPECT_EQ(axes.BeamAt(edges[edge]), edge);
+    EXPECT_EQ(axes.BeamAt(std::nextafter(edges[edge], -1.0)), edge - 1);
+  }
+  for (int beam = 0; beam < 6; ++beam) EXPECT_EQ(axes.BeamAt(axes.beam_azimuth_rad[beam]), beam);
+  EXPECT_EQ(axes.field_of_view_rad(), edges.back() - edges.front());
+  EXPECT_EQ(axes.OuterEdgeRad(), -edges.front());
+}
+
+TEST(PolarAxesTest, NoBinAndNoBeamHoldsNan) {
+  const PolarAxes axes{1.0, 2.0, 10, {0.0, 0.1}};
+  EXPECT_EQ(axes.BinAt(std::nan("")), -1);
+  EXPECT_EQ(axes.BeamAt(std::nan("")), 2);
+}
+
 TEST(PolarAxesTest, AxesThatAreNotOrderedAreRefused) {
   EXPECT_THROW((PolarAxes{1.0, 2.0, 10, {0.1, 0.0}}.Validate("x")), DataError);
   EXPECT_THROW((PolarAxes{2.0, 1.0, 10, {0.0, 0.1}}.Validate("x")), DataError);
@@ -63,6 +106,11 @@ TEST(SceneTest, AppendSharesMaterialsByName) {
 TEST(UnitsTest, DecibelsAndPowerAreInverse) {
   EXPECT_NEAR(PowerFromDb(DbFromPower(0.0321)), 0.0321, 1e-15);
   EXPECT_NEAR(DbFromPower(100.0), 20.0, 1e-12);
+  for (const double power : {1e-30, 0.3, 1.0, 17.0, 1e20})
+    EXPECT_NEAR(DbFromPower(power), 10.0 * std::log10(power), 1e-12 * 300.0);
+  EXPECT_NEAR(PowerFromDb(-7.0), std::pow(10.0, -0.7), 1e-15);
+  EXPECT_NEAR(AmplitudeFromDb(-7.0), std::pow(10.0, -0.35), 1e-15);
+  EXPECT_NEAR(kNeperPerDb * kDbPerNeper, 1.0, 1e-15);
 }
 
 TEST(SonarSettings, TheFirstFieldThatBothTellAndThatDiffersIsNamed) {

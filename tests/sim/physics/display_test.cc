@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/types/units.h"
+
 namespace sonarcal::sim {
 namespace {
 
@@ -28,7 +30,7 @@ TEST(DisplayTest, LogRunsFromMinimumToMaximum) {
 TEST(DisplayTest, SoftLogHasAFloorAndIsALogarithmFarAboveIt) {
   const DisplayParameters<double> soft = EachLaw()[1];
   EXPECT_NEAR(DisplayValue(soft, 0.0), (8.0 - 10.0) / 64.0, 1e-14);
-  EXPECT_NEAR(DisplayValue(soft, PowerOfLevel(8.0)), (8.0 + 10.0 * std::log10(2.0) - 10.0) / 64.0, 1e-14);
+  EXPECT_NEAR(DisplayValue(soft, PowerFromDb(8.0)), (8.0 + 10.0 * std::log10(2.0) - 10.0) / 64.0, 1e-14);
   EXPECT_NEAR(DisplayValue(soft, 1e9), LogDisplay(soft, 90.0), 1e-9);
   EXPECT_EQ(PowerFromDisplay(soft, -2.0 / 64.0 - 1e-9), 0.0);  // no power is shown below the soft floor
 }
@@ -37,7 +39,7 @@ TEST(DisplayTest, SoftAmplitudeAddsBeforeTheLogarithmIsTaken) {
   const DisplayParameters<double> soft = EachLaw()[3];
   EXPECT_NEAR(DisplayValue(soft, 0.0), (8.0 - 10.0) / 64.0, 1e-14);
   // An amplitude as large as the one added doubles it.
-  EXPECT_NEAR(DisplayValue(soft, PowerOfLevel(8.0)), (8.0 + 20.0 * std::log10(2.0) - 10.0) / 64.0, 1e-14);
+  EXPECT_NEAR(DisplayValue(soft, PowerFromDb(8.0)), (8.0 + 20.0 * std::log10(2.0) - 10.0) / 64.0, 1e-14);
   EXPECT_NEAR(DisplayValue(soft, 1e14), LogDisplay(soft, 140.0), 1e-6);
   EXPECT_EQ(PowerFromDisplay(soft, -2.0 / 64.0 - 1e-9), 0.0);
 }
@@ -52,7 +54,7 @@ TEST(DisplayTest, PowerLawIsAPowerOfTheAmplitude) {
 TEST(DisplayTest, InverseAndSlopeAreThoseOfEachLaw) {
   for (const DisplayParameters<double>& display : EachLaw()) {
     for (const double level_db : {12.0, 25.0, 50.0, 80.0}) {
-      const double power = PowerOfLevel(level_db);
+      const double power = PowerFromDb(level_db);
       const double value = DisplayValue(display, power);
       EXPECT_NEAR(PowerFromDisplay(display, value) / power, 1.0, 1e-10);
       const double step = 1e-5 * power;
@@ -71,7 +73,7 @@ TEST(DisplayTest, DerivativesPassThroughEachLaw) {
                                       .law = display.law,
                                       .soft_db = display.soft_db,
                                       .exponent = display.exponent};
-    const double power = PowerOfLevel(33.0);
+    const double power = PowerFromDb(33.0);
     const Jet value = DisplayValue(jets, Jet(power, 2));
     EXPECT_NEAR(value.a, DisplayValue(display, power), 1e-14);
     EXPECT_NEAR(value.v[2], DisplaySlope(display, power), 1e-12);

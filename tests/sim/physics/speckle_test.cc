@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/math/random.h"
+#include "core/types/units.h"
 
 namespace sonarcal::sim {
 namespace {
@@ -99,7 +100,7 @@ TEST(SpeckleTest, DrawsAgreeWithTheLawThroughEachDisplay) {
   const CounterRandom random(7);
   for (const DisplayParameters<double>& display : kDisplays) {
     for (const double level_db : {-3.0, 12.0, 28.0}) {
-      const double power = PowerOfLevel(level_db);
+      const double power = PowerFromDb(level_db);
       double sum = 0.0;
       double rounded = 0.0;
       double square = 0.0;
@@ -142,7 +143,7 @@ TEST(SpeckleTest, TableFollowsTheMeanAtEveryLevel) {
   for (const DisplayParameters<double>& display : kDisplays) {
     const MeanDisplayTable table(display, 1.4);
     for (double level_db = -90.0; level_db < 100.0; level_db += 3.37) {
-      EXPECT_NEAR(table(PowerOfLevel(level_db)), MeanDisplayed(display, 1.4, PowerOfLevel(level_db)), 5e-5)
+      EXPECT_NEAR(table(PowerFromDb(level_db)), MeanDisplayed(display, 1.4, PowerFromDb(level_db)), 5e-5)
           << level_db;
     }
     EXPECT_GE(table(0.0), 0.0);

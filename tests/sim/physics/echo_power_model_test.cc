@@ -1,0 +1,93 @@
+#include "sim/physics/echo_power_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "sim/physics/fine_rows.h"
+
+namespace sonarcal::sim {
+namespace {
+
+constexpr double kAbsorptionDbPerM = 0.3;
+
+SonarModel Sonar() {
+  SonarModel sonar;
+  sonar.axes = {1.0, 3.0, 8, {-0.1, 0.0, 0.1}};
+  sonar.elevation_beam_width_deg = 14.0;
+  return sonar;
+}
+
+ParameterSet Parameters() {
+  ParameterSet parameters;
+  parameters.source_level_db = 190.0;
+  parameters.receiver.gain_db = 7.0;
+  parameters.beam.elevation_pattern = ElevationPattern::kGaussian;
+  parameters.materials["sand"].gsab = {.a = 0.0, .b_deg = 1.0, .c = 0.02, .d = 2.0, .e = 0.0, .f_deg = 1.0};
+  return parameters;
+}
+
+// 10^((SL + G - 40 log10 R - 2 alpha R) / 10) C cos^2 R^2 dOmega / cos el(phi), half a width off the axis.
+TEST(EchoPowerModelTest, EchoOfACosineLawInClosedForm) {
+  const SonarModel sonar = Sonar();
+  const EchoPowerModel model({sonar, kAbsorptionDbPerM}, Parameters(), {"sand"});
+  const double elevation_power = model.elevation().Power(RadFromDeg(7.0));
+  EXPECT_NEAR(elevation_power, 0.5, 1e-12);
+  const double range_m = 2.5;
+  const EchoPath path = model.StraightBack(range_m, RadFromDeg(60.0), 1e-4, elevation_power);
+  const double expected = std::pow(10.0, (197.0 - 2.0 * kAbsorptionDbPerM * range_m) / 10.0) /
+                          std::pow(range_m, 4) * 0.02 * 0.25 * range_m * range_m * 1e-4 / 0.5 * 0.5;
+  EXPECT_NEAR(model.Power(path, model.Backscatter(0, RadFromDeg(60.0))) / expected, 1.0, 1e-12);
+  EXPECT_NEAR(model.level() * EchoPowerModel::UnitPower(path) * 0.02 * 0.25 / expected, 1.0, 1e-12);
+}
+
+TEST(EchoPowerModelTest, InfiniteLossIsSilent) {
+  const EchoPath path{.loss_db = std::numeric_limits<double>::infinity(), .area_m2 = 1.0};
+  EXPECT_EQ(EchoPowerModel::UnitPower(path), 0.0);
+}
+
+TEST(EchoPowerModelTest, AMaterialWithoutParametersIsRefused) {
+  const SonarModel sonar = Sonar();
+  EXPECT_THROW(EchoPowerModel({sonar, 0.0}, Parameters(), {"mud"}), DataError);
+}
+
+// The mean of the middles of the rows that share an echo, by their parts, is the echo's range.
+TEST(FineRowsTest, KeepThePowerAndTheRangeOfAnEcho) {
+  const PolarAxes axes = Sonar().axes;
+  const FineRows rows(axes, 4);
+  EXPECT_EQ(rows.count, 32);
+  const double step_m = axes.range_bin_m() / 4;
+  for (double range_m = 1.0 + 0.5 * step_m; range_m < 3.0 - 0.51 * step_m; range_m += 0.0137) {
+    double power = 0.0;
+    double moment = 0.0;
+    int shares = 0;
+    rows.Share(range_m, 5.0, [&](int row, double part) {
+      power += part;
+      moment += part * (axes.range_min_m + (row + 0.5) * step_m);
+      ++shares;
+    });
+    EXPECT_EQ(shares, 2);
+    EXPECT_NEAR(power, 5.0, 1e-12);
+    EXPECT_NEAR(moment / power, range_m, 1e-12);
+  }
+}
+
+TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
+  const FineRows rows(Sonar().axes, 4);
+  const double step_m = Sonar().axes.range_bin_m() / 4;
+  const auto shares = [&](double range_m) {
+    std::vector<double> by_row(static_cast<std::size_t>(rows.count), 0.0);
+    rows.Share(range_m, 1.0, [&](int row, double part) { by_row.at(row) += part; });
+    return by_row;
+  };
+  EXPECT_NEAR(shares(1.0).front(), 0.5, 1e-12);
+  EXPECT_NEAR(shares(3.0).back(), 0.5, 1e-12);
+  for (const double range_m : {-5.0, 1.0 - 0.6 * step_m, 3.0 + 0.6 * step_m, 100.0}) {
+    for (const double share : shares(range_m)) EXPECT_EQ(share, 0.0) << range_m;
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal::sim
