@@ -98,7 +98,7 @@ std::vector<Pose> JacketViewpoints() {
 const std::vector<Environment>& Environments() {
   static const std::vector<Environment> environments = {
       {"tank", "Tank", "Test tank, 12 x 10 x 1.5 m, with two mock-ups (Park 2024 Table 5, Fig. 10)", 0.0,
-       Tank, TankViewpoints},
+       Tank, TankViewpoints, kPaperTankPoseSets, PaperTankPoses},
       {"mockup", "Mock-up", "Scaled subsea well, 1 x 1 x 1.5 m, another pattern on each side (Fig. 9)",
        kMockupBed_m, Mockup, MockupViewpoints},
       {"seabed", "Seabed", "Smooth seabed with relief, 10 x 10 x 2 m (Figs. 5a and 6)", 0.0, Seabed,

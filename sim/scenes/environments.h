@@ -40,6 +40,9 @@ struct Environment {
   // Poses world_from_sonar for a sonar with a range of about 9 m and a field of view of 45 x 20 degrees. The
   // paper gives no poses; these are assumptions.
   std::vector<Pose> (*viewpoints)();
+  // Sets of poses for recordings of it, `poses(set)` with 1 <= set <= pose_sets.
+  int pose_sets = 0;
+  std::vector<Pose> (*poses)(int set) = nullptr;
 };
 
 const std::vector<Environment>& Environments();

@@ -65,6 +65,7 @@ Scene MakePaperTank(const PaperTankOptions& options = {});
 // assumptions. The middles of the targets lie 3 to 6 m away and well within +-22.5 degrees. Throws DataError
 // for another number.
 std::vector<Pose> PaperTankPoses(int dataset);
+inline constexpr int kPaperTankPoseSets = 3;
 
 // The 100-lb bomb of the ARIS 3000 recordings (DFKI UXO data set 2024): a body of revolution. Object frame:
 // origin on the axis at mid-length, +x through the nose. Published: length, diameter and that the nose is an

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "core/types/error.h"
-#include "sim/scenes/bomb.h"
 #include "tests/support/mesh_checks.h"
 
 namespace sonarcal::sim {
@@ -287,14 +286,21 @@ TEST(BodyTest, TheNosePointsAlongX) {
   }
 }
 
-TEST(BombTest, HasThePublishedSize) {
-  const Scene bomb = MakeBomb();
-  EXPECT_TRUE(IsClosed(bomb));
-  EXPECT_GT(SignedVolumeM3(bomb), 0.0);
-  const AlignedBox3d bounds = Bounds(bomb);
-  EXPECT_NEAR(bounds.min().x(), -0.3685, 1e-6);
-  EXPECT_NEAR(bounds.max().x(), 0.3685, 1e-6);
+TEST(TurnedSolidTest, IsAClosedSolidThroughItsRadii) {
+  const std::vector<ProfilePoint> outline = {{-0.2, 0.03}, {-0.1, 0.104}, {0.0, 0.09}, {0.3, 0.01}};
+  const Scene solid = MakeTurnedSolid(outline, 0.01, "steel");
+  EXPECT_TRUE(IsClosed(solid));
+  EXPECT_GT(SignedVolumeM3(solid), 0.0);
+  EXPECT_EQ(solid.material_names, std::vector<std::string>{"steel"});
+  const AlignedBox3d bounds = Bounds(solid);
+  EXPECT_NEAR(bounds.min().x(), -0.2, 1e-6);
+  EXPECT_NEAR(bounds.max().x(), 0.3, 1e-6);
   EXPECT_NEAR(bounds.sizes().z(), 0.208, 0.001);
+}
+
+TEST(TurnedSolidTest, OutlinesThatMakeNoSolidAreRefused) {
+  EXPECT_THROW(MakeTurnedSolid({{0.0, 0.1}}, 0.01, "steel"), DataError);
+  EXPECT_THROW(MakeTurnedSolid({{0.0, 0.1}, {0.1, 0.0}}, 0.01, "steel"), DataError);
 }
 
 TEST(BodyTest, OptionsThatMakeNoBodyAreRefused) {
