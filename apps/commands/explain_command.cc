@@ -83,8 +83,10 @@ void CheckSubject(const ExplainCommandOptions& options) {
                                                 {"--scene", !options.scene.empty()},
                                                 {"--params", !options.params.empty()}};
   for (const auto& [name, is_given] : files) {
-    if (is_given && !options.known.empty()) throw UsageError("{} does not go with --known, which has its own", name);
-    if (!is_given && options.known.empty()) throw UsageError("{} is required, where --known is not given", name);
+    if (is_given && !options.known.empty())
+      throw UsageError("{} does not go with --known, which has its own", name);
+    if (!is_given && options.known.empty())
+      throw UsageError("{} is required, where --known is not given", name);
   }
 }
 
@@ -108,8 +110,7 @@ Subject OpenKnown(const reproduce::CasePlan& plan, const ExplainCommandOptions& 
       .threads = options.explain.rays.threads,
       .on_note = [&](const std::string& line) { cli::PrintNote(options.common, line); }};
   reproduce::PreparedRecording prepared = reproduce::PrepareCase(
-      plan, options.recordings.empty() ? data_io::DefaultRecordingsFolder() : options.recordings,
-      prepare);
+      plan, options.recordings.empty() ? data_io::DefaultRecordingsFolder() : options.recordings, prepare);
   reproduce::WritePrepared(prepared, output / "recording");
   workflow::ExplainOptions explain = options.explain;
   workflow::ExplainRecordingOptions resolved = explain.For(prepared.recording->info().sonar.axes);

@@ -59,7 +59,8 @@ Cases ReadCases() {
   Cases cases;
   for (const std::string& name : reproduce::CaseNames(folder)) {
     reproduce::CasePlan plan = reproduce::ReadCase(folder / name);
-    if (std::holds_alternative<reproduce::TargetCase>(plan.study)) cases.targets.push_back(std::move(plan));
+    if (std::holds_alternative<reproduce::TargetCase>(plan.study))
+      cases.targets.push_back(std::move(plan));
     else if (std::holds_alternative<reproduce::SyntheticCase>(plan.study) && !synthetic)
       synthetic = std::move(plan);
   }
@@ -140,7 +141,8 @@ void WriteSyntheticRecording(const reproduce::SyntheticComparison& synthetic,
   RecordingInfo info = synthetic.recording->info();
   info.scene_path = (folder / "scene.gltf").string();
   std::vector<Frame> frames;
-  for (int i = 0; i < synthetic.recording->frame_count(); ++i) frames.push_back(synthetic.recording->ReadFrame(i));
+  for (int i = 0; i < synthetic.recording->frame_count(); ++i)
+    frames.push_back(synthetic.recording->ReadFrame(i));
   data_io::WriteRecording(MemoryRecording(info, std::move(frames)), folder);
   data_io::WriteGltf(synthetic.scene, folder / "scene.gltf");
   data_io::WriteParameters(folder / "params.json", synthetic.truth);

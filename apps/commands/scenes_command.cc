@@ -90,7 +90,8 @@ void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only,
 
 cli::ExitStatus RunScenes(const ScenesOptions& given) {
   ScenesOptions options = given;
-  options.environment.size = options.text_sizes ? sim::PaperSize::kText : sim::PaperSize::kTable5;
+  options.environment.size =
+      options.text_sizes ? sim::SizeVariant::kAlternative : sim::SizeVariant::kStandard;
   if (options.list) return ListScenes(options);
   if (options.out.empty()) throw UsageError("--out is required, except with --list");
   const std::vector<const sim::Environment*> chosen = ChosenEnvironments(options.only);

@@ -221,9 +221,8 @@ fs::path CasesFolder() {
   }
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path found =
-      FirstFolder({program.parent_path().parent_path() / "share/sonarcal/cases", SONARCAL_SOURCE_CASES,
-                   SONARCAL_INSTALLED_CASES});
+  const fs::path found = FirstFolder({program.parent_path().parent_path() / "share/sonarcal/cases",
+                                      SONARCAL_SOURCE_CASES, SONARCAL_INSTALLED_CASES});
   if (found.empty()) {
     throw DataError("no cases are found, neither in {} nor in {}; SONARCAL_CASES says where they are",
                     SONARCAL_SOURCE_CASES, SONARCAL_INSTALLED_CASES);

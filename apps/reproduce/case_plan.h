@@ -40,10 +40,10 @@ struct TargetCase {
   double azimuth_beam_width_deg = 0.0;
   double elevation_span_deg = 0.0;  // rays reach beyond the nominal field of view
   Scene scene;
-  Scene plain_scene;           // the outline before it is fitted to an image
-  calib::TargetPose pose;      // in the fitted and in the held-out frame
-  ParameterSet start;          // acoustic model; the background of the image gives the display
-  ParameterSet search_start;   // for the search of the pose; the image gives display and noise level
+  Scene plain_scene;          // the outline before it is fitted to an image
+  calib::TargetPose pose;     // in the fitted and in the held-out frame
+  ParameterSet start;         // acoustic model; the background of the image gives the display
+  ParameterSet search_start;  // for the search of the pose; the image gives display and noise level
   calib::TargetFitOptions fit;
   metrics::SegmentationOptions segmentation;
 
@@ -63,18 +63,18 @@ struct TargetCase {
 
 // Pings in which a person marked the first return of a surface that is not known otherwise.
 struct MarkedSurfaceCase {
-  std::string recording;    // folder below the recordings folder, of the four that follow
-  std::string pings;        // recording in any format
-  std::string background;   // recording without a target, for the noise
-  std::string marks;        // pictures of the marks, named STEM of the ping + marks_suffix
+  std::string recording;   // folder below the recordings folder, of the four that follow
+  std::string pings;       // recording in any format
+  std::string background;  // recording without a target, for the noise
+  std::string marks;       // pictures of the marks, named STEM of the ping + marks_suffix
   std::string marks_suffix;
-  int frames_used = 2;      // the first marked pings
-  int frames_held_out = 1;  // the marked pings after these
-  int blind_bins = 0;       // range bins at the sonar that hold no measurement
-  double apart_m = 0.0;     // distance between the made-up positions of the pings
+  int frames_used = 2;            // the first marked pings
+  int frames_held_out = 1;        // the marked pings after these
+  int blind_bins = 0;             // range bins at the sonar that hold no measurement
+  double apart_m = 0.0;           // distance between the made-up positions of the pings
   std::vector<double> leans_deg;  // leans of the surface that are tried
   std::string material;
-  ParameterSet start;       // display, noise and beam come from the recordings
+  ParameterSet start;  // display, noise and beam come from the recordings
   metrics::SegmentationMethod segmentation = metrics::SegmentationMethod::kBackgroundSigma;
 };
 

@@ -15,8 +15,6 @@ namespace {
 using data_io::JsonReader;
 using data_io::NumberRange;
 
-constexpr Words<sim::PaperSize, 2> kSizes = {
-    {{"table", sim::PaperSize::kTable5}, {"text", sim::PaperSize::kText}}};
 const NumberRange kLengthM = NumberRange::AboveUpTo(0.0, 1e4);
 
 Scene ReadTurnedSolid(const JsonReader& json) {
@@ -70,10 +68,11 @@ std::pair<const sim::Environment*, sim::EnvironmentOptions> ReadEnvironment(cons
   const sim::Environment* environment = FindNamed(*name, sim::FindEnvironment);
   sim::EnvironmentOptions options;
   json.Update("max_edge_m", options.max_edge_m, kLengthM);
-  if (const auto size = json.Find("size")) options.size = size->Word(kSizes);
+  if (const auto size = json.Find("size")) options.size = size->Word<sim::SizeVariant>();
   if (const auto surface = json.Find("surface")) options.surface = surface->Bool();
   if (const auto bed = json.Find("bed")) options.bed = bed->Bool();
-  if (const auto seed = json.Find("seed")) options.seed = static_cast<std::uint64_t>(seed->Integer(0, 1LL << 53));
+  if (const auto seed = json.Find("seed"))
+    options.seed = static_cast<std::uint64_t>(seed->Integer(0, 1LL << 53));
   return {environment, options};
 }
 

@@ -1,7 +1,8 @@
 // Scenes of a case study (apps/reproduce/case_plan.h), as one of
 //
 //   {"file": "scene.gltf"}                                 in the folder of the case; glTF, OBJ or STL
-//   {"environment": "tank", "max_edge_m": 0.2, "size": "table" | "text", "surface": false, "seed": 1, "bed": false}
+//   {"environment": "tank", "max_edge_m": 0.2, "size": "standard" | "alternative", "surface": false,
+//    "seed": 1, "bed": false}
 //   {"turned_solid": {"length_m", "max_edge_m", "material", "radii_mm": [[x, radius], ...]}}
 //   {"ogive_body": {"length_m", "diameter_m", "nose_length_m", "tail_length_m", "tail_diameter_m", "max_edge_m",
 //                   "material"}}

@@ -127,7 +127,8 @@ class SurfaceMaker {
       const auto background = data_io::OpenRecording(folder_ / surface_.background);
       calib::NoiseFit fit = calib::FitNoise(*background, {});
       if (!fit.usable) {
-        throw DataError("{}: the noise fit {}", (folder_ / surface_.background).string(), fit.report.termination);
+        throw DataError("{}: the noise fit {}", (folder_ / surface_.background).string(),
+                        fit.report.termination);
       }
       noise_ = std::move(fit.law);
     }
@@ -145,9 +146,9 @@ class SurfaceMaker {
     Scene scene;
     for (const MarkedPing& ping : marked_) {
       Scene strip = MakeMarkedStrip(ping.marks, ping.frame.image.axes,
-                                  {.lean_deg = lean_deg,
-                                   .elevation_deg = info_.sonar.elevation_beam_width_deg,
-                                   .material = surface_.material});
+                                    {.lean_deg = lean_deg,
+                                     .elevation_deg = info_.sonar.elevation_beam_width_deg,
+                                     .material = surface_.material});
       const Eigen::Vector3f at = ping.frame.info.world_from_sonar->position_m.cast<float>();
       for (Eigen::Vector3f& vertex : strip.vertices_m) vertex += at;
       scene.Append(strip);
@@ -189,7 +190,8 @@ class SurfaceMaker {
 
   static std::string LeanCaveat(double lean_deg, const std::string& table) {
     return fmt::format(
-        "The lean of the strip, {:g} degrees, is the one of these by which the pings used are likeliest (nats "
+        "The lean of the strip, {:g} degrees, is the one of these by which the pings used are likeliest "
+        "(nats "
         "per pixel): {}. Leaning the other way looks the same.",
         lean_deg, table);
   }

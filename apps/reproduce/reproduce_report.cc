@@ -119,9 +119,9 @@ void AddSynthetic(report::HtmlReport& report, const SyntheticComparison& synthet
   const SyntheticCase& study = SyntheticOf(synthetic.plan);
   report.Section(study.heading);
   report.Callout(report::CalloutKind::kSynthetic, "The recorded side is synthetic", study.stand_in);
-  report.Paragraph(fmt::format(
-      "{} Both models are fitted to frames {} and evaluated on the {} others.", study.about,
-      report::FrameList(synthetic.fit.fit.report.frames_used), synthetic.fit.fit.report.frames_held_out.size()));
+  report.Paragraph(fmt::format("{} Both models are fitted to frames {} and evaluated on the {} others.",
+                               study.about, report::FrameList(synthetic.fit.fit.report.frames_used),
+                               synthetic.fit.fit.report.frames_held_out.size()));
   AddKnown(report, synthetic.plan);
   report.Paragraph(synthetic.absorption + " Recording and both models share it.");
   report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);

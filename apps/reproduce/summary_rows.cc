@@ -13,12 +13,12 @@ std::string FittedName(const workflow::RecordingFit& fit) {
 }
 
 std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic) {
-  return {
-      {"paper_initial", "paper model, its own values", &synthetic.fit.before},
-      {"paper_fitted", FittedName(synthetic.fit), &synthetic.fit.after, IsSound(synthetic.fit)},
-      {"acoustic_initial", "acoustic model, before its fit, expected image", &synthetic.acoustic.before},
-      {"acoustic_expected", "acoustic model, fitted, expected image", &synthetic.acoustic.after, true},
-      {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*synthetic.acoustic.sample_after, true}};
+  return {{"paper_initial", "paper model, its own values", &synthetic.fit.before},
+          {"paper_fitted", FittedName(synthetic.fit), &synthetic.fit.after, IsSound(synthetic.fit)},
+          {"acoustic_initial", "acoustic model, before its fit, expected image", &synthetic.acoustic.before},
+          {"acoustic_expected", "acoustic model, fitted, expected image", &synthetic.acoustic.after, true},
+          {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*synthetic.acoustic.sample_after,
+           true}};
 }
 
 std::vector<SummaryRow> TargetRows(const TargetComparison& target) {
@@ -45,7 +45,8 @@ std::vector<SummaryRow> SearchedTargetRows(const TargetComparison& target) {
   }
   rows.push_back(
       {"acoustic_expected", "acoustic model, not fitted, expected image", &target.acoustic_expected});
-  rows.push_back({"acoustic_sample", "acoustic model, not fitted, a speckled sample", &target.acoustic_sample});
+  rows.push_back(
+      {"acoustic_sample", "acoustic model, not fitted, a speckled sample", &target.acoustic_sample});
   return rows;
 }
 

@@ -103,8 +103,7 @@ workflow::FitRecordingOptions FitOptionsOf(const SyntheticCase& synthetic, const
   fit.config.held_out.emplace();
   const std::vector<int>& fitted = synthetic.fitted_frames;
   for (int frame = 0; frame < frame_count; ++frame) {
-    if (std::find(fitted.begin(), fitted.end(), frame) == fitted.end())
-      fit.config.held_out->push_back(frame);
+    if (std::find(fitted.begin(), fitted.end(), frame) == fitted.end()) fit.config.held_out->push_back(frame);
   }
   return fit;
 }

@@ -43,8 +43,8 @@ struct SyntheticComparison {
   ParameterSet initial;           // the paper's Tables 4 and 5
   ParameterSet acoustic_initial;  // what one knows beforehand, for the acoustic model
   std::unique_ptr<MemoryRecording> recording;
-  workflow::RecordingFit fit;       // of the paper's model
-  workflow::RecordingFit acoustic;  // of the acoustic one
+  workflow::RecordingFit fit;               // of the paper's model
+  workflow::RecordingFit acoustic;          // of the acoustic one
   std::vector<SyntheticDataSet> data_sets;  // in the order of the plan
   RayGridSize paper_rays;
   std::string absorption;  // a sentence: the formula of recording and models

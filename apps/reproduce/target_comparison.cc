@@ -76,7 +76,8 @@ workflow::IncidenceRange IncidenceOf(const sim::EchoList& echoes) {
 
 class Comparison {
  public:
-  Comparison(const CasePlan& plan, const std::filesystem::path& images, const TargetComparisonOptions& options)
+  Comparison(const CasePlan& plan, const std::filesystem::path& images,
+             const TargetComparisonOptions& options)
       : options_(options),
         target_(TargetOf(plan)),
         material_(target_.scene.material_names.front()),
@@ -96,8 +97,7 @@ class Comparison {
     Say("fitting both models with the outline and the pose found beforehand");
     result_.fitted.paper = FitPaper(target_.scene, target_.pose);
     FitAcoustic();
-    result_.real_against_real =
-        Compare({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
+    result_.real_against_real = Compare({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
     return std::move(result_);
   }
 
@@ -119,7 +119,8 @@ class Comparison {
       search.max_iterations = 5;
       search.ridge_elevations_deg = {0.0};
     }
-    result_.pose = calib::SearchPose(target_.plain_scene, sonar, water_, frames_[0].image, result_.acoustic, search);
+    result_.pose =
+        calib::SearchPose(target_.plain_scene, sonar, water_, frames_[0].image, result_.acoustic, search);
     result_.acoustic.receiver.gain_db += result_.pose.best.gain_db;
   }
 
@@ -145,8 +146,8 @@ class Comparison {
     fit.fit.block_beams = 4;
     SonarModel sonar = info.sonar;
     sonar.azimuth_beam_width_deg = target_.azimuth_beam_width_deg;
-    return workflow::FitRecording(MemoryRecording(info, frames), body, sim::PaperValues(sonar, body.material_names),
-                                  fit);
+    return workflow::FitRecording(MemoryRecording(info, frames), body,
+                                  sim::PaperValues(sonar, body.material_names), fit);
   }
 
   void EvaluateAsFound() {
@@ -155,10 +156,11 @@ class Comparison {
     simulation.fan.elevation_span_deg = target_.elevation_span_deg;
     const sim::Simulator simulator(target_.plain_scene, recorded_->info().sonar, simulation);
     const sim::EchoList echoes = simulator.TraceEchoes(result_.pose.best.pose.WorldFromSonar());
-    result_.acoustic_expected = Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
-                                    "expected image of the acoustic model", true, &result_.acoustic_pictures);
+    result_.acoustic_expected =
+        Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
+                "expected image of the acoustic model", true, &result_.acoustic_pictures);
     result_.acoustic_sample = Compare({frames_[1]}, {simulator.RenderEchoes(echoes, result_.acoustic)},
-                                  "speckled sample of the acoustic model", true);
+                                      "speckled sample of the acoustic model", true);
   }
 
   void FitAcoustic() {
@@ -173,8 +175,8 @@ class Comparison {
       options.fit.max_iterations = 5;
     }
     fitted.acoustic.initial = TargetStart(target_, image);
-    calib::TargetFit fit = calib::FitTarget(target_.scene, sonar, water_, image, target_.pose,
-                                            fitted.acoustic.initial, options);
+    calib::TargetFit fit =
+        calib::FitTarget(target_.scene, sonar, water_, image, target_.pose, fitted.acoustic.initial, options);
     fitted.acoustic.fit = {std::move(fit.fit.parameters), std::move(fit.fit.report), fit.fit.usable};
     fitted.acoustic.fit.report.frames_held_out = {1};
     if (!fit.fit.usable) return;
@@ -184,7 +186,7 @@ class Comparison {
     const ParameterSet& parameters = fitted.acoustic.fit.parameters;
     const PolarImage expected = simulator.RenderExpected(echoes, parameters);
     fitted.expected = Compare({frames_[1]}, {expected}, "expected image of the fitted acoustic model", true,
-                            &fitted.expected_pictures);
+                              &fitted.expected_pictures);
     std::vector<PolarImage> draws;
     draws.reserve(TargetComparison::kDraws);
     for (int draw = 0; draw < TargetComparison::kDraws; ++draw)
@@ -195,13 +197,13 @@ class Comparison {
     std::vector<Frame> sampled(draws.size(), frames_[1]);
     for (std::size_t i = 0; i < draws.size(); ++i) sampled[i].image.value = draws[i].value;
     fitted.floor = Compare(sampled, std::vector<PolarImage>(draws.size(), expected),
-                         "expected image against its own samples", true);
+                           "expected image against its own samples", true);
   }
 
   // Images in the place of recorded frames, one by one.
   metrics::MetricsReport Compare(const std::vector<Frame>& real, std::vector<PolarImage> images,
-                               const std::string& name, bool synthetic,
-                               std::vector<report::FramePictures>* pictures = nullptr) const {
+                                 const std::string& name, bool synthetic,
+                                 std::vector<report::FramePictures>* pictures = nullptr) const {
     const RecordingInfo& info = recorded_->info();
     RecordingInfo simulated = info;
     simulated.source = name;

@@ -93,11 +93,11 @@ PreparedRecording PrepareTarget(const CasePlan& plan, const std::filesystem::pat
     calib::TargetFitOptions pose_only = target.fit;
     pose_only.free_model = false;
     pose_only.free_pose = true;
-    const calib::TargetFit pose = Fit(target, info, frames[2].image, target.other->start,
-                                      model.fit.parameters, pose_only, options);
+    const calib::TargetFit pose =
+        Fit(target, info, frames[2].image, target.other->start, model.fit.parameters, pose_only, options);
     frames[2].info.world_from_sonar = InTargetFrame(pose.fit.world_from_sonar[0], target.other->start);
-    info.notes.push_back(fmt::format("Frame 2 is {}, its powers shown by the display of frame 0.",
-                                     target.other->picture));
+    info.notes.push_back(
+        fmt::format("Frame 2 is {}, its powers shown by the display of frame 0.", target.other->picture));
     held_out.push_back(2);
   }
   info.notes.emplace_back("Poses were found by fits to the frames themselves; none is recorded.");

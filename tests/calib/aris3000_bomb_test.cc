@@ -111,8 +111,8 @@ TargetFit FitFrame0(const RecordingSource& recording) {
       FitBackgroundDisplay(fitted, BackgroundOf(fitted), DisplayLaw::kSoftAmplitude).display;
   ParameterSet start = Bomb().start;
   start.display = display;
-  TargetFit fit = FitTarget(Bomb().scene, sonar, recording.info().water.value_or(Water{}), fitted, Bomb().pose,
-                            start, Bomb().fit);
+  TargetFit fit = FitTarget(Bomb().scene, sonar, recording.info().water.value_or(Water{}), fitted,
+                            Bomb().pose, start, Bomb().fit);
   for (const FittedParameter& p : fit.fit.report.parameters) {
     if (p.status != ParameterStatus::kFixed) {
       std::cout << "  " << p.name << " " << p.value << " +- " << p.sigma.value_or(0.0) << " "
@@ -186,8 +186,8 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
     TargetPose start = other.start;
     start.yaw_rad += RadFromDeg(off_deg);
     start.pitch_rad += RadFromDeg(off_deg);
-    const TargetFit fit = FitTarget(Bomb().scene, info.sonar, info.water.value_or(Water{}), judged, start,
-                                    known, options);
+    const TargetFit fit =
+        FitTarget(Bomb().scene, info.sonar, info.water.value_or(Water{}), judged, start, known, options);
     ASSERT_TRUE(fit.fit.usable);
     const sim::Simulator simulator(fit.placed, info.sonar, fit.simulation);
     const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);

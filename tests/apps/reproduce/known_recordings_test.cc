@@ -188,8 +188,8 @@ TEST(KnownRecordings, BombFramesAreReadAsPublished) {
 
   // The strongest echo, the corners and the sum, from an independent resampling with Python.
   const TargetCase::OtherView& other = TargetOf(plan).other.value();
-  const Grid<float> view =
-      data_io::SampleFan(data_io::OpenPictures(folder / other.picture)->Read(0), other.fan, info.sonar.axes, "");
+  const Grid<float> view = data_io::SampleFan(data_io::OpenPictures(folder / other.picture)->Read(0),
+                                              other.fan, info.sonar.axes, "");
   EXPECT_EQ(view(250, 70), 13.0f);
   EXPECT_EQ(view(260, 60), 32.0f);
   EXPECT_EQ(view(0, 0), 16.0f);

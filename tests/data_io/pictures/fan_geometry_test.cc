@@ -160,14 +160,17 @@ TEST(SampleFan, TakesThePixelNearestToTheCentreOfBeamAndBin) {
 }
 
 TEST(SampleFan, RefusesAPictureThatDoesNotHoldTheFan) {
-  const FanGeometry fan{
-      .apex_x_px = 361.9, .apex_y_px = 1343.0, .radius_min_px = 309.0, .radius_max_px = 1340.0, .half_angle_deg = 25.0};
+  const FanGeometry fan{.apex_x_px = 361.9,
+                        .apex_y_px = 1343.0,
+                        .radius_min_px = 309.0,
+                        .radius_max_px = 1340.0,
+                        .half_angle_deg = 25.0};
   try {
     SampleFan(Grid<float>(500, 300), fan, TwoBeams(), "fan.png");
     FAIL() << "the fan is larger";
   } catch (const DataError& error) {
-    EXPECT_TRUE(std::string(error.what()).starts_with(
-        "fan.png: 500 x 300 pixels, which do not hold the whole fan {\"apex_px\""))
+    EXPECT_TRUE(std::string(error.what())
+                    .starts_with("fan.png: 500 x 300 pixels, which do not hold the whole fan {\"apex_px\""))
         << error.what();
   }
 }
