@@ -17,6 +17,7 @@ install(FILES ${documentation_dir}/_sonarcal
   DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 install(FILES ${documentation_dir}/sonarcal.fish
   DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/sonarcal COMPONENT program)
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/apps/batch/dask_batch.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/sonarcal COMPONENT program)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program

@@ -4,7 +4,6 @@
 #include "data_io/pictures/picture_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/ros/bag_recording.h"
-#include "data_io/sonars/aris3000_frames_io.h"
 #include "data_io/sonars/aris_io.h"
 #include "data_io/sonars/ddf_io.h"
 #include "data_io/sonars/dfki_uxo_io.h"
@@ -30,7 +29,6 @@ constexpr Format kFormats[] = {
     {"DIDSON v3 or v4 (.ddf)", IsDdf, OpenDdf},
     {"Oculus simple ping results", IsOculus, OpenOculus},
     {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
-    {"ARIS 3000 frames (frame_NNNN_128x780.png)", IsAris3000Frames, OpenAris3000Frames},
     {"a recording of the DFKI UXO data set (aris_frame_meta.csv, aris_raw)", IsDfkiUxo, OpenDfkiUxo},
     {"a ROS bag with a sonar's topic (.bag, .db3)", IsBag, OpenBag},
     // Last, because it accepts any picture, also those of the formats above.

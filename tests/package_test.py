@@ -57,6 +57,7 @@ def main():
             "usr/share/zsh/vendor-completions/_sonarcal",
             "usr/share/fish/vendor_completions.d/sonarcal.fish",
             "usr/share/sonarcal/dask_batch.py",
+            "usr/share/sonarcal/cases/tank/case.json",
             "usr/share/doc/sonarcal/copyright",
             "usr/share/doc/sonarcal/guide/1_look.md",
         ):

@@ -41,6 +41,9 @@ if(SONARCAL_BUILD_APPS)
   add_test(NAME schema
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>)
   set_tests_properties(schema PROPERTIES TIMEOUT 600)
+  add_test(NAME make_aris3000_recording
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/make_aris3000_recording_test.py
+      $<TARGET_FILE:sonarcal>)
   if(NOT SONARCAL_SANITIZE)
     add_test(NAME package
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/package_test.py ${PROJECT_BINARY_DIR}

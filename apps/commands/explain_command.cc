@@ -27,7 +27,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/add_options.h"
-#include "apps/cli/choice_option.h"
 #include "apps/cli/command.h"
 #include "apps/cli/given_options.h"
 #include "apps/cli/progress.h"
@@ -40,7 +39,7 @@
 #include "apps/report/pictures/cause_pictures.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/explain_section.h"
-#include "apps/reproduce/known_recording.h"
+#include "apps/reproduce/prepared_recording.h"
 #include "apps/workflow/explain.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
@@ -55,7 +54,7 @@ namespace {
 
 struct ExplainCommandOptions {
   cli::CommonOptions common;
-  std::optional<reproduce::KnownRecording> known;  // in place of real, scene and params
+  std::string known;                 // name of a case, instead of real, scene and params
   std::filesystem::path recordings;  // folder of the recordings; empty: DefaultRecordingsFolder()
   std::filesystem::path real;
   std::filesystem::path scene;
@@ -84,8 +83,10 @@ void CheckSubject(const ExplainCommandOptions& options) {
                                                 {"--scene", !options.scene.empty()},
                                                 {"--params", !options.params.empty()}};
   for (const auto& [name, is_given] : files) {
-    if (is_given && options.known) throw UsageError("{} does not go with --known, which has its own", name);
-    if (!is_given && !options.known) throw UsageError("{} is required, where --known is not given", name);
+    if (is_given && !options.known.empty())
+      throw UsageError("{} does not go with --known, which has its own", name);
+    if (!is_given && options.known.empty())
+      throw UsageError("{} is required, where --known is not given", name);
   }
 }
 
@@ -103,13 +104,13 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
 }
 
 // Prepares the recording in folder `recording` of the output.
-Subject OpenKnown(const ExplainCommandOptions& options, const cli::RunOutput& output) {
+Subject OpenKnown(const reproduce::CasePlan& plan, const ExplainCommandOptions& options,
+                  const cli::RunOutput& output) {
   const reproduce::PrepareOptions prepare{
       .threads = options.explain.rays.threads,
       .on_note = [&](const std::string& line) { cli::PrintNote(options.common, line); }};
-  reproduce::PreparedRecording prepared = reproduce::PrepareKnown(
-      *options.known, options.recordings.empty() ? data_io::DefaultRecordingsFolder() : options.recordings,
-      prepare);
+  reproduce::PreparedRecording prepared = reproduce::PrepareCase(
+      plan, options.recordings.empty() ? data_io::DefaultRecordingsFolder() : options.recordings, prepare);
   reproduce::WritePrepared(prepared, output / "recording");
   workflow::ExplainOptions explain = options.explain;
   workflow::ExplainRecordingOptions resolved = explain.For(prepared.recording->info().sonar.axes);
@@ -138,7 +139,7 @@ Subject OpenKnown(const ExplainCommandOptions& options, const cli::RunOutput& ou
 
 Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subject,
                        const workflow::ExplainedRecording& explained) {
-  Json json = {{"known", options.known ? Json(ToString(*options.known)) : Json(nullptr)},
+  Json json = {{"known", options.known.empty() ? Json(nullptr) : Json(options.known)},
                {"real", options.real.string()},
                {"scene", options.scene.string()},
                {"params", options.params.string()},
@@ -181,11 +182,16 @@ report::HtmlReport MakeReport(const workflow::ExplainedRecording& explained, con
 cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   const workflow::ThreadLimit threads(options.explain.rays.threads);
   CheckSubject(options);
+  // A mistake in files or plan leaves nothing behind.
   std::optional<Subject> opened;
-  // before the output folder exists, so that wrong options leave nothing behind
-  if (!options.known) opened = OpenFiles(options);
+  std::optional<reproduce::CasePlan> plan;
+  if (options.known.empty()) {
+    opened = OpenFiles(options);
+  } else {
+    plan = reproduce::FindCase(options.known);
+  }
   cli::RunOutput output(options.out, "explain", options.common.force);
-  if (options.known) opened = OpenKnown(options, output);
+  if (plan) opened = OpenKnown(*plan, options, output);
   Subject& subject = *opened;
   subject.telling.synthetic = subject.recording->info().synthetic;
   workflow::ExplainRecordingOptions& explain = subject.explain;
@@ -215,7 +221,7 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
     const std::string name = workflow::RecordingName(info);
     std::string text = fmt::format("{}: {}", subject.telling.title.empty() ? name : subject.telling.title,
                                    report::ExplanationText(explained, subject.telling));
-    if (options.known) {
+    if (plan) {
       text += fmt::format("recording, scene and parameters: {}\n", (options.out / "recording").string());
     }
     cli::PrintResult(text + fmt::format("report: {}\n", (options.out / "report.html").string()));
@@ -242,10 +248,11 @@ void SetupExplain(CLI::App& app) {
           "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and where "
           "curves begin")
       ->type_name("JSON");
-  cli::AddChoice(
-      *command, "--known", options->known,
-      "In place of these a recording of which the project knows or assumes poses and scene: a bomb "
-      "that an ARIS 3000 recorded, or a strip of hull by a person's marks in a DIDSON's pings");
+  command
+      ->add_option("--known", options->known,
+                   "In place of these the name of a case study (bomb, hull_strip, or a folder of "
+                   "$SONARCAL_CASES), whose plan gives poses and scene")
+      ->type_name("CASE");
   command
       ->add_option("--recordings", options->recordings,
                    "Where it is looked for [$SONARCAL_RECORDINGS, else ./recordings]")
@@ -256,7 +263,7 @@ void SetupExplain(CLI::App& app) {
   cli::AddOptions(*command, options->explain);
   cli::OnRun(command, options->common, [command, options] {
     cli::RefuseSceneFormatAlone(*command);
-    if (!options->known) {
+    if (options->known.empty()) {
       cli::RefuseGiven(*command, {"--recordings"}, "without --known");
       cli::RefuseUnusedSegmentation(*command, options->explain.comparison);
     }

@@ -1,11 +1,14 @@
-// `sonarcal reproduce`: the paper's tank comparison, start to end, and the same on a real sonar's frames
-// where the recordings are present.
+// `sonarcal reproduce`: runs the case studies of the cases folder (apps/reproduce/case_plan.h): the paper's tank
+// comparison, start to end, and the same on a real sonar's frames if the recordings are present.
 #include <fmt/format.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -44,12 +47,27 @@ struct ReproduceOptions {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kBombFolder = "aris3000_uxo";
-constexpr const char* kShown[][2] = {
-    {"ARIS 1200 with telephoto lens, a river", "aris1200_telephoto/sample.aris"},
-    {"DIDSON, a ship's hull", "didson_hull/test"},
-    {"DIDSON, target-free background", "didson_hull/background"},
-    {"Oculus, one ping", "oculus_m1200d/one_ping_8bit.raw"}};
+// The cases that are run: one that is synthetic, and all targets.
+struct Cases {
+  reproduce::CasePlan synthetic;
+  std::vector<reproduce::CasePlan> targets;
+};
+
+Cases ReadCases() {
+  const std::filesystem::path folder = reproduce::CasesFolder();
+  std::optional<reproduce::CasePlan> synthetic;
+  Cases cases;
+  for (const std::string& name : reproduce::CaseNames(folder)) {
+    reproduce::CasePlan plan = reproduce::ReadCase(folder / name);
+    if (std::holds_alternative<reproduce::TargetCase>(plan.study))
+      cases.targets.push_back(std::move(plan));
+    else if (std::holds_alternative<reproduce::SyntheticCase>(plan.study) && !synthetic)
+      synthetic = std::move(plan);
+  }
+  if (!synthetic) throw DataError("{}: no synthetic case, expected one", folder.string());
+  cases.synthetic = std::move(*synthetic);
+  return cases;
+}
 
 std::filesystem::path RecordingsFolder(const ReproduceOptions& options) {
   if (!options.recordings.empty()) {
@@ -101,26 +119,33 @@ std::string SummaryText(const reproduce::Reproduction& reproduction, const std::
                           figure(view.Over(metrics::IntensityDomain::kOverlap).mean_absolute, 3));
     }
   };
-  add("paper's tank (SYNTHETIC recording)", reproduce::TankRows(reproduction.tank),
-      {{"paper model", &reproduction.tank.fit}, {"acoustic model", &reproduction.tank.acoustic}});
-  if (reproduction.bomb) {
-    add("bomb, ARIS 3000 (recorded), outline and pose found beforehand",
-        reproduce::BombRows(*reproduction.bomb), {{"paper model", &reproduction.bomb->fitted.paper}});
-    add("bomb, plain outline, pose found by the search", reproduce::SearchedBombRows(*reproduction.bomb),
-        {{"paper model", &reproduction.bomb->fit}});
+  const reproduce::SyntheticComparison& synthetic = reproduction.synthetic;
+  add(synthetic.plan.title, reproduce::SyntheticRows(synthetic),
+      {{"paper model", &synthetic.fit}, {"acoustic model", &synthetic.acoustic}});
+  for (const reproduce::TargetResult& result : reproduction.targets) {
+    if (!result.comparison) continue;
+    const reproduce::TargetComparison& target = *result.comparison;
+    add(target.plan.title + ", outline and pose found beforehand", reproduce::TargetRows(target),
+        {{"paper model", &target.fitted.paper}});
+    add(target.plan.title + ", plain outline, pose found by the search",
+        reproduce::SearchedTargetRows(target), {{"paper model", &target.fit}});
+    for (const std::string& sentence : reproduce::KnownSentences(target.plan))
+      text += fmt::format("  known beforehand: {}\n", sentence);
   }
   return text + fmt::format("report: {}\n", (out / "report.html").string());
 }
 
 // With its scene, so that the folder can be fitted and compared by itself, and with its true parameters.
-void WriteSyntheticRecording(const reproduce::TankComparison& tank, const std::filesystem::path& folder) {
-  RecordingInfo info = tank.recording->info();
+void WriteSyntheticRecording(const reproduce::SyntheticComparison& synthetic,
+                             const std::filesystem::path& folder) {
+  RecordingInfo info = synthetic.recording->info();
   info.scene_path = (folder / "scene.gltf").string();
   std::vector<Frame> frames;
-  for (int i = 0; i < tank.recording->frame_count(); ++i) frames.push_back(tank.recording->ReadFrame(i));
+  for (int i = 0; i < synthetic.recording->frame_count(); ++i)
+    frames.push_back(synthetic.recording->ReadFrame(i));
   data_io::WriteRecording(MemoryRecording(info, std::move(frames)), folder);
-  data_io::WriteGltf(tank.scene, folder / "scene.gltf");
-  data_io::WriteParameters(folder / "params.json", tank.truth);
+  data_io::WriteGltf(synthetic.scene, folder / "scene.gltf");
+  data_io::WriteParameters(folder / "params.json", synthetic.truth);
 }
 
 void WriteAll(const std::filesystem::path& folder, const std::vector<report::FramePictures>& frames) {
@@ -143,18 +168,64 @@ void WriteFit(const cli::RunOutput& output, const std::string& prefix, const wor
   WriteAll(output / (prefix + "_pictures"), report::ShowFit(fit).after);
 }
 
-// Judged apart from its fit.
-void WriteBombAcoustic(const cli::RunOutput& output, const reproduce::BombComparison::Fitted& bomb) {
+// The acoustic model's fit and its evaluation, which FitRecording did not make.
+void WriteTargetAcoustic(const cli::RunOutput& output, const std::string& prefix,
+                         const reproduce::TargetComparison::Fitted& target) {
   std::string extra;
-  if (bomb.acoustic.fit.usable) {
+  if (target.acoustic.fit.usable) {
     extra = fmt::format(R"("metrics_after": {}, "sample_metrics_after": {})",
-                        metrics::MetricsJson(bomb.expected), metrics::MetricsJson(bomb.samples));
-    data_io::WriteParameters(output / "bomb_acoustic_params.json", bomb.acoustic.fit.parameters);
+                        metrics::MetricsJson(target.expected), metrics::MetricsJson(target.samples));
+    data_io::WriteParameters(output / (prefix + "_params.json"), target.acoustic.fit.parameters);
   }
-  data_io::WriteFileWhole(output / "bomb_acoustic_fit.json",
-                          calib::FitReportJson(bomb.acoustic.fit.report, extra));
-  WriteAll(output / "bomb_acoustic_pictures", bomb.expected_pictures);
-  WriteAll(output / "bomb_acoustic_sample_pictures", bomb.sample_pictures);
+  data_io::WriteFileWhole(output / (prefix + "_fit.json"),
+                          calib::FitReportJson(target.acoustic.fit.report, extra));
+  WriteAll(output / (prefix + "_pictures"), target.expected_pictures);
+  WriteAll(output / (prefix + "_sample_pictures"), target.sample_pictures);
+}
+
+reproduce::SyntheticComparison RunSynthetic(const reproduce::CasePlan& plan, const ReproduceOptions& options,
+                                            const cli::RunOutput& output) {
+  cli::PrintNote(options.common, "making the SYNTHETIC recording, by the coherent model: " + plan.title);
+  cli::Progress progress("Recording", 0, options.common);
+  reproduce::SyntheticOptions synthetic{.text_sizes = options.text_sizes,
+                                        .seed = options.seed,
+                                        .threads = options.threads,
+                                        .quick = options.quick};
+  synthetic.on_frame = [&](int done, int) { progress.Update(done); };
+  synthetic.on_note = [&](const std::string& line) {
+    cli::PrintNote(options.common, plan.name + ": " + line);
+  };
+  reproduce::SyntheticComparison result = reproduce::CompareSynthetic(plan, synthetic);
+  WriteSyntheticRecording(result, output / "synthetic_recording");
+  data_io::WriteParameters(output / (plan.name + "_initial_params.json"), result.initial);
+  data_io::WriteParameters(output / (plan.name + "_acoustic_initial_params.json"), result.acoustic_initial);
+  WriteFit(output, plan.name, result.fit);
+  WriteFit(output, plan.name + "_acoustic", result.acoustic, &*result.acoustic.sample_after);
+  return result;
+}
+
+// Absent without the recording.
+reproduce::TargetResult RunTarget(const reproduce::CasePlan& plan, const std::filesystem::path& recordings,
+                                  const ReproduceOptions& options, const cli::RunOutput& output) {
+  const std::filesystem::path images = recordings / reproduce::TargetOf(plan).recording;
+  reproduce::TargetResult result{.name = plan.name, .comparison = {}, .absent = {}};
+  if (!std::filesystem::is_directory(images)) {
+    result.absent = fmt::format(
+        "The frames of a real sonar are evaluated too if they are present; there is no {} (set "
+        "SONARCAL_RECORDINGS, or --recordings).",
+        images.string());
+    cli::PrintNote(options.common, result.absent);
+    return result;
+  }
+  const reproduce::TargetComparisonOptions target{
+      .threads = options.threads, .quick = options.quick, .on_note = [&](const std::string& line) {
+        cli::PrintNote(options.common, plan.name + ": " + line);
+      }};
+  result.comparison = reproduce::CompareTarget(plan, images, target);
+  WriteFit(output, plan.name, result.comparison->fit);
+  WriteFit(output, plan.name + "_outline", result.comparison->fitted.paper);
+  WriteTargetAcoustic(output, plan.name + "_acoustic", result.comparison->fitted);
+  return result;
 }
 
 }  // namespace
@@ -162,49 +233,20 @@ void WriteBombAcoustic(const cli::RunOutput& output, const reproduce::BombCompar
 cli::ExitStatus RunReproduce(const ReproduceOptions& options) {
   const workflow::ThreadLimit threads(options.threads);
   const std::filesystem::path recordings = RecordingsFolder(options);
-  const auto note = [&](const std::string& line) { cli::PrintNote(options.common, line); };
+  const Cases cases = ReadCases();
   cli::RunOutput output(options.out, "reproduce", options.common.force);
-
-  note("making the SYNTHETIC recording of the paper's tank, by the coherent model");
-  cli::Progress progress("Recording", 0, options.common);
-  reproduce::TankComparisonOptions tank{
-      .size = options.text_sizes ? sim::PaperSize::kText : sim::PaperSize::kTable5,
-      .seed = options.seed,
-      .threads = options.threads,
-      .quick = options.quick,
-      .comparison = reproduce::TankRules()};
-  tank.on_frame = [&](int done, int) { progress.Update(done); };
-  tank.on_note = [&](const std::string& line) { note("tank: " + line); };
   reproduce::Reproduction reproduction{
-      .tank = reproduce::CompareTank(tank), .bomb = {}, .bomb_absent = {}, .shown = {}};
-  WriteSyntheticRecording(reproduction.tank, output / "synthetic_recording");
-  data_io::WriteParameters(output / "tank_initial_params.json", reproduction.tank.initial);
-  data_io::WriteParameters(output / "tank_acoustic_initial_params.json", reproduction.tank.acoustic_initial);
-  WriteFit(output, "tank", reproduction.tank.fit);
-  WriteFit(output, "tank_acoustic", reproduction.tank.acoustic, &*reproduction.tank.acoustic.sample_after);
-
-  const std::filesystem::path bomb_folder = recordings / kBombFolder;
-  std::vector<std::filesystem::path> inputs;
-  if (std::filesystem::is_directory(bomb_folder)) {
-    reproduce::BombComparisonOptions bomb{
-        .threads = options.threads, .quick = options.quick, .comparison = {}};
-    bomb.on_note = [&](const std::string& line) { note("bomb: " + line); };
-    reproduction.bomb = reproduce::CompareBomb(bomb_folder, bomb);
-    WriteFit(output, "bomb", reproduction.bomb->fit);
-    WriteFit(output, "bomb_outline", reproduction.bomb->fitted.paper);
-    WriteBombAcoustic(output, reproduction.bomb->fitted);
-    inputs.push_back(bomb_folder);
-  } else {
-    reproduction.bomb_absent = fmt::format(
-        "The frames of a real sonar are judged too where they are present; there is no {} (set "
-        "SONARCAL_RECORDINGS, or "
-        "--recordings).",
-        bomb_folder.string());
-    note(reproduction.bomb_absent);
+      .synthetic = RunSynthetic(cases.synthetic, options, output), .targets = {}, .shown = {}};
+  std::vector<std::filesystem::path> inputs = {cases.synthetic.folder};
+  for (const reproduce::CasePlan& plan : cases.targets) {
+    reproduction.targets.push_back(RunTarget(plan, recordings, options, output));
+    if (!reproduction.targets.back().comparison) continue;
+    inputs.push_back(plan.folder);
+    inputs.push_back(recordings / reproduce::TargetOf(plan).recording);
   }
-  for (const auto& [name, path] : kShown) {
+  for (const auto& [title, path] : reproduce::SyntheticOf(cases.synthetic).also_shown) {
     if (!std::filesystem::exists(recordings / path)) continue;
-    reproduction.shown.push_back(Show(name, recordings / path));
+    reproduction.shown.push_back(Show(title, recordings / path));
     inputs.push_back(recordings / path);
   }
 

@@ -26,8 +26,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kDataSets = 3;
-
 void WriteViewpoints(const std::filesystem::path& file, const std::vector<Pose>& viewpoints) {
   std::vector<data_io::TimedPose> poses;
   for (const Pose& pose : viewpoints) {
@@ -92,7 +90,8 @@ void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only,
 
 cli::ExitStatus RunScenes(const ScenesOptions& given) {
   ScenesOptions options = given;
-  options.environment.size = options.text_sizes ? sim::PaperSize::kText : sim::PaperSize::kTable5;
+  options.environment.size =
+      options.text_sizes ? sim::SizeVariant::kAlternative : sim::SizeVariant::kStandard;
   if (options.list) return ListScenes(options);
   if (options.out.empty()) throw UsageError("--out is required, except with --list");
   const std::vector<const sim::Environment*> chosen = ChosenEnvironments(options.only);
@@ -103,16 +102,16 @@ cli::ExitStatus RunScenes(const ScenesOptions& given) {
     files.push_back(name);
     return output / name;
   };
-  bool has_tank = false;
+  const sim::Environment* with_poses = nullptr;  // poses_N.json are its sets
   for (const sim::Environment* environment : chosen) {
     data_io::WriteGltf(environment->make(options.environment),
                        file(fmt::format("{}.gltf", environment->name)));
     WriteViewpoints(file(fmt::format("poses_{}.json", environment->name)), environment->viewpoints());
-    has_tank = has_tank || environment->name == "tank";
+    if (environment->pose_sets > 0) with_poses = environment;
   }
   data_io::WriteParameters(file("params.json"), EnvironmentParameters());
-  for (int set = 1; has_tank && set <= kDataSets; ++set) {
-    WriteViewpoints(file(fmt::format("poses_{}.json", set)), sim::PaperTankPoses(set));
+  for (int set = 1; with_poses != nullptr && set <= with_poses->pose_sets; ++set) {
+    WriteViewpoints(file(fmt::format("poses_{}.json", set)), with_poses->poses(set));
   }
   Json names = Json::array();
   for (const sim::Environment* environment : chosen) names.push_back(environment->name);
@@ -135,8 +134,8 @@ cli::ExitStatus RunScenes(const ScenesOptions& given) {
       fmt::format("{0}: {1}\nnext: sonarcal simulate --scene {0}/{2}.gltf --sonar p900-45 --params "
                   "{0}/params.json --poses "
                   "{0}/poses_{3}.json --out simulated\n",
-                  folder, fmt::join(files, ", "), has_tank ? "tank" : chosen.front()->name,
-                  has_tank ? "1" : chosen.front()->name));
+                  folder, fmt::join(files, ", "), with_poses ? with_poses->name : chosen.front()->name,
+                  with_poses ? "1" : chosen.front()->name));
   return cli::ExitStatus::kDone;
 }
 

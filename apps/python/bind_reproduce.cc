@@ -27,13 +27,14 @@ TankResult ReproduceTank(bool quick, std::uint64_t seed, int threads, py::object
   const Listener listener(std::move(progress), std::move(say));
   const py::gil_scoped_release release;
   const workflow::ThreadLimit limit(threads);
-  reproduce::TankComparisonOptions options{
-      .seed = seed, .threads = threads, .quick = quick, .comparison = reproduce::TankRules()};
+  reproduce::SyntheticOptions options{.seed = seed, .threads = threads, .quick = quick};
   options.on_frame = [&](int done, int in_all) { listener.Progress("Recording", done, in_all); };
   options.on_note = [&](const std::string& line) { listener.Say(line); };
   reproduce::Reproduction reproduction{
-      .tank = reproduce::CompareTank(options), .bomb = {}, .bomb_absent = {}, .shown = {}};
-  reproduce::TankComparison& tank = reproduction.tank;
+      .synthetic = reproduce::CompareSynthetic(reproduce::FindCase("tank"), options),
+      .targets = {},
+      .shown = {}};
+  reproduce::SyntheticComparison& tank = reproduction.synthetic;
   TankResult result{.metrics = reproduce::ReproductionMetricsJson(reproduction),
                     .recording = {},
                     .scene = std::move(tank.scene),
@@ -57,9 +58,9 @@ void BindReproduce(py::module_& module) {
   module.def(
       "_known_bomb",
       [](const std::filesystem::path& folder) {
-        reproduce::KnownBomb bomb = reproduce::PrepareBomb(folder);
+        reproduce::PosedTarget bomb = reproduce::PoseTarget(reproduce::FindCase("bomb"), folder);
         return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)),
-                              std::move(bomb.scene), data_io::ParametersJson(bomb.initial).dump());
+                              std::move(bomb.scene), data_io::ParametersJson(bomb.start).dump());
       },
       py::arg("folder"));
 }

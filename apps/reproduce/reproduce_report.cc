@@ -9,9 +9,8 @@
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/fit_section.h"
-#include "apps/reproduce/bomb_report.h"
-#include "apps/reproduce/paper_tables.h"
 #include "apps/reproduce/summary_rows.h"
+#include "apps/reproduce/target_report.h"
 #include "core/types/units.h"
 #include "sim/paper/paper_values.h"
 
@@ -32,7 +31,7 @@ report::RowStyle FittedStyle(const workflow::RecordingFit& fit) {
   return IsSound(fit) ? report::RowStyle::kStrong : report::RowStyle::kPlain;
 }
 
-void AddOccupancyTable(report::HtmlReport& report, const TankComparison& tank) {
+void AddOccupancyTable(report::HtmlReport& report, const SyntheticComparison& synthetic) {
   report::Table table{.caption = "Occupancy, as the paper's Table 6: means over frames of the polar image",
                       .columns = {{"Data set"}, {"Ns/Nr"}, {"Na/Ns"}, {"Na/Nr"}},
                       .rows = {}};
@@ -41,14 +40,14 @@ void AddOccupancyTable(report::HtmlReport& report, const TankComparison& tank) {
         {{name, Figure(view.At("ns_over_nr")), Figure(view.At("na_over_ns")), Figure(view.At("na_over_nr"))},
          style});
   };
-  for (int set = 0; set < kTankDataSets; ++set) {
-    const TankDataSet& data = tank.data_sets[set];
-    const PublishedDataSet& paper = kPublished[set];
+  for (std::size_t set = 0; set < synthetic.data_sets.size(); ++set) {
+    const SyntheticDataSet& data = synthetic.data_sets[set];
+    const SyntheticCase::DataSet& paper = SyntheticOf(synthetic.plan).data_sets[set];
     table.rows.push_back(
         {{fmt::format("Data set {} (held-out frames {})", set + 1, report::FrameList(data.frames))},
          report::RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before.macro.polar, report::RowStyle::kPlain);
-    add(FittedName(tank.fit) + " (synthetic)", data.after.macro.polar, FittedStyle(tank.fit));
+    add(FittedName(synthetic.fit) + " (synthetic)", data.after.macro.polar, FittedStyle(synthetic.fit));
     add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample.macro.polar,
         report::RowStyle::kStrong);
     table.rows.push_back({{"published (other recordings)", fmt::format("{:.2f}", paper.ns_over_nr),
@@ -65,32 +64,32 @@ void AddOccupancyTable(report::HtmlReport& report, const TankComparison& tank) {
   report.Add(table);
 }
 
-void AddIntensityTable(report::HtmlReport& report, const TankComparison& tank) {
+void AddIntensityTable(report::HtmlReport& report, const SyntheticComparison& synthetic) {
   report::Table table{
       .caption = "Intensity error and simulation time, as the paper's Table 7",
       .columns = {{"Data set"}, {"X-Y image"}, {"R-theta image"}, {"Simulation time", "s a frame"}},
       .rows = {}};
-  const metrics::IntensityDomain domain = tank.fit.after.options.intensity_domain;
+  const metrics::IntensityDomain domain = synthetic.fit.after.options.intensity_domain;
   const auto add = [&](const std::string& name, const metrics::Aggregate& all, const std::string& time,
                        report::RowStyle style) {
     table.rows.push_back({{name, Figure(all.macro.fan.Over(domain).mean_absolute),
                            Figure(all.macro.polar.Over(domain).mean_absolute), time},
                           style});
   };
-  for (int set = 0; set < kTankDataSets; ++set) {
-    const TankDataSet& data = tank.data_sets[set];
-    const PublishedDataSet& paper = kPublished[set];
+  for (std::size_t set = 0; set < synthetic.data_sets.size(); ++set) {
+    const SyntheticDataSet& data = synthetic.data_sets[set];
+    const SyntheticCase::DataSet& paper = SyntheticOf(synthetic.plan).data_sets[set];
     table.rows.push_back({{fmt::format("Data set {}", set + 1)}, report::RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before, "", report::RowStyle::kPlain);
-    add(FittedName(tank.fit) + " (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
-        FittedStyle(tank.fit));
+    add(FittedName(synthetic.fit) + " (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
+        FittedStyle(synthetic.fit));
     add("acoustic model, fitted, expected image (synthetic)", data.acoustic_expected, "",
         report::RowStyle::kStrong);
     add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample, "",
         report::RowStyle::kPlain);
     table.rows.push_back(
-        {{"published (other recordings)", fmt::format("{:.2f}", paper.intensity_xy),
-          fmt::format("{:.2f}", paper.intensity_rtheta), fmt::format("{:.2f}", paper.simulation_time_s)},
+        {{"published (other recordings)", fmt::format("{:.2f}", paper.intensity_fan),
+          fmt::format("{:.2f}", paper.intensity_polar), fmt::format("{:.2f}", paper.simulation_time_s)},
          report::RowStyle::kMuted});
   }
   table.notes = {
@@ -98,7 +97,7 @@ void AddIntensityTable(report::HtmlReport& report, const TankComparison& tank) {
                   ToString(domain)),
       fmt::format("Our simulation time: tracing, shading and binning {} x {} rays on this machine, mean over "
                   "the frames of a data set; the paper's machine is another.",
-                  tank.paper_rays.cols, tank.paper_rays.rows)};
+                  synthetic.paper_rays.cols, synthetic.paper_rays.rows)};
   report.Add(table);
 }
 
@@ -116,37 +115,31 @@ std::vector<std::string> FloorNotes(const metrics::NoiseFloor& floor) {
   return notes;
 }
 
-void AddTank(report::HtmlReport& report, const TankComparison& tank) {
-  report.Section("The paper's tank");
-  report.Callout(
-      report::CalloutKind::kSynthetic, "The recorded side is synthetic",
-      "The paper's recordings were never published. What stands in their place here is a simulation by "
-      "another image formation than the two that are fitted: the echoes of point scatterers of random phase "
-      "at the elements of an array, noise at each element, a beamformer, a logarithmic display. Agreement "
-      "says how the models fare against such images, not how they fare in a tank. The acoustic model shares "
-      "its formulas for one echo with it, and knows its beam, pulse and display: the comparison favours it.");
-  report.Paragraph(fmt::format(
-      "Two mock-ups stand in the tank of Table 5; three data sets of four frames look at the "
-      "first, the second and "
-      "both. Both models are fitted to frames {} and judged on the {} others.",
-      report::FrameList(tank.fit.fit.report.frames_used), tank.fit.fit.report.frames_held_out.size()));
-  report.Paragraph(tank.absorption + " Recording and both models share it.");
+void AddSynthetic(report::HtmlReport& report, const SyntheticComparison& synthetic) {
+  const SyntheticCase& study = SyntheticOf(synthetic.plan);
+  report.Section(study.heading);
+  report.Callout(report::CalloutKind::kSynthetic, "The recorded side is synthetic", study.stand_in);
+  report.Paragraph(fmt::format("{} Both models are fitted to frames {} and evaluated on the {} others.",
+                               study.about, report::FrameList(synthetic.fit.fit.report.frames_used),
+                               synthetic.fit.fit.report.frames_held_out.size()));
+  AddKnown(report, synthetic.plan);
+  report.Paragraph(synthetic.absorption + " Recording and both models share it.");
   report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);
-  report::AddFitWarnings(report, tank.fit.fit.report, "paper model");
-  report::AddFitWarnings(report, tank.acoustic.fit.report, "acoustic model");
-  AddOccupancyTable(report, tank);
-  AddIntensityTable(report, tank);
-  report.Add(RowTable(TankRows(tank), "All held-out frames of the tank (synthetic), polar image",
-                      FloorNotes(tank.acoustic.after.noise_floor)));
+  report::AddFitWarnings(report, synthetic.fit.fit.report, "paper model");
+  report::AddFitWarnings(report, synthetic.acoustic.fit.report, "acoustic model");
+  AddOccupancyTable(report, synthetic);
+  AddIntensityTable(report, synthetic);
+  report.Add(RowTable(SyntheticRows(synthetic), "All held-out frames (synthetic), polar image",
+                      FloorNotes(synthetic.acoustic.after.noise_floor)));
   report.Subsection("Frames before and after the fit of the paper's model");
-  report::AddFitComparison(report, tank.fit);
+  report::AddFitComparison(report, synthetic.fit);
   report.Subsection("Frames before and after the fit of the acoustic model");
-  report::AddFitComparison(report, tank.acoustic);
-  report::AddUnexplained(report, tank.acoustic);
-  report.Subsection("Values of the paper's model, fitted to the tank");
-  report::AddFittedValues(report, tank.fit);
-  report.Subsection("Values of the acoustic model, fitted to the tank");
-  report::AddFittedValues(report, tank.acoustic);
+  report::AddFitComparison(report, synthetic.acoustic);
+  report::AddUnexplained(report, synthetic.acoustic);
+  report.Subsection("Values of the paper's model, fitted to the synthetic recording");
+  report::AddFittedValues(report, synthetic.fit);
+  report.Subsection("Values of the acoustic model, fitted to the synthetic recording");
+  report::AddFittedValues(report, synthetic.acoustic);
 }
 
 void AddShown(report::HtmlReport& report, const std::vector<ShownRecording>& shown) {
@@ -182,7 +175,7 @@ void AddShown(report::HtmlReport& report, const std::vector<ShownRecording>& sho
 }
 
 void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
-  const metrics::IntensityDomain domain = reproduction.tank.fit.after.options.intensity_domain;
+  const metrics::IntensityDomain domain = reproduction.synthetic.fit.after.options.intensity_domain;
   const auto figures_of = [&](const std::string& what, const workflow::RecordingFit& paper,
                               const metrics::MetricsReport& acoustic, const metrics::MetricsReport& sample) {
     const metrics::ViewSummary& p = (IsSound(paper) ? paper.after : paper.before).aggregate.macro.polar;
@@ -208,18 +201,47 @@ void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
                                           figure(kIou, s, "acoustic model, fitted: speckled sample"),
                                           figure(kError, s, "acoustic model, fitted: speckled sample")};
   };
-  const TankComparison& tank = reproduction.tank;
+  const SyntheticComparison& synthetic = reproduction.synthetic;
   std::vector<report::KeyFigure> figures =
-      figures_of("Tank (synthetic)", tank.fit, tank.acoustic.after, *tank.acoustic.sample_after);
-  if (reproduction.bomb && reproduction.bomb->fitted.paper.fit.usable &&
-      reproduction.bomb->fitted.acoustic.fit.usable) {
-    const BombComparison::Fitted& fitted = reproduction.bomb->fitted;
-    const auto of_bomb = figures_of("Bomb (recorded)", fitted.paper, fitted.expected, fitted.samples);
-    figures.insert(figures.end(), of_bomb.begin(), of_bomb.end());
+      figures_of(synthetic.plan.label + " (synthetic)", synthetic.fit, synthetic.acoustic.after,
+                 *synthetic.acoustic.sample_after);
+  for (const TargetResult& target : reproduction.targets) {
+    if (!target.comparison) continue;
+    const TargetComparison::Fitted& fitted = target.comparison->fitted;
+    if (!fitted.paper.fit.usable || !fitted.acoustic.fit.usable) continue;
+    const auto of_target = figures_of(target.comparison->plan.label + " (recorded)", fitted.paper,
+                                      fitted.expected, fitted.samples);
+    figures.insert(figures.end(), of_target.begin(), of_target.end());
   }
   report.KeyFigures(figures);
-  if (!reproduction.bomb)
-    report.Callout(report::CalloutKind::kNote, "No real recording", reproduction.bomb_absent);
+  for (const TargetResult& target : reproduction.targets) {
+    if (!target.comparison) report.Callout(report::CalloutKind::kNote, "No real recording", target.absent);
+  }
+}
+
+Json TargetJson(const TargetResult& result) {
+  if (!result.comparison) return {{"absent_because", result.absent}};
+  const TargetComparison& target = *result.comparison;
+  const calib::TargetPose& pose = target.pose.best.pose;
+  Json json = {{"synthetic", false},
+               {"known_beforehand", KnownSentences(target.plan)},
+               {"pose",
+                {{"range_m", pose.range_m},
+                 {"azimuth_deg", DegFromRad(pose.azimuth_rad)},
+                 {"elevation_deg", DegFromRad(pose.elevation_rad)},
+                 {"yaw_deg", DegFromRad(pose.yaw_rad)},
+                 {"pitch_deg", DegFromRad(pose.pitch_rad)},
+                 {"rms_difference", std::sqrt(target.pose.best.cost)},
+                 {"not_told_by_one_frame", target.pose.open}}},
+               {"acoustic_expected", Json::parse(metrics::MetricsJson(target.acoustic_expected))},
+               {"acoustic_sample", Json::parse(metrics::MetricsJson(target.acoustic_sample))}};
+  if (target.fit.fit.usable) {
+    json["metrics_before"] = Json::parse(metrics::MetricsJson(target.fit.before));
+    json["metrics_after"] = Json::parse(metrics::MetricsJson(target.fit.after));
+  }
+  json["fitted_outline"] = {{"rows", Json::parse(SummaryJson(TargetRows(target)))}};
+  json["searched_pose"] = {{"rows", Json::parse(SummaryJson(SearchedTargetRows(target)))}};
+  return json;
 }
 
 }  // namespace
@@ -229,20 +251,22 @@ report::HtmlReport MakeReproductionReport(const Reproduction& reproduction,
   report::HtmlReport report("Simulated and recorded sonar images",
                             "The comparison of Park, Sensors 2024, 24(23), 7835, made again");
   AddSummary(report, reproduction);
-  AddTank(report, reproduction.tank);
-  if (reproduction.bomb) AddBomb(report, *reproduction.bomb);
+  AddSynthetic(report, reproduction.synthetic);
+  for (const TargetResult& target : reproduction.targets) {
+    if (target.comparison) AddTarget(report, *target.comparison);
+  }
   AddShown(report, reproduction.shown);
-  report::AddMetricDefinitions(report, reproduction.tank.fit.after);
+  report::AddMetricDefinitions(report, reproduction.synthetic.fit.after);
   report::EndReport(report, provenance);
   return report;
 }
 
 std::string ReproductionMetricsJson(const Reproduction& reproduction) {
-  const TankComparison& tank = reproduction.tank;
-  Json json = Json::parse(metrics::MetricsJson(tank.fit.after));
-  json["metrics_before"] = Json::parse(metrics::MetricsJson(tank.fit.before));
+  const SyntheticComparison& synthetic = reproduction.synthetic;
+  Json json = Json::parse(metrics::MetricsJson(synthetic.fit.after));
+  json["metrics_before"] = Json::parse(metrics::MetricsJson(synthetic.fit.before));
   const auto summary = [&](const metrics::Aggregate& all) {
-    const metrics::IntensityDomain domain = tank.fit.after.options.intensity_domain;
+    const metrics::IntensityDomain domain = synthetic.fit.after.options.intensity_domain;
     return Json{{"ns_over_nr", JsonOf(all.macro.polar.At("ns_over_nr"))},
                 {"na_over_ns", JsonOf(all.macro.polar.At("na_over_ns"))},
                 {"na_over_nr", JsonOf(all.macro.polar.At("na_over_nr"))},
@@ -251,16 +275,16 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
                   {"fan", JsonOf(all.macro.fan.Over(domain).mean_absolute)}}}};
   };
   json["paper_display_rule"] = sim::kPaperDisplayRule;
-  json["paper_fit_warnings"] = tank.fit.fit.report.warnings;
+  json["paper_fit_warnings"] = synthetic.fit.fit.report.warnings;
   json["acoustic"] = {
-      {"metrics_before", Json::parse(metrics::MetricsJson(tank.acoustic.before))},
-      {"metrics_after", Json::parse(metrics::MetricsJson(tank.acoustic.after))},
-      {"sample_metrics_after", Json::parse(metrics::MetricsJson(*tank.acoustic.sample_after))}};
-  json["summary"] = {{"synthetic", true}, {"rows", Json::parse(SummaryJson(TankRows(tank)))}};
+      {"metrics_before", Json::parse(metrics::MetricsJson(synthetic.acoustic.before))},
+      {"metrics_after", Json::parse(metrics::MetricsJson(synthetic.acoustic.after))},
+      {"sample_metrics_after", Json::parse(metrics::MetricsJson(*synthetic.acoustic.sample_after))}};
+  json["summary"] = {{"synthetic", true}, {"rows", Json::parse(SummaryJson(SyntheticRows(synthetic)))}};
   json["data_sets"] = Json::array();
-  for (int set = 0; set < kTankDataSets; ++set) {
-    const TankDataSet& data = tank.data_sets[set];
-    const PublishedDataSet& paper = kPublished[set];
+  for (std::size_t set = 0; set < synthetic.data_sets.size(); ++set) {
+    const SyntheticDataSet& data = synthetic.data_sets[set];
+    const SyntheticCase::DataSet& paper = SyntheticOf(synthetic.plan).data_sets[set];
     json["data_sets"].push_back(
         {{"data_set", set + 1},
          {"synthetic", true},
@@ -274,32 +298,10 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
           {{"ns_over_nr", paper.ns_over_nr},
            {"na_over_ns", paper.na_over_ns},
            {"na_over_nr", paper.na_over_nr},
-           {"intensity_error", {{"polar", paper.intensity_rtheta}, {"fan", paper.intensity_xy}}},
+           {"intensity_error", {{"polar", paper.intensity_polar}, {"fan", paper.intensity_fan}}},
            {"simulation_time_s", paper.simulation_time_s}}}});
   }
-  if (!reproduction.bomb) {
-    json["bomb"] = {{"absent_because", reproduction.bomb_absent}};
-    return json.dump(2) + "\n";
-  }
-  const BombComparison& bomb = *reproduction.bomb;
-  const calib::TargetPose& pose = bomb.pose.best.pose;
-  json["bomb"] = {{"synthetic", false},
-                  {"pose",
-                   {{"range_m", pose.range_m},
-                    {"azimuth_deg", DegFromRad(pose.azimuth_rad)},
-                    {"elevation_deg", DegFromRad(pose.elevation_rad)},
-                    {"yaw_deg", DegFromRad(pose.yaw_rad)},
-                    {"pitch_deg", DegFromRad(pose.pitch_rad)},
-                    {"rms_difference", std::sqrt(bomb.pose.best.cost)},
-                    {"not_told_by_one_frame", bomb.pose.open}}},
-                  {"acoustic_expected", Json::parse(metrics::MetricsJson(bomb.acoustic_expected))},
-                  {"acoustic_sample", Json::parse(metrics::MetricsJson(bomb.acoustic_sample))}};
-  if (bomb.fit.fit.usable) {
-    json["bomb"]["metrics_before"] = Json::parse(metrics::MetricsJson(bomb.fit.before));
-    json["bomb"]["metrics_after"] = Json::parse(metrics::MetricsJson(bomb.fit.after));
-  }
-  json["bomb"]["fitted_outline"] = {{"rows", Json::parse(SummaryJson(BombRows(bomb)))}};
-  json["bomb"]["searched_pose"] = {{"rows", Json::parse(SummaryJson(SearchedBombRows(bomb)))}};
+  for (const TargetResult& target : reproduction.targets) json[target.name] = TargetJson(target);
   return json.dump(2) + "\n";
 }
 

@@ -1,4 +1,5 @@
-// The report of `reproduce`: the tank beside the paper's tables, the bomb's frames, the other recordings.
+// The report of `reproduce`: the synthetic case beside the published tables, the frames of real targets, and
+// other recordings.
 #pragma once
 
 #include <memory>
@@ -9,8 +10,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "apps/report/html/html_report.h"
-#include "apps/reproduce/bomb_comparison.h"
-#include "apps/reproduce/tank_comparison.h"
+#include "apps/reproduce/synthetic_comparison.h"
+#include "apps/reproduce/target_comparison.h"
 
 namespace sonarcal::reproduce {
 
@@ -24,19 +25,26 @@ struct ShownRecording {
   std::vector<std::uint8_t> fan_png;
 };
 
+// The comparison of a target's case, or the reason for its absence.
+struct TargetResult {
+  std::string name;
+  std::optional<TargetComparison> comparison;
+  std::string absent;
+};
+
 struct Reproduction {
-  TankComparison tank;
-  std::optional<BombComparison> bomb;
-  std::string bomb_absent;  // why there is none
+  SyntheticComparison synthetic;
+  std::vector<TargetResult> targets;
   std::vector<ShownRecording> shown;
 };
 
 report::HtmlReport MakeReproductionReport(const Reproduction& reproduction,
                                           const nlohmann::ordered_json& provenance);
 
-// The text of metrics.json: the tank's held-out frames after the fit of the paper's model in the form of
-// `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a sample),
-// "summary" (apps/reproduce/summary_rows.h), "data_sets" with the published values, and "bomb".
+// The text of metrics.json: the held-out frames of the synthetic case after the fit of the paper's model in the
+// form of `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a
+// sample), "summary" (apps/reproduce/summary_rows.h), "data_sets" with the published values, and one member per
+// target, such as "bomb".
 std::string ReproductionMetricsJson(const Reproduction& reproduction);
 
 }  // namespace sonarcal::reproduce

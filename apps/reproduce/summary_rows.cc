@@ -12,18 +12,18 @@ std::string FittedName(const workflow::RecordingFit& fit) {
   return IsSound(fit) ? "paper model, fitted" : "paper model, fitted (doubtful)";
 }
 
-std::vector<SummaryRow> TankRows(const TankComparison& tank) {
-  return {
-      {"paper_initial", "paper model, its own values", &tank.fit.before},
-      {"paper_fitted", FittedName(tank.fit), &tank.fit.after, IsSound(tank.fit)},
-      {"acoustic_initial", "acoustic model, before its fit, expected image", &tank.acoustic.before},
-      {"acoustic_expected", "acoustic model, fitted, expected image", &tank.acoustic.after, true},
-      {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*tank.acoustic.sample_after, true}};
+std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic) {
+  return {{"paper_initial", "paper model, its own values", &synthetic.fit.before},
+          {"paper_fitted", FittedName(synthetic.fit), &synthetic.fit.after, IsSound(synthetic.fit)},
+          {"acoustic_initial", "acoustic model, before its fit, expected image", &synthetic.acoustic.before},
+          {"acoustic_expected", "acoustic model, fitted, expected image", &synthetic.acoustic.after, true},
+          {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*synthetic.acoustic.sample_after,
+           true}};
 }
 
-std::vector<SummaryRow> BombRows(const BombComparison& bomb) {
+std::vector<SummaryRow> TargetRows(const TargetComparison& target) {
   std::vector<SummaryRow> rows;
-  const BombComparison::Fitted& fitted = bomb.fitted;
+  const TargetComparison::Fitted& fitted = target.fitted;
   if (fitted.paper.fit.usable) {
     rows.push_back({"paper_initial", "paper model, its own values", &fitted.paper.before});
     rows.push_back({"paper_fitted", FittedName(fitted.paper), &fitted.paper.after, IsSound(fitted.paper)});
@@ -33,19 +33,20 @@ std::vector<SummaryRow> BombRows(const BombComparison& bomb) {
     rows.push_back({"acoustic_samples", "acoustic model, fitted, speckled samples", &fitted.samples, true});
     rows.push_back({"floor", "the expected image against its own samples", &fitted.floor, false, true});
   }
-  rows.push_back({"real_against_real", "the other recorded frame", &bomb.real_against_real, false, true});
+  rows.push_back({"real_against_real", "the other recorded frame", &target.real_against_real, false, true});
   return rows;
 }
 
-std::vector<SummaryRow> SearchedBombRows(const BombComparison& bomb) {
+std::vector<SummaryRow> SearchedTargetRows(const TargetComparison& target) {
   std::vector<SummaryRow> rows;
-  if (bomb.fit.fit.usable) {
-    rows.push_back({"paper_initial", "paper model, its own values", &bomb.fit.before});
-    rows.push_back({"paper_fitted", FittedName(bomb.fit), &bomb.fit.after});
+  if (target.fit.fit.usable) {
+    rows.push_back({"paper_initial", "paper model, its own values", &target.fit.before});
+    rows.push_back({"paper_fitted", FittedName(target.fit), &target.fit.after});
   }
   rows.push_back(
-      {"acoustic_expected", "acoustic model, not fitted, expected image", &bomb.acoustic_expected});
-  rows.push_back({"acoustic_sample", "acoustic model, not fitted, a speckled sample", &bomb.acoustic_sample});
+      {"acoustic_expected", "acoustic model, not fitted, expected image", &target.acoustic_expected});
+  rows.push_back(
+      {"acoustic_sample", "acoustic model, not fitted, a speckled sample", &target.acoustic_sample});
   return rows;
 }
 

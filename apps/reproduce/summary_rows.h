@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/reproduce/bomb_comparison.h"
-#include "apps/reproduce/tank_comparison.h"
+#include "apps/reproduce/synthetic_comparison.h"
+#include "apps/reproduce/target_comparison.h"
 
 namespace sonarcal::reproduce {
 
@@ -24,15 +24,15 @@ bool IsSound(const workflow::RecordingFit& fit);
 // A row's name for a fit of the paper's model.
 std::string FittedName(const workflow::RecordingFit& fit);
 
-// On the held-out frames of the synthetic tank.
-std::vector<SummaryRow> TankRows(const TankComparison& tank);
+// On the held-out frames of a synthetic case.
+std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic);
 
-// On the held-out frame of the bomb, with outline and pose found beforehand; a fit without a usable solution
+// On the held-out frame of a target, with outline and pose as known beforehand. A fit without a usable solution
 // has no rows.
-std::vector<SummaryRow> BombRows(const BombComparison& bomb);
+std::vector<SummaryRow> TargetRows(const TargetComparison& target);
 
-// The same with the plain outline and the pose found by the search.
-std::vector<SummaryRow> SearchedBombRows(const BombComparison& bomb);
+// As TargetRows, with the plain outline and the pose that the search found.
+std::vector<SummaryRow> SearchedTargetRows(const TargetComparison& target);
 
 // {key: {"name", "iou", "ns_over_nr", "na_over_ns", "na_over_nr", "intensity_error": {"union", "overlap",
 // "whole"}}} of the polar images, as JSON text.

@@ -31,14 +31,17 @@ std::vector<double> TwoNumbers(const JsonReader& json, const char* expected) {
   return numbers;
 }
 
+const NumberRange kHalfAngleDeg = NumberRange::Between(0.5, 89.0);
+const NumberRange kXScale = NumberRange::Between(0.1, 10.0);
+
 void ReadFan(const JsonReader& json, PictureGeometry& geometry) {
   if (const auto beams = json.Find("beams")) geometry.beams = static_cast<int>(beams->Integer(2, kMostBins));
   if (const auto bins = json.Find("range_bins"))
     geometry.range_bins = static_cast<int>(bins->Integer(1, kMostBins));
-  const auto half_angle_deg = json.FindNumber("half_angle_deg", NumberRange::Between(0.5, 89.0));
+  const auto half_angle_deg = json.FindNumber("half_angle_deg", kHalfAngleDeg);
   const auto apex = json.Find("apex_px");
   const auto radius = json.Find("radius_px");
-  const auto x_scale = json.FindNumber("x_scale", NumberRange::Between(0.1, 10.0));
+  const auto x_scale = json.FindNumber("x_scale", kXScale);
   if (!apex && !radius) {
     if (x_scale) json.At("x_scale").Fail("stands without apex_px, radius_px and half_angle_deg");
     geometry.half_angle_deg = half_angle_deg;
@@ -46,13 +49,44 @@ void ReadFan(const JsonReader& json, PictureGeometry& geometry) {
   }
   if (!apex || !radius || !half_angle_deg)
     json.Fail("needs apex_px, radius_px and half_angle_deg together, or neither of the first two");
-  const std::vector<double> at = TwoNumbers(*apex, "a column and a row");
-  const std::vector<double> radii = TwoNumbers(*radius, "that of the near arc and that of the far one");
-  geometry.fan = FanGeometry{at[0], at[1], radii[0], radii[1], *half_angle_deg, x_scale.value_or(1.0)};
-  geometry.fan->Validate(json.file());
+  geometry.fan = ReadFanGeometry(json);
 }
 
 }  // namespace
+
+FanGeometry ReadFanGeometry(const JsonReader& json) {
+  const std::vector<double> at = TwoNumbers(json.At("apex_px"), "a column and a row");
+  const std::vector<double> radii =
+      TwoNumbers(json.At("radius_px"), "that of the near arc and that of the far one");
+  const FanGeometry fan{.apex_x_px = at[0],
+                        .apex_y_px = at[1],
+                        .radius_min_px = radii[0],
+                        .radius_max_px = radii[1],
+                        .half_angle_deg = json.At("half_angle_deg").Number(kHalfAngleDeg),
+                        .x_scale = json.FindNumber("x_scale", kXScale).value_or(1.0)};
+  fan.Validate(json.file());
+  return fan;
+}
+
+Grid<float> SampleFan(const Grid<float>& picture, const FanGeometry& fan, const PolarAxes& axes,
+                      const std::string& where) {
+  Grid<float> polar(axes.range_bins, axes.beam_count());
+  const double px_per_m = (fan.radius_max_px - fan.radius_min_px) / (axes.range_max_m - axes.range_min_m);
+  for (int beam = 0; beam < polar.cols(); ++beam) {
+    const double azimuth_rad = axes.beam_azimuth_rad[beam];
+    for (int bin = 0; bin < polar.rows(); ++bin) {
+      const double radius_px = fan.radius_min_px + (axes.range_centre_m(bin) - axes.range_min_m) * px_per_m;
+      const auto row = std::lround(fan.apex_y_px - radius_px * std::cos(azimuth_rad));
+      const auto col = std::lround(fan.apex_x_px + fan.x_scale * radius_px * std::sin(azimuth_rad));
+      if (row < 0 || row >= picture.rows() || col < 0 || col >= picture.cols()) {
+        throw DataError("{}: {} x {} pixels, which do not hold the whole fan {{{}}}", where, picture.rows(),
+                        picture.cols(), JsonOf(fan));
+      }
+      polar(bin, beam) = picture(static_cast<int>(row), static_cast<int>(col));
+    }
+  }
+  return polar;
+}
 
 PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
   constexpr double kMostRangeM = 10'000.0;

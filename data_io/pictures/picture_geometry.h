@@ -35,6 +35,8 @@
 
 namespace sonarcal::data_io {
 
+class JsonReader;
+
 struct PictureGeometry {
   double range_min_m = 0.0;
   double range_max_m = 0.0;
@@ -72,6 +74,16 @@ PictureGeometry ReadPictureGeometry(const std::filesystem::path& file);
 
 // Members of "fan" as text: "\"apex_px\": [...], \"radius_px\": ...".
 std::string JsonOf(const FanGeometry& fan);
+
+// Reads the members of "fan" where the place is required: apex_px, radius_px, half_angle_deg and, optional,
+// x_scale. Throws DataError with file, line and key.
+FanGeometry ReadFanGeometry(const JsonReader& json);
+
+// Samples a fan picture at the centres of the beams and range bins of `axes`, by nearest neighbour. The near
+// and the far arc of `fan` show axes.range_min_m and axes.range_max_m. Throws DataError beginning with `where`
+// if the picture does not hold all samples.
+Grid<float> SampleFan(const Grid<float>& picture, const FanGeometry& fan, const PolarAxes& axes,
+                      const std::string& where);
 
 // Converts pictures of one size to range and azimuth. Stores the weights that all pictures share.
 class PictureSampler {

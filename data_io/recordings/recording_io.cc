@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -65,9 +66,11 @@ void WriteValid(const fs::path& file, const Mask& valid) {
 
 class RecordingFolder final : public RecordingSource {
  public:
-  explicit RecordingFolder(const fs::path& folder) : folder_(folder), header_(ReadRecordingHeader(folder)) {
+  RecordingFolder(const fs::path& folder, fs::path images)
+      : images_(std::move(images)), header_(ReadRecordingHeader(folder)) {
+    header_.info.source = images_.string();
     if (!header_.valid_file.empty())
-      header_.info.valid = ReadValid(folder_ / header_.valid_file, header_.info.sonar.axes);
+      header_.info.valid = ReadValid(images_ / header_.valid_file, header_.info.sonar.axes);
   }
 
   const RecordingInfo& info() const override { return header_.info; }
@@ -77,7 +80,7 @@ class RecordingFolder final : public RecordingSource {
   Frame ReadFrame(int index) const override {
     Frame frame;
     frame.info = frame_info(index);
-    const fs::path file = folder_ / frame.info.name;
+    const fs::path file = images_ / frame.info.name;
     const PolarAxes& axes = header_.info.sonar.axes;
     frame.image = {axes, header_.info.scale, ReadImage(file, GreyHeader(axes, header_.bits))};
     CheckValues(frame.image, file.string());
@@ -85,7 +88,7 @@ class RecordingFolder final : public RecordingSource {
   }
 
  private:
-  fs::path folder_;
+  fs::path images_;
   RecordingHeader header_;
 };
 
@@ -138,9 +141,14 @@ bool IsRecordingFolder(const fs::path& path) {
 }
 
 std::unique_ptr<RecordingSource> OpenRecordingFolder(const fs::path& path) {
-  if (path.filename() != kRecordingFile) return std::make_unique<RecordingFolder>(path);
-  const fs::path folder = path.parent_path();
-  return std::make_unique<RecordingFolder>(folder.empty() ? "." : folder);
+  if (path.filename() != kRecordingFile) return std::make_unique<RecordingFolder>(path, path);
+  const fs::path parent = path.parent_path();
+  const fs::path folder = parent.empty() ? "." : parent;
+  return std::make_unique<RecordingFolder>(folder, folder);
+}
+
+std::unique_ptr<RecordingSource> OpenRecordingOf(const fs::path& images, const fs::path& folder) {
+  return std::make_unique<RecordingFolder>(folder, images);
 }
 
 void WriteRecording(const RecordingSource& recording, const fs::path& folder,

@@ -49,6 +49,11 @@ bool IsRecordingFolder(const std::filesystem::path& path);
 // full_scale. Several threads may read frames at once.
 std::unique_ptr<RecordingSource> OpenRecordingFolder(const std::filesystem::path& path);
 
+// Opens the recording that `folder`/recording.json describes, with its images in the folder `images`: for
+// published images that came without a recording.json. `info().source` is `images`.
+std::unique_ptr<RecordingSource> OpenRecordingOf(const std::filesystem::path& images,
+                                                 const std::filesystem::path& folder);
+
 // Reads a sonar without a recording: a file {"sonar": {...}, "water": {...}} whose members are those of
 // recording.json; `water` may be absent. Fills these two, source and notes; rejects other keys.
 RecordingInfo ReadSonarFile(const std::filesystem::path& file);

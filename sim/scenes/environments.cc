@@ -34,15 +34,15 @@ Options Resolved(Options own, const EnvironmentOptions& options) {
 }
 
 Scene Tank(const EnvironmentOptions& options) {
-  PaperTankOptions tank = PaperTankOfPaper(options.size);
+  MockupTankOptions tank = MockupTankOfSize(options.size);
   tank.tank = Resolved(tank.tank, options);
   tank.mockup = Resolved(tank.mockup, options);
   tank.tank.surface = options.surface;
-  return MakePaperTank(tank);
+  return MakeMockupTank(tank);
 }
 
 Scene Mockup(const EnvironmentOptions& options) {
-  Scene scene = MakeMockup(Resolved(MockupOfPaper(options.size), options));
+  Scene scene = MakeMockup(Resolved(MockupOfSize(options.size), options));
   if (options.bed) scene.Append(FlatBed(kMockupBed_m, options.max_edge_m, "floor"));
   return scene;
 }
@@ -66,7 +66,7 @@ Scene Jacket(const EnvironmentOptions& options) {
 }
 
 std::vector<Pose> TankViewpoints() {
-  return {PaperTankPoses(1)[0], PaperTankPoses(1)[2], PaperTankPoses(2)[1], PaperTankPoses(3)[0]};
+  return {MockupTankPoses(1)[0], MockupTankPoses(1)[2], MockupTankPoses(2)[1], MockupTankPoses(3)[0]};
 }
 
 // Viewpoints around the block, one per side.
@@ -98,7 +98,7 @@ std::vector<Pose> JacketViewpoints() {
 const std::vector<Environment>& Environments() {
   static const std::vector<Environment> environments = {
       {"tank", "Tank", "Test tank, 12 x 10 x 1.5 m, with two mock-ups (Park 2024 Table 5, Fig. 10)", 0.0,
-       Tank, TankViewpoints},
+       Tank, TankViewpoints, kMockupTankPoseSets, MockupTankPoses},
       {"mockup", "Mock-up", "Scaled subsea well, 1 x 1 x 1.5 m, another pattern on each side (Fig. 9)",
        kMockupBed_m, Mockup, MockupViewpoints},
       {"seabed", "Seabed", "Smooth seabed with relief, 10 x 10 x 2 m (Figs. 5a and 6)", 0.0, Seabed,

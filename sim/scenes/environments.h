@@ -1,5 +1,4 @@
-// Built-in scenes by name, each with viewpoints: the scenes of Park 2024 Section 5 (seabed, bridge pier,
-// jacket; Figs. 5 to 8) and of Section 6 (tank, mock-up).
+// Built-in scenes by name, each with viewpoints.
 //
 //   for (const Environment& environment : Environments()) {
 //     const Scene scene = environment.make({});
@@ -23,11 +22,11 @@ namespace sonarcal::sim {
 
 // Options of all scenes. A scene ignores those that do not apply to it.
 struct EnvironmentOptions {
-  double max_edge_m = 0.0;              // longest side of the mesh's cells; 0: the scene's own default
-  PaperSize size = PaperSize::kTable5;  // of tank and mock-up
-  bool surface = false;                 // tank: add the water surface
-  std::uint64_t seed = 1;               // seabed: random seed
-  bool bed = false;                     // adds a flat bed below a free-standing object (bed_m > 0)
+  double max_edge_m = 0.0;                    // longest side of the mesh's cells; 0: the scene's own default
+  SizeVariant size = SizeVariant::kStandard;  // of tank and mock-up
+  bool surface = false;                       // tank: add the water surface
+  std::uint64_t seed = 1;                     // seabed: random seed
+  bool bed = false;                           // adds a flat bed below a free-standing object (bed_m > 0)
 };
 
 struct Environment {
@@ -37,9 +36,11 @@ struct Environment {
   double bed_m;                  // side of the optional flat bed; 0: no bed
   // Throws DataError for unusable options.
   Scene (*make)(const EnvironmentOptions& options);
-  // Poses world_from_sonar for a sonar with a range of about 9 m and a field of view of 45 x 20 degrees. The
-  // paper gives no poses; these are assumptions.
+  // Poses world_from_sonar for a sonar with a range of about 9 m and a field of view of 45 x 20 degrees.
   std::vector<Pose> (*viewpoints)();
+  // Pose sets for recordings of the scene: `poses(set)` with 1 <= set <= pose_sets. No sets: no function.
+  int pose_sets = 0;
+  std::vector<Pose> (*poses)(int set) = nullptr;
 };
 
 const std::vector<Environment>& Environments();

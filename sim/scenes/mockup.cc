@@ -184,9 +184,9 @@ void MockupOptions::Validate() const {
   if (!(max_edge_m > 0.0)) throw DataError("mock-up: max_edge_m is {}, expected more than 0", max_edge_m);
 }
 
-MockupOptions MockupOfPaper(PaperSize size) {
+MockupOptions MockupOfSize(SizeVariant size) {
   MockupOptions options;
-  if (size == PaperSize::kText) options.height_m = 1.0;
+  if (size == SizeVariant::kAlternative) options.height_m = 1.0;
   return options;
 }
 

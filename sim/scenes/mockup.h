@@ -1,6 +1,4 @@
-// Scaled subsea well that Park 2024 (Section 6, Fig. 9) put into a tank: a block "with a unique pattern on
-// each side". The paper gives two different sizes, and neither drawings nor the depth of the patterns. The
-// reliefs here are assumptions.
+// Mock-up of a subsea well: a block with a different relief on each side.
 //
 // Object frame: origin in the middle of the footprint on the floor, x along the length, y along the width, z
 // up. The mesh is a union of closed solids, some of which penetrate each other, so a ray from outside always
@@ -17,8 +15,13 @@
 
 namespace sonarcal::sim {
 
-// Source of the size. The text (Section 6) and Table 5 contradict each other.
-enum class PaperSize { kTable5, kText };
+// Sizes of tank and mock-ups that go together.
+enum class SizeVariant { kStandard, kAlternative };
+
+constexpr auto WordsOf(std::type_identity<SizeVariant>) {
+  return Words<SizeVariant, 2>{
+      {{"standard", SizeVariant::kStandard}, {"alternative", SizeVariant::kAlternative}}};
+}
 
 enum class MockupPattern {
   kCross,  // a square rim around a raised upright cross
@@ -49,8 +52,8 @@ struct MockupOptions {
   void Validate() const;
 };
 
-// 1 x 1 x 1.5 m (Table 5, the default), or the 1 m cube of the text.
-MockupOptions MockupOfPaper(PaperSize size);
+// Standard 1 x 1 x 1.5 m (the default), alternative a cube of 1 m.
+MockupOptions MockupOfSize(SizeVariant size);
 
 Scene MakeMockup(const MockupOptions& options = {});
 

@@ -15,6 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kMinCylinderSectors = 16;
+constexpr int kMinTurnedSectors = 24;
 
 void RequirePositive(double value_m, const char* what) {
   if (!(value_m > 0.0 && std::isfinite(value_m))) {
@@ -174,6 +175,21 @@ Scene MakeRevolution(const std::vector<ProfilePoint>& profile, int sectors, bool
     circle.emplace_back(std::cos(angle_rad), std::sin(angle_rad));
   }
   return MakeLoft(profile, circle, ring, material);
+}
+
+Scene MakeTurnedSolid(const std::vector<ProfilePoint>& outline, double max_edge_m,
+                      const std::string& material) {
+  if (outline.size() < 2) throw DataError("an outline of {} points, expected at least two", outline.size());
+  double largest_m = 0.0;
+  for (const ProfilePoint& point : outline) {
+    RequirePositive(point.radius_m, "an outline with a radius");
+    largest_m = std::max(largest_m, point.radius_m);
+  }
+  std::vector<ProfilePoint> profile = {{outline.front().axial_m, 0.0}};
+  profile.insert(profile.end(), outline.begin(), outline.end());
+  profile.push_back({outline.back().axial_m, 0.0});
+  return MakeRevolution(RefineProfile(profile, max_edge_m),
+                        SectorsFor(largest_m, max_edge_m, kMinTurnedSectors), false, material);
 }
 
 Scene MakeLoft(const std::vector<ProfilePoint>& profile, const std::vector<Eigen::Vector2d>& section,

@@ -50,6 +50,11 @@ int SectorsFor(double radius_m, double max_edge_m, int at_least);
 Scene MakeRevolution(const std::vector<ProfilePoint>& profile, int sectors, bool ring,
                      const std::string& material);
 
+// The closed solid of revolution about the +X axis through a table of radii, with flat ends: `outline` (two or
+// more points, positive radii) runs from its lowest to its highest end.
+Scene MakeTurnedSolid(const std::vector<ProfilePoint>& outline, double max_edge_m,
+                      const std::string& material);
+
 // As MakeRevolution, with a polygon in place of the circle: `section` (>= 3 points, counter-clockwise seen
 // from +X, in the y-z plane about the axis) is scaled by the profile's radius.
 Scene MakeLoft(const std::vector<ProfilePoint>& profile, const std::vector<Eigen::Vector2d>& section,

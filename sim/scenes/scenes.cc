@@ -35,9 +35,9 @@ void TankOptions::Validate() const {
   if (!(max_edge_m > 0.0)) throw DataError("tank: max_edge_m is {}, expected more than 0", max_edge_m);
 }
 
-TankOptions TankOfPaper(PaperSize size) {
+TankOptions TankOfSize(SizeVariant size) {
   TankOptions options;
-  if (size == PaperSize::kText) {
+  if (size == SizeVariant::kAlternative) {
     options.length_m = 15.0;
     options.depth_m = 2.0;
   }
@@ -73,21 +73,21 @@ Eigen::Isometry3d WorldFromObject(const Place& place) {
   return world_from_object;
 }
 
-PaperTankOptions PaperTankOfPaper(PaperSize size) {
-  PaperTankOptions options;
-  options.tank = TankOfPaper(size);
-  options.mockup = MockupOfPaper(size);
+MockupTankOptions MockupTankOfSize(SizeVariant size) {
+  MockupTankOptions options;
+  options.tank = TankOfSize(size);
+  options.mockup = MockupOfSize(size);
   return options;
 }
 
-Scene MakePaperTank(const PaperTankOptions& options) {
+Scene MakeMockupTank(const MockupTankOptions& options) {
   Scene scene = MakeTank(options.tank);
   const Scene mockup = MakeMockup(options.mockup);
   for (const Place& place : options.places) scene.Append(Moved(mockup, WorldFromObject(place)));
   return scene;
 }
 
-std::vector<Pose> PaperTankPoses(int dataset) {
+std::vector<Pose> MockupTankPoses(int set) {
   // Offset from the sonar to the middle of the target: metres to the right, metres ahead.
   struct Offset {
     double right_m;
@@ -97,13 +97,13 @@ std::vector<Pose> PaperTankPoses(int dataset) {
                                                        Offset{0.3, 5.6}};
   static constexpr std::array<Offset, 4> kBothMockups = {Offset{0.0, 5.0}, Offset{0.3, 5.4},
                                                          Offset{-0.3, 5.4}, Offset{0.0, 5.7}};
-  if (dataset < 1 || dataset > 3) throw DataError("data set {}, expected 1, 2 or 3", dataset);
+  if (set < 1 || set > 3) throw DataError("pose set {}, expected 1, 2 or 3", set);
 
-  const std::array<Place, 2> places = PaperTankOptions{}.places;
+  const std::array<Place, 2> places = MockupTankOptions{}.places;
   const Place middle{0.5 * (places[0].x_m + places[1].x_m), 0.5 * (places[0].y_m + places[1].y_m)};
-  const Place& target = dataset == 3 ? middle : places[dataset - 1];
+  const Place& target = set == 3 ? middle : places[set - 1];
   std::vector<Pose> poses;
-  for (const auto& [right_m, ahead_m] : dataset == 3 ? kBothMockups : kOneMockup) {
+  for (const auto& [right_m, ahead_m] : set == 3 ? kBothMockups : kOneMockup) {
     poses.push_back({RotationFromYawPitchRoll(0.0, 0.0, 0.0),
                      Vector3d(target.x_m - right_m, target.y_m - ahead_m, kSonarHeight_m)});
   }

@@ -17,9 +17,9 @@ void AcousticFrame(benchmark::State& state) {
   parameters.model = EchoModel::kAcoustic;
   sim::SimulationOptions options = Options(preset, sim::AcousticFanOptions(preset.sonar, parameters));
   options.noise = false;
-  const sim::Simulator simulator(sim::MakePaperTank(sim::PaperTankOfPaper(sim::PaperSize::kTable5)),
+  const sim::Simulator simulator(sim::MakeMockupTank(sim::MockupTankOfSize(sim::SizeVariant::kStandard)),
                                  preset.sonar, options);
-  const Pose pose = sim::PaperTankPoses(3).front();
+  const Pose pose = sim::MockupTankPoses(3).front();
   const auto seconds = [&](const auto& run) {
     const double began = Now();
     run();

@@ -17,9 +17,9 @@ inline double Now() {
 
 // The paper's tank, its mock-ups of this many triangles each.
 inline Scene Tank(int triangles) {
-  sim::PaperTankOptions options = sim::PaperTankOfPaper(sim::PaperSize::kTable5);
+  sim::MockupTankOptions options = sim::MockupTankOfSize(sim::SizeVariant::kStandard);
   options.mockup = sim::RefinedTo(options.mockup, triangles);
-  return sim::MakePaperTank(options);
+  return sim::MakeMockupTank(options);
 }
 
 inline ParameterSet Parameters() {

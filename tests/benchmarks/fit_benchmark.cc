@@ -44,7 +44,7 @@ std::vector<Pose> Poses() {
   std::vector<Pose> poses;
   for (int i = 0; poses.size() < kFrames; ++i) {
     for (int set = 1; set <= 3; ++set) {
-      for (const Pose& pose : sim::PaperTankPoses(set)) {
+      for (const Pose& pose : sim::MockupTankPoses(set)) {
         if (poses.size() == kFrames) return poses;
         const double pitch_rad = RadFromDeg(-10.0 * i);
         poses.push_back(
@@ -62,7 +62,7 @@ void FitBesideTracing(benchmark::State& state) {
   options.fan = {.sampling = sim::Sampling::kBeams, .cols = 1500, .rows = 1200, .elevation_span_deg = 60.0};
   options.water = preset.water;
   options.noise = true;
-  const sim::Simulator simulator(sim::MakePaperTank(), sonar, options);
+  const sim::Simulator simulator(sim::MakeMockupTank(), sonar, options);
   const ParameterSet truth = Truth();
   std::vector<calib::AcousticFrame> frames;
   for (const Pose& pose : Poses()) {

@@ -53,7 +53,7 @@ void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& 
 }
 
 void TankFrame(benchmark::State& state) {
-  FrameBesideEmbree(state, Tank(300'000), sim::PaperTankPoses(3).front(), kPaperRays);
+  FrameBesideEmbree(state, Tank(300'000), sim::MockupTankPoses(3).front(), kPaperRays);
 }
 BENCHMARK(TankFrame)->Iterations(1)->Unit(benchmark::kMillisecond);
 
@@ -97,7 +97,7 @@ void TwoThreads(benchmark::State& state) {
   constexpr int kRounds = 9;
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const Scene scene = Tank(300'000);
-  const Pose pose = sim::PaperTankPoses(3).front();
+  const Pose pose = sim::MockupTankPoses(3).front();
   const sim::Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
   sim::RayFanOptions row = kPaperRays;
   row.rows = 1;
@@ -136,7 +136,7 @@ void DefaultSampling(benchmark::State& state) {
   const sim::Simulator papers(Tank(300'000), preset.sonar, Options(preset, kPaperRays));
   const sim::Simulator by_default(Tank(300'000), preset.sonar,
                                   Options(preset, sim::PaperFanOptions(preset.sonar)));
-  const Pose pose = sim::PaperTankPoses(3).front();
+  const Pose pose = sim::MockupTankPoses(3).front();
   for (auto unused : state) {
     std::vector<double> ratio;
     std::vector<double> seconds;
@@ -158,7 +158,7 @@ void Rays(benchmark::State& state) {
   rays.rows = static_cast<int>(state.range(0)) * 4 / 5;
   const sim::Simulator simulator(Tank(300'000), preset.sonar, Options(preset, rays));
   for (auto unused : state) {
-    const double seconds = FrameSeconds(simulator, sim::PaperTankPoses(3).front());
+    const double seconds = FrameSeconds(simulator, sim::MockupTankPoses(3).front());
     state.counters["frame_ms"] = 1e3 * seconds;
     state.counters["ns_per_ray"] = 1e9 * seconds / simulator.fan().size();
   }
@@ -170,7 +170,7 @@ void Triangles(benchmark::State& state) {
   const Scene scene = Tank(static_cast<int>(state.range(0)) / 2);
   const sim::Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
   for (auto unused : state) {
-    state.counters["frame_ms"] = 1e3 * FrameSeconds(simulator, sim::PaperTankPoses(3).front());
+    state.counters["frame_ms"] = 1e3 * FrameSeconds(simulator, sim::MockupTankPoses(3).front());
     state.counters["triangles"] = static_cast<double>(scene.triangles.size());
   }
 }

@@ -126,7 +126,7 @@ void WriteAll(const fs::path& folder) {
   fs::create_directories(folder);
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const Scene scene = Tank(300'000);
-  const Pose pose = sim::PaperTankPoses(3).front();
+  const Pose pose = sim::MockupTankPoses(3).front();
   const FanMap map(preset.sonar.axes, FanAxesFor(preset.sonar.axes, {}));
   sim::SimulationOptions options = Options(preset, kPaperRays);
   const sim::Simulator noisy(scene, preset.sonar, options);

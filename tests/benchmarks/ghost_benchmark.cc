@@ -13,7 +13,7 @@ namespace {
 void TankGhosts(benchmark::State& state) {
   constexpr int kRounds = 9;
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
-  sim::PaperTankOptions tank = sim::PaperTankOfPaper(sim::PaperSize::kTable5);
+  sim::MockupTankOptions tank = sim::MockupTankOfSize(sim::SizeVariant::kStandard);
   tank.tank.surface = true;
   ParameterSet without = Parameters();
   without.model = EchoModel::kAcoustic;
@@ -21,8 +21,8 @@ void TankGhosts(benchmark::State& state) {
   with.mirrors = {{"floor", {10.5}}, {"wall", {6.0}}, {"surface", {0.7}}};
   sim::SimulationOptions options = Options(preset, sim::AcousticFanOptions(preset.sonar, without));
   options.noise = false;
-  const sim::Simulator simulator(sim::MakePaperTank(tank), preset.sonar, options);
-  const Pose pose = sim::PaperTankPoses(3).front();
+  const sim::Simulator simulator(sim::MakeMockupTank(tank), preset.sonar, options);
+  const Pose pose = sim::MockupTankPoses(3).front();
   const auto seconds = [&](const ParameterSet& parameters) {
     const double began = Now();
     const PolarImage image = simulator.Render(pose, parameters);

@@ -37,7 +37,7 @@ void Memory(benchmark::State& state) {
     const auto triangles = static_cast<double>(scene.triangles.size());
     const double mesh_bytes = 12.0 * static_cast<double>(scene.vertices_m.size()) + 14.0 * triangles;
     const sim::Simulator simulator(std::move(scene), preset.sonar, Options(preset, kPaperRays));
-    const PolarImage image = simulator.Render(sim::PaperTankPoses(3).front(), Parameters());
+    const PolarImage image = simulator.Render(sim::MockupTankPoses(3).front(), Parameters());
     benchmark::DoNotOptimize(image.value.values().data());
     state.counters["triangles"] = triangles;
     state.counters["mesh_MiB"] = mesh_bytes / kMiB;

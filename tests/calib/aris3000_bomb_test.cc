@@ -2,7 +2,7 @@
 // background of frame 0, model fitted on frame 0, judged on frame 1. It is one still scene, so frame 1 has
 // other receiver noise but the same speckle and the same pose.
 //
-// Outline (sim/scenes/bomb.h) and poses were found beforehand by least squares of images, on frame 0 and
+// Outline and poses (cases/bomb) were found beforehand by least squares of images, on frame 0 and
 // on the other pose alone, and are held in the first fit: about them the likelihood trades the wrong outline
 // for worse images. Beam and pulse end at or near their upper bounds: take neither width for the sonar's.
 //
@@ -18,15 +18,14 @@
 #include <iostream>
 #include <vector>
 
-#include "calib/bomb_fit.h"
+#include "apps/reproduce/target_comparison.h"
 #include "calib/noise/background_display.h"
 #include "calib/target_fit.h"
 #include "core/types/units.h"
-#include "data_io/open_recording.h"
-#include "data_io/sonars/aris3000_frames_io.h"
+#include "data_io/pictures/picture_frames.h"
+#include "data_io/pictures/picture_geometry.h"
 #include "metrics/compare.h"
 #include "sim/physics/display.h"
-#include "sim/scenes/bomb.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal::calib {
@@ -36,6 +35,15 @@ constexpr double kRegressionKs = 0.045;
 
 // Of the two frames 97 counts are full scale, of the other pose 255. Errors of both are given of 97.
 constexpr double kFullScaleOfOther = 255.0 / 97.0;
+
+const reproduce::CasePlan& Plan() {
+  static const reproduce::CasePlan plan = reproduce::FindCase("bomb");
+  return plan;
+}
+
+const reproduce::TargetCase& Bomb() {
+  return reproduce::TargetOf(Plan());
+}
 
 // Pixels beyond reach of the object found in the image: 20 bins and 8 beams.
 Mask BackgroundOf(const PolarImage& image) {
@@ -80,7 +88,7 @@ void Print(const char* what, const Judgement& judgement) {
 
 TEST(Aris3000BombTest, BackgroundFollowsASoftenedAmplitude) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const PolarImage image = data_io::OpenRecording(folder)->ReadFrame(0).image;
+  const PolarImage image = reproduce::OpenTarget(Plan(), folder)->ReadFrame(0).image;
   // 97 counts of 80/255 dB over the full grey scale: the slope of the display.
   EXPECT_NEAR(image.scale.db_span.value() / 97.0, 0.3137, 1e-4);
   const Mask background = BackgroundOf(image);
@@ -101,8 +109,10 @@ TargetFit FitFrame0(const RecordingSource& recording) {
   const SonarModel& sonar = recording.info().sonar;
   const DisplayParameters<double> display =
       FitBackgroundDisplay(fitted, BackgroundOf(fitted), DisplayLaw::kSoftAmplitude).display;
-  TargetFit fit = FitTarget(sim::MakeBomb(), sonar, recording.info().water.value_or(Water{}), fitted,
-                            BombPose(), BombInitial(display, sonar), BombFitOptions());
+  ParameterSet start = Bomb().start;
+  start.display = display;
+  TargetFit fit = FitTarget(Bomb().scene, sonar, recording.info().water.value_or(Water{}), fitted,
+                            Bomb().pose, start, Bomb().fit);
   for (const FittedParameter& p : fit.fit.report.parameters) {
     if (p.status != ParameterStatus::kFixed) {
       std::cout << "  " << p.name << " " << p.value << " +- " << p.sigma.value_or(0.0) << " "
@@ -127,7 +137,7 @@ Judgement JudgeSamples(const sim::Simulator& simulator, const TargetFit& fit, co
 
 TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const auto recording = data_io::OpenRecording(folder);
+  const auto recording = reproduce::OpenTarget(Plan(), folder);
   const PolarImage judged = recording->ReadFrame(1).image;
   const TargetFit fit = FitFrame0(*recording);
   ASSERT_TRUE(fit.fit.usable);
@@ -153,13 +163,19 @@ TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
 
 TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const auto recording = data_io::OpenRecording(folder);
-  const auto other = data_io::OpenAris3000FanPicture(folder / "other_pose_fan.png", BombOtherPoseFan());
-  const PolarImage judged = other->ReadFrame(0).image;
+  const auto recording = reproduce::OpenTarget(Plan(), folder);
+  const RecordingInfo& info = recording->info();
+  const reproduce::TargetCase::OtherView& other = Bomb().other.value();
+  const std::filesystem::path picture = folder / other.picture;
+  ImageScale scale = info.scale;
+  scale.db_span = other.db_span;
+  const PolarImage judged{info.sonar.axes, scale,
+                          data_io::SampleFan(data_io::OpenPictures(picture)->Read(0), other.fan,
+                                             info.sonar.axes, picture.string())};
   ParameterSet known = FitFrame0(*recording).fit.parameters;
   // Level and display count from the noise of each image; all else stays.
   known.display = FitBackgroundDisplay(judged, BackgroundOf(judged), DisplayLaw::kSoftAmplitude).display;
-  TargetFitOptions options = BombFitOptions();
+  TargetFitOptions options = Bomb().fit;
   options.free_model = false;
   options.free_pose = true;
   // A pose search on rays ends at slightly different places from different starts: their mean is judged.
@@ -167,13 +183,13 @@ TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
   double iou = 0.0;
   const std::array<double, 3> starts_deg = {-1.5, 0.0, 1.5};
   for (const double off_deg : starts_deg) {
-    TargetPose start = BombOtherPose();
+    TargetPose start = other.start;
     start.yaw_rad += RadFromDeg(off_deg);
     start.pitch_rad += RadFromDeg(off_deg);
-    const TargetFit fit = FitTarget(sim::MakeBomb(), other->info().sonar,
-                                    other->info().water.value_or(Water{}), judged, start, known, options);
+    const TargetFit fit =
+        FitTarget(Bomb().scene, info.sonar, info.water.value_or(Water{}), judged, start, known, options);
     ASSERT_TRUE(fit.fit.usable);
-    const sim::Simulator simulator(fit.placed, other->info().sonar, fit.simulation);
+    const sim::Simulator simulator(fit.placed, info.sonar, fit.simulation);
     const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
     const Judgement expected = Judge(judged, simulator.RenderExpected(echoes, fit.fit.parameters));
     Print("other pose, expected image (of 255 counts)", expected);

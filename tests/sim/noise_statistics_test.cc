@@ -18,7 +18,7 @@ using namespace testing;  // NOLINT: the helpers of tests/sim
 
 class NoiseOfTheTank : public ::testing::TestWithParam<JitterGrowth> {
  protected:
-  NoiseOfTheTank() : simulator_(MakePaperTank(), FindSonarPreset("p900-45").sonar, Options()) {
+  NoiseOfTheTank() : simulator_(MakeMockupTank(), FindSonarPreset("p900-45").sonar, Options()) {
     parameters_.display = {.db_min = 0.0, .db_max = 600.0};  // no pixel near a clamp
     parameters_.materials["default"];
     // As `sonarcal scenes` writes them, half a range bin and three beams, but growing within the tank.
@@ -27,7 +27,7 @@ class NoiseOfTheTank : public ::testing::TestWithParam<JitterGrowth> {
                           .reference_range_m = 5.0,
                           .reference_frequency_hz = 900e3,
                           .growth = GetParam()};
-    echoes_ = simulator_.TraceEchoes(PaperTankPoses(3)[1]);
+    echoes_ = simulator_.TraceEchoes(MockupTankPoses(3)[1]);
     paper_ = PaperParametersFor(parameters_, echoes_.material_names);
   }
 
@@ -59,11 +59,11 @@ class NoiseOfTheTank : public ::testing::TestWithParam<JitterGrowth> {
 // From pose to whole grey levels: frame i of a seed is frame 0 of seed + i, on one thread as on two.
 TEST_P(NoiseOfTheTank, IsTheSeedsAlone) {
   parameters_.display = {.db_min = 150.0, .db_max = 153.0};
-  const Pose pose = PaperTankPoses(1)[0];
+  const Pose pose = MockupTankPoses(1)[0];
   const auto render = [&](std::uint64_t seed, int frame) {
     SimulationOptions options = Options();
     options.seed = seed;
-    return Simulator(MakePaperTank(), simulator_.sonar(), options).Render(pose, parameters_, frame).value;
+    return Simulator(MakeMockupTank(), simulator_.sonar(), options).Render(pose, parameters_, frame).value;
   };
   const Grid<float> one = WithThreads(1, [&] { return render(7, 0); });
   EXPECT_EQ(WithThreads(2, [&] { return render(7, 0); }), one);

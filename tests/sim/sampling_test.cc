@@ -218,8 +218,8 @@ TEST_P(BothWays, ColumnsCoarserThanTheSceneAliasAndTheErrorFallsWithThem) {
 // --- Where the sonar is
 
 TEST_P(BothWays, WhatLiesBehindIsNotSeen) {
-  const Pose pose = PaperTankPoses(1)[0];
-  const Scene tank = MakePaperTank();
+  const Pose pose = MockupTankPoses(1)[0];
+  const Scene tank = MakeMockupTank();
   Scene more = tank;
   more.Append(Moved(MakeMockup({}), WorldFromObject({pose.position_m.x(), pose.position_m.y() - 1.2, 0.3})));
   const RayFanOptions fan = Fan(512, 200);
@@ -359,8 +359,8 @@ INSTANTIATE_TEST_SUITE_P(Sampling, BothWays, ::testing::Values(Sampling::kFrustu
 class TwoSamplings : public ::testing::TestWithParam<bool> {
  protected:
   TwoSamplings()
-      : caster_(GetParam() ? MakePaperTank() : MakeMockup({})),
-        pose_(GetParam() ? PaperTankPoses(3)[1]
+      : caster_(GetParam() ? MakeMockupTank() : MakeMockup({})),
+        pose_(GetParam() ? MockupTankPoses(3)[1]
                          : Pose{RotationFromYawPitchRoll(-0.55, -0.42, 0.1), {-1.6, -2.4, 2.3}}) {}
 
   Grid<float> Image(Sampling sampling, RayWeight weight, int cols, int rows) const {

@@ -133,8 +133,8 @@ class SecondOpinion : public ::testing::TestWithParam<Case> {
 };
 
 TEST_P(SecondOpinion, OfThePapersTank) {
-  const Pose pose = PaperTankPoses(3)[1];
-  ExpectAgreement(MakePaperTank(), ref::PaperTank(), pose, 10'000);
+  const Pose pose = MockupTankPoses(3)[1];
+  ExpectAgreement(MakeMockupTank(), ref::PaperTank(), pose, 10'000);
 }
 
 // Seen from above, turned and rolled, so that top, two sides and the edges between them show, and rays miss.

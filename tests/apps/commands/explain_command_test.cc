@@ -154,7 +154,7 @@ TEST_F(ExplainCommand, KnownRecordingsHaveFilesOfTheirOwn) {
   };
   expect_usage("--known bomb --real " + Quoted(real_), "--real does not go with --known");
   expect_usage("--real " + Quoted(real_), "--scene is required, where --known is not given");
-  expect_usage("--known ship", "expected bomb|hull-strip");
+  expect_usage("--known ship", "unknown case 'ship', expected bomb|hull_strip");
   const Outcome outcome = RunSonarcal("explain -q --known hull-strip --recordings " + Quoted(real_) +
                                       " --out " + Quoted(world_ / "out"));
   EXPECT_EQ(outcome.status, 1);

@@ -34,13 +34,13 @@ ParameterSet TankParameters() {
 
 TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
   const SonarModel& sonar = sim::FindSonarPreset("p900-45").sonar;
-  const sim::RayCaster caster(sim::MakePaperTank());
+  const sim::RayCaster caster(sim::MakeMockupTank());
   sim::SimulationOptions simulation;
   workflow::RayErrorOptions options{
       .grids = {{256, 100}, {512, 200}, {1024, 400}}, .dense = {1024, 400}, .denser = 1.0};
   int images = 0;
   const workflow::RayErrors found = workflow::MeasureRayErrors(
-      caster, sonar, TankParameters(), simulation, {sim::PaperTankPoses(3)[1]}, options, [&] { ++images; });
+      caster, sonar, TankParameters(), simulation, {sim::MockupTankPoses(3)[1]}, options, [&] { ++images; });
   const std::vector<workflow::RayError>& errors = found.counts;
   EXPECT_EQ(images, workflow::RayErrorImages(sonar, 1, options));
   ASSERT_EQ(errors.size(), 6U);
@@ -61,7 +61,7 @@ TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
   }
   options.grids.pop_back();
   EXPECT_FALSE(workflow::FewestRays(workflow::MeasureRayErrors(caster, sonar, TankParameters(), simulation,
-                                                               {sim::PaperTankPoses(3)[1]}, options)
+                                                               {sim::MockupTankPoses(3)[1]}, options)
                                         .counts,
                                     sim::Sampling::kFrustum)
                    .has_value());

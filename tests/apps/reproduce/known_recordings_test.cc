@@ -6,16 +6,20 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <numeric>
 
 #include "apps/report/sections/explain_section.h"
-#include "apps/reproduce/hull_strip.h"
-#include "apps/reproduce/known_recording.h"
+#include "apps/reproduce/marked_surface.h"
+#include "apps/reproduce/prepared_recording.h"
+#include "apps/reproduce/target_comparison.h"
 #include "apps/workflow/explain.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/picture_frames.h"
+#include "data_io/pictures/picture_geometry.h"
 #include "data_io/scenes/scene_io.h"
 #include "data_io/sonars/didson_io.h"
 #include "sim/simulator.h"
@@ -39,14 +43,14 @@ PolarAxes DidsonAxes() {
 
 constexpr double kHalfBeamRad = RadFromDeg(7.0);
 
-TEST(HullStripSearch, SaysThatItEndedAtTheEndOfItsRange) {
+TEST(MarkedStripSearch, SaysThatItEndedAtTheEndOfItsRange) {
   EXPECT_FALSE(LeanAtEnd(15.0, 40.0).has_value());
   EXPECT_THAT(LeanAtEnd(40.0, 40.0).value_or(""), ::testing::HasSubstr("largest angle that was tried, 40"));
   EXPECT_THAT(LeanAtEnd(0.0, 40.0).value_or(""), ::testing::HasSubstr("least angle that was tried, 0"));
 }
 
 // The line's law beside its own construction: a point of the line by its height, upright or not.
-TEST(HullStrip, LineIsNearestWhereTheMarkSays) {
+TEST(MarkedStrip, LineIsNearestWhereTheMarkSays) {
   for (const double lean_deg : {0.0, 3.0, 7.0, 20.0, 60.0}) {
     const double lean = RadFromDeg(lean_deg);
     double nearest = 1e9;
@@ -70,7 +74,7 @@ TEST(HullStrip, LineIsNearestWhereTheMarkSays) {
 }
 
 // Rays meet the strip where marks are, and nowhere else.
-TEST(HullStrip, RaysMeetItAtTheMarks) {
+TEST(MarkedStrip, RaysMeetItAtTheMarks) {
   SonarModel sonar;
   sonar.name = "DIDSON";
   sonar.frequency_hz = 1.8e6;
@@ -79,7 +83,7 @@ TEST(HullStrip, RaysMeetItAtTheMarks) {
   FirstReturn marks(96);
   for (int beam = 20; beam < 60; ++beam) marks[beam] = 200 + beam;  // a straight line in bins
   for (const double lean_deg : {0.0, 25.0}) {
-    const Scene strip = MakeHullStrip(marks, sonar.axes, {.lean_deg = lean_deg});
+    const Scene strip = MakeMarkedStrip(marks, sonar.axes, {.lean_deg = lean_deg});
     sim::SimulationOptions options;
     options.fan = {.sampling = sim::Sampling::kBeams, .cols = 96, .rows = 281, .elevation_span_deg = 14.0};
     const sim::Simulator simulator(strip, sonar, options);
@@ -102,7 +106,7 @@ TEST(HullStrip, RaysMeetItAtTheMarks) {
 
 // A parabola in azimuth comes out as it is, but for its steps of whole bins, which a line through nine takes
 // to a fraction.
-TEST(HullStrip, SmoothingTakesTheStairAndLeavesTheCurve) {
+TEST(MarkedStrip, SmoothingTakesTheStairAndLeavesTheCurve) {
   const PolarAxes axes = DidsonAxes();
   FirstReturn marks(96);
   const auto range_m = [&](int beam) {
@@ -123,16 +127,16 @@ TEST(HullStrip, SmoothingTakesTheStairAndLeavesTheCurve) {
   EXPECT_FALSE(smoothed[5]);
 }
 
-TEST(HullStrip, RefusesWhatIsNoStrip) {
+TEST(MarkedStrip, RefusesWhatIsNoStrip) {
   const PolarAxes axes = DidsonAxes();
   FirstReturn marks(96);
-  EXPECT_THROW(MakeHullStrip(marks, axes, {}), DataError);
+  EXPECT_THROW(MakeMarkedStrip(marks, axes, {}), DataError);
   marks[3] = 100;
   marks[5] = 100;
-  EXPECT_THROW(MakeHullStrip(marks, axes, {}), DataError) << "no two neighbours";
+  EXPECT_THROW(MakeMarkedStrip(marks, axes, {}), DataError) << "no two neighbours";
   marks[4] = 100;
-  EXPECT_THROW(MakeHullStrip(marks, axes, {.lean_deg = 85.0}), DataError);
-  EXPECT_FALSE(MakeHullStrip(marks, axes, {}).triangles.empty());
+  EXPECT_THROW(MakeMarkedStrip(marks, axes, {.lean_deg = 85.0}), DataError);
+  EXPECT_FALSE(MakeMarkedStrip(marks, axes, {}).triangles.empty());
   const testing::TempDir folder;
   data_io::WritePng(folder / "small.png", Grid<std::uint8_t>(10, 96));
   EXPECT_THROW(ReadFirstReturn(folder / "small.png", axes), DataError);
@@ -147,11 +151,50 @@ TEST(HullStrip, RefusesWhatIsNoStrip) {
 TEST(KnownRecordings, AbsentFolderCostsOneSentence) {
   const testing::TempDir folder;
   try {
-    PrepareKnown(KnownRecording::kBomb, folder.path());
+    PrepareCase(FindCase("bomb"), folder.path());
     FAIL() << "no recording is there";
   } catch (const DataError& error) {
     EXPECT_THAT(error.what(), HasSubstr("aris3000_uxo: no such folder"));
   }
+}
+
+double Sum(const Grid<float>& grid) {
+  return std::accumulate(grid.values().begin(), grid.values().end(), 0.0);
+}
+
+// From an independent decoding with Python.
+TEST(KnownRecordings, BombFramesAreReadAsPublished) {
+  SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
+  const CasePlan plan = FindCase("bomb");
+  const auto recording = OpenTarget(plan, folder);
+  const RecordingInfo& info = recording->info();
+  EXPECT_EQ(info.source, folder.string());
+  EXPECT_FALSE(info.synthetic);
+  EXPECT_EQ(info.sonar.axes.range_bins, 780);
+  ASSERT_EQ(info.sonar.axes.beam_count(), 128);
+  EXPECT_NEAR(DegFromRad(info.sonar.axes.beam_azimuth_rad.front()), -15.0068, 1e-9);
+  EXPECT_NEAR(DegFromRad(info.sonar.axes.beam_azimuth_rad.back()), 15.0156, 1e-9);
+  EXPECT_EQ(info.scale.db_span, 97 * (80.0 / 255.0));
+  EXPECT_EQ(info.settings.compression, Compression::kLogarithm);
+  const Frame frame = recording->ReadFrame(0);
+  EXPECT_EQ(frame.info.name, "frame_0000_128x780.png");
+  EXPECT_FALSE(frame.info.world_from_sonar);
+  EXPECT_EQ(frame.image.value(0, 0), 36.0f);
+  EXPECT_EQ(frame.image.value(0, 127), 26.0f);
+  EXPECT_EQ(frame.image.value(120, 70), 115.0f);
+  EXPECT_EQ(frame.image.value(779, 0), 60.0f);
+  EXPECT_EQ(Sum(frame.image.value), 3326281.0);
+  EXPECT_EQ(Sum(recording->ReadFrame(1).image.value), 3326028.0);
+
+  // The strongest echo, the corners and the sum, from an independent resampling with Python.
+  const TargetCase::OtherView& other = TargetOf(plan).other.value();
+  const Grid<float> view = data_io::SampleFan(data_io::OpenPictures(folder / other.picture)->Read(0),
+                                              other.fan, info.sonar.axes, "");
+  EXPECT_EQ(view(250, 70), 13.0f);
+  EXPECT_EQ(view(260, 60), 32.0f);
+  EXPECT_EQ(view(0, 0), 16.0f);
+  EXPECT_EQ(view(779, 127), 6.0f);
+  EXPECT_EQ(Sum(view), 1406812.0);
 }
 
 std::vector<std::string> PartsOf(const workflow::ExplainedRecording& explained) {
@@ -198,7 +241,7 @@ void ExpectWritten(const PreparedRecording& prepared) {
 
 TEST(KnownRecordings, BombIsExplained) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
-  const PreparedRecording prepared = PrepareBombRecording(folder, {});
+  const PreparedRecording prepared = PrepareTarget(FindCase("bomb"), folder, {});
   ExpectWritten(prepared);
   const workflow::ExplainedRecording explained = Explained(prepared, "256x700");
   EXPECT_THAT(PartsOf(explained), ElementsAre("start", "response", "elevation", "noise", "speckle"));
@@ -224,7 +267,7 @@ TEST(KnownRecordings, BombIsExplained) {
 
 TEST(KnownRecordings, HullStripIsExplained) {
   SONARCAL_NEEDS_RECORDING(folder, "didson_hull");
-  const PreparedRecording prepared = PrepareHullRecording(folder, {.quick = true});
+  const PreparedRecording prepared = PrepareMarkedSurface(FindCase("hull-strip"), folder, {.quick = true});
   EXPECT_THAT(prepared.title, HasSubstr("hull strip from marks"));
   EXPECT_THAT(prepared.scene.material_names, ElementsAre("hull strip from marks"));
   ExpectWritten(prepared);

@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/pictures/picture_frames.h"
+#include "data_io/pictures/picture_geometry.h"
 #include "tests/support/recordings.h"
 
 namespace sonarcal::data_io {
@@ -125,6 +127,51 @@ TEST(FanGeometry, WhatIsNoFanIsNone) {
       EXPECT_GT(found->radius_max_px, found->radius_min_px);
       EXPECT_TRUE(std::isfinite(found->apex_x_px) && std::isfinite(found->apex_y_px));
     }
+  }
+}
+
+PolarAxes TwoBeams() {
+  PolarAxes axes;
+  axes.range_min_m = 1.0;
+  axes.range_max_m = 3.0;
+  axes.range_bins = 4;
+  axes.beam_azimuth_rad = {RadFromDeg(-10.0), RadFromDeg(20.0)};
+  return axes;
+}
+
+// Each pixel tells its own place, so that the samples show which pixel was taken.
+TEST(SampleFan, TakesThePixelNearestToTheCentreOfBeamAndBin) {
+  const FanGeometry fan{.apex_x_px = 50.0,
+                        .apex_y_px = 120.0,
+                        .radius_min_px = 20.0,
+                        .radius_max_px = 100.0,
+                        .half_angle_deg = 25.0,
+                        .x_scale = 1.1};
+  Grid<float> picture(110, 101);
+  for (int row = 0; row < picture.rows(); ++row) {
+    for (int col = 0; col < picture.cols(); ++col) picture(row, col) = static_cast<float>(1000 * row + col);
+  }
+  const Grid<float> polar = SampleFan(picture, fan, TwoBeams(), "fan.png");
+  ASSERT_EQ(polar.rows(), 4);
+  ASSERT_EQ(polar.cols(), 2);
+  // Bin 2 is centred at 2.25 m: 20 + 1.25 * 40 = 70 pixels from the apex.
+  EXPECT_EQ(polar(2, 0), 1000.0F * 51 + 37);
+  EXPECT_EQ(polar(2, 1), 1000.0F * 54 + 76);
+}
+
+TEST(SampleFan, RefusesAPictureThatDoesNotHoldTheFan) {
+  const FanGeometry fan{.apex_x_px = 361.9,
+                        .apex_y_px = 1343.0,
+                        .radius_min_px = 309.0,
+                        .radius_max_px = 1340.0,
+                        .half_angle_deg = 25.0};
+  try {
+    SampleFan(Grid<float>(500, 300), fan, TwoBeams(), "fan.png");
+    FAIL() << "the fan is larger";
+  } catch (const DataError& error) {
+    EXPECT_TRUE(std::string(error.what())
+                    .starts_with("fan.png: 500 x 300 pixels, which do not hold the whole fan {\"apex_px\""))
+        << error.what();
   }
 }
 

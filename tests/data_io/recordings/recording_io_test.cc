@@ -52,6 +52,18 @@ MemoryRecording SmallRecording(const RecordingInfo& info, int frames, float firs
   return {info, std::move(all)};
 }
 
+TEST(OpenRecordingOf, ReadsImagesOfAnotherFolder) {
+  const TempDir dir;
+  WriteRecording(SmallRecording(SmallInfo(), 2), dir / "whole");
+  fs::create_directories(dir / "described");
+  fs::rename(dir / "whole/recording.json", dir / "described/recording.json");
+  const auto recording = OpenRecordingOf(dir / "whole", dir / "described");
+  EXPECT_EQ(recording->info().source, (dir / "whole").string());
+  ASSERT_EQ(recording->frame_count(), 2);
+  EXPECT_EQ(recording->ReadFrame(1).image.value(0, 1), 2.0F);
+  EXPECT_THROW(OpenRecordingOf(dir / "described", dir / "described")->ReadFrame(0), DataError);
+}
+
 // A folder with a recording.json that tests may change, and its one frame.
 class RecordingFolderTest : public ::testing::Test {
  protected:

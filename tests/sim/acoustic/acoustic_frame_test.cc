@@ -35,9 +35,9 @@ class AcousticFrame : public ::testing::TestWithParam<Case> {
     return set;
   }
   SonarModel sonar_ = FindSonarPreset("p900-45").sonar;
-  RayCaster caster_{MakePaperTank()};
+  RayCaster caster_{MakeMockupTank()};
   RayFan fan_{sonar_, GetParam().fan};
-  Pose pose_ = PaperTankPoses(3)[1];
+  Pose pose_ = MockupTankPoses(3)[1];
   AcousticGeometry geometry_{sonar_, kAlphaDbPerM};
 };
 

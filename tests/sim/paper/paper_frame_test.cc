@@ -48,7 +48,7 @@ class PaperFrame : public ::testing::TestWithParam<Case> {
 constexpr double kAlphaDbPerM = 0.31;
 
 TEST_P(PaperFrame, IsTheImageOfTheEchoes) {
-  const RayCaster caster(MakePaperTank());
+  const RayCaster caster(MakeMockupTank());
   const SonarModel sonar = Sonar(GetParam().uneven_beams);
   const RayFan fan(sonar, {.sampling = GetParam().sampling,
                            .cols = 700,
@@ -59,7 +59,7 @@ TEST_P(PaperFrame, IsTheImageOfTheEchoes) {
   const PaperParameters<double> parameters = Parameters(caster, GetParam().growth);
   PaperImageOptions options;
   if (GetParam().noise) options.noise_seed = 0xABCDEF0123ULL;
-  for (const Pose& pose : PaperTankPoses(3)) {
+  for (const Pose& pose : MockupTankPoses(3)) {
     const PolarImage slow =
         RenderPaperImage(Trace(caster, fan, pose, sonar.axes), sonar, parameters, kAlphaDbPerM, options);
     const PolarImage fast = RenderPaperFrame(caster, fan, pose, sonar, parameters, kAlphaDbPerM, options);
@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true, .stagger = true}));
 
 TEST(PaperFrameThreads, AnyNumberGivesTheSame) {
-  const RayCaster caster(MakePaperTank());
+  const RayCaster caster(MakeMockupTank());
   const SonarModel sonar = FindSonarPreset("p900-45").sonar;
   const RayFan fan(sonar, {.cols = 301, .rows = 200});
   ParameterSet set;
@@ -107,7 +107,7 @@ TEST(PaperFrameThreads, AnyNumberGivesTheSame) {
   set.jitter = {.sigma_range_m = 0.02, .sigma_azimuth_deg = 0.6};
   set.materials["default"];
   const PaperParameters<double> parameters = PaperParametersFor(set, caster.material_names());
-  const Pose pose = PaperTankPoses(1).front();
+  const Pose pose = MockupTankPoses(1).front();
   const auto render = [&] {
     const PolarImage image =
         RenderPaperFrame(caster, fan, pose, sonar, parameters, kAlphaDbPerM, {.noise_seed = 7});
@@ -118,7 +118,7 @@ TEST(PaperFrameThreads, AnyNumberGivesTheSame) {
 
 // A sonar in open water, and one whose window begins behind everything.
 TEST(PaperFrameEmpty, NothingThereIsBlack) {
-  const RayCaster caster(MakePaperTank());
+  const RayCaster caster(MakeMockupTank());
   SonarModel sonar = FindSonarPreset("p900-45").sonar;
   const RayFan fan(sonar, {.cols = 64, .rows = 20});
   ParameterSet set;
@@ -129,7 +129,7 @@ TEST(PaperFrameEmpty, NothingThereIsBlack) {
     return *std::max_element(image.value.values().begin(), image.value.values().end());
   };
   EXPECT_EQ(brightest({Eigen::Quaterniond::Identity(), {0.0, 500.0, 1.0}}), 0.0F);
-  const Pose inside = PaperTankPoses(1).front();
+  const Pose inside = MockupTankPoses(1).front();
   EXPECT_GT(brightest(inside), 0.0F);
   sonar.axes.range_min_m = 60.0;
   sonar.axes.range_max_m = 80.0;

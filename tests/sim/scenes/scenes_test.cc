@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "core/types/error.h"
-#include "sim/scenes/bomb.h"
 #include "tests/support/mesh_checks.h"
 
 namespace sonarcal::sim {
@@ -28,7 +27,7 @@ AlignedBox3d BoxOf(const Vector3d& size_m) {
 
 TEST(TankTest, HasTheSizesThatThePaperPrints) {
   EXPECT_TRUE(Bounds(MakeTank()).isApprox(BoxOf({12.0, 10.0, 1.5})));
-  EXPECT_TRUE(Bounds(MakeTank(TankOfPaper(PaperSize::kText))).isApprox(BoxOf({15.0, 10.0, 2.0})));
+  EXPECT_TRUE(Bounds(MakeTank(TankOfSize(SizeVariant::kAlternative))).isApprox(BoxOf({15.0, 10.0, 2.0})));
 }
 
 TEST(TankTest, EveryFaceLooksIntoTheWater) {
@@ -64,8 +63,9 @@ TEST(TankTest, ASizeThatIsNoneIsRefusedByName) {
 }
 
 TEST(MockupTest, FillsTheSizesThatThePaperPrintsAndNoMore) {
-  for (const auto& [size, height_m] : {std::pair{PaperSize::kTable5, 1.5}, {PaperSize::kText, 1.0}}) {
-    const AlignedBox3d bounds = Bounds(MakeMockup(MockupOfPaper(size)));
+  for (const auto& [size, height_m] :
+       {std::pair{SizeVariant::kStandard, 1.5}, {SizeVariant::kAlternative, 1.0}}) {
+    const AlignedBox3d bounds = Bounds(MakeMockup(MockupOfSize(size)));
     EXPECT_TRUE(bounds.min().isApprox(Vector3d(-0.5, -0.5, 0.0), 1e-6)) << bounds.min().transpose();
     EXPECT_TRUE(bounds.max().isApprox(Vector3d(0.5, 0.5, height_m), 1e-6)) << bounds.max().transpose();
   }
@@ -175,10 +175,10 @@ TEST(MockupTest, OptionsThatMakeNoMockupAreRefused) {
   EXPECT_THROW(RefinedTo({}, kMaxMockupTriangles + 1), DataError);
 }
 
-TEST(PaperTankTest, HoldsTheTankAndTwoMockups) {
-  for (const PaperSize size : {PaperSize::kTable5, PaperSize::kText}) {
-    const PaperTankOptions options = PaperTankOfPaper(size);
-    const Scene scene = MakePaperTank(options);
+TEST(MockupTankTest, HoldsTheTankAndTwoMockups) {
+  for (const SizeVariant size : {SizeVariant::kStandard, SizeVariant::kAlternative}) {
+    const MockupTankOptions options = MockupTankOfSize(size);
+    const Scene scene = MakeMockupTank(options);
     scene.Validate("paper tank");
     EXPECT_EQ(scene.material_names, (std::vector<std::string>{"floor", "wall", "mockup"}));
     EXPECT_EQ(scene.triangles.size(), 10u + 2u * MakeMockup(options.mockup).triangles.size());
@@ -192,11 +192,11 @@ double AzimuthDeg(const Pose& world_from_sonar, const Vector3d& world_m) {
   return DegFromRad(std::atan2(sonar_m.x(), sonar_m.y()));
 }
 
-TEST(PaperTankTest, EveryPoseSeesItsTargetFromOpenWater) {
-  const PaperTankOptions options;
-  const Scene scene = MakePaperTank(options);
+TEST(MockupTankTest, EveryPoseSeesItsTargetFromOpenWater) {
+  const MockupTankOptions options;
+  const Scene scene = MakeMockupTank(options);
   for (const int dataset : {1, 2, 3}) {
-    const std::vector<Pose> poses = PaperTankPoses(dataset);
+    const std::vector<Pose> poses = MockupTankPoses(dataset);
     EXPECT_EQ(poses.size(), 4u);
     for (const Pose& world_from_sonar : poses) {
       const Vector3d& position_m = world_from_sonar.position_m;
@@ -222,9 +222,9 @@ TEST(PaperTankTest, EveryPoseSeesItsTargetFromOpenWater) {
   }
 }
 
-TEST(PaperTankTest, TheTwoMockupsShowDifferentSidesToTheSonar) {
+TEST(MockupTankTest, TheTwoMockupsShowDifferentSidesToTheSonar) {
   std::vector<int> facing;
-  for (const Place& place : PaperTankOptions{}.places) {
+  for (const Place& place : MockupTankOptions{}.places) {
     // The side whose normal points most against the viewing axis +y.
     std::vector<double> towards;
     for (int side = 0; side < 4; ++side) {
@@ -236,9 +236,9 @@ TEST(PaperTankTest, TheTwoMockupsShowDifferentSidesToTheSonar) {
   EXPECT_EQ(facing, (std::vector<int>{0, 1}));
 }
 
-TEST(PaperTankTest, ThereAreThreeDatasets) {
-  EXPECT_THROW(PaperTankPoses(0), DataError);
-  EXPECT_THROW(PaperTankPoses(4), DataError);
+TEST(MockupTankTest, ThereAreThreeDatasets) {
+  EXPECT_THROW(MockupTankPoses(0), DataError);
+  EXPECT_THROW(MockupTankPoses(4), DataError);
 }
 
 TEST(BodyTest, HasThePublishedSize) {
@@ -287,14 +287,21 @@ TEST(BodyTest, TheNosePointsAlongX) {
   }
 }
 
-TEST(BombTest, HasThePublishedSize) {
-  const Scene bomb = MakeBomb();
-  EXPECT_TRUE(IsClosed(bomb));
-  EXPECT_GT(SignedVolumeM3(bomb), 0.0);
-  const AlignedBox3d bounds = Bounds(bomb);
-  EXPECT_NEAR(bounds.min().x(), -0.3685, 1e-6);
-  EXPECT_NEAR(bounds.max().x(), 0.3685, 1e-6);
+TEST(TurnedSolidTest, IsAClosedSolidThroughItsRadii) {
+  const std::vector<ProfilePoint> outline = {{-0.2, 0.03}, {-0.1, 0.104}, {0.0, 0.09}, {0.3, 0.01}};
+  const Scene solid = MakeTurnedSolid(outline, 0.01, "steel");
+  EXPECT_TRUE(IsClosed(solid));
+  EXPECT_GT(SignedVolumeM3(solid), 0.0);
+  EXPECT_EQ(solid.material_names, std::vector<std::string>{"steel"});
+  const AlignedBox3d bounds = Bounds(solid);
+  EXPECT_NEAR(bounds.min().x(), -0.2, 1e-6);
+  EXPECT_NEAR(bounds.max().x(), 0.3, 1e-6);
   EXPECT_NEAR(bounds.sizes().z(), 0.208, 0.001);
+}
+
+TEST(TurnedSolidTest, OutlinesThatMakeNoSolidAreRefused) {
+  EXPECT_THROW(MakeTurnedSolid({{0.0, 0.1}}, 0.01, "steel"), DataError);
+  EXPECT_THROW(MakeTurnedSolid({{0.0, 0.1}, {0.1, 0.0}}, 0.01, "steel"), DataError);
 }
 
 TEST(BodyTest, OptionsThatMakeNoBodyAreRefused) {

@@ -1,4 +1,4 @@
-#include "apps/reproduce/bomb_report.h"
+#include "apps/reproduce/target_report.h"
 
 #include <fmt/format.h>
 
@@ -19,8 +19,8 @@ std::string Figure(const metrics::Statistic& statistic, int digits) {
   return statistic.value ? fmt::format("{:.{}f}", *statistic.value, digits) : "none";
 }
 
-void AddPose(report::HtmlReport& report, const BombComparison& bomb) {
-  const calib::TargetPose& pose = bomb.pose.best.pose;
+void AddPose(report::HtmlReport& report, const TargetComparison& target) {
+  const calib::TargetPose& pose = target.pose.best.pose;
   report.Subsection("From nothing: the pose found by a search");
   report.Facts(
       {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
@@ -29,9 +29,9 @@ void AddPose(report::HtmlReport& report, const BombComparison& bomb) {
        {"Yaw of the nose", fmt::format("{:.1f} deg, from the right towards ahead", DegFromRad(pose.yaw_rad))},
        {"Pitch of the nose", fmt::format("{:.1f} deg", DegFromRad(pose.pitch_rad))},
        {"Difference of the smoothed images",
-        fmt::format("{:.4f} rms of full scale", std::sqrt(bomb.pose.best.cost))}});
+        fmt::format("{:.4f} rms of full scale", std::sqrt(target.pose.best.cost))}});
   report.Paragraph("One frame does not tell:");
-  report.List(bomb.pose.open);
+  report.List(target.pose.open);
   report::Table starts{.caption = "Where the starts ended, on a coarse image, best first",
                        .columns = {{"Start"},
                                    {"Range", "m"},
@@ -41,8 +41,8 @@ void AddPose(report::HtmlReport& report, const BombComparison& bomb) {
                                    {"Pitch", "deg"},
                                    {"Difference", "rms"}},
                        .rows = {}};
-  for (std::size_t i = 0; i < bomb.pose.starts.size(); ++i) {
-    const calib::PoseCandidate& c = bomb.pose.starts[i];
+  for (std::size_t i = 0; i < target.pose.starts.size(); ++i) {
+    const calib::PoseCandidate& c = target.pose.starts[i];
     starts.rows.push_back(
         {{fmt::format("{}", i + 1), fmt::format("{:.3f}", c.pose.range_m),
           fmt::format("{:.2f}", DegFromRad(c.pose.azimuth_rad)),
@@ -53,12 +53,12 @@ void AddPose(report::HtmlReport& report, const BombComparison& bomb) {
   report.Add(starts);
 }
 
-void AddFittedOutline(report::HtmlReport& report, const BombComparison& bomb) {
+void AddFittedOutline(report::HtmlReport& report, const TargetComparison& target) {
   report.Subsection("Both models on the other frame");
   report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);
-  report::AddFitWarnings(report, bomb.fitted.paper.fit.report, "paper model");
+  report::AddFitWarnings(report, target.fitted.paper.fit.report, "paper model");
   report.Add(RowTable(
-      BombRows(bomb), "The frame that was not fitted (recorded by a sonar), polar image",
+      TargetRows(target), "The frame that was not fitted (recorded by a sonar), polar image",
       {"Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
        "levels "
        "were stretched over their own range before they were published.",
@@ -66,7 +66,7 @@ void AddFittedOutline(report::HtmlReport& report, const BombComparison& bomb) {
            "Speckled samples: means of {}. Occupancy of the acoustic model is to be read from them: no "
            "detector finds an object of speckle in an image without any, and the expected image's "
            "union is wide.",
-           BombComparison::kDraws),
+           TargetComparison::kDraws),
        "The expected image against its own samples: what speckle leaves of the error, were the model right. "
        "The "
        "other recorded frame has the speckle of the one judged, which no simulation has.",
@@ -74,8 +74,8 @@ void AddFittedOutline(report::HtmlReport& report, const BombComparison& bomb) {
   report.Paragraph(
       "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
       "pulse, which the acoustic model has, are what brings the simulated image near the recorded one.");
-  const BombComparison::Fitted& fitted = bomb.fitted;
-  const bool synthetic = bomb.info.synthetic;
+  const TargetComparison::Fitted& fitted = target.fitted;
+  const bool synthetic = target.info.synthetic;
   report::AddPictureLegend(report, report::RealWord(synthetic));
   const report::FitPictures paper_pictures = report::ShowFit(fitted.paper);
   for (const report::FramePictures& frame : paper_pictures.after)
@@ -86,7 +86,7 @@ void AddFittedOutline(report::HtmlReport& report, const BombComparison& bomb) {
     report::AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample", synthetic);
   for (const workflow::RecordingFit* fit : {&fitted.paper, &fitted.acoustic}) {
     const char* name = fit == &fitted.paper ? "paper's" : "acoustic";
-    report.Subsection(fmt::format("Values of the {} model, fitted to the bomb", name));
+    report.Subsection(fmt::format("Values of the {} model, fitted to the target", name));
     if (fit->fit.usable) {
       report::AddFittedValues(report, *fit);
     } else {
@@ -124,36 +124,36 @@ report::Table RowTable(const std::vector<SummaryRow>& rows, const std::string& c
   return table;
 }
 
-void AddBomb(report::HtmlReport& report, const BombComparison& bomb) {
-  report.Section("A bomb before an ARIS 3000");
-  report.Paragraph(
-      "Two frames of a body of revolution (length 737 mm, diameter 208 mm, ogive nose) in a test basin. No "
-      "pose was "
-      "recorded. Both models are fitted to the first frame and judged on the second, with an outline and a "
-      "pose that were found on the first frame beforehand. From nothing, with a plain outline and a pose "
-      "that "
-      "is searched for on the first frame, the paper's model is fitted once more, beside the acoustic one "
-      "not "
-      "fitted.");
-  report.Callout(
-      report::CalloutKind::kLimit, "What the second frame can show",
-      "Both frames show one still scene, and its speckle is frozen: judging on the second guards against "
-      "fitting receiver noise, not against a wrong pose, shape or speckle grain.");
-  report.Paragraph("How the bomb is found: " + report::DetectorText(bomb.acoustic_expected.options));
-  AddFittedOutline(report, bomb);
-  AddPose(report, bomb);
-  report::AddFitWarnings(report, bomb.fit.fit.report, "paper model at the pose found");
-  report.Add(RowTable(SearchedBombRows(bomb),
+void AddKnown(report::HtmlReport& report, const CasePlan& plan) {
+  if (plan.known.empty()) return;
+  report::Table table{.caption = "Known beforehand, not found by this program",
+                      .columns = {{"What"}, {"Where it comes from", "", false}},
+                      .rows = {}};
+  for (const KnownBeforehand& known : plan.known) table.rows.push_back({{known.what, known.source}});
+  report.Add(table);
+}
+
+void AddTarget(report::HtmlReport& report, const TargetComparison& target) {
+  const TargetCase& study = TargetOf(target.plan);
+  report.Section(study.heading);
+  report.Paragraph(study.about);
+  AddKnown(report, target.plan);
+  report.Callout(report::CalloutKind::kLimit, "What the held-out frame cannot show", study.limit);
+  report.Paragraph("How the target is found: " + report::DetectorText(target.acoustic_expected.options));
+  AddFittedOutline(report, target);
+  AddPose(report, target);
+  report::AddFitWarnings(report, target.fit.fit.report, "paper model at the pose found");
+  report.Add(RowTable(SearchedTargetRows(target),
                       "The same frame with the plain outline and the pose found by the search",
                       {"Acoustic model: the one the pose was searched with, its noise floor read off the "
                        "fitted frame's background and its strength found with the pose; its curve is not "
                        "fitted."}));
-  const bool synthetic = bomb.info.synthetic;
+  const bool synthetic = target.info.synthetic;
   report::AddPictureLegend(report, report::RealWord(synthetic));
-  const report::FitPictures pictures = report::ShowFit(bomb.fit);
+  const report::FitPictures pictures = report::ShowFit(target.fit);
   for (const report::FramePictures& frame : pictures.after)
     report::AddFramePictures(report, frame, "The paper's model, fitted, at the pose found", synthetic);
-  for (const report::FramePictures& frame : bomb.acoustic_pictures)
+  for (const report::FramePictures& frame : target.acoustic_pictures)
     report::AddFramePictures(report, frame,
                              "The acoustic model, not fitted, at the pose found: expected image", synthetic);
 }

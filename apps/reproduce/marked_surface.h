@@ -1,5 +1,5 @@
-// "Hull strip from marks": the surface that a person's marks of the first return in a ping stand for, where
-// nothing else is known of the object.
+// Strip of surface through the marks of the first return that a person made in a ping, if nothing else is
+// known of the surface.
 //
 // A mark says how near the surface comes in a beam, not how high. Assumed here:
 //
@@ -37,15 +37,15 @@ FirstReturn ReadFirstReturn(const std::filesystem::path& file, const PolarAxes& 
 // Ranges of the first return, smoothed, by beam; nothing where a beam has no mark.
 std::vector<std::optional<double>> SmoothedRangesM(const FirstReturn& marks, const PolarAxes& axes);
 
-struct HullStripOptions {
+struct MarkedStripOptions {
   double lean_deg = 0.0;        // 0 .. 80
   double elevation_deg = 14.0;  // half-power width of the beam, two-way
-  std::string material = "hull";
+  std::string material = "surface";
 };
 
 // In the sonar's own frame. The strip reaches half a beam beyond the outer marks, and ends 10 % beyond the
 // window. Throws DataError for a lean outside its domain or fewer than two marks next to each other.
-Scene MakeHullStrip(const FirstReturn& marks, const PolarAxes& axes, const HullStripOptions& options);
+Scene MakeMarkedStrip(const FirstReturn& marks, const PolarAxes& axes, const MarkedStripOptions& options);
 
 // Warning for an angle at the end of the searched range; nullopt for one inside it.
 std::optional<std::string> LeanAtEnd(double lean_deg, double largest_tried_deg);

@@ -1,41 +1,36 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
-#include "apps/reproduce/hull_strip.h"
-#include "apps/reproduce/known_recording.h"
+#include "apps/reproduce/marked_surface.h"
+#include "apps/reproduce/prepared_recording.h"
 #include "apps/workflow/comparison_options.h"
 #include "apps/workflow/fit.h"
 #include "calib/acoustic_fit.h"
 #include "calib/noise/noise_fit.h"
 #include "calib/selection/held_out_likelihood.h"
 #include "core/types/error.h"
-#include "data_io/sonars/didson_io.h"
+#include "data_io/open_recording.h"
 #include "sim/physics/recorded_beam.h"
 
 namespace sonarcal::reproduce {
 namespace {
-
-constexpr double kLeansDeg[] = {0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0};
-constexpr const char* kMaterial = "hull strip from marks";
-// Strips stand so far apart that no ping reaches another's.
-constexpr double kApartM = 100.0;
-constexpr double kPulseBins = 2.0;  // where its fit starts
-constexpr std::size_t kHeldOut = 2;
 
 struct MarkedPing {
   Frame frame;
   FirstReturn marks;
 };
 
-std::vector<MarkedPing> ReadMarked(const RecordingSource& pings, const std::filesystem::path& marks) {
+std::vector<MarkedPing> ReadMarked(const RecordingSource& pings, const std::filesystem::path& marks,
+                                   const std::string& suffix) {
   std::vector<MarkedPing> marked;
   for (int i = 0; i < pings.frame_count(); ++i) {
     const std::filesystem::path stem = std::filesystem::path(pings.frame_info(i).name).stem();
-    const std::filesystem::path file = marks / (stem.string() + "_annotated.png");
+    const std::filesystem::path file = marks / (stem.string() + suffix);
     if (!std::filesystem::exists(file)) continue;
     MarkedPing ping{pings.ReadFrame(i), {}};
     ping.marks = ReadFirstReturn(file, ping.frame.image.axes);
@@ -46,23 +41,31 @@ std::vector<MarkedPing> ReadMarked(const RecordingSource& pings, const std::file
   return marked;
 }
 
-class HullMaker {
+class SurfaceMaker {
  public:
-  HullMaker(std::filesystem::path folder, const PrepareOptions& options)
-      : folder_(std::move(folder)), options_(options), pings_(data_io::OpenDidson(folder_ / "test")) {
+  SurfaceMaker(const CasePlan& plan, std::filesystem::path folder, const PrepareOptions& options)
+      : plan_(plan),
+        surface_(std::get<MarkedSurfaceCase>(plan.study)),
+        folder_(std::move(folder)),
+        options_(options),
+        pings_(data_io::OpenRecording(folder_ / surface_.pings)) {
     info_ = pings_->info();
-    marked_ = ReadMarked(*pings_, folder_ / "first_return");
-    if (marked_.size() <= kHeldOut) {
-      throw DataError("{}: {} marked pings, expected {}: two to fit and one to judge",
-                      (folder_ / "first_return").string(), marked_.size(), kHeldOut + 1);
+    const std::filesystem::path marks = folder_ / surface_.marks;
+    marked_ = ReadMarked(*pings_, marks, surface_.marks_suffix);
+    const int wanted = surface_.frames_used + surface_.frames_held_out;
+    if (static_cast<int>(marked_.size()) < wanted) {
+      throw DataError("{}: {} marked pings, expected {}: {} to fit and {} to evaluate", marks.string(),
+                      marked_.size(), wanted, surface_.frames_used, surface_.frames_held_out);
     }
-    marked_.resize(kHeldOut + 1);
+    marked_.resize(wanted);
     Mask valid(info_.sonar.axes.range_bins, info_.sonar.axes.beam_count(), 1);
-    for (int beam = 0; beam < valid.cols(); ++beam) valid(0, beam) = 0;  // of the transmitter
+    for (int bin = 0; bin < std::min(surface_.blind_bins, valid.rows()); ++bin) {
+      for (int beam = 0; beam < valid.cols(); ++beam) valid(bin, beam) = 0;
+    }
     info_.valid = std::move(valid);
     for (std::size_t i = 0; i < marked_.size(); ++i) {
       Pose pose;
-      pose.position_m.x() = kApartM * static_cast<double>(i);
+      pose.position_m.x() = surface_.apart_m * static_cast<double>(i);
       marked_[i].frame.info.world_from_sonar = pose;
     }
   }
@@ -73,8 +76,8 @@ class HullMaker {
     double lean_deg = 0.0;
     double largest_deg = 0.0;
     std::string table;
-    for (std::size_t i = 0; i < std::size(kLeansDeg); i += options_.quick ? 3 : 1) {
-      const double lean = kLeansDeg[i];
+    for (std::size_t i = 0; i < surface_.leans_deg.size(); i += options_.quick ? 3 : 1) {
+      const double lean = surface_.leans_deg[i];
       largest_deg = lean;
       const auto [fitted, nats] = FitAt(lean, Initial());
       Say(fmt::format("leaning {:g} degrees: {:.4f} nats a pixel of the pings used", lean, nats));
@@ -88,27 +91,28 @@ class HullMaker {
     for (const MarkedPing& ping : marked_) frames.push_back(ping.frame);
     RecordingInfo info = info_;
     info.notes.emplace_back(fmt::format(
-        "The marked pings of a folder, {:g} m apart so that each has a hull strip from marks of its own: "
+        "The marked pings of a folder, {:g} m apart so that each has a strip from marks of its own: "
         "positions are made up.",
-        kApartM));
+        surface_.apart_m));
     std::vector<std::string> warnings;
     if (const auto at_end = LeanAtEnd(lean_deg, largest_deg)) warnings.push_back(*at_end);
     metrics::CompareOptions comparison;
-    // Where most of the picture is clipped to black, spreads of grey find nothing.
-    comparison.segmentation.method = metrics::SegmentationMethod::kLikelihoodRatio;
+    comparison.segmentation.method = surface_.segmentation;
     comparison.segmentation.background_law = std::make_shared<const metrics::BackgroundLaw>(
         workflow::BackgroundLawOf(parameters, info.sonar.axes, folder_.string()));
-    return {.title = "hull strip from marks, DIDSON (recorded)",
+    std::vector<int> held_out(surface_.frames_held_out);
+    std::iota(held_out.begin(), held_out.end(), surface_.frames_used);
+    return {.title = plan_.title,
             .recording = std::make_unique<MemoryRecording>(info, std::move(frames)),
             .scene = Strips(lean_deg),
             .parameters = std::move(parameters),
             .comparison = std::move(comparison),
-            .held_out = {static_cast<int>(kHeldOut)},
+            .held_out = std::move(held_out),
             .apart = false,
             .hold_noise = true,
             .warnings = std::move(warnings),
-            .caveats = Caveats(lean_deg, table),
-            .inputs = {folder_}};
+            .caveats = {LeanCaveat(lean_deg, table)},
+            .inputs = {folder_, plan_.folder}};
   }
 
  private:
@@ -120,34 +124,31 @@ class HullMaker {
   ParameterSet Initial() {
     if (!noise_) {
       Say("fitting the noise of the target-free pings");
-      const auto background = data_io::OpenDidson(folder_ / "background");
+      const auto background = data_io::OpenRecording(folder_ / surface_.background);
       calib::NoiseFit fit = calib::FitNoise(*background, {});
       if (!fit.usable) {
-        throw DataError("{}: the noise fit {}", (folder_ / "background").string(), fit.report.termination);
+        throw DataError("{}: the noise fit {}", (folder_ / surface_.background).string(),
+                        fit.report.termination);
       }
       noise_ = std::move(fit.law);
     }
-    ParameterSet initial;
-    initial.model = EchoModel::kAcoustic;
-    initial.source_level_db = 0.0;
+    ParameterSet initial = surface_.start;
+    const double gain_db = initial.receiver.gain_db;  // the level is the material's to carry
     initial.display = noise_->display;
     initial.receiver = noise_->receiver;
-    initial.receiver.gain_db = 120.0;  // the level is the material's to carry
+    initial.receiver.gain_db = gain_db;
     initial.beam = sim::RecordedBeam(info_);
     initial.beam.elevation_width_deg = info_.sonar.elevation_beam_width_deg;
-    initial.pulse.length_m = kPulseBins * info_.sonar.axes.range_bin_m();
-    initial.materials[kMaterial].gsab = {
-        .a = 1.0, .b_deg = 4.0, .c = 0.02, .d = 1.0, .e = 0.1, .f_deg = 15.0};
     return initial;
   }
 
   Scene Strips(double lean_deg) const {
     Scene scene;
     for (const MarkedPing& ping : marked_) {
-      Scene strip = MakeHullStrip(ping.marks, ping.frame.image.axes,
-                                  {.lean_deg = lean_deg,
-                                   .elevation_deg = info_.sonar.elevation_beam_width_deg,
-                                   .material = kMaterial});
+      Scene strip = MakeMarkedStrip(ping.marks, ping.frame.image.axes,
+                                    {.lean_deg = lean_deg,
+                                     .elevation_deg = info_.sonar.elevation_beam_width_deg,
+                                     .material = surface_.material});
       const Eigen::Vector3f at = ping.frame.info.world_from_sonar->position_m.cast<float>();
       for (Eigen::Vector3f& vertex : strip.vertices_m) vertex += at;
       scene.Append(strip);
@@ -163,8 +164,8 @@ class HullMaker {
     const sim::Simulator simulator(Strips(lean_deg), info_.sonar,
                                    workflow::AcousticSimulation(rays, info_.sonar, Water{}, initial));
     std::vector<calib::GreyFrame> used;
-    for (std::size_t i = 0; i < kHeldOut; ++i) {
-      used.push_back({.index = static_cast<int>(i),
+    for (int i = 0; i < surface_.frames_used; ++i) {
+      used.push_back({.index = i,
                       .world_from_sonar = *marked_[i].frame.info.world_from_sonar,
                       .image = marked_[i].frame.image,
                       .use = workflow::ValidPixels(info_)});
@@ -187,22 +188,16 @@ class HullMaker {
     return {fitted.parameters, nats};
   }
 
-  static std::vector<std::string> Caveats(double lean_deg, const std::string& table) {
-    return {
-        "The scene is a hull strip from marks, no model of the hull: in each beam a straight line through "
-        "the first return that a person marked, leaning away from the sonar by one angle for all beams and "
-        "pings.",
-        fmt::format("That angle, {:g} degrees, is the one of these by which the pings used are likeliest "
-                    "(nats a pixel): {}. Leaning the other way looks the same.",
-                    lean_deg, table),
-        "The strip of the ping held out is made from its own marks. So what is judged is how strong and how "
-        "deep the echo behind the first return is, side lobes and noise: not where the hull is.",
-        "Beams without a mark have no surface: hull that shows there stays unexplained.",
-        "Noise and display are those of the target-free pings, the beam that of the recording's own point "
-        "spread function. Curve and pulse are fitted to the pings used; levels are relative, and no gain "
-        "over time is assumed."};
+  static std::string LeanCaveat(double lean_deg, const std::string& table) {
+    return fmt::format(
+        "The lean of the strip, {:g} degrees, is the one of these by which the pings used are likeliest "
+        "(nats "
+        "per pixel): {}. Leaning the other way looks the same.",
+        lean_deg, table);
   }
 
+  const CasePlan& plan_;
+  const MarkedSurfaceCase& surface_;
   std::filesystem::path folder_;
   const PrepareOptions& options_;
   std::unique_ptr<RecordingSource> pings_;
@@ -213,8 +208,9 @@ class HullMaker {
 
 }  // namespace
 
-PreparedRecording PrepareHullRecording(const std::filesystem::path& folder, const PrepareOptions& options) {
-  return HullMaker(folder, options).Make();
+PreparedRecording PrepareMarkedSurface(const CasePlan& plan, const std::filesystem::path& images,
+                                       const PrepareOptions& options) {
+  return SurfaceMaker(plan, images, options).Make();
 }
 
 }  // namespace sonarcal::reproduce

@@ -1,4 +1,4 @@
-#include "apps/reproduce/hull_strip.h"
+#include "apps/reproduce/marked_surface.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 namespace sonarcal::reproduce {
 namespace {
 
-constexpr double kMostLeanDeg = 80.0;
+constexpr double kMaxLeanDeg = 80.0;
 constexpr double kElevationStepDeg = 0.25;
 constexpr double kBeyondWindow = 1.1;
 
@@ -41,7 +41,7 @@ std::pair<double, double> ElevationsRad(double lean_rad, double half_beam_rad) {
 
 class StripMaker {
  public:
-  StripMaker(const PolarAxes& axes, const HullStripOptions& options)
+  StripMaker(const PolarAxes& axes, const MarkedStripOptions& options)
       : lean_rad_(RadFromDeg(options.lean_deg)),
         half_beam_rad_(RadFromDeg(0.5 * options.elevation_deg)),
         farthest_m_(kBeyondWindow * axes.range_max_m) {
@@ -144,9 +144,9 @@ double StripRangeRatio(double lean_rad, double half_beam_rad, double elevation_r
   return std::cos(nearest_rad + lean_rad) / std::cos(elevation_rad + lean_rad);
 }
 
-Scene MakeHullStrip(const FirstReturn& marks, const PolarAxes& axes, const HullStripOptions& options) {
-  if (!(options.lean_deg >= 0.0 && options.lean_deg <= kMostLeanDeg)) {
-    throw DataError("hull strip: lean_deg is {}, expected 0 .. {}", options.lean_deg, kMostLeanDeg);
+Scene MakeMarkedStrip(const FirstReturn& marks, const PolarAxes& axes, const MarkedStripOptions& options) {
+  if (!(options.lean_deg >= 0.0 && options.lean_deg <= kMaxLeanDeg)) {
+    throw DataError("strip from marks: lean_deg is {}, expected 0 .. {}", options.lean_deg, kMaxLeanDeg);
   }
   SONARCAL_CHECK(static_cast<int>(marks.size()) == axes.beam_count(), "{} marks of {} beams", marks.size(),
                  axes.beam_count());
@@ -169,7 +169,7 @@ Scene MakeHullStrip(const FirstReturn& marks, const PolarAxes& axes, const HullS
     maker.Column(azimuth[beam], *range_m[beam], true);
     if (!after) end(beam, beam - 1, true);
   }
-  if (!any) throw DataError("hull strip: no two beams next to each other are marked");
+  if (!any) throw DataError("strip from marks: no two beams next to each other are marked");
   return std::move(maker).Take();
 }
 

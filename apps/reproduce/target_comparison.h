@@ -1,0 +1,88 @@
+// The paper's comparison on real frames of a target (TargetCase of apps/reproduce/case_plan.h). Models are
+// fitted to one frame and evaluated on another, twice:
+//
+//   - both models with outline and pose as known beforehand: what the models can do if the geometry is good;
+//   - the paper's model with the plain outline and a pose that is searched for on the fitted frame, beside the
+//     acoustic model without a fit.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/report/pictures/comparison_pictures.h"
+#include "apps/reproduce/case_plan.h"
+#include "apps/workflow/fit.h"
+#include "calib/acoustic_fit.h"
+#include "calib/poses/pose_search.h"
+#include "core/types/recording.h"
+
+namespace sonarcal::reproduce {
+
+struct TargetComparisonOptions {
+  int threads = 0;
+  bool quick = false;  // fewer starts and rays: to try the command, not for figures
+  std::function<void(const std::string& line)> on_note = {};
+};
+
+struct TargetComparison {
+  CasePlan plan;
+  RecordingInfo info;
+  calib::PoseSearchResult pose;
+  ParameterSet acoustic;       // the model of the search, at the strength found
+  workflow::RecordingFit fit;  // of the paper's model, at the pose found
+  // The acoustic model without a fit on the held-out frame: its expected image and a speckled sample.
+  metrics::MetricsReport acoustic_expected;
+  metrics::MetricsReport acoustic_sample;
+  std::vector<report::FramePictures> acoustic_pictures;
+
+  // With outline and pose as known beforehand.
+  struct Fitted {
+    workflow::RecordingFit paper;
+    workflow::RecordingFit acoustic;  // without metrics and pictures, which are these
+    // On the held-out frame. `samples` pools kDraws samples, because a single one moves the occupancy by 0.02.
+    metrics::MetricsReport expected;
+    metrics::MetricsReport samples;
+    std::vector<report::FramePictures> expected_pictures;
+    std::vector<report::FramePictures> sample_pictures;  // of one sample
+    metrics::MetricsReport floor;  // the expected image against those samples: the error that speckle leaves
+  };
+  static constexpr int kDraws = 8;
+  Fitted fitted;
+  metrics::MetricsReport real_against_real;  // the fitted frame in place of a simulated one
+};
+
+const TargetCase& TargetOf(const CasePlan& plan);
+
+// The frames of the case, opened through recording.json in the folder of the case. Throws DataError if the
+// folder `images`, the fitted frame or the held-out frame is missing.
+std::unique_ptr<RecordingSource> OpenTarget(const CasePlan& plan, const std::filesystem::path& images);
+
+// Water of the plan, else of the recording, else the default.
+Water WaterOf(const TargetCase& target, const RecordingInfo& info);
+
+// The display that follows from the background of `image` (calib/noise/background_display.h). `segmentation`
+// finds the object.
+DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
+                                              const metrics::SegmentationOptions& segmentation);
+
+// The start of the case with the display of the background of `image`.
+ParameterSet TargetStart(const TargetCase& target, const PolarImage& image);
+
+// The recorded frames as a fit takes them: each with the known pose, the outline as scene, and the start.
+struct PosedTarget {
+  std::unique_ptr<MemoryRecording> recording;
+  Scene scene;
+  ParameterSet start;
+};
+
+// Throws DataError.
+PosedTarget PoseTarget(const CasePlan& plan, const std::filesystem::path& images);
+
+// Throws DataError.
+TargetComparison CompareTarget(const CasePlan& plan, const std::filesystem::path& images,
+                               const TargetComparisonOptions& options);
+
+}  // namespace sonarcal::reproduce
