@@ -21,6 +21,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,8 @@ namespace sonarcal::calib {
 struct PosePrior {
   double position_m = 0.1;
   double angle_deg = 3.0;
+
+  bool operator==(const PosePrior&) const = default;
 };
 
 struct FitConfig {
@@ -43,9 +46,14 @@ struct FitConfig {
   PosePrior pose_prior = {};
   // Frames the fit does not see; absent: the last third, at least one where there are two.
   std::optional<std::vector<int>> held_out = {};
+
+  bool operator==(const FitConfig&) const = default;
 };
 
+// Throws DataError with file, line and key.
 FitConfig ReadFitConfig(const std::filesystem::path& path);
+// As ReadFitConfig; `name` is the name for messages.
+FitConfig ParseFitConfig(std::string_view text, const std::string& name);
 
 // Which entries of a catalogue are free (config.free must be given); also narrows the entries' bounds. Throws
 // DataError for a name or pattern that matches nothing.

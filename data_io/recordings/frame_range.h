@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/types/recording.h"
 
@@ -19,6 +20,10 @@ struct FrameRange {
 // Throws UsageError where `text` is no range, and DataError where it names frames that a recording of
 // `frame_count` frames does not have.
 FrameRange ParseFrameRange(const std::string& text, int frame_count);
+
+// The frames of one range or of several separated by commas, "0:3,7:9", in this order. Throws as
+// ParseFrameRange, and UsageError for a frame that is named twice.
+std::vector<int> ParseFrameRanges(const std::string& text, int frame_count);
 
 // The chosen frames as a recording of their own, numbered from 0.
 class FrameRangeView final : public RecordingSource {
