@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -16,28 +15,16 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/workflow/comparison_options.h"
 #include "calib/parameters/fit_config.h"
 #include "core/types/mask.h"
 #include "core/types/option.h"
 #include "core/types/option_text.h"
 #include "core/types/parameters.h"
-#include "metrics/segmentation/region.h"
 
 namespace sonarcal {
 
-template <>
-struct OptionText<metrics::PolygonCorner> {
-  static bool Parse(const std::string& text, metrics::PolygonCorner& value) {
-    return internal::ParsePair(text, ':', value.range_m, value.azimuth_deg);
-  }
-  static std::string Format(const metrics::PolygonCorner& value) {
-    return fmt::format("{}:{}", value.range_m, value.azimuth_deg);
-  }
-  static std::string Type(const OptionInfo&) { return "R:A"; }
-  static constexpr const char* kExpected = "RANGE:AZIMUTH in m and degrees, such as 1.5:-4,1.5:4,2:0";
-};
-
-// Reads files while the command line is parsed. Throws DataError if a file cannot be used.
+// Files are read as soon as the command line is parsed. Throw DataError if a file cannot be used.
 template <>
 struct OptionText<FromFile<ParameterSet>> {
   static bool Parse(const std::string& text, FromFile<ParameterSet>& value);
@@ -77,14 +64,7 @@ namespace sonarcal::cli {
 // Converts "region_range" to "--region-range".
 std::string OptionFlag(std::string_view name);
 
-namespace internal {
-
-// Range of an option, such as ", expected 0 to 1024"; empty without limits.
-std::string RangeText(const OptionInfo& info);
-
-}  // namespace internal
-
-// Adds one option. `value` holds the default and receives the value.
+// Adds one option whose value goes to `value`, which holds the default.
 template <typename T>
 CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
   const std::string flag = OptionFlag(info.name);
@@ -102,7 +82,7 @@ CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
       if constexpr (std::is_arithmetic_v<T>) {
         const double number = static_cast<double>(parsed);
         if (!(number >= info.min && number <= info.max))
-          throw CLI::ValidationError(fmt::format("{} {}{}", flag, results.back(), internal::RangeText(info)));
+          throw CLI::ValidationError(fmt::format("{} {}{}", flag, results.back(), LimitsText(info)));
       }
       value = std::move(parsed);
       return true;

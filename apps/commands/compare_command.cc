@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -29,7 +28,6 @@
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/frame_gatherer.h"
-#include "core/types/printable.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
 #include "data_io/recordings/frame_range.h"
@@ -125,24 +123,6 @@ report::HtmlReport MakeReport(const metrics::MetricsReport& metrics, const repor
   return report;
 }
 
-// Frames of the comma-separated ranges; all frames if empty.
-std::vector<int> AskedFrames(const std::string& ranges, const RecordingSource& real,
-                             const RecordingSource& simulated) {
-  std::vector<int> frames;
-  if (ranges.empty()) return frames;
-  std::stringstream parts(ranges);
-  for (std::string part; std::getline(parts, part, ',');) {
-    const data_io::FrameRange asked =
-        data_io::ParseFrameRange(part, std::min(real.frame_count(), simulated.frame_count()));
-    for (int frame = asked.begin; frame < asked.end; ++frame) {
-      if (std::find(frames.begin(), frames.end(), frame) != frames.end())
-        throw UsageError("--frames '{}' names frame {} twice", Printable(ranges), frame);
-      frames.push_back(frame);
-    }
-  }
-  return frames;
-}
-
 // Scene of --scene. With --object, the scene that a recording names. Nullopt if there is neither.
 std::optional<Scene> SceneOf(const CompareCommandOptions& options, const RecordingSource& real,
                              const RecordingSource& simulated) {
@@ -164,7 +144,10 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   if (options.sweep_csv && options.compare.sweep_steps == 0)
     throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
   workflow::CompareOptions compare = options.compare;
-  compare.frames = AskedFrames(options.frames, *real, *simulated);
+  if (!options.frames.empty()) {
+    compare.frames = data_io::ParseFrameRanges(options.frames,
+                                               std::min(real->frame_count(), simulated->frame_count()));
+  }
   const std::optional<Scene> scene = SceneOf(options, *real, *simulated);
   cli::RunOutput output(options.out, "compare", options.common.force);
   std::optional<cli::Progress> progress;

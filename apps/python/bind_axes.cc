@@ -186,6 +186,17 @@ FanImage FanOf(const PolarImage& image, double pixel_m, int height_px) {
   return FanMap(image.axes, options).Apply(image);
 }
 
+// As NumPy's protocol has it: a view, unless another type or a copy is asked for.
+template <typename ImageType>
+py::object ArrayOf(const py::object& self, const py::object& dtype, const py::object& copy) {
+  const py::array array = View(self.cast<const ImageType&>().value, self);
+  const bool as_is = dtype.is_none() || array.dtype().equal(py::dtype::from_args(dtype));
+  const bool must_copy = !copy.is_none() && copy.cast<bool>();
+  if (as_is) return must_copy ? array.attr("copy")() : py::object(array);
+  if (!copy.is_none() && !must_copy) throw py::value_error("another type needs a copy");
+  return array.attr("astype")(dtype);
+}
+
 void BindImages(py::module_& module) {
   py::class_<FanImage>(
       module, "FanImage",
@@ -193,6 +204,8 @@ void BindImages(py::module_& module) {
       .def_property_readonly(
           "value", [](const py::object& self) { return View(self.cast<const FanImage&>().value, self); },
           "Values, shape (rows, cols), float32, 0 outside the fan; a read-only view.")
+      .def("__array__", &ArrayOf<FanImage>, py::arg("dtype") = py::none(), py::arg("copy") = py::none(),
+           "The values, so that np.asarray(image) is image.value.")
       .def_property_readonly(
           "inside", [](const py::object& self) { return View(self.cast<const FanImage&>().inside, self); },
           "1 inside the fan, 0 outside, shape (rows, cols), uint8; a read-only view.")
@@ -223,6 +236,8 @@ void BindImages(py::module_& module) {
       .def_property_readonly(
           "value", [](const py::object& self) { return View(self.cast<const PolarImage&>().value, self); },
           "Values, shape (range_bins, beams), float32; a read-only view.")
+      .def("__array__", &ArrayOf<PolarImage>, py::arg("dtype") = py::none(), py::arg("copy") = py::none(),
+           "The values, so that np.asarray(image) is image.value.")
       .def_property_readonly(
           "axes", [](const PolarImage& image) -> const PolarAxes& { return image.axes; },
           py::return_value_policy::reference_internal, "Where the pixels lie.")

@@ -33,6 +33,33 @@ int FrameIndex(const RecordingSource& recording, int index) {
   return from_start;
 }
 
+// Some frames of a recording in any order, numbered from 0.
+class SelectedFrames final : public RecordingSource {
+ public:
+  SelectedFrames(std::shared_ptr<const RecordingSource> recording, std::vector<int> frames)
+      : recording_(std::move(recording)), frames_(std::move(frames)) {}
+
+  const RecordingInfo& info() const override { return recording_->info(); }
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  FrameInfo frame_info(int index) const override { return recording_->frame_info(frames_.at(index)); }
+  Frame ReadFrame(int index) const override { return recording_->ReadFrame(frames_.at(index)); }
+
+ private:
+  std::shared_ptr<const RecordingSource> recording_;
+  std::vector<int> frames_;
+};
+
+std::shared_ptr<RecordingSource> SliceOf(std::shared_ptr<RecordingSource> recording, const py::slice& slice) {
+  py::ssize_t start = 0;
+  py::ssize_t stop = 0;
+  py::ssize_t step = 0;
+  py::ssize_t count = 0;
+  if (!slice.compute(recording->frame_count(), &start, &stop, &step, &count)) throw py::error_already_set();
+  std::vector<int> frames;
+  for (py::ssize_t i = 0; i < count; ++i) frames.push_back(static_cast<int>(start + i * step));
+  return std::make_shared<SelectedFrames>(std::move(recording), std::move(frames));
+}
+
 Frame ReadFrameOf(const RecordingSource& recording, int index) {
   const int frame = FrameIndex(recording, index);
   const py::gil_scoped_release release;
@@ -113,9 +140,13 @@ void BindRecordingClass(py::module_& module) {
   using Source = RecordingSource;
   py::class_<Source, std::shared_ptr<Source>>(
       module, "Recording",
-      "Frames of a sonar, read one at a time: recording[i], len(recording), for frame in recording.")
+      "Frames of a sonar, read one at a time: recording[i], len(recording), for frame in recording. A slice\n"
+      "such as recording[2:5] is a Recording too.")
       .def("__len__", &Source::frame_count)
       .def("__getitem__", &ReadFrameOf, py::arg("index"))
+      .def("__getitem__", &SliceOf, py::arg("frames"))
+      .def("__iter__",
+           [](const py::object& self) { return py::reinterpret_steal<py::object>(PySeqIter_New(self.ptr())); })
       .def_property_readonly(
           "source", [](const Source& r) { return r.info().source; }, "File or folder it was read from.")
       .def_property_readonly("format", [](const Source& r) { return r.info().format; })

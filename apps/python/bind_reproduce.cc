@@ -3,12 +3,10 @@
 
 #include <memory>
 
-#include <nlohmann/json.hpp>
-
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
+#include "apps/python/json_objects.h"
 #include "apps/reproduce/reproduce_report.h"
-#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::python {
 namespace {
@@ -19,8 +17,8 @@ struct TankResult {
   std::string metrics;
   std::shared_ptr<RecordingSource> recording;
   Scene scene;
-  std::string paper;  // params.json of the fitted models
-  std::string acoustic;
+  ParameterSet paper;  // fitted
+  ParameterSet acoustic;
 };
 
 TankResult ReproduceTank(bool quick, std::uint64_t seed, int threads, py::object progress, py::object say) {
@@ -38,8 +36,8 @@ TankResult ReproduceTank(bool quick, std::uint64_t seed, int threads, py::object
   TankResult result{.metrics = reproduce::ReproductionMetricsJson(reproduction),
                     .recording = {},
                     .scene = std::move(tank.scene),
-                    .paper = data_io::ParametersJson(tank.fit.fit.parameters).dump(),
-                    .acoustic = data_io::ParametersJson(tank.acoustic.fit.parameters).dump()};
+                    .paper = tank.fit.fit.parameters,
+                    .acoustic = tank.acoustic.fit.parameters};
   result.recording = std::move(tank.recording);
   return result;
 }
@@ -51,8 +49,8 @@ void BindReproduce(py::module_& module) {
       "_reproduce_tank",
       [](bool quick, std::uint64_t seed, int threads, py::object progress, py::object say) {
         TankResult result = ReproduceTank(quick, seed, threads, std::move(progress), std::move(say));
-        return py::make_tuple(result.metrics, result.recording, std::move(result.scene), result.paper,
-                              result.acoustic);
+        return py::make_tuple(ObjectFromJson(result.metrics), result.recording, std::move(result.scene),
+                              DictFromParameters(result.paper), DictFromParameters(result.acoustic));
       },
       py::arg("quick"), py::arg("seed"), py::arg("threads"), py::arg("progress"), py::arg("say"));
   module.def(
@@ -60,7 +58,7 @@ void BindReproduce(py::module_& module) {
       [](const std::filesystem::path& folder) {
         reproduce::PosedTarget bomb = reproduce::PoseTarget(reproduce::FindCase("bomb"), folder);
         return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)),
-                              std::move(bomb.scene), data_io::ParametersJson(bomb.start).dump());
+                              std::move(bomb.scene), DictFromParameters(bomb.initial));
       },
       py::arg("folder"));
 }

@@ -3,15 +3,10 @@
 #include <memory>
 #include <mutex>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
 #include "apps/python/residual_view.h"
-#include "apps/python/words.h"
-#include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::python {
 namespace {
@@ -40,19 +35,15 @@ class LockedView {
 };
 
 std::unique_ptr<LockedView> MakeView(std::shared_ptr<RecordingSource> recording, const Scene& scene,
-                                     const std::string& params, std::vector<int> frames,
-                                     const std::vector<std::string>& words, py::object progress) {
+                                     ParameterSet params, std::vector<int> frames,
+                                     const workflow::RayOptions& rays, py::object progress) {
   const Listener listener(std::move(progress), py::none());
   const py::gil_scoped_release release;
-  workflow::FitRecordingOptions options;
-  CLI::App command;
-  cli::AddRayOptions(command, options.rays);
-  ParseWords(command, words);
+  workflow::FitRecordingOptions options{.rays = rays, .config = {}, .fit = {}, .comparison = {}};
   options.on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); };
   const workflow::ThreadLimit threads(options.rays.threads);
-  return std::make_unique<LockedView>(std::move(recording), scene,
-                                      data_io::ParseParameters(params, "the parameters given"),
-                                      std::move(frames), options);
+  return std::make_unique<LockedView>(std::move(recording), scene, std::move(params), std::move(frames),
+                                      options);
 }
 
 template <typename Value>
@@ -140,7 +131,7 @@ void BindResiduals(py::module_& module) {
           "Weighs residuals of the paper's model from now on by the noise that the frames show about values\n"
           "(shape (names,)): half their squared sum is then the cost of a fit that ended at these values.");
   module.def("_residual_view", &MakeView, py::arg("recording"), py::arg("scene"), py::arg("params"),
-             py::arg("frames"), py::arg("words"), py::arg("progress"));
+             py::arg("frames"), py::arg("options"), py::arg("progress"));
 }
 
 }  // namespace sonarcal::python

@@ -1,32 +1,31 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <exception>
 #include <memory>
+#include <utility>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "apps/commands/compare_command.h"
 #include "apps/commands/fit_command.h"
-#include "apps/commands/simulate_command.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
-#include "apps/python/words.h"
-#include "data_io/parameters/parameters_io.h"
+#include "apps/python/json_objects.h"
+#include "apps/report/sections/explain_section.h"
+#include "apps/workflow/compare.h"
+#include "apps/workflow/explain.h"
+#include "apps/workflow/fit.h"
+#include "apps/workflow/simulate.h"
+#include "data_io/recordings/frame_range.h"
+#include "metrics/json/metrics_json.h"
 #include "metrics/segmentation/segmentation.h"
-#include "sim/gathered/empty_frames.h"
 
 namespace sonarcal::python {
 namespace {
 
 namespace py = pybind11;
 
-using Words = std::vector<std::string>;
 using Recording = std::shared_ptr<RecordingSource>;
-
-constexpr const char* kGiven = "the parameters given";  // for messages, where a command names a file
 
 std::vector<data_io::TimedPose> Timed(const std::vector<Pose>& poses,
                                       const std::vector<std::optional<double>>& times_s) {
@@ -36,101 +35,80 @@ std::vector<data_io::TimedPose> Timed(const std::vector<Pose>& poses,
   return timed;
 }
 
-Recording Simulate(const Scene& scene, const workflow::SonarChoice& sonar, const std::string& params,
+Recording Simulate(const Scene& scene, const workflow::SonarChoice& sonar, const ParameterSet& parameters,
                    const std::vector<Pose>& poses, const std::vector<std::optional<double>>& times_s,
-                   const std::string& scene_path, const Words& words, py::object progress, py::object say) {
-  const Listener listener(std::move(progress), std::move(say));
+                   const std::string& scene_path, const workflow::SimulateOptions& options,
+                   py::object progress, py::object say) {
+  Listener listener(std::move(progress), std::move(say));
   const py::gil_scoped_release release;
-  commands::SimulateOptions options;
-  CLI::App command;
-  commands::AddSimulateOptions(&command, &options);
-  ParseWords(command, words);
-  if (poses.empty()) throw DataError("poses: none, expected one or more");
-  const workflow::ThreadLimit threads(options.rays.threads);
-  const commands::ResolvedSimulation resolved =
-      commands::ResolveSimulation(options, sonar, data_io::ParseParameters(params, kGiven));
-  const sim::Simulator simulator(scene, sonar.sonar, resolved.simulation);
-  for (const std::string& sentence : commands::SimulationCaveats(options, simulator, resolved))
-    listener.Say(sentence);
-  const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, poses);
-  if (!empty.empty()) listener.Say(sim::EmptyFramesWarning(simulator, poses, empty));
-  const int frames_in_all = static_cast<int>(poses.size());
-  return workflow::SimulateRecording(
-      simulator, Timed(poses, times_s), resolved.parameters, scene_path,
-      [&](int done) { listener.Progress("Simulating", done, frames_in_all); }, options.expected);
+  return listener.Run([&](const workflow::Listener& task) {
+    return workflow::Simulate(scene, sonar, parameters, Timed(poses, times_s), options, task, scene_path);
+  });
 }
 
-std::string Compare(const RecordingSource& real, const RecordingSource& simulated, const Words& words,
-                    py::object progress) {
-  const Listener listener(std::move(progress), py::none());
-  const py::gil_scoped_release release;
-  commands::CompareCommandOptions options;
-  CLI::App command;
-  commands::AddCompareOptions(&command, &options);
-  ParseWords(command, words);
-  options.pictures = 0;
-  options.common.quiet = true;
-  const commands::Comparison comparison = commands::MeasureComparison(
-      options, real, simulated, {},
-      [&](int done, int in_all) { listener.Progress("Comparing", done, in_all); });
-  return metrics::MetricsJson(comparison.metrics);
-}
+// A comparison with its recordings, so that any pair of frames can be shown later. Images are not kept.
+struct ComparedRecordings {
+  Recording real;
+  Recording simulated;
+  workflow::Comparison comparison;
 
-struct Fitted {
-  bool usable = false;
-  std::string report;      // fit.json
-  std::string parameters;  // params.json; empty where not usable
-  std::vector<Pose> poses;
+  workflow::ComparedFrame Pair(int frame) const {
+    return std::move(workflow::ComparedFrames(*real, *simulated, comparison.options, {frame}).front());
+  }
 };
 
-Fitted Fit(const RecordingSource& recording, const Scene& scene, const std::string& params,
-           const Words& words, py::object progress, py::object say) {
-  const Listener listener(std::move(progress), std::move(say));
+ComparedRecordings Compare(Recording real, Recording simulated, workflow::CompareOptions options,
+                           const std::vector<int>& frames, const std::shared_ptr<Scene>& scene,
+                           bool residuals_by_scene, py::object progress) {
+  Listener listener(std::move(progress), py::none());
   const py::gil_scoped_release release;
-  commands::FitCommandOptions options;
-  CLI::App command;
-  commands::AddFitOptions(&command, &options);
-  ParseWords(command, words);
-  const workflow::ThreadLimit threads(options.rays.threads);
-  const ParameterSet initial = data_io::ParseParameters(params, kGiven);
-  for (const std::string& sentence : workflow::MirrorCaveats(initial, scene.material_names))
-    listener.Say(sentence);
-  // Ceres is not written to be left by an exception: it is asked to stop, and the exception thrown after it.
-  std::exception_ptr thrown;
-  int iterations = 0;
-  const auto stop = [&] {
-    if (thrown) return true;
-    try {
-      listener.Progress("Fitting", ++iterations, 0);
-    } catch (...) {
-      thrown = std::current_exception();
-    }
-    return thrown != nullptr;
-  };
-  workflow::RecordingFit fit;
-  try {
-    fit = commands::FitAsAsked(
-        options, recording, scene, commands::ResolveFitConfig(options, initial, scene), initial,
-        {.say = [&](const std::string& sentence) { listener.Say(sentence); },
-         .on_trace = [&](int done, int in_all) { listener.Progress("Tracing", done, in_all); },
-         .stop = stop});
-  } catch (const calib::FitStopped&) {
-    std::rethrow_exception(thrown);
-  }
-  Fitted fitted{.usable = fit.fit.usable, .report = commands::FitJson(fit), .parameters = {}, .poses = {}};
-  if (fit.fit.usable) fitted.parameters = data_io::ParametersJson(fit.fit.parameters).dump();
-  for (const data_io::TimedPose& pose : fit.poses) fitted.poses.push_back(pose.world_from_sonar);
-  return fitted;
+  options.frames = frames;
+  workflow::Comparison comparison = listener.Run([&](const workflow::Listener& task) {
+    return workflow::Compare(*real, *simulated, options, scene.get(), residuals_by_scene, task);
+  });
+  return {std::move(real), std::move(simulated), std::move(comparison)};
 }
 
-py::array SegmentImage(const PolarImage& image, const Words& words) {
+py::tuple Fit(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
+              const workflow::FitOptions& options, py::object progress, py::object say) {
+  Listener listener(std::move(progress), std::move(say));
+  workflow::RecordingFit fit;
+  std::string report;
+  {
+    const py::gil_scoped_release release;
+    fit = listener.Run([&](const workflow::Listener& task) {
+      return workflow::Fit(recording, scene, start, options, task);
+    });
+    report = commands::FitJson(fit);
+  }
+  std::vector<Pose> poses;
+  for (const data_io::TimedPose& pose : fit.poses) poses.push_back(pose.world_from_sonar);
+  return py::make_tuple(fit.fit.usable, ObjectFromJson(report),
+                        fit.fit.usable ? DictFromParameters(fit.fit.parameters) : py::object(py::none()),
+                        poses, std::move(fit.frames_before), std::move(fit.frames_after));
+}
+
+py::tuple Explain(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
+                  const workflow::ExplainOptions& options, py::object progress, py::object say) {
+  Listener listener(std::move(progress), std::move(say));
+  workflow::ExplainedRecording explained;
+  std::string report;
+  {
+    const py::gil_scoped_release release;
+    explained = listener.Run([&](const workflow::Listener& task) {
+      return workflow::Explain(recording, scene, start, options, task);
+    });
+    report = report::ExplanationJson(explained, {.synthetic = recording.info().synthetic}).dump();
+  }
+  return py::make_tuple(ObjectFromJson(report),
+                        DictFromParameters(explained.explanation.steps.back().parameters),
+                        std::move(explained.maps));
+}
+
+py::array SegmentImage(const PolarImage& image, const workflow::ComparisonOptions& options) {
   metrics::Segmentation found;
   {
     const py::gil_scoped_release release;
-    cli::ComparisonOptions options;
-    CLI::App command;
-    cli::AddComparisonOptions(command, options);
-    ParseWords(command, words);
     const metrics::CompareOptions compare = options.For(image.axes);
     if (compare.object)
       throw UsageError("object: one image has no scene to search it by, expected compare()");
@@ -142,63 +120,82 @@ py::array SegmentImage(const PolarImage& image, const Words& words) {
   return View(*grid, owner);
 }
 
-// The long names of a command's options, for a test that Python has them all.
-Words OptionNames(const std::string& command_name) {
-  CLI::App command;
-  commands::SimulateOptions simulate;
-  commands::CompareCommandOptions compare;
-  commands::FitCommandOptions fit;
-  if (command_name == "simulate") {
-    commands::AddSimulateOptions(&command, &simulate);
-  } else if (command_name == "compare") {
-    commands::AddCompareOptions(&command, &compare);
-  } else if (command_name == "fit") {
-    commands::AddFitOptions(&command, &fit);
-  } else {
-    throw UsageError("command '{}', expected simulate, compare or fit", command_name);
-  }
-  Words names;
-  for (const CLI::Option* option : command.get_options()) names.push_back(option->get_name());
-  return names;
+void BindComparedFrame(py::module_& module) {
+  using workflow::ComparedFrame;
+  py::class_<ComparedFrame>(module, "ComparedFrame", "A pair of images with the objects found in them.")
+      .def_property_readonly(
+          "index", [](const ComparedFrame& frame) { return frame.metrics.index; }, "Frame of the recording.")
+      .def_property_readonly(
+          "real", [](const ComparedFrame& frame) -> const PolarImage& { return frame.real; },
+          py::return_value_policy::reference_internal, "Recorded image.")
+      .def_property_readonly(
+          "simulated", [](const ComparedFrame& frame) -> const PolarImage& { return frame.simulated; },
+          py::return_value_policy::reference_internal, "Simulated image.")
+      .def_property_readonly(
+          "real_object",
+          [](const py::object& self) {
+            return View(self.cast<const ComparedFrame&>().metrics.masks.value().polar_real, self);
+          },
+          "1 where the recorded object is, shape (range_bins, beams), uint8; a read-only view.")
+      .def_property_readonly(
+          "simulated_object",
+          [](const py::object& self) {
+            return View(self.cast<const ComparedFrame&>().metrics.masks.value().polar_simulated, self);
+          },
+          "1 where the simulated object is, shape (range_bins, beams), uint8; a read-only view.");
+}
+
+void BindComparedRecordings(py::module_& module) {
+  py::class_<ComparedRecordings>(module, "_ComparedRecordings",
+                                 "A comparison with its recordings, from which it shows pairs of frames.")
+      .def(
+          "metrics",
+          [](const ComparedRecordings& compared) {
+            return ObjectFromJson(metrics::MetricsJson(compared.comparison.metrics));
+          },
+          "metrics.json as a dict.")
+      .def(
+          "telling_frames",
+          [](const ComparedRecordings& compared) {
+            return workflow::TellingFrames(compared.comparison.metrics);
+          },
+          "Frames with the lowest, the middle and the highest intensity error.")
+      .def("pair", &ComparedRecordings::Pair, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),
+           "Compares one frame again and returns its images and objects.");
+}
+
+void BindCauseMap(py::module_& module) {
+  using workflow::CauseMap;
+  py::class_<CauseMap>(module, "CauseMap", "Main cause of each pixel of a frame.")
+      .def_readonly("index", &CauseMap::index, "Frame of the recording.")
+      .def_property_readonly(
+          "cause", [](const py::object& self) { return View(self.cast<const CauseMap&>().cause, self); },
+          "Index into Explanation.cause_names, shape (range_bins, beams), uint8; a read-only view.")
+      .def_property_readonly(
+          "lobe_of", [](const py::object& self) { return View(self.cast<const CauseMap&>().lobe_of, self); },
+          "Beam whose direction a side lobe shows, else -1, shape (range_bins, beams), int32; a read-only view.")
+      .def_property_readonly(
+          "recorded", [](const CauseMap& map) -> const PolarImage& { return map.recorded; },
+          py::return_value_policy::reference_internal, "Recorded image.");
 }
 
 }  // namespace
 
 void BindRuns(py::module_& module) {
+  BindComparedFrame(module);
+  BindComparedRecordings(module);
+  BindCauseMap(module);
   module.def("_simulate", &Simulate, py::arg("scene"), py::arg("sonar"), py::arg("params"), py::arg("poses"),
-             py::arg("times_s"), py::arg("scene_path"), py::arg("words"), py::arg("progress"),
+             py::arg("times_s"), py::arg("scene_path"), py::arg("options"), py::arg("progress"),
              py::arg("say"));
-  module.def("_compare", &Compare, py::arg("real"), py::arg("simulated"), py::arg("words"),
-             py::arg("progress"));
-  module.def(
-      "_fit",
-      [](const RecordingSource& recording, const Scene& scene, const std::string& params, const Words& words,
-         py::object progress, py::object say) {
-        Fitted fitted = Fit(recording, scene, params, words, std::move(progress), std::move(say));
-        return py::make_tuple(fitted.usable, fitted.report, fitted.parameters, fitted.poses);
-      },
-      py::arg("recording"), py::arg("scene"), py::arg("params"), py::arg("words"), py::arg("progress"),
-      py::arg("say"));
-  module.def("_segment", &SegmentImage, py::arg("image"), py::arg("words"));
-  module.def(
-      "_parse_parameters",
-      [](const std::string& text, const std::string& name) {
-        return data_io::ParametersJson(data_io::ParseParameters(text, name)).dump();
-      },
-      py::arg("text"), py::arg("name"));
-  module.def(
-      "_read_parameters",
-      [](const std::filesystem::path& file) {
-        return data_io::ParametersJson(data_io::ReadParameters(file)).dump();
-      },
-      py::arg("file"));
-  module.def(
-      "_write_parameters",
-      [](const std::filesystem::path& file, const std::string& text) {
-        data_io::WriteParameters(file, data_io::ParseParameters(text, kGiven));
-      },
-      py::arg("file"), py::arg("text"));
-  module.def("_option_names", &OptionNames, py::arg("command"));
+  module.def("_compare", &Compare, py::arg("real"), py::arg("simulated"), py::arg("options"),
+             py::arg("frames"), py::arg("scene"), py::arg("residuals_by_scene"), py::arg("progress"));
+  module.def("_fit", &Fit, py::arg("recording"), py::arg("scene"), py::arg("params"), py::arg("options"),
+             py::arg("progress"), py::arg("say"));
+  module.def("_explain", &Explain, py::arg("recording"), py::arg("scene"), py::arg("params"),
+             py::arg("options"), py::arg("progress"), py::arg("say"));
+  module.def("_segment", &SegmentImage, py::arg("image"), py::arg("options"));
+  module.def("_frames", &data_io::ParseFrameRanges, py::arg("text"), py::arg("frame_count"));
 }
 
 }  // namespace sonarcal::python

@@ -5,15 +5,10 @@
 #include <memory>
 #include <numeric>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
 #include "apps/cli/scene_option.h"
-#include "apps/commands/scenes_command.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
-#include "apps/python/words.h"
-#include "data_io/parameters/parameters_io.h"
+#include "apps/python/option_objects.h"
 #include "data_io/scenes/scene_io.h"
 #include "sim/scenes/environments.h"
 
@@ -59,14 +54,19 @@ py::array_t<float> BoundsOf(const Scene& scene) {
   return py::array_t<float>({2, 3}, bounds);
 }
 
-// `words` of --scene-unit and --scene-up.
-Scene ReadSceneOf(const std::filesystem::path& file, const std::vector<std::string>& words) {
-  std::filesystem::path ignored;
+// None leaves `value` absent. Throws UsageError naming `option` for anything but a word of the enumeration.
+template <HasWords E>
+void ReadWord(const char* option, const py::object& object, std::optional<E>& value) {
+  if (!object.is_none()) value = OptionFromObject<E>({.name = option, .help = {}}, object);
+}
+
+Scene ReadSceneOf(const std::filesystem::path& file, const py::object& scene_unit,
+                  const py::object& scene_up) {
   cli::SceneFormat format;
-  CLI::App command;
-  cli::AddSceneOptions(command, ignored, format, "", false);
-  ParseWords(command, words);
+  ReadWord("scene_unit", scene_unit, format.unit);
+  ReadWord("scene_up", scene_up, format.up);
   const cli::CommonOptions quiet{.json = false, .quiet = true};
+  const py::gil_scoped_release release;
   return cli::ReadSceneFile(file, format, quiet);
 }
 
@@ -113,8 +113,11 @@ void BindScene(py::module_& module) {
         for (const std::string& name : scene.material_names) names += (names.empty() ? "" : ", ") + name;
         return fmt::format("Scene({} triangles, materials {})", scene.triangles.size(), names);
       });
-  module.def("_read_scene", &ReadSceneOf, py::arg("file"), py::arg("words"),
-             py::call_guard<py::gil_scoped_release>());
+  module.def("read_scene", &ReadSceneOf, py::arg("file"), py::kw_only(), py::arg("scene_unit") = py::none(),
+             py::arg("scene_up") = py::none(),
+             "A scene from glTF, OBJ or STL. For OBJ and STL: scene_unit 'm', 'cm', 'mm', 'in' or 'ft', "
+             "scene_up 'y' or\n"
+             "'z'.");
   module.def(
       "environments",
       [] {
@@ -138,8 +141,6 @@ void BindScene(py::module_& module) {
   module.def(
       "viewpoints", [](const std::string& name) { return sim::FindEnvironment(name).viewpoints(); },
       py::arg("name"), "Poses to look at a scene from.");
-  module.def("_environment_parameters",
-             [] { return data_io::ParametersJson(commands::EnvironmentParameters()).dump(); });
 }
 
 }  // namespace sonarcal::python

@@ -29,4 +29,20 @@ void Listener::Say(const std::string& sentence) const {
   if (!say_.is_none()) say_(sentence);
 }
 
+bool Listener::Stop() {
+  if (raised_) return true;
+  try {
+    Progress("Fitting", ++solver_steps_, 0);
+  } catch (...) {
+    raised_ = std::current_exception();
+  }
+  return raised_ != nullptr;
+}
+
+workflow::Listener Listener::ForTask() {
+  return {.progress = [this](const std::string& what, int done, int in_all) { Progress(what, done, in_all); },
+          .message = [this](const std::string& sentence) { Say(sentence); },
+          .stop = [this] { return Stop(); }};
+}
+
 }  // namespace sonarcal::python

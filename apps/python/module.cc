@@ -4,6 +4,7 @@
 #include <exception>
 #include <filesystem>
 
+#include "apps/python/bind_options.h"
 #include "apps/python/bindings.h"
 #include "core/types/error.h"
 
@@ -11,21 +12,22 @@ namespace {
 
 namespace py = pybind11;
 
-// What the commands make one sentence of as well (apps/cli/command.cc).
+// Errors that the commands report in one sentence as well (apps/cli/command.cc).
 void RegisterErrors(py::module_& module) {
   static py::exception<sonarcal::DataError> data_error(module, "DataError", PyExc_ValueError);
   static py::exception<sonarcal::UsageError> usage_error(module, "UsageError", PyExc_ValueError);
   data_error.attr("__doc__") =
       "Data or files are wrong: one sentence that names file, key or line, what was found and what was "
       "expected.";
-  usage_error.attr("__doc__") = "An argument is wrong: one sentence, that of the command's own option.";
+  usage_error.attr("__doc__") =
+      "An argument is wrong: one sentence that names the argument, its value and what was expected.";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const sonarcal::DataError& error) {
       data_error(error.what());
     } catch (const sonarcal::UsageError& error) {
-      usage_error(error.what());
+      usage_error(sonarcal::python::WithKeywords(error.what()).c_str());
     } catch (const std::filesystem::filesystem_error& error) {
       const std::filesystem::path& path = error.path2().empty() ? error.path1() : error.path2();
       data_error(fmt::format("{}: {}", path.string(), error.code().message()).c_str());
@@ -41,6 +43,8 @@ PYBIND11_MODULE(_sonarcal, module) {
   RegisterErrors(module);
   sonarcal::python::BindAxes(module);
   sonarcal::python::BindScene(module);
+  sonarcal::python::BindParameters(module);
+  sonarcal::python::BindAllOptions(module);
   sonarcal::python::BindRecording(module);
   sonarcal::python::BindRuns(module);
   sonarcal::python::BindResiduals(module);

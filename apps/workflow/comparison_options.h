@@ -11,9 +11,27 @@
 
 #include "core/types/mask.h"
 #include "core/types/option.h"
+#include "core/types/option_text.h"
 #include "core/types/parameters.h"
 #include "metrics/compare.h"
 #include "metrics/segmentation/background_law.h"
+#include "metrics/segmentation/region.h"
+
+namespace sonarcal {
+
+template <>
+struct OptionText<metrics::PolygonCorner> {
+  static bool Parse(const std::string& text, metrics::PolygonCorner& value) {
+    return internal::ParsePair(text, ':', value.range_m, value.azimuth_deg);
+  }
+  static std::string Format(const metrics::PolygonCorner& value) {
+    return fmt::format("{}:{}", value.range_m, value.azimuth_deg);
+  }
+  static std::string Type(const OptionInfo&) { return "R:A"; }
+  static constexpr const char* kExpected = "RANGE:AZIMUTH in m and degrees, such as 1.5:-4,1.5:4,2:0";
+};
+
+}  // namespace sonarcal
 
 namespace sonarcal::workflow {
 

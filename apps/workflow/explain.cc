@@ -367,6 +367,7 @@ ExplainedRecording Explain(const RecordingSource& recording, const Scene& scene,
   explain.on_step = [&](calib::ExplainedPart part) {
     listener.Message("fitting: " + std::string(ToString(part)));
   };
+  explain.fit.stop = listener.stop;
   return ExplainRecording(recording, scene, start, explain);
 }
 

@@ -142,7 +142,7 @@ struct ExplainOptions {
 };
 
 // Throws UsageError for options that contradict each other, DataError if the recording, the scene or the
-// parameters cannot be used.
+// parameters cannot be used, calib::FitStopped if the listener stops it.
 ExplainedRecording Explain(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
                            const ExplainOptions& options = {}, const Listener& listener = {});
 

@@ -44,10 +44,7 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
       pattern, names);
 }
 
-}  // namespace
-
-FitConfig ReadFitConfig(const std::filesystem::path& path) {
-  const data_io::JsonReader root = data_io::JsonReader::FromFile(path);
+FitConfig FitConfigFrom(const data_io::JsonReader& root) {
   if (const auto format = root.At("format"); format.String() != "sonar-fit-config/1") {
     format.Fail(fmt::format("is '{}', expected 'sonar-fit-config/1'", format.String()));
   }
@@ -102,6 +99,16 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
   }
   root.Finish();
   return config;
+}
+
+}  // namespace
+
+FitConfig ReadFitConfig(const std::filesystem::path& path) {
+  return FitConfigFrom(data_io::JsonReader::FromFile(path));
+}
+
+FitConfig ParseFitConfig(std::string_view text, const std::string& name) {
+  return FitConfigFrom(data_io::JsonReader::FromText(text, name));
 }
 
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog) {

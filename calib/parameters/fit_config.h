@@ -22,6 +22,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,8 @@ namespace sonarcal::calib {
 struct PosePrior {
   double position_m = 0.1;
   double angle_deg = 3.0;
+
+  bool operator==(const PosePrior&) const = default;
 };
 
 struct FitConfig {
@@ -44,9 +47,14 @@ struct FitConfig {
   PosePrior pose_prior = {};
   // Held-out frames. Absent: the last third, at least one if there are two.
   std::optional<std::vector<int>> held_out = {};
+
+  bool operator==(const FitConfig&) const = default;
 };
 
+// Throws DataError with file, line and key.
 FitConfig ReadFitConfig(const std::filesystem::path& path);
+// As ReadFitConfig; `name` is the name for messages.
+FitConfig ParseFitConfig(std::string_view text, const std::string& name);
 
 // Returns which entries of a catalog are free (config.free must be given), and narrows the bounds of the
 // entries. Throws DataError for a name or pattern that matches nothing.

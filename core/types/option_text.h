@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,6 +43,15 @@ bool ParsePair(std::string_view text, char separator, T& first, T& second) {
 }
 
 }  // namespace internal
+
+// End of a message about a number outside the limits, such as ", expected 0 to 1024"; empty without limits.
+inline std::string LimitsText(const OptionInfo& info) {
+  const bool has_min = std::isfinite(info.min);
+  const bool has_max = std::isfinite(info.max);
+  if (has_min && has_max) return fmt::format(", expected {:g} to {:g}", info.min, info.max);
+  if (has_min) return fmt::format(", expected {:g} or more", info.min);
+  return has_max ? fmt::format(", expected {:g} or less", info.max) : std::string();
+}
 
 template <typename T>
 requires std::is_arithmetic_v<T>

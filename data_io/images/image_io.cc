@@ -85,6 +85,14 @@ RgbImage ImageFile::DecodeRgb() const {
   return GridFromBytes<std::array<std::uint8_t, 3>>(header_, bytes);
 }
 
+Mask ReadMask(const std::filesystem::path& file) {
+  const Grid<float> grey = ImageFile(file).DecodeGrey();
+  Mask mask(grey.rows(), grey.cols());
+  std::ranges::transform(grey.values(), mask.values().begin(),
+                         [](float value) { return std::uint8_t{value > 0.0F}; });
+  return mask;
+}
+
 std::vector<std::uint8_t> EncodePng(const Grid<std::uint8_t>& grey) {
   return EncodePixels(grey, 1);
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/types/image.h"
+#include "core/types/mask.h"
 #include "core/types/rgb_image.h"
 #include "data_io/images/image_header.h"
 
@@ -45,6 +46,9 @@ class ImageFile {
   bool is_png_;
   ImageHeader header_;
 };
+
+// A grey image as a mask: 1 for each pixel above 0.
+Mask ReadMask(const std::filesystem::path& file);
 
 std::vector<std::uint8_t> EncodePng(const Grid<std::uint8_t>& grey);
 std::vector<std::uint8_t> EncodePng(const Grid<std::uint16_t>& grey);

@@ -1,5 +1,8 @@
 #include "data_io/recordings/frame_range.h"
 
+#include <algorithm>
+#include <charconv>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -38,6 +41,20 @@ FrameRange ParseFrameRange(const std::string& text, int frame_count) {
                     Printable(text), frame_count, frame_count);
   }
   return range;
+}
+
+std::vector<int> ParseFrameRanges(const std::string& text, int frame_count) {
+  std::vector<int> frames;
+  std::stringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const FrameRange range = ParseFrameRange(part, frame_count);
+    for (int frame = range.begin; frame < range.end; ++frame) {
+      if (std::ranges::find(frames, frame) != frames.end())
+        throw UsageError("frames '{}' names frame {} twice", Printable(text), frame);
+      frames.push_back(frame);
+    }
+  }
+  return frames;
 }
 
 FrameRangeView::FrameRangeView(std::unique_ptr<RecordingSource> recording, FrameRange range)

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/types/recording.h"
 
@@ -19,7 +20,11 @@ struct FrameRange {
 // Throws UsageError if `text` is not a range, and DataError if it names frames beyond `frame_count`.
 FrameRange ParseFrameRange(const std::string& text, int frame_count);
 
-// Selected frames as a recording, numbered from 0.
+// The frames of one range or of several separated by commas, "0:3,7:9", in this order. Throws as
+// ParseFrameRange, and UsageError for a frame that is named twice.
+std::vector<int> ParseFrameRanges(const std::string& text, int frame_count);
+
+// The chosen frames as a recording of their own, numbered from 0.
 class FrameRangeView final : public RecordingSource {
  public:
   FrameRangeView(std::unique_ptr<RecordingSource> recording, FrameRange range);

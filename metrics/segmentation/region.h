@@ -24,6 +24,8 @@ Mask DilatedByMetres(const Mask& object, const PolarAxes& axes, double margin_m)
 struct PolygonCorner {
   double range_m = 0.0;
   double azimuth_deg = 0.0;
+
+  bool operator==(const PolygonCorner&) const = default;
 };
 
 // Pixels whose centres lie inside the polygon (even-odd rule; sides straight in range and azimuth). Throws

@@ -155,6 +155,47 @@ def test_a_recording_comes_back_from_its_folder(world, tmp_path):
     assert again.sonar.water == SONAR["water"] or again.sonar.water is None
 
 
+def test_a_slice_of_a_recording_is_a_recording(world, recorded, tmp_path):
+    recording = sonarcal.open_recording(recorded)
+    for where, frames in ((slice(1, 3), [1, 2]), (slice(None, None, 2), [0, 2]), (slice(None, None, -1), [3, 2, 1, 0]),
+                          (slice(-1, None), [3]), (slice(2, 2), [])):
+        part = recording[where]
+        assert isinstance(part, sonarcal.Recording) and len(part) == len(frames)
+        assert [frame.name for frame in part] == [recording[i].name for i in frames]
+        for frame, index in zip(part, frames):
+            np.testing.assert_array_equal(frame.image.value, recording[index].image.value)
+    middle = recording[1:3]
+    np.testing.assert_array_equal(middle[-1].image.value, recording[2].image.value)
+    np.testing.assert_array_equal(middle[1:][0].image.value, recording[2].image.value)
+    np.testing.assert_allclose(middle.poses()[0].matrix, world.poses[1].matrix, atol=1e-12)
+    middle.save(tmp_path / "middle")
+    assert len(sonarcal.open_recording(tmp_path / "middle")) == 2
+    assert sonarcal.compare(middle, middle)["macro"]["iou"] == 1.0
+    with pytest.raises(TypeError):
+        recording["first"]
+
+
+def test_a_slice_keeps_its_recording_alive(world):
+    part = world.simulate()[1:2]
+    churn()
+    assert part[0].image.value.shape == (60, 24)
+
+
+def test_an_image_is_an_array(world):
+    image = world.simulate()[0].image
+    array = np.asarray(image)
+    assert np.shares_memory(array, image.value) and array.dtype == np.float32 and not array.flags.writeable
+    np.testing.assert_array_equal(np.array(image, dtype=float), image.value.astype(float))
+    own = np.array(image)
+    own[...] = 0
+    assert image.value.any()
+    fan = image.fan()
+    assert np.shares_memory(np.asarray(fan), fan.value)
+    assert np.stack([image, image]).shape == (2, 60, 24)
+    again = sonarcal.recording([image], world.sonar)
+    np.testing.assert_array_equal(again[0].image, image)
+
+
 def test_scenes_come_from_every_format(world, tmp_path):
     read = sonarcal.read_scene(world.scene_file)
     assert read.material_names == world.scene.material_names
@@ -190,6 +231,19 @@ def test_parameters_come_back_whole(world, tmp_path):
     exact = {**full, "source_level_db": np.float64(200.1) + np.float64(1e-13)}
     sonarcal.write_parameters(exact, tmp_path / "p.json")
     assert sonarcal.read_parameters(tmp_path / "p.json")["source_level_db"] == exact["source_level_db"]
+
+
+def test_parameters_as_an_object(world, tmp_path):
+    parameters = sonarcal.Parameters(PARAMETERS)
+    assert parameters == sonarcal.Parameters(world.params_file) == sonarcal.Parameters(parameters)
+    assert parameters != sonarcal.Parameters({**PARAMETERS, "source_level_db": 190})
+    assert parameters.to_dict() == sonarcal.resolve_parameters(PARAMETERS) and parameters["model"] == "paper"
+    assert repr(parameters) == "Parameters(paper model, materials box, floor)"
+    parameters.save(tmp_path / "p.json")
+    assert sonarcal.Parameters(tmp_path / "p.json") == parameters
+    of_dict, of_object, of_file = (world.simulate(source) for source in (PARAMETERS, parameters, tmp_path / "p.json"))
+    np.testing.assert_array_equal(of_object[0].image, of_dict[0].image)
+    np.testing.assert_array_equal(of_file[0].image, of_dict[0].image)
 
 
 def test_presets_are_named():

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import sonarcal
-from conftest import PARAMETERS
+from conftest import ACOUSTIC, PARAMETERS
 
 
 class Clock(threading.Thread):
@@ -79,12 +79,18 @@ def fit(world, recorded, **options):
                         rays="48x100", **options)
 
 
+def explain(world, **options):
+    recording = world.simulate(ACOUSTIC, noise=True, bits=12)
+    return sonarcal.explain(recording, world.scene, ACOUSTIC, rays="48x100", **options)
+
+
 RUNS = {
     "simulate": ("Simulating", lambda w, r, s, f, p: w.simulate(progress=p)),
     "compare": ("Comparing", lambda w, r, s, f, p: sonarcal.compare(r, s, progress=p)),
     "save": ("Writing", lambda w, r, s, f, p: sonarcal.open_recording(r).save(f / "saved", progress=p)),
     "trace": ("Tracing", lambda w, r, s, f, p: fit(w, r, progress=p)),
     "fit": ("Fitting", lambda w, r, s, f, p: fit(w, r, progress=p)),
+    "explain": ("Fitting", lambda w, r, s, f, p: explain(w, progress=p)),
     "residual_view": ("Tracing", lambda w, r, s, f, p: sonarcal.residual_view(r, w.scene, PARAMETERS, progress=p)),
 }
 

@@ -39,8 +39,11 @@ def test_residuals_by_scene_and_drawn_floor_as_the_command(world, recorded, simu
                                scene=world.scene_file, params=world.params_file)
     assert metrics == json.loads(text)
     assert metrics["residuals"]["by_material"]
-    again = sonarcal.compare(recorded, simulated, against=tmp_path / "out" / "metrics.json")
-    assert again["against"]["worse"] == 0 and again["against"]["better"] == 0
+    by_object = sonarcal.compare(recorded, simulated, scene=world.scene, params=sonarcal.Parameters(world.params_file))
+    assert by_object["residuals"] == metrics["residuals"] and by_object["macro"] == metrics["macro"]
+    for earlier in (tmp_path / "out" / "metrics.json", metrics, dict(metrics)):
+        again = sonarcal.compare(recorded, simulated, against=earlier)
+        assert again["against"]["worse"] == 0 and again["against"]["better"] == 0
 
 
 def test_memory_is_as_good_as_files(world, recorded, simulated):
@@ -48,6 +51,24 @@ def test_memory_is_as_good_as_files(world, recorded, simulated):
     in_memory = sonarcal.compare(recorded, world.simulate(bits=12))
     assert [f["iou"] for f in from_files["frames"]] == [f["iou"] for f in in_memory["frames"]]
     assert from_files["macro"] == in_memory["macro"]
+
+
+def test_the_scene_that_a_recording_names_holds_the_object(recorded, simulated, world):
+    named = sonarcal.compare(recorded, simulated, object="box")
+    given = sonarcal.compare(recorded, simulated, object="box", scene=world.scene)
+    assert [frame["object_region"] for frame in named["frames"]] == [frame["object_region"] for frame in given["frames"]]
+    with pytest.raises(sonarcal.UsageError, match="object needs scene"):
+        own = sonarcal.recording([frame.image for frame in sonarcal.open_recording(recorded)], world.sonar,
+                                 poses=world.poses, full_scale=4095.0)
+        sonarcal.compare(own, own, object="box")
+
+
+def test_frames_are_chosen_by_number_range_or_text(recorded, simulated):
+    whole = sonarcal.compare(recorded, simulated)
+    for frames, expected in (([2, 0], [2, 0]), (range(1, 3), [1, 2]), ("1:3", [1, 2]), ("3,0:2", [3, 0, 1])):
+        chosen = sonarcal.compare(recorded, simulated, frames=frames)
+        assert [frame["index"] for frame in chosen["frames"]] == expected
+        assert [frame["iou"] for frame in chosen["frames"]] == [whole["frames"][i]["iou"] for i in expected]
 
 
 def test_tells_progress(recorded, simulated):

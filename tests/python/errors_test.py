@@ -1,6 +1,7 @@
-"""A mistake is an exception that carries the command's own sentence."""
+"""A mistake is an exception with the sentence of the command, which names options as keywords."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -16,11 +17,16 @@ def sentence(done):
     return text[len("sonarcal: "):-1].split(" (see '")[0]
 
 
+def with_keywords(text):
+    """"--frozen-speckle" as "frozen_speckle"."""
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda flag: flag.group(1).replace("-", "_"), text)
+
+
 def expect(kind, done, call):
     with pytest.raises(kind) as raised:
         call()
     assert isinstance(raised.value, ValueError)
-    assert str(raised.value) == sentence(done)
+    assert str(raised.value) == (sentence(done) if kind is sonarcal.DataError else with_keywords(sentence(done)))
     assert done.returncode == (1 if kind is sonarcal.DataError else 2)
 
 
@@ -105,12 +111,24 @@ def test_parameters_name_the_key(world):
         sonarcal.resolve_parameters({**PARAMETERS, "display": object()})
 
 
-def test_unknown_keywords_are_refused(world):
-    with pytest.raises(TypeError, match="bites"):
+def test_unknown_keywords_are_refused_with_the_nearest_name(world):
+    with pytest.raises(TypeError, match="'bites' is no option; did you mean 'bits'"):
         sonarcal.simulate(world.scene, world.sonar, PARAMETERS, world.poses, bites=8)
+    with pytest.raises(TypeError, match="'bites' is no option"):
+        sonarcal.simulate(world.scene, world.sonar, PARAMETERS, world.poses, {"bites": 8})
 
 
-def test_frames_of_a_comparison_follow_each_other(recorded):
-    """[0, 2] would be taken for 0:2, the first two."""
-    with pytest.raises(ValueError, match="frames: expected range"):
-        sonarcal.compare(recorded, recorded, frames=[0, 2])
+def test_frames_of_a_comparison_that_are_none_are_refused(recorded):
+    with pytest.raises(sonarcal.DataError, match="frame 4 is to be compared"):
+        sonarcal.compare(recorded, recorded, frames=[0, 4])
+    with pytest.raises(sonarcal.DataError, match="frame -1 is to be compared"):
+        sonarcal.compare(recorded, recorded, frames=[-1])
+    with pytest.raises(sonarcal.UsageError, match="frames '0:2,1:3' names frame 1 twice"):
+        sonarcal.compare(recorded, recorded, frames="0:2,1:3")
+    with pytest.raises(sonarcal.UsageError, match="frames 'all', expected A:B"):
+        sonarcal.compare(recorded, recorded, frames="all")
+
+
+def test_parameters_of_another_type_are_refused(world):
+    with pytest.raises(TypeError, match="expected a dict, a path or Parameters, not int"):
+        sonarcal.simulate(world.scene, world.sonar, 7, world.poses)

@@ -46,6 +46,13 @@ def test_takes_a_configuration_as_a_dict(world, recorded, result):
     assert again.parameters == result.parameters
 
 
+def test_takes_options_as_an_object_or_a_dict(world, recorded, result):
+    for options in (OPTIONS, sonarcal.FitOptions(**OPTIONS)):
+        assert sonarcal.fit(recorded, world.scene, START, options).parameters == result.parameters
+    again = sonarcal.fit(recorded, world.scene, sonarcal.Parameters(START), {**OPTIONS, "starts": 3}, starts=1)
+    assert again.parameters == result.parameters
+
+
 def test_a_parameter_by_its_name(result):
     entry = result["material.floor.gsab.C"]
     assert entry["status"] == "free" and entry["initial"] == 1.0 and entry["sigma"] > 0.0

@@ -1,9 +1,11 @@
-"""The stub says what the module has, Python has every option of the commands, everything public is explained."""
+"""Stubs and module agree, Python has all options of the commands, and everything public is documented."""
 
 import ast
 import inspect
 import pathlib
+import pydoc
 import re
+import types
 
 import pytest
 
@@ -12,7 +14,7 @@ from sonarcal import _sonarcal
 
 STUB = pathlib.Path(sonarcal.__file__).with_name("_sonarcal.pyi")
 # Of every class of pybind11, or of none.
-COMMON = {"__module__", "__doc__", "__weakref__", "__dict__", "__new__", "__hash__", "__init__"}
+COMMON = {"__module__", "__doc__", "__weakref__", "__dict__", "__new__", "__hash__", "__init__", "__signature__"}
 
 
 def stub_surface():
@@ -20,7 +22,9 @@ def stub_surface():
     classes, functions, values = {}, {}, set()
 
     def parameters(node):
-        return [argument.arg for argument in node.args.args if argument.arg != "self"]
+        """Names; options of a constructor, which are keywords only, are left out."""
+        only = [] if node.name == "__init__" else node.args.kwonlyargs
+        return [argument.arg for argument in node.args.args + only if argument.arg != "self"]
 
     for node in ast.parse(STUB.read_text()).body:
         if isinstance(node, ast.FunctionDef):
@@ -31,6 +35,8 @@ def stub_surface():
             members = {}
             for member in node.body:
                 if isinstance(member, ast.FunctionDef):
+                    if any(getattr(d, "attr", "") == "setter" for d in member.decorator_list):
+                        continue
                     is_property = any(getattr(d, "id", "") == "property" for d in member.decorator_list)
                     members[member.name] = None if is_property else parameters(member)
             classes[node.name] = members
@@ -57,7 +63,7 @@ def test_stub_and_module_name_the_same():
 def test_classes_have_what_the_stub_says(name):
     members = CLASSES[name]
     real = {k: v for k, v in vars(getattr(_sonarcal, name)).items() if k not in COMMON and not k.startswith("_pybind")}
-    declared = {k: v for k, v in members.items() if k not in ("__init__", "__iter__")}  # iteration goes by __getitem__
+    declared = {k: v for k, v in members.items() if k != "__init__"}
     assert set(real) == set(declared)
     for member, parameters in declared.items():
         is_property = isinstance(inspect.getattr_static(getattr(_sonarcal, name), member), property)
@@ -73,23 +79,77 @@ def test_functions_take_what_the_stub_says(name):
     assert signature(getattr(_sonarcal, name)) == FUNCTIONS[name]
 
 
-# Options of the commands that Python has other ways for: arguments of their own, files that are not written, what
-# a shell needs, and the fits without a scene.
+FUNCTIONS_OF = {
+    "simulate": (sonarcal.simulate, sonarcal.SimulateOptions, {"progress"}),
+    "compare": (sonarcal.compare, sonarcal.CompareOptions, {"frames", "scene", "scene_unit", "scene_up", "progress"}),
+    "fit": (sonarcal.fit, sonarcal.FitOptions, {"progress"}),
+    "explain": (sonarcal.explain, sonarcal.ExplainOptions, {"progress"}),
+}
+
+# Options of the commands that are other things in Python: positional arguments, files, terminal output, recordings
+# that the project knows, and fits without a scene.
 ELSEWHERE = {
     "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "force", "fan", "depth",
                  "resume"},
     "compare": {"real", "sim", "out", "force", "sweep-csv", "pictures", "fail-above"},
     "fit": {"real", "scene", "scene-unit", "scene-up", "params", "out", "force", "noise-only", "still", "range-min",
             "range-max", "find-background", "hold-out-bands", "reject-beyond"},
+    "explain": {"real", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
 }
+TERMINAL = {"help", "json", "quiet"}
+
+
+def keywords(function):
+    return [p for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
 
 
 @pytest.mark.parametrize("command", ELSEWHERE)
-def test_python_has_every_option_of_a_command(command):
-    options = {name.lstrip("-") for name in _sonarcal._option_names(command)} - {"help", "h"}
-    keywords = {p.name.replace("_", "-") for p in inspect.signature(getattr(sonarcal, command)).parameters.values()
-                if p.kind is p.KEYWORD_ONLY} - {"progress"}
-    assert keywords == options - ELSEWHERE[command]
+def test_python_has_every_option_of_a_command(world, command):
+    options = set(re.findall(r"^ +(?:-\w, )?--([a-z-]+)", world.command(command, "--help"), re.MULTILINE)) - TERMINAL
+    names = {p.name.replace("_", "-") for p in keywords(FUNCTIONS_OF[command][0])} - {"progress"}
+    assert names == options - ELSEWHERE[command]
+
+
+@pytest.mark.parametrize("command", FUNCTIONS_OF)
+def test_the_signature_has_every_option_of_the_description_with_its_default(command):
+    function, options_class, own = FUNCTIONS_OF[command]
+    defaults = {p.name: p.default for p in keywords(function) if p.name not in own}
+    assert defaults == {option["name"]: option["default"] for option in options_class.describe()}
+    assert inspect.signature(function).parameters["options"].default is None
+
+
+@pytest.mark.parametrize("command", FUNCTIONS_OF)
+def test_help_explains_every_option_with_unit_and_default(command):
+    function, options_class, _ = FUNCTIONS_OF[command]
+    text = " ".join(pydoc.render_doc(function, renderer=pydoc.plaintext).split())
+    for option in options_class.describe():
+        assert f" {option['name']}: {' '.join(option['text'].split())}" in text, option["name"]
+        assert f"in {option['unit']}" in option["text"] and "default: " in option["text"]
+
+
+def test_help_shows_units_limits_words_and_defaults():
+    text = {option["name"]: option["text"] for option in sonarcal.FitOptions.describe()}
+    assert text["region_range"].endswith("(low, high), low below high in m; default: None.")
+    assert text["starts"].endswith("int; 1 to 100; default: 4.")
+    assert "'even', 'solid_angle'; default: 'even'." in text["ray_weight"]
+    assert text["held_out"].endswith("list of int; default: the last third.")
+
+
+def test_all_names_what_is_public():
+    public = {name for name, value in vars(sonarcal).items()
+              if not name.startswith("_") and not isinstance(value, types.ModuleType)
+              and str(getattr(value, "__module__", "")).split(".")[0] == "sonarcal"}
+    assert public | {"__version__"} == set(sonarcal.__all__)
+    assert len(set(sonarcal.__all__)) == len(sonarcal.__all__)
+    assert {name for name in vars(_sonarcal) if not name.startswith("_")} <= set(sonarcal.__all__)
+
+
+def test_keywords_of_the_stubs_are_the_options():
+    classes = {node.name: [field.target.id for field in node.body]
+               for node in ast.parse(STUB.with_name("_keywords.pyi").read_text()).body if isinstance(node, ast.ClassDef)}
+    for _, options_class, _ in FUNCTIONS_OF.values():
+        names = [option["name"] for option in options_class.describe()]
+        assert classes[options_class.__name__.replace("Options", "Keywords")] == names
 
 
 def test_everything_public_is_explained():

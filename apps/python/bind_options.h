@@ -1,0 +1,197 @@
+// Options structs (core/types/option.h) as Python classes. Names, defaults, limits and help texts come from
+// the struct's Visit.
+//
+//   BindOptions<workflow::FitOptions>(module, "FitOptions", "Options of fit().");
+//
+//   options = sonarcal.FitOptions({"starts": 2}, free=["materials"])
+//   options.starts, options == sonarcal.FitOptions(options), sonarcal.FitOptions.describe()
+#pragma once
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "apps/python/option_objects.h"
+#include "core/types/option.h"
+
+namespace sonarcal::python {
+
+// An option as Python knows it.
+struct OptionDescription {
+  OptionInfo info;
+  std::string type;           // accepted values, such as "(low, high) in m"
+  std::string input;          // annotations of the type stub
+  std::string output;
+  pybind11::object by_default;
+
+  // "Ranges where the object may be. (low, high) in m; default None."
+  std::string Text() const;
+  pybind11::dict Dict() const;
+};
+
+template <typename T>
+OptionDescription Describe(const OptionInfo& info, const T& by_default) {
+  using Object = OptionObject<T>;
+  return {.info = info,
+          .type = Object::Type() + (info.unit.empty() ? "" : " in " + info.unit),
+          .input = Object::Input(),
+          .output = Object::Output(),
+          .by_default = Object::To(by_default)};
+}
+
+// Raises TypeError for a name that is no option of `class_name`, with the nearest one that is.
+[[noreturn]] void RaiseUnknownOption(const std::string& class_name, const std::string& name,
+                                     const pybind11::list& names);
+
+// Calls `act(info, value)` for the option `name`, which must be one.
+template <typename Options, typename Act>
+void WithOption(Options& options, std::string_view name, Act&& act) {
+  std::remove_const_t<Options>::Visit(options, [&](const OptionInfo& info, auto& value) {
+    if (info.name == name) act(info, value);
+  });
+}
+
+template <typename Options>
+pybind11::list OptionNames() {
+  pybind11::list names;
+  const Options by_default{};
+  Options::Visit(by_default, [&](const OptionInfo& info, const auto&) { names.append(info.name); });
+  return names;
+}
+
+template <typename Options>
+pybind11::object GetOption(const Options& options, std::string_view name) {
+  pybind11::object object;
+  WithOption(options, name, [&](const OptionInfo&, const auto& value) {
+    object = OptionObject<std::remove_cvref_t<decltype(value)>>::To(value);
+  });
+  return object;
+}
+
+// None stands for the default. Throws UsageError as OptionFromObject.
+template <typename Options>
+void SetOption(Options& options, std::string_view name, const pybind11::object& object) {
+  Options by_default{};
+  WithOption(object.is_none() ? by_default : options, name, [&](const OptionInfo& info, auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    if (!object.is_none()) {
+      value = OptionFromObject<T>(info, object);
+      return;
+    }
+    WithOption(options, name, [&](const OptionInfo&, auto& own) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(own)>, T>) own = std::move(value);
+    });
+  });
+}
+
+// Sets the options that `values` names.
+template <typename Options>
+void SetOptions(Options& options, const pybind11::dict& values, const std::string& class_name) {
+  const pybind11::list names = OptionNames<Options>();
+  for (const auto& [key, value] : values) {
+    const std::string name = pybind11::str(key);
+    if (!names.contains(name)) RaiseUnknownOption(class_name, name, names);
+    SetOption(options, name, pybind11::reinterpret_borrow<pybind11::object>(value));
+  }
+}
+
+// Options that differ from the default, as keyword arguments: "starts=2, free=['materials']".
+template <typename Options>
+std::string ChangedOptions(const Options& options) {
+  const Options by_default{};
+  std::string text;
+  Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    bool is_default = false;
+    WithOption(by_default, info.name, [&](const OptionInfo&, const auto& other) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, T>) is_default = IsSame(value, other);
+    });
+    if (!is_default) text += fmt::format("{}{}={}", text.empty() ? "" : ", ", info.name, ReprOf(value));
+  });
+  return text;
+}
+
+template <typename Options>
+bool AreSame(const Options& a, const Options& b) {
+  bool same = true;
+  Options::Visit(a, [&](const OptionInfo& info, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    WithOption(b, info.name, [&](const OptionInfo&, const auto& other) {
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, T>)
+        same = same && IsSame(value, other);
+    });
+  });
+  return same;
+}
+
+// `source`: None, options to copy, or a dict of them.
+template <typename Options>
+Options MakeOptions(const pybind11::object& source, const pybind11::dict& changes,
+                    const std::string& class_name) {
+  Options options{};
+  if (pybind11::isinstance<Options>(source)) {
+    options = source.cast<const Options&>();
+  } else if (IsMapping(source)) {
+    SetOptions(options, pybind11::dict(source), class_name);
+  } else if (!source.is_none()) {
+    throw pybind11::type_error(
+        fmt::format("{0}: expected {0}, a dict or None, not {1}", class_name,
+                    std::string(pybind11::str(pybind11::type::of(source).attr("__name__")))));
+  }
+  SetOptions(options, changes, class_name);
+  return options;
+}
+
+template <typename Options>
+void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
+  namespace py = pybind11;
+  const std::string class_name = name;
+  py::class_<Options> options(module, name, doc);
+  options.def(py::init([class_name](const py::object& source, const py::kwargs& changes) {
+                return MakeOptions<Options>(source, changes, class_name);
+              }),
+              py::arg("source") = py::none());
+  Options by_default{};
+  Options::Visit(by_default, [&](const OptionInfo& info, const auto& value) {
+    const std::string option = info.name;
+    options.def_property(
+        option.c_str(), [option](const Options& self) { return GetOption(self, option); },
+        [option](Options& self, const py::object& object) { SetOption(self, option, object); },
+        Describe(info, value).Text().c_str());
+  });
+  options
+      .def_static(
+          "describe",
+          [] {
+            py::list descriptions;
+            const Options defaults{};
+            Options::Visit(defaults, [&](const OptionInfo& info, const auto& value) {
+              descriptions.append(Describe(info, value).Dict());
+            });
+            return descriptions;
+          },
+          "All options in their order, each a dict: name, help, type, unit, default, by_default, min, max and "
+          "text.")
+      .def(
+          "to_dict",
+          [](const Options& self) {
+            py::dict dict;
+            for (const py::handle option : OptionNames<Options>())
+              dict[option] = GetOption(self, option.cast<std::string>());
+            return dict;
+          },
+          "All options by name. The class takes this dict.")
+      .def(
+          "__eq__", [](const Options& self, const Options& other) { return AreSame(self, other); },
+          py::arg("other"), py::is_operator())
+      .def("__repr__",
+           [class_name](const Options& self) { return class_name + "(" + ChangedOptions(self) + ")"; });
+}
+
+// A sentence for the command line with options as keywords: "--frozen-speckle" becomes "frozen_speckle".
+std::string WithKeywords(const std::string& sentence);
+
+}  // namespace sonarcal::python

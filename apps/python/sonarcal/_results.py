@@ -1,0 +1,294 @@
+"""Results of the long calls: attributes, tables for notebooks, pictures with matplotlib."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Sequence
+
+import numpy as np
+
+from ._sonarcal import CauseMap, ComparedFrame, Image, Pose, Recording, Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ._sonarcal import _ComparedRecordings
+
+# Figures of a summary table: (label, path in metrics.json).
+_FIGURES = [
+    ("Ns/Nr", ("ns_over_nr",)),
+    ("Na/Ns", ("na_over_ns",)),
+    ("Na/Nr", ("na_over_nr",)),
+    ("IoU", ("iou",)),
+    ("intensity error, polar", ("intensity_error", "polar")),
+    ("intensity error, fan", ("intensity_error", "fan")),
+    ("mean |difference|, whole image", ("intensity", "whole", "mean_absolute")),
+]
+
+
+def _at(figures: Mapping[str, Any], path: Sequence[str]) -> Any:
+    for key in path:
+        figures = figures[key]
+    return figures
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return "-" if value is None else html.escape(str(value))
+
+
+def _table(header: Iterable[str], rows: Iterable[Sequence[Any]]) -> str:
+    lines = "".join("<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in row) + "</tr>" for row in rows)
+    return "<table><tr>" + "".join(f"<th>{_cell(name)}</th>" for name in header) + f"</tr>{lines}</table>"
+
+
+def _paragraphs(sentences: Iterable[str], label: str) -> str:
+    return "".join(f"<p><b>{label}:</b> {html.escape(sentence)}</p>" for sentence in sentences)
+
+
+def _figure_rows(*summaries: Mapping[str, Any]) -> list[list[Any]]:
+    return [[label, *(_at(summary, path) for summary in summaries)] for label, path in _FIGURES]
+
+
+def _show(panel: Any, image: Image, title: str, value: Optional[np.ndarray] = None, **how: Any) -> Any:
+    """An image over azimuth (degrees, positive to the right) and range (metres, far is up)."""
+    axes = image.axes
+    extent = (*np.degrees(axes.beam_edges_rad[[0, -1]]), axes.range_min_m, axes.range_max_m)
+    how = {"cmap": "gray", "vmin": 0, "vmax": image.full_scale, **how}
+    shown = panel.imshow(image.value if value is None else value, extent=extent, origin="lower", aspect="auto",
+                         interpolation="nearest", **how)
+    panel.set(title=title, xlabel="azimuth, degrees", ylabel="range, m")
+    return shown
+
+
+def _outline(panel: Any, image: Image, mask: np.ndarray, color: str) -> None:
+    if mask.any():
+        panel.contour(np.degrees(image.axes.beam_azimuth_rad), image.axes.range_centres_m, mask, levels=[0.5],
+                      colors=color, linewidths=0.8)
+
+
+def _panels(count: int) -> tuple[Figure, Any]:
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(1, count, figsize=(4.4 * count, 4.2), squeeze=False)
+    return figure, panels[0]
+
+
+def _show_pair(panels: Any, pair: ComparedFrame, names: tuple[str, str]) -> None:
+    """Two images and their difference, with the outlines of the objects."""
+    real, simulated = pair.real, pair.simulated
+    _show(panels[0], real, f"frame {pair.index}: {names[0]}")
+    _outline(panels[0], real, pair.real_object, "tab:green")
+    _show(panels[1], simulated, f"frame {pair.index}: {names[1]}")
+    _outline(panels[1], simulated, pair.simulated_object, "tab:orange")
+    difference = simulated.value / simulated.full_scale - real.value / real.full_scale
+    shown = _show(panels[2], real, f"{names[1]} - {names[0]}", difference, cmap="RdBu_r", vmin=-1, vmax=1)
+    panels[2].figure.colorbar(shown, ax=panels[2], label="of full scale")
+
+
+class Comparison(dict):
+    """Agreement of two recordings: metrics.json as a dict (docs/reference/metrics.md), with pictures.
+
+        comparison["macro"]["iou"], comparison.macro["iou"]   # mean of the frames
+        comparison.plot()                                     # the frame in the middle of the intensity errors
+    """
+
+    def __init__(self, metrics: Mapping[str, Any], compared: Optional[_ComparedRecordings] = None) -> None:
+        super().__init__(metrics)
+        self._compared = compared
+
+    def __reduce__(self) -> Any:
+        return (Comparison, (dict(self),))  # the recordings stay behind
+
+    @property
+    def macro(self) -> dict[str, Any]:
+        """Means over frames, each with its confidence interval ("..._ci")."""
+        return self["macro"]
+
+    @property
+    def micro(self) -> dict[str, Any]:
+        """Figures of all pixels pooled."""
+        return self["micro"]
+
+    @property
+    def frames(self) -> list[dict[str, Any]]:
+        """Figures of each frame."""
+        return self["frames"]
+
+    def pair(self, frame: int) -> ComparedFrame:
+        """The images of a frame and the objects found in them. Needs the recordings of the comparison."""
+        if self._compared is None:
+            raise ValueError("a copied or stored comparison has no images")
+        return self._compared.pair(frame)
+
+    def plot(self, frame: Optional[int] = None) -> Figure:
+        """Real image, simulated image and their difference (default: the frame with the median intensity error)."""
+        if self._compared is None:
+            raise ValueError("a copied or stored comparison has no images")
+        if frame is None:
+            telling = self._compared.telling_frames()
+            frame = telling[len(telling) // 2]
+        figure, panels = _panels(3)
+        _show_pair(panels, self.pair(frame), ("real", "simulated"))
+        figure.tight_layout()
+        return figure
+
+    def _repr_html_(self) -> str:
+        title = f"<p>{html.escape(self['simulated'])} against {html.escape(self['real'])}, {len(self.frames)} frames</p>"
+        return title + _table(["", "mean of frames", "pixels pooled"], _figure_rows(self.macro, self.micro))
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class FitResult:
+    """Result of a fit. `report` is fit.json; `parameters` is params.json, None if the fit is not usable."""
+
+    usable: bool
+    report: dict[str, Any]
+    parameters: Optional[dict[str, Any]]
+    poses: list[Pose]  # of every frame, if the fit moved poses; else empty
+    frames_before: list[ComparedFrame] = dataclasses.field(default_factory=list, compare=False)
+    frames_after: list[ComparedFrame] = dataclasses.field(default_factory=list, compare=False)
+
+    def __reduce__(self) -> Any:
+        return (FitResult, (self.usable, self.report, self.parameters, self.poses))  # without images
+
+    def __getitem__(self, name: str) -> dict[str, Any]:
+        """The entry of fit.json of a parameter: value, sigma, unit, initial, lower, upper, status, truth."""
+        for parameter in self.report["parameters"]:
+            if parameter["name"] == name:
+                return parameter
+        raise KeyError(name)
+
+    @property
+    def metrics_before(self) -> Optional[Comparison]:
+        """Expected images by the initial parameters against the recording. None if the fit is not usable."""
+        return Comparison(self.report["metrics_before"]) if self.usable else None
+
+    @property
+    def metrics_after(self) -> Optional[Comparison]:
+        """The same by the fitted parameters, on the held-out frames if there are any."""
+        return Comparison(self.report["metrics_after"]) if self.usable else None
+
+    @property
+    def warnings(self) -> list[str]:
+        """Reasons to doubt the fit, one sentence each."""
+        return self.report["warnings"]
+
+    @property
+    def free(self) -> list[dict[str, Any]]:
+        """Entries of the parameters that were fitted."""
+        return [parameter for parameter in self.report["parameters"] if parameter["status"] != "fixed"]
+
+    def __repr__(self) -> str:
+        if not self.usable:
+            return f"FitResult(not usable: {self.report['termination']})"
+        return f"FitResult({len(self.free)} parameters fitted, frames {self.report['frames_used']})"
+
+    def plot(self, frame: Optional[int] = None) -> Figure:
+        """Recorded image, expected image by the fitted parameters and their difference.
+
+        frame: one of those kept in frames_after (default: the first).
+        """
+        kept = {pair.index: pair for pair in self.frames_after}
+        if not kept:
+            raise ValueError("no images: the fit is not usable, or the result was copied or stored")
+        if frame is not None and frame not in kept:
+            raise ValueError(f"frame {frame} is not kept, expected one of {sorted(kept)}")
+        figure, panels = _panels(3)
+        _show_pair(panels, kept[min(kept) if frame is None else frame], ("recorded", "fitted"))
+        figure.tight_layout()
+        return figure
+
+    def _repr_html_(self) -> str:
+        text = _paragraphs(self.warnings, "Warning")
+        if not self.usable:
+            return text + _paragraphs([self.report["termination"]], "Not usable")
+        text += _table(["", "before", "after"], _figure_rows(self.report["metrics_before"]["macro"],
+                                                             self.report["metrics_after"]["macro"]))
+        return text + _table(["parameter", "initial", "fitted", "standard error", "unit", "status"],
+                             [[p["name"], p["initial"], p["value"], p["sigma"], p["unit"], p["status"]]
+                              for p in self.free])
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Explanation:
+    """Ablation study of the acoustic model. `report` is explain.json; `parameters` are those of the last step."""
+
+    report: dict[str, Any]
+    parameters: dict[str, Any]
+    maps: list[CauseMap] = dataclasses.field(default_factory=list, compare=False)  # of the held-out frames
+
+    def __reduce__(self) -> Any:
+        return (Explanation, (self.report, self.parameters))  # without maps
+
+    def __getitem__(self, part: str) -> dict[str, Any]:
+        """The step that adds this part: "start", "response", "elevation", "noise", ..."""
+        for step in self.steps:
+            if step["part"] == part:
+                return step
+        raise KeyError(part)
+
+    @property
+    def steps(self) -> list[dict[str, Any]]:
+        """Steps in their order, each with its figures on the held-out frames and its verdict."""
+        return self.report["steps"]
+
+    @property
+    def cause_names(self) -> list[str]:
+        """Meaning of the values of CauseMap.cause."""
+        return self.report["causes"]["names"]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Reasons to doubt the explanation, one sentence each."""
+        return self.report["warnings"]
+
+    def __repr__(self) -> str:
+        return f"Explanation({', '.join(step['part'] for step in self.steps)})"
+
+    def plot(self, frame: Optional[int] = None) -> Figure:
+        """Error of the expected image after each step, the recorded image and the main cause of its pixels.
+
+        frame: a held-out frame (default: the first).
+        """
+        figure, panels = _panels(3 if self.maps else 1)
+        names = [step["part"] for step in self.steps]
+        panels[0].barh(names, [step["intensity_error"] or 0.0 for step in self.steps], color="tab:blue")
+        panels[0].invert_yaxis()
+        panels[0].set(title="held-out frames", xlabel="mean |difference|, of full scale")
+        if self.maps:
+            maps = {each.index: each for each in self.maps}
+            if frame is not None and frame not in maps:
+                raise ValueError(f"frame {frame} is not held out, expected one of {sorted(maps)}")
+            self._plot_causes(panels[1:], maps[min(maps) if frame is None else frame])
+        figure.tight_layout()
+        return figure
+
+    def _plot_causes(self, panels: Any, causes: CauseMap) -> None:
+        _show(panels[0], causes.recorded, f"frame {causes.index}: recorded")
+        names = self.cause_names
+        shown = _show(panels[1], causes.recorded, "main cause", causes.cause, cmap="tab20", vmin=-0.5,
+                      vmax=len(names) - 0.5)
+        present = np.unique(causes.cause)
+        bar = panels[1].figure.colorbar(shown, ax=panels[1], ticks=present)
+        bar.ax.set_yticklabels([names[i] for i in present])
+
+    def _repr_html_(self) -> str:
+        rows = [[step["part"], step["intensity_error"], step["iou"], step["gain_nats_per_pixel"], step["bic_change"],
+                 step["verdict"]] for step in self.steps]
+        header = ["part", "intensity error", "IoU", "gain, nats per pixel", "change of BIC", "verdict"]
+        return (_paragraphs(self.warnings, "Warning") + _table(header, rows)
+                + f"<p>{html.escape(self.report['causes']['words'])}</p>")
+
+
+@dataclasses.dataclass(frozen=True)
+class TankReproduction:
+    """The paper's tank comparison. The recording is SYNTHETIC, made by the coherent model."""
+
+    metrics: dict[str, Any]  # metrics.json of `sonarcal reproduce`, without the recorded sonars
+    recording: Recording
+    scene: Scene
+    paper_parameters: dict[str, Any]  # params.json of the paper's model, fitted
+    acoustic_parameters: dict[str, Any]  # the same of the acoustic model
