@@ -24,7 +24,7 @@
 
 namespace sonarcal {
 
-// Files are read as soon as the command line is parsed. Throw DataError if a file cannot be used.
+// Reads files while the command line is parsed. Throws DataError if a file cannot be used.
 template <>
 struct OptionText<FromFile<ParameterSet>> {
   static bool Parse(const std::string& text, FromFile<ParameterSet>& value);
@@ -64,7 +64,7 @@ namespace sonarcal::cli {
 // Converts "region_range" to "--region-range".
 std::string OptionFlag(std::string_view name);
 
-// Adds one option whose value goes to `value`, which holds the default.
+// Adds one option. `value` holds the default and receives the value.
 template <typename T>
 CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
   const std::string flag = OptionFlag(info.name);

@@ -145,8 +145,8 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
     throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
   workflow::CompareOptions compare = options.compare;
   if (!options.frames.empty()) {
-    compare.frames = data_io::ParseFrameRanges(options.frames,
-                                               std::min(real->frame_count(), simulated->frame_count()));
+    compare.frames =
+        data_io::ParseFrameRanges(options.frames, std::min(real->frame_count(), simulated->frame_count()));
   }
   const std::optional<Scene> scene = SceneOf(options, *real, *simulated);
   cli::RunOutput output(options.out, "compare", options.common.force);

@@ -64,7 +64,8 @@ py::dict OptionDescription::Dict() const {
 
 void RaiseUnknownOption(const std::string& class_name, const std::string& name, const py::list& names) {
   const py::list near = py::module_::import("difflib").attr("get_close_matches")(name, names, 1);
-  const std::string hint = near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0].cast<std::string>());
+  const std::string hint =
+      near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0].cast<std::string>());
   throw py::type_error(fmt::format("{}: '{}' is no option{}", class_name, name, hint));
 }
 
@@ -86,7 +87,8 @@ std::string WithKeywords(const std::string& sentence) {
 void BindAllOptions(py::module_& module) {
   BindOptions<workflow::RayOptions>(module, "RayOptions", "Options of rays, as residual_view() takes them.");
   BindOptions<workflow::ComparisonOptions>(
-      module, "ComparisonOptions", "How an object is found and which pixels are compared, as segment() takes it.");
+      module, "ComparisonOptions",
+      "How an object is found and which pixels are compared, as segment() takes it.");
   BindOptions<workflow::SimulateOptions>(module, "SimulateOptions", "Options of simulate().");
   BindOptions<workflow::CompareOptions>(module, "CompareOptions",
                                         "Options of compare() and compare_images().");

@@ -22,8 +22,8 @@ namespace sonarcal::python {
 // An option as Python knows it.
 struct OptionDescription {
   OptionInfo info;
-  std::string type;           // accepted values, such as "(low, high) in m"
-  std::string input;          // annotations of the type stub
+  std::string type;   // accepted values, such as "(low, high) in m"
+  std::string input;  // annotations of the type stub
   std::string output;
   pybind11::object by_default;
 
@@ -107,7 +107,8 @@ std::string ChangedOptions(const Options& options) {
     using T = std::remove_cvref_t<decltype(value)>;
     bool is_default = false;
     WithOption(by_default, info.name, [&](const OptionInfo&, const auto& other) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, T>) is_default = IsSame(value, other);
+      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, T>)
+        is_default = IsSame(value, other);
     });
     if (!is_default) text += fmt::format("{}{}={}", text.empty() ? "" : ", ", info.name, ReprOf(value));
   });
@@ -173,7 +174,8 @@ void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
             });
             return descriptions;
           },
-          "All options in their order, each a dict: name, help, type, unit, default, by_default, min, max and "
+          "All options in their order, each a dict: name, help, type, unit, default, by_default, min, max "
+          "and "
           "text.")
       .def(
           "to_dict",

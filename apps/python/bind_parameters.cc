@@ -1,6 +1,5 @@
-#include <pybind11/stl/filesystem.h>
-
 #include <fmt/format.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "apps/commands/scenes_command.h"
 #include "apps/python/bindings.h"

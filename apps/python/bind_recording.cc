@@ -145,8 +145,9 @@ void BindRecordingClass(py::module_& module) {
       .def("__len__", &Source::frame_count)
       .def("__getitem__", &ReadFrameOf, py::arg("index"))
       .def("__getitem__", &SliceOf, py::arg("frames"))
-      .def("__iter__",
-           [](const py::object& self) { return py::reinterpret_steal<py::object>(PySeqIter_New(self.ptr())); })
+      .def(
+          "__iter__",
+          [](const py::object& self) { return py::reinterpret_steal<py::object>(PySeqIter_New(self.ptr())); })
       .def_property_readonly(
           "source", [](const Source& r) { return r.info().source; }, "File or folder it was read from.")
       .def_property_readonly("format", [](const Source& r) { return r.info().format; })

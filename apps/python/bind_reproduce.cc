@@ -58,7 +58,7 @@ void BindReproduce(py::module_& module) {
       [](const std::filesystem::path& folder) {
         reproduce::PosedTarget bomb = reproduce::PoseTarget(reproduce::FindCase("bomb"), folder);
         return py::make_tuple(std::shared_ptr<RecordingSource>(std::move(bomb.recording)),
-                              std::move(bomb.scene), DictFromParameters(bomb.initial));
+                              std::move(bomb.scene), DictFromParameters(bomb.start));
       },
       py::arg("folder"));
 }

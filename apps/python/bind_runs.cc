@@ -173,7 +173,8 @@ void BindCauseMap(py::module_& module) {
           "Index into Explanation.cause_names, shape (range_bins, beams), uint8; a read-only view.")
       .def_property_readonly(
           "lobe_of", [](const py::object& self) { return View(self.cast<const CauseMap&>().lobe_of, self); },
-          "Beam whose direction a side lobe shows, else -1, shape (range_bins, beams), int32; a read-only view.")
+          "Beam whose direction a side lobe shows, else -1, shape (range_bins, beams), int32; a read-only "
+          "view.")
       .def_property_readonly(
           "recorded", [](const CauseMap& map) -> const PolarImage& { return map.recorded; },
           py::return_value_policy::reference_internal, "Recorded image.");

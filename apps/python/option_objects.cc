@@ -157,8 +157,9 @@ bool OptionObject<FromFile<Mask>>::From(const py::object& object, FromFile<Mask>
   const py::array array = py::array::ensure(object);
   if (!array) PyErr_Clear();
   if (!array || array.ndim() != 2) return false;
-  value = {.value = MaskFrom(array, static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)), "region"),
-           .file = {}};
+  value = {
+      .value = MaskFrom(array, static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)), "region"),
+      .file = {}};
   return true;
 }
 

@@ -132,8 +132,9 @@ std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSou
     const int last = *std::max_element(asked.begin(), asked.end());
     const int first = *std::min_element(asked.begin(), asked.end());
     if (first < 0 || last >= std::min(real_count, simulated_count)) {
-      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}", first < 0 ? first : last,
-                      real.info().source, real_count, simulated.info().source, simulated_count);
+      throw DataError("frame {} is to be compared, but {} has {} frames and {} has {}",
+                      first < 0 ? first : last, real.info().source, real_count, simulated.info().source,
+                      simulated_count);
     }
     return asked;
   }
