@@ -48,14 +48,33 @@ function(sonarcal_vectorise source)
     SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# sonarcal_add_test(NAME SOURCES ... LINKS ...): one GoogleTest program for one folder of tests. The time limit
-# is there for what hangs; the longest test takes two minutes of an idle machine, much more of a busy one.
+# sonarcal_add_test(NAME SOURCES ... LINKS ... [LABEL quick|slow]): one GoogleTest program for one folder of tests.
+#
+# LABEL quick: part of `scripts/test.sh --quick`, so libraries above metrics are not allowed in LINKS.
+# LABEL slow: the program takes more than ten seconds. The time limit ends only tests that hang.
 function(sonarcal_add_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINKS} sonarcal_test_support GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} sonarcal_test_support sonarcal_test_main)
   sonarcal_compile_options(${name})
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_precompile_headers(${name} REUSE_FROM sonarcal_test_headers)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 3000)
+  set(properties "TIMEOUT 3000 SKIP_RETURN_CODE 77")
+  if(ARG_LABEL)
+    string(APPEND properties " LABELS ${ARG_LABEL}")
+  endif()
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+  add_custom_command(TARGET ${name} POST_BUILD
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DNAME=${name} -DOUTPUT=${suites} -DPROPERTIES=${properties}
+      -P ${PROJECT_SOURCE_DIR}/cmake/SonarcalDiscoverTests.cmake
+    BYPRODUCTS ${suites}
+    VERBATIM)
+  # A program that is not built has one test, which fails.
+  set(include_file ${CMAKE_CURRENT_BINARY_DIR}/${name}_include.cmake)
+  file(WRITE ${include_file}
+    "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${include_file})
+  if(ARG_LABEL STREQUAL quick)
+    add_dependencies(quick_tests ${name})
+  endif()
 endfunction()

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that are missing, and builds sonarcal into build/.
 #
-#   scripts/setup.sh [--tests] [--no-build]
-#     --tests     also what the tests need, and build the tests
-#     --no-build  packages only
+#   scripts/setup.sh [--tests | --quick-tests] [--no-build]
+#     --tests        also what the tests need, and build the tests
+#     --quick-tests  the same packages, and build only the quick tests with their libraries
+#     --no-build     packages only
 #
 # Can be run again and again: what is there is left alone. Works as root and with sudo.
 
@@ -12,15 +13,20 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 with_tests=no
 with_build=yes
+target=all
 for argument in "$@"; do
   case "$argument" in
     --tests) with_tests=yes ;;
+    --quick-tests)
+      with_tests=yes
+      target=quick_tests
+      ;;
     --no-build) with_build=no ;;
     -h | --help)
-      sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+      sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
       exit 0
       ;;
-    *) fail "unknown argument '$argument', expected --tests or --no-build" ;;
+    *) fail "unknown argument '$argument', expected --tests, --quick-tests or --no-build" ;;
   esac
 done
 
@@ -113,8 +119,12 @@ configure_and_build() {
   if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
   (cd "$root" && quietly "Configuring build/" cmake --preset release "${options[@]}") ||
     fail "cmake cannot configure the project, its last lines are above"
-  say "Building (some minutes the first time) ..."
-  cmake --build "$build" >&2 || fail "the build failed, its errors are above"
+  case "$target,$with_tests" in
+    quick_tests,*) say "Building the quick tests (about 4 minutes on two cores the first time) ..." ;;
+    all,yes) say "Building the program and all tests (about 15 minutes on two cores the first time) ..." ;;
+    *) say "Building the program (about 8 minutes on two cores the first time) ..." ;;
+  esac
+  cmake --build "$build" --target "$target" >&2 || fail "the build failed, its errors are above"
 }
 
 install_missing

@@ -98,18 +98,18 @@ std::string TinyWorld::SimulateArguments() const {
 }
 
 std::filesystem::path TinyWorld::WriteSimulated(const std::string& name, bool noise, bool expected) const {
-  commands::SimulateOptions options;
+  commands::SimulateCommandOptions options;
   options.common = {.json = false, .quiet = true};
   options.scene = scene();
   options.sonar = sonar().string();
   options.params = params();
   options.poses = poses();
   options.out = dir_ / name;
-  options.rays.sampling = sim::Sampling::kBeams;
-  options.rays.rays = RayGridSize{96, 200};
-  options.noise = noise;
-  options.expected = expected;
-  options.bits = 12;
+  options.simulate.rays.sampling = sim::Sampling::kBeams;
+  options.simulate.rays.rays = RayGridSize{96, 200};
+  options.simulate.noise = noise;
+  options.simulate.expected = expected;
+  options.simulate.bits = 12;
   ::testing::internal::CaptureStdout();
   const cli::ExitStatus status = commands::RunSimulate(options);
   ::testing::internal::GetCapturedStdout();

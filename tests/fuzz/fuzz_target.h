@@ -1,25 +1,27 @@
-// Parsers on bytes that nobody vouches for. Each target is a program of its own: with clang and libFuzzer it
-// makes up inputs by what the code does with them (scripts/fuzz.sh); with any compiler it replays the stored
-// corpus and damaged copies of it (replay.cc), which the tests do.
+// Parsers fed with untrusted bytes. With clang and libFuzzer each parser becomes a program of its own, which
+// looks for new inputs (scripts/fuzz.sh). With any compiler, one program replays the stored corpus and damaged
+// copies of it (replay.cc); the tests run it for each parser.
 //
-// What must hold for every input: it is read, or DataError comes out with a sentence. No other exception, no
-// crash, no hang (10 s), nothing allocated beyond kMostFuzzMemoryMiB in all.
+// For every input a parser either reads it or throws DataError with a sentence. No other exception, no crash,
+// no hang (10 s), and no allocation beyond kMaxFuzzMemoryMiB in total.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace sonarcal::fuzz {
 
 // A picture may have 64 million pixels of four bytes (data_io/images/image_header.h), held twice while it is
 // decoded; no parser may take more.
-inline constexpr int kMostFuzzMemoryMiB = 1024;
+inline constexpr int kMaxFuzzMemoryMiB = 1024;
 
-// What was said of the last input; empty where it was read.
-inline std::string last_refusal;
+using Parser = void (*)(std::string_view bytes);
+
+// Returns the parser called `name`, a folder of tests/fuzz/corpus, or nullptr.
+Parser FindParser(std::string_view name);
+
+// Feeds one input to a parser. Returns the sentence of its DataError, or an empty string if it read the input.
+// Aborts on a DataError without a sentence, and lets every other exception pass.
+std::string Feed(Parser parser, std::string_view bytes);
 
 }  // namespace sonarcal::fuzz
-
-// libFuzzer's entry; 0 always.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -1,4 +1,3 @@
-// One source for all targets: SONARCAL_FUZZ_TARGET names the one that is built.
 #include <unistd.h>
 
 #include <algorithm>
@@ -166,16 +165,44 @@ void Mount(std::string_view bytes) {
   data_io::ReadMount(TheFolder().Write("mount.json", bytes));
 }
 
-}  // namespace
-}  // namespace sonarcal::fuzz
+struct NamedParser {
+  std::string_view name;
+  Parser parser;
+};
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  sonarcal::fuzz::last_refusal.clear();
-  try {
-    sonarcal::fuzz::SONARCAL_FUZZ_TARGET({reinterpret_cast<const char*>(data), size});
-  } catch (const sonarcal::DataError& error) {
-    sonarcal::fuzz::last_refusal = error.what();
-    if (sonarcal::fuzz::last_refusal.empty()) std::abort();
-  }
-  return 0;  // any other exception ends the program, which is what is looked for
+constexpr NamedParser kParsers[] = {
+    {"recording_file", RecordingFile},
+    {"recording_folder", RecordingFolder},
+    {"didson_settings", DidsonSettings},
+    {"picture", Picture},
+    {"fan_picture", FanPicture},
+    {"picture_geometry", PictureGeometry},
+    {"gltf", Gltf},
+    {"obj", Obj},
+    {"stl", Stl},
+    {"parameters", Parameters},
+    {"poses", Poses},
+    {"trajectory", Trajectory},
+    {"mount", Mount},
+    {"marker_map", MarkerMapFile},
+    {"camera", CameraFile},
+};
+
+}  // namespace
+
+Parser FindParser(std::string_view name) {
+  const auto found = std::ranges::find(kParsers, name, &NamedParser::name);
+  return found == std::end(kParsers) ? nullptr : found->parser;
 }
+
+std::string Feed(Parser parser, std::string_view bytes) {
+  try {
+    parser(bytes);
+  } catch (const DataError& error) {
+    if (*error.what() == '\0') std::abort();
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace sonarcal::fuzz

@@ -1,8 +1,7 @@
-// A target without libFuzzer: every file of the corpus as it is and in damaged copies, of which there are as
-// many as are asked for and which are the same on every run. Files of the corpus are read, but for those
-// whose name begins with refused_.
+// Replays the corpus of one parser: each file as it is, and COPIES damaged copies of it, the same on every run.
+// The parser must read the files, except those whose name begins with refused_.
 //
-//   fuzz_<target> COPIES CORPUS_FOLDER
+//   fuzz_replay TARGET COPIES CORPUS_FOLDER
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -20,11 +19,14 @@
 
 namespace {
 
-constexpr unsigned kMostSeconds = 10;  // an input
+using sonarcal::fuzz::Parser;
 
-void Try(const std::string& input) {
-  alarm(kMostSeconds);
-  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+constexpr unsigned kMaxSecondsPerInput = 10;
+
+// Returns why the parser refused the input; empty if it read it.
+std::string Try(Parser parser, const std::string& input) {
+  alarm(kMaxSecondsPerInput);
+  return sonarcal::fuzz::Feed(parser, input);
 }
 
 // Cut short, grown, bytes changed, counts made huge, parts repeated: up to four of these together.
@@ -63,33 +65,33 @@ std::string Damaged(std::string input, std::mt19937& random) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: %s COPIES CORPUS_FOLDER\n", argv[0]);
+  const Parser parser = argc == 4 ? sonarcal::fuzz::FindParser(argv[1]) : nullptr;
+  if (parser == nullptr) {
+    std::fprintf(stderr, "usage: %s TARGET COPIES CORPUS_FOLDER, TARGET a folder of tests/fuzz/corpus\n", argv[0]);
     return 2;
   }
 #if !defined(__SANITIZE_ADDRESS__)  // which reserves terabytes
-  const rlimit limit{std::size_t{sonarcal::fuzz::kMostFuzzMemoryMiB} << 20,
-                     std::size_t{sonarcal::fuzz::kMostFuzzMemoryMiB} << 20};
+  const rlimit limit{std::size_t{sonarcal::fuzz::kMaxFuzzMemoryMiB} << 20,
+                     std::size_t{sonarcal::fuzz::kMaxFuzzMemoryMiB} << 20};
   if (setrlimit(RLIMIT_AS, &limit) != 0) return 1;
 #endif
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(argv[2])) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(argv[3])) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   int wrong = 0;
-  const int copies = std::atoi(argv[1]);
+  const int copies = std::atoi(argv[2]);
   for (const auto& file : files) {
     std::ifstream stream(file, std::ios::binary);
     const std::string input{std::istreambuf_iterator<char>(stream), {}};
-    // Named before it is tried: what ends the program is the line before.
+    // Printed before the parser runs, so that the last line names the input that ended the program.
     const std::string name = file.filename().string();
     std::printf("%s\n", name.c_str());
     std::fflush(stdout);
-    Try(input);
-    const bool is_read = sonarcal::fuzz::last_refusal.empty();
-    if (!is_read) std::printf("  %s\n", sonarcal::fuzz::last_refusal.c_str());
-    wrong += is_read != !name.starts_with("refused_") ? 1 : 0;
+    const std::string refusal = Try(parser, input);
+    if (!refusal.empty()) std::printf("  %s\n", refusal.c_str());
+    wrong += refusal.empty() == name.starts_with("refused_") ? 1 : 0;
     std::mt19937 random(1);
-    for (int copy = 0; copy < copies; ++copy) Try(Damaged(input, random));
+    for (int copy = 0; copy < copies; ++copy) Try(parser, Damaged(input, random));
   }
   std::printf("%zu files, %d damaged copies of each\n", files.size(), copies);
   if (wrong > 0) std::printf("%d files read that should be refused, or the other way round\n", wrong);

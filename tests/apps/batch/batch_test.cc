@@ -71,7 +71,7 @@ std::map<std::string, std::string> OutputsOf(const fs::path& out, const std::vec
 class BatchTest : public ::testing::Test {
  protected:
   // Six simulations, each compared with a recording.
-  void WritePlan(const std::string& rays = RayGridSize{96, 200}) {
+  void WritePlan(const std::string& rays = "96x200") {
     recorded_ = world_.WriteSimulated("recorded", /*noise=*/true);
     testing::WriteFile(world_ / "plan.json", fmt::format(R"({{"format": "sonarcal-batch/1", "entries": [
       {{"name": "sim", "command": "simulate",

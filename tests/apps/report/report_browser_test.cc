@@ -69,15 +69,15 @@ TEST(ComparisonViewer, FramesAreSpreadAndFitThePage) {
   EXPECT_EQ(ViewerFrameCount(512 * 1000, 10'000), 7U);  // 7.2 MB
   EXPECT_EQ(ViewerFrameCount(100'000'000, 10'000), 3U);
   const metrics::MetricsReport report = OfFrames(1000);
-  const std::vector<int> shown = SpreadFrames(report, {3, 777}, 11);
+  const std::vector<int> shown = workflow::SpreadFrames(report, {3, 777}, 11);
   EXPECT_EQ(shown.size(), 11U);
   EXPECT_TRUE(std::ranges::is_sorted(shown));
   for (const int telling : {3, 777}) EXPECT_TRUE(std::ranges::binary_search(shown, telling));
   int widest = 0;
   for (std::size_t i = 1; i < shown.size(); ++i) widest = std::max(widest, shown[i] - shown[i - 1]);
   EXPECT_LE(widest, 250);
-  EXPECT_EQ(SpreadFrames(OfFrames(4), {}, 4), (std::vector<int>{0, 1, 2, 3}));
-  EXPECT_EQ(SpreadFrames(OfFrames(1), {0}, 3), (std::vector<int>{0}));
+  EXPECT_EQ(workflow::SpreadFrames(OfFrames(4), {}, 4), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(workflow::SpreadFrames(OfFrames(1), {0}, 3), (std::vector<int>{0}));
 }
 
 }  // namespace

@@ -204,7 +204,7 @@ std::vector<std::string> PartsOf(const workflow::ExplainedRecording& explained) 
   return parts;
 }
 
-workflow::ExplainedRecording Explained(const PreparedRecording& prepared, const std::string& rays) {
+workflow::ExplainedRecording Explained(const PreparedRecording& prepared, RayGridSize rays) {
   workflow::ExplainRecordingOptions options;
   options.rays.rays = rays;
   options.held_out = prepared.held_out;
@@ -243,7 +243,7 @@ TEST(KnownRecordings, BombIsExplained) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
   const PreparedRecording prepared = PrepareTarget(FindCase("bomb"), folder, {});
   ExpectWritten(prepared);
-  const workflow::ExplainedRecording explained = Explained(prepared, "256x700");
+  const workflow::ExplainedRecording explained = Explained(prepared, {256, 700});
   EXPECT_THAT(PartsOf(explained), ElementsAre("start", "response", "elevation", "noise", "speckle"));
   ASSERT_EQ(explained.by_frame.size(), 2U);
   for (const workflow::JudgedSteps& judged : explained.by_frame) {
@@ -271,7 +271,7 @@ TEST(KnownRecordings, HullStripIsExplained) {
   EXPECT_THAT(prepared.title, HasSubstr("hull strip from marks"));
   EXPECT_THAT(prepared.scene.material_names, ElementsAre("hull strip from marks"));
   ExpectWritten(prepared);
-  const workflow::ExplainedRecording explained = Explained(prepared, "192x400");
+  const workflow::ExplainedRecording explained = Explained(prepared, {192, 400});
   EXPECT_THAT(PartsOf(explained), ElementsAre("start", "response", "elevation", "noise", "speckle"));
   const workflow::JudgedSteps& judged = explained.judged;
   EXPECT_THAT(judged.frames, ElementsAre(2));

@@ -17,7 +17,7 @@ TEST(RecordedRays, AreTakenWhereNobodyAsksForOthers) {
   const RaysForFit choice =
       ChooseRays({}, SimulatedBy("paper", "300x240, frustum", "solid_angle"), EchoModel::kPaper);
   EXPECT_EQ(choice.rays.sampling, sim::Sampling::kFrustum);
-  EXPECT_EQ(choice.rays.rays, "300x240");
+  EXPECT_EQ(choice.rays.rays, (RayGridSize{300, 240}));
   EXPECT_EQ(choice.rays.ray_weight, sim::RayWeight::kSolidAngle);
   EXPECT_THAT(choice.note, ::testing::HasSubstr("frustum"));
   EXPECT_TRUE(choice.warning.empty());

@@ -127,7 +127,7 @@ TEST_F(RecordingFolderTest, ReadsEveryField) {
 
 TEST_F(RecordingFolderTest, HowBeamsAreFormedIsReadAndWritten) {
   EXPECT_EQ(Open()->info().sonar.beam_forming, BeamForming::kUnknown);
-  for (const auto& [word, forming] : kBeamFormings) {
+  for (const auto& [word, forming] : WordsOf(std::type_identity<BeamForming>{})) {
     RecordingInfo info =
         Open("\"range_bins\": 4", fmt::format("\"range_bins\": 4, \"beam_forming\": \"{}\"", word))->info();
     EXPECT_EQ(info.sonar.beam_forming, forming);
