@@ -70,7 +70,7 @@ YamlReader& YamlReader::operator=(const YamlReader& other) {
 }
 
 YamlReader YamlReader::FromFile(const std::filesystem::path& file) {
-  return FromText(ReadFileBytes(file, kMostYamlBytes), file.string());
+  return FromText(ReadFileBytes(file, kMaxYamlBytes), file.string());
 }
 
 YamlReader YamlReader::FromText(std::string_view text, const std::string& file) {

@@ -45,9 +45,9 @@ Mask LitPixels(const PictureFrames& pictures, int index) {
 
 constexpr int kMaxFrames = 32;  // frames in which the fan is searched
 
-// Up to `most` frames, evenly spread.
-std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMaxFrames) {
-  const int count = std::min(pictures.count(), most);
+// Up to `max_count` frames, evenly spread.
+std::vector<int> FramesToLookAt(const PictureFrames& pictures, int max_count = kMaxFrames) {
+  const int count = std::min(pictures.count(), max_count);
   std::vector<int> indices;
   for (int i = 0; i < count; ++i)
     indices.push_back(static_cast<int>(static_cast<std::int64_t>(i) * pictures.count() / count));

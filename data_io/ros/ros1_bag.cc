@@ -211,9 +211,9 @@ class Ros1Bag final : public Bag {
   }
 
   void CheckMessage(const Record& record, std::uint64_t at) const {
-    if (record.op == Op::kMessage && record.data_bytes <= kMostBagMessageBytes) return;
+    if (record.op == Op::kMessage && record.data_bytes <= kMaxBagMessageBytes) return;
     throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}", name(),
-                    at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
+                    at, static_cast<int>(record.op), record.data_bytes, kMaxBagMessageBytes);
   }
 
   // Reads the headers of all records.
@@ -371,9 +371,9 @@ class Ros1Bag final : public Bag {
     const std::lock_guard lock(inflated_mutex_);
     if (inflated_ && inflated_index_ == index) return inflated_;
     const Chunk& chunk = chunks_.at(index);
-    if (std::max<std::uint64_t>(chunk.inflated_bytes, chunk.data_bytes) > kMostBagMessageBytes) {
+    if (std::max<std::uint64_t>(chunk.inflated_bytes, chunk.data_bytes) > kMaxBagMessageBytes) {
       throw DataError("{}: {} bytes, expected at most {}", ChunkName(chunk), chunk.inflated_bytes,
-                      kMostBagMessageBytes);
+                      kMaxBagMessageBytes);
     }
     std::vector<std::byte> bytes = FileBytes(chunk.data_offset, chunk.data_bytes, "chunk");
     Inflate(chunk, bytes, ChunkName(chunk));

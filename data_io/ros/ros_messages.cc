@@ -198,8 +198,8 @@ Pose CheckedPose(const RosPose& pose, const std::string& where) {
 }
 
 std::vector<RosPose> ReadTransforms(MessageStream& stream) {
-  constexpr std::uint64_t kLeastBytes = 7 * sizeof(double);
-  std::vector<RosPose> transforms(stream.Count("transforms", kLeastBytes));
+  constexpr std::uint64_t kMinBytes = 7 * sizeof(double);
+  std::vector<RosPose> transforms(stream.Count("transforms", kMinBytes));
   for (RosPose& transform : transforms) {
     const RosHeader header = ReadHeader(stream);
     transform = {header.stamp_ns, header.frame_id, stream.String("child_frame_id"), {}};

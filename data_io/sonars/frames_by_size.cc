@@ -8,10 +8,10 @@ namespace sonarcal::data_io {
 
 FramesBySize CountFramesBySize(const std::string& file, std::uint64_t file_bytes, std::uint64_t header_bytes,
                                std::uint64_t frame_bytes) {
-  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+  constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
   const std::uint64_t bytes = file_bytes > header_bytes ? file_bytes - header_bytes : 0;
   const std::uint64_t frames = bytes / frame_bytes;
-  if (frames > kMost) throw DataError("{}: {} frames, expected at most {}", file, frames, kMost);
+  if (frames > kMax) throw DataError("{}: {} frames, expected at most {}", file, frames, kMax);
   return {.count = static_cast<int>(frames), .rest_bytes = bytes % frame_bytes};
 }
 

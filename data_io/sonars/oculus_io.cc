@@ -21,7 +21,7 @@ class OculusRecording final : public RecordingSource {
     is_log_ = IsOculusLog(file);
     is_log_ ? IndexLog() : IndexMessages();
     RefuseTooFewOrMany();
-    const OculusPing first = ReadPing(0, kMostOculusPingHeaderBytes).ping;
+    const OculusPing first = ReadPing(0, kMaxOculusPingHeaderBytes).ping;
     info_.format = fmt::format("Oculus simple ping result, version {}", first.version);
     DescribeOculus(first, info_);
     if (is_log_) {
@@ -34,7 +34,7 @@ class OculusRecording final : public RecordingSource {
   int frame_count() const override { return static_cast<int>(offsets_.size()); }
 
   FrameInfo frame_info(int index) const override {
-    return InfoOf(ReadPing(index, kMostOculusPingHeaderBytes));
+    return InfoOf(ReadPing(index, kMaxOculusPingHeaderBytes));
   }
 
   Frame ReadFrame(int index) const override {
