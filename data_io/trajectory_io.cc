@@ -181,7 +181,7 @@ TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
   }
   throw DataError(
       "{}: no trajectory, expected a csv whose first line names time_s, a EuRoC csv or TUM's 8 "
-      "columns apart by blanks",
+      "columns separated by blanks",
       file.string());
 }
 

@@ -75,7 +75,7 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   }
   if (result.assumed_still) {
     result.notes.emplace_back(
-        "no poses are recorded: consecutive real frames are taken to show a still scene");
+        "no poses are recorded: consecutive real frames are assumed to show a static scene");
   }
   return result;
 }

@@ -148,7 +148,7 @@ double YamlReader::Number() const {
 }
 
 std::vector<double> YamlReader::Numbers() const {
-  if (!node_->yaml.IsSequence()) Fail("is no list, expected numbers in [ ]");
+  if (!node_->yaml.IsSequence()) Fail("is not a list, expected numbers in [ ]");
   std::vector<double> numbers;
   for (const YamlReader& item : Items()) numbers.push_back(item.Number());
   return numbers;

@@ -43,7 +43,7 @@ void ReadFan(const JsonReader& json, PictureGeometry& geometry) {
   const auto radius = json.Find("radius_px");
   const auto x_scale = json.FindNumber("x_scale", kXScale);
   if (!apex && !radius) {
-    if (x_scale) json.At("x_scale").Fail("stands without apex_px, radius_px and half_angle_deg");
+    if (x_scale) json.At("x_scale").Fail("is given without apex_px, radius_px and half_angle_deg");
     geometry.half_angle_deg = half_angle_deg;
     return;
   }

@@ -107,7 +107,7 @@ std::vector<std::int16_t> MessageStream::I16s(std::string_view field) {
 void MessageStream::Finish() const {
   const std::uint64_t left = reader_.size() - at_;
   if (left <= (encoding_ == MessageEncoding::kCdr ? kMaxPaddingBytes : 0)) return;
-  throw DataError("{}: {} bytes are left, expected none: the message is of another definition",
+  throw DataError("{}: {} bytes are left, expected none: the message has another definition",
                   reader_.Where(at_, "end of the message"), left);
 }
 

@@ -97,7 +97,7 @@ RosOculusPing ReadOculusPingAs(MessageStream& stream, OculusLayout layout) {
     ping.image = ReadRosImageBody(stream);
   }
   if (ping.bearing_centideg.size() != ping.beams) {
-    throw DataError("{}: {} beams and {} bearings, expected one a beam", stream.Where("num_beams"),
+    throw DataError("{}: {} beams and {} bearings, expected one per beam", stream.Where("num_beams"),
                     ping.beams, ping.bearing_centideg.size());
   }
   stream.Finish();

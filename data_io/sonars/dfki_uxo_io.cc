@@ -144,7 +144,7 @@ class DfkiUxoRecording final : public RecordingSource {
                       folder_.string(), table_.rows());
     }
     if (missing > 0)
-      info_.notes.push_back(fmt::format("{} frames have no picture in aris_raw and were left out.", missing));
+      info_.notes.push_back(fmt::format("{} frames have no picture in aris_raw and were omitted.", missing));
   }
 
   void ReadPoses() {
@@ -187,8 +187,8 @@ class DfkiUxoRecording final : public RecordingSource {
       if (arm != world_from_arm_.end() && (arm->second.position_m - hung).norm() > kSameM) ++differ;
     }
     if (differ > 0) {
-      info_.notes.push_back(
-          fmt::format("In {} frames gantry.csv has the arm elsewhere than ar3.csv, which counts.", differ));
+      info_.notes.push_back(fmt::format(
+          "In {} frames the arm's position in gantry.csv differs from ar3.csv; ar3.csv is used.", differ));
     }
   }
 

@@ -88,7 +88,7 @@ Settings ReadSettings(const fs::path& file) {
   for (const auto& [key, values] : {std::pair("psf", &settings.psf), std::pair("taper", &settings.taper)}) {
     *values = json.At(key).Numbers(NumberRange::AtLeast(0.0));
     if (values->size() != kBeams) {
-      json.At(key).Fail(fmt::format("has {} numbers, expected one a beam, {}", values->size(), kBeams));
+      json.At(key).Fail(fmt::format("has {} numbers, expected one per beam, {}", values->size(), kBeams));
     }
   }
   return settings;

@@ -17,12 +17,12 @@ FramesBySize CountFramesBySize(const std::string& file, std::uint64_t file_bytes
 
 void NoteFrameCount(const FramesBySize& frames, std::int64_t header_says, std::vector<std::string>& notes) {
   if (header_says != frames.count) {
-    notes.push_back(fmt::format("The file header says {} frames; the file's size makes it {}.", header_says,
-                                frames.count));
+    notes.push_back(
+        fmt::format("The file header gives {} frames; the file's size gives {}.", header_says, frames.count));
   }
   if (frames.rest_bytes > 0) {
     notes.push_back(
-        fmt::format("The last {} bytes are no whole frame and were left out.", frames.rest_bytes));
+        fmt::format("The last {} bytes are not a whole frame and were omitted.", frames.rest_bytes));
   }
 }
 

@@ -118,7 +118,7 @@ std::vector<std::string> ForEachOculusLogItem(const fs::path& file,
     try {
       next = ReadItemHead(file, offset, size);
     } catch (const DataError& error) {
-      notes.push_back(fmt::format("The {} bytes from byte {} on are no whole item and were left out: {}.",
+      notes.push_back(fmt::format("The {} bytes from byte {} on are not a whole item and were omitted: {}.",
                                   size - offset, offset, error.what()));
       break;
     }
@@ -129,7 +129,7 @@ std::vector<std::string> ForEachOculusLogItem(const fs::path& file,
     }
     offset = next.item.payload_offset + next.item.payload_bytes;
   }
-  if (others > 0) notes.push_back(fmt::format("{} items that are not the sonar's were passed over.", others));
+  if (others > 0) notes.push_back(fmt::format("{} items that are not the sonar's were skipped.", others));
   return notes;
 }
 
