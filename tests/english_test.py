@@ -11,9 +11,6 @@ import tempfile
 
 FOLDERS = ["core", "data_io", "metrics", "sim"]
 
-# Files that are about to be removed.
-EXEMPT = {"data_io/sonars/aris3000_frames_io.cc", "data_io/sonars/aris3000_frames_io.h"}
-
 SUFFIXES = (".h", ".cc")
 
 # A comment begins with a noun phrase or a verb.
@@ -30,9 +27,8 @@ TOKENS = re.compile(
 def sources(root):
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
-            name = path.relative_to(root).as_posix()
-            if path.suffix in SUFFIXES and name not in EXEMPT:
-                yield name, path.read_text(encoding="utf-8")
+            if path.suffix in SUFFIXES:
+                yield path.relative_to(root).as_posix(), path.read_text(encoding="utf-8")
 
 
 def comments(text):

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kIndexEntryBytes = 12;
 constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;       // a topic's name and a hundred bytes
-constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // definitions of messages are long
+constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // message definitions are long
 
 enum class Op : std::uint8_t {
   kMessage = 2,
@@ -32,7 +32,7 @@ enum class Op : std::uint8_t {
   kConnection = 7,
 };
 
-// Fields "name=value", each behind its u32 length. The bytes must outlive it.
+// Fields "name=value", each after its u32 length. The bytes must outlive it.
 class Fields {
  public:
   // Throws DataError for a length that leads out of `bytes` and for a field without '='.
