@@ -96,7 +96,7 @@ std::vector<Link> FindChain(const std::vector<PoseTopic>& topics, const BagPoseO
       const std::string parent = FrameName(pose.parent_frame);
       const auto [known, is_new] = parent_of.emplace(FrameName(pose.child_frame), parent);
       if (!is_new && known->second != parent) {
-        throw DataError("{}: frame '{}' hangs on '{}', expected '{}' as before it", where,
+        throw DataError("{}: frame '{}' has the parent '{}', expected '{}' as before", where,
                         Printable(known->first), Printable(parent), Printable(known->second));
       }
     });
@@ -107,7 +107,7 @@ std::vector<Link> FindChain(const std::vector<PoseTopic>& topics, const BagPoseO
     const auto parent = parent_of.find(frame);
     // A chain with more links than frames is a cycle.
     if (parent == parent_of.end() || chain.size() > parent_of.size()) {
-      throw DataError("{}: no transforms lead from '{}' to '{}', expected a chain; '{}' hangs on nothing",
+      throw DataError("{}: no transforms lead from '{}' to '{}', expected a chain; '{}' has no parent",
                       topics.front().file, Printable(world), Printable(FrameName(options.body_frame)),
                       Printable(frame));
     }
@@ -142,7 +142,7 @@ std::vector<TrajectoryPose> ReadChain(const std::vector<PoseTopic>& topics, cons
     if (!link.is_static) poses.insert(poses.end(), link.poses.begin(), link.poses.end());
   }
   if (poses.empty()) {
-    throw DataError("{}: nothing between '{}' and '{}' moves, expected a transform in {}",
+    throw DataError("{}: all transforms from '{}' to '{}' are static, expected one in {}",
                     topics.front().file, Printable(options.world_frame), Printable(options.body_frame),
                     topics.front().topic().name);
   }
@@ -169,7 +169,7 @@ std::vector<TrajectoryPose> ReadBagTrajectory(const std::filesystem::path& path,
   const std::string file = path.string();
   const std::optional<std::size_t> index = bag->FindTopic(options.topic);
   if (!index) {
-    throw DataError("{}: topic '{}' is not there, expected one of poses; the bag has {}", file,
+    throw DataError("{}: topic '{}' does not exist, expected one of poses; the bag has {}", file,
                     Printable(options.topic), DescribeTopics(bag->topics()));
   }
   const PoseTopic from{*bag, file, *index};

@@ -19,7 +19,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::size_t kMostBytes = 1 << 30;
+constexpr std::size_t kMaxBytes = 1 << 30;
 
 struct Line {
   int number = 0;  // starts at 1
@@ -181,12 +181,12 @@ TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
   }
   throw DataError(
       "{}: no trajectory, expected a csv whose first line names time_s, a EuRoC csv or TUM's 8 "
-      "columns apart by blanks",
+      "columns separated by blanks",
       file.string());
 }
 
 std::vector<TrajectoryPose> ReadTrajectory(const std::filesystem::path& file, TrajectoryFormat format) {
-  const std::string bytes = ReadFileBytes(file, kMostBytes);
+  const std::string bytes = ReadFileBytes(file, kMaxBytes);
   const std::string name = file.string();
   std::vector<Line> lines = LinesOf(bytes);
   Columns columns;

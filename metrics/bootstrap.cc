@@ -28,7 +28,7 @@ int PolitisWhiteBlockLength(std::span<const double> series) {
   if (count < kBootstrapMinFrames) return 1;
   const double n = count;
   const int quiet_lags = std::max(5, static_cast<int>(std::ceil(std::sqrt(std::log10(n)))));
-  const int most_lags = std::min(count - 1, static_cast<int>(std::ceil(std::sqrt(n))) + quiet_lags);
+  const int max_lags = std::min(count - 1, static_cast<int>(std::ceil(std::sqrt(n))) + quiet_lags);
   const double longest = std::ceil(std::min(3.0 * std::sqrt(n), n / 3.0));
 
   const double mean = std::accumulate(series.begin(), series.end(), 0.0) / n;
@@ -38,16 +38,16 @@ int PolitisWhiteBlockLength(std::span<const double> series) {
     return sum / n;
   };
   std::vector<double> covariance;
-  for (int lag = 0; lag <= most_lags; ++lag) covariance.push_back(autocovariance(lag));
+  for (int lag = 0; lag <= max_lags; ++lag) covariance.push_back(autocovariance(lag));
   if (!(covariance[0] > 1e-24 * mean * mean)) return 1;  // all values are equal
 
   // Last significant lag: it is followed by `quiet_lags` insignificant correlations, or by the end.
   const double lost = 2.0 * std::sqrt(std::log10(n) / n) * covariance[0];
   int last_lag = 0;
-  for (int lag = 1; lag <= most_lags && lag <= last_lag + quiet_lags; ++lag) {
+  for (int lag = 1; lag <= max_lags && lag <= last_lag + quiet_lags; ++lag) {
     if (std::abs(covariance[lag]) > lost) last_lag = lag;
   }
-  const int window = std::min(2 * last_lag, most_lags);
+  const int window = std::min(2 * last_lag, max_lags);
   double spectrum = covariance[0];  // spectrum at frequency 0
   double slope = 0.0;
   for (int lag = 1; lag <= window; ++lag) {

@@ -133,8 +133,9 @@ void CheckComparable(const PolarImage& real, const PolarImage& simulated, double
     throw DataError("geometry: the real and the simulated frame have {}; expected the same", why);
   }
   if (notes != nullptr && StatesScale(real.scale) != StatesScale(simulated.scale)) {
-    notes->push_back(fmt::format("only the {} frame states its dB scale; the other is taken to have the same",
-                                 StatesScale(real.scale) ? "real" : "simulated"));
+    notes->push_back(
+        fmt::format("only the {} frame states its dB scale; the other is assumed to have the same",
+                    StatesScale(real.scale) ? "real" : "simulated"));
   }
 }
 
@@ -157,7 +158,7 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
     in_box = Both(options_.region, MaskOf(*box, real.value.rows(), real.value.cols()));
     region = &*in_box;
     metrics.object_box = *box;
-    if (box->empty()) metrics.notes.emplace_back("the scene shows nothing of the object in the frame");
+    if (box->empty()) metrics.notes.emplace_back("the object of the scene is not visible in the frame");
   }
   const Mask* valid = MaskFor(options_.valid, real, "the mask of valid samples");
   ObjectRegions found = FindObjects(real, simulated, options_, region, valid);

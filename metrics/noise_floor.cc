@@ -10,11 +10,11 @@
 namespace sonarcal::metrics {
 namespace {
 
-enum class Stillness { kStill, kMoved, kUnknown };
+enum class Motion { kStatic, kMoved, kUnknown };
 
-Stillness Between(const FrameInfo& a, const FrameInfo& b) {
-  if (!a.world_from_sonar || !b.world_from_sonar) return Stillness::kUnknown;
-  return IsSamePose(*a.world_from_sonar, *b.world_from_sonar) ? Stillness::kStill : Stillness::kMoved;
+Motion Between(const FrameInfo& a, const FrameInfo& b) {
+  if (!a.world_from_sonar || !b.world_from_sonar) return Motion::kUnknown;
+  return IsSamePose(*a.world_from_sonar, *b.world_from_sonar) ? Motion::kStatic : Motion::kMoved;
 }
 
 }  // namespace
@@ -48,13 +48,13 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   FrameLevels levels;
   std::optional<Frame> earlier;  // frame i, if the previous pair has already read it
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
-    const Stillness stillness = Between(real.frame_info(i), real.frame_info(i + 1));
+    const Motion motion = Between(real.frame_info(i), real.frame_info(i + 1));
     const auto box = boxes.find(i);
-    if (stillness == Stillness::kMoved || (box == boxes.end() && !boxes.empty())) {
+    if (motion == Motion::kMoved || (box == boxes.end() && !boxes.empty())) {
       earlier.reset();
       continue;
     }
-    result.assumed_still |= stillness == Stillness::kUnknown;
+    result.assumed_still |= motion == Motion::kUnknown;
     if (!earlier) earlier = real.ReadFrame(i);
     Frame later = real.ReadFrame(i + 1);
     FrameMetrics pair =
@@ -75,7 +75,7 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   }
   if (result.assumed_still) {
     result.notes.emplace_back(
-        "no poses are recorded: consecutive real frames are taken to show a still scene");
+        "no poses are recorded: consecutive real frames are assumed to show a static scene");
   }
   return result;
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kBlockPixels = kSpeckleBlockBins * kSpeckleBlockBeams;
 constexpr double kRounding = 1e-12;  // relative variance of a block with equal pixels
-constexpr double kMostClipped = 0.02 * kBlockPixels;
+constexpr double kMaxClipped = 0.02 * kBlockPixels;
 
 Grid<double> Power(const Grid<float>& value, const ImageScale& scale) {
   const std::optional<double> span_db = DbSpan(scale);
@@ -125,7 +125,7 @@ SpeckleSums MeasureSpeckleIn(const Grid<float>& value, const ImageScale& scale, 
         clipped += grey <= 0.0 || grey >= scale.full_scale;
       }
     }
-    return clipped <= kMostClipped;
+    return clipped <= kMaxClipped;
   };
   for (int bin = 0; bin + kSpeckleBlockBins <= value.rows(); bin += kSpeckleBlockBins / step) {
     for (int beam = 0; beam + kSpeckleBlockBeams <= value.cols(); beam += kSpeckleBlockBeams / step) {

@@ -51,17 +51,17 @@ struct Simulator::Mirrors {
 
 // Returns null if the scene has no mirror.
 std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSet& parameters,
-                                                               int thin) const {
+                                                               int ray_decimation) const {
   if (parameters.mirrors.empty()) return nullptr;
   const std::vector<char> reflects = ReflectingMaterials(caster_->material_names(), parameters);
   if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
   const std::scoped_lock lock(mirrors_mutex_);
   const double end_deg = parameters.beam.transmit_end_deg;
-  RayFanOptions thinned = options_.fan;
-  thinned.cols = std::max(1, thinned.cols / thin);
-  thinned.rows = std::max(1, thinned.rows / thin);
-  const RayFanOptions rays = GhostFanOptions(thinned, sonar_, parameters.beam);
-  std::shared_ptr<const Mirrors>& mirrors = mirrors_[thin];
+  RayFanOptions decimated = options_.fan;
+  decimated.cols = std::max(1, decimated.cols / ray_decimation);
+  decimated.rows = std::max(1, decimated.rows / ray_decimation);
+  const RayFanOptions rays = GhostFanOptions(decimated, sonar_, parameters.beam);
+  std::shared_ptr<const Mirrors>& mirrors = mirrors_[ray_decimation];
   if (!mirrors || mirrors->reflects != reflects || mirrors->transmit_end_deg != end_deg ||
       mirrors->elevation_span_deg != rays.elevation_span_deg) {
     mirrors = std::make_shared<const Mirrors>(Mirrors{reflects, end_deg, rays.elevation_span_deg,
@@ -72,9 +72,9 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
 }
 
 GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                 int thin) const {
-  SONARCAL_CHECK(thin >= 1, "rays thinned {} times", thin);
-  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters, thin);
+                                 int ray_decimation) const {
+  SONARCAL_CHECK(ray_decimation >= 1, "rays decimated {} times", ray_decimation);
+  const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters, ray_decimation);
   if (!mirrors) return {};
   const auto [left_rad, right_rad] = AzimuthsRad(fan_);
   return sonarcal::sim::TraceGhosts(*caster_, mirrors->surface, mirrors->fan, world_from_sonar,

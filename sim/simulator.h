@@ -60,9 +60,10 @@ class Simulator {
 
   // Multipath echoes of a pose, by the materials that the parameters declare as mirrors. If the scene has no
   // mirror, casts no ray and returns an empty list. Depends on the parameters only through the list of
-  // mirrors and the beam fields that GhostFanOptions reads, so losses may change without a new trace. `thin`
-  // divides the number of ray rows and columns.
-  GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters, int thin = 1) const;
+  // mirrors and the beam fields that GhostFanOptions reads, so losses may change without a new trace.
+  // `ray_decimation` divides the number of ray rows and columns.
+  GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters,
+                        int ray_decimation = 1) const;
 
   // Image of a pose by the model that the parameters name, in whole grey levels.
   PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
@@ -92,7 +93,7 @@ class Simulator {
 
  private:
   struct Mirrors;
-  std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters, int thin = 1) const;
+  std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters, int ray_decimation = 1) const;
   PaperImageOptions PaperOptions(int frame_idx) const;
   PolarImage RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters, int frame_idx) const;
   void RefuseMargin() const;
@@ -104,7 +105,7 @@ class Simulator {
   double absorption_db_per_m_;
   mutable std::mutex mirrors_mutex_;
   mutable std::map<int, std::shared_ptr<const Mirrors>>
-      mirrors_;  // by `thin`, for the materials of the last call
+      mirrors_;  // by `ray_decimation`, for the materials of the last call
 };
 
 }  // namespace sonarcal::sim

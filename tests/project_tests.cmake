@@ -5,6 +5,9 @@ find_package(Python REQUIRED COMPONENTS Interpreter)
 add_test(NAME layering COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/layering_test.py ${PROJECT_SOURCE_DIR})
 add_test(NAME layering_self_test
   COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/layering_test.py --self-test)
+add_test(NAME english COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/english_test.py ${PROJECT_SOURCE_DIR})
+add_test(NAME english_self_test
+  COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/english_test.py --self-test)
 
 # Versions of clang-format disagree; this one is Debian 12's.
 find_program(SONARCAL_CLANG_FORMAT clang-format-14)

@@ -36,7 +36,7 @@ class BoxSums {
   double Over(const TrainingWindow& window) const { return Over(window.outer) - Over(window.guard); }
 
  private:
-  Grid<double> sum_;  // of all cells above and to the left of a corner
+  Grid<double> sum_;  // sum of all cells above and to the left of a corner
 };
 
 struct Moments {
@@ -93,7 +93,8 @@ class LocalOrder {
 // none is valid.
 Grid<float> BoxMean(const Grid<float>& value, int rows, int cols, const Mask* valid = nullptr);
 
-// The same over all pixels of an image, without the shift that keeps the digits of squares.
+// Box mean over all pixels of an image, in double precision, without the shift that keeps the digits of
+// squares.
 Grid<double> BoxMean(const Grid<double>& value, int rows, int cols);
 
 }  // namespace sonarcal

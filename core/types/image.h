@@ -76,7 +76,7 @@ struct PolarAxes {
   std::vector<double> BeamEdgesRad() const;
   // From the left edge of the first beam to the right edge of the last.
   double field_of_view_rad() const { return BeamEdgeRad(beam_count()) - BeamEdgeRad(0); }
-  // Azimuth of the edge that lies farther aside, regardless of its sign.
+  // Larger of the absolute azimuths of the two outer edges.
   double OuterEdgeRad() const { return std::max(-BeamEdgeRad(0), BeamEdgeRad(beam_count())); }
 
   // Bin that contains a range, its near edge included. -1 for a range nearer than the window, range_bins for

@@ -8,7 +8,7 @@ const MaterialParameters& ParameterSet::Material(const std::string& name) const 
   auto found = materials.find(name);
   if (found == materials.end()) found = materials.find("default");
   if (found == materials.end()) {
-    throw DataError("no parameters for material '{}', and none named 'default' to serve it", name);
+    throw DataError("no parameters for material '{}', and no material 'default' to use instead", name);
   }
   return found->second;
 }

@@ -96,7 +96,7 @@ std::uint64_t RegularFileSize(const std::filesystem::path& file) {
     throw DataError("{}: not a regular file, expected one", file.string());
   }
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw DataError("{}: its size cannot be told: {}", file.string(), error.message());
+  if (error) throw DataError("{}: its size cannot be determined: {}", file.string(), error.message());
   return size;
 }
 

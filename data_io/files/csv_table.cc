@@ -10,7 +10,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::size_t kMostBytes = 256 << 20;
+constexpr std::size_t kMaxBytes = 256 << 20;
 
 std::vector<std::string_view> Split(std::string_view line) {
   std::vector<std::string_view> cells;
@@ -25,7 +25,7 @@ std::vector<std::string_view> Split(std::string_view line) {
 }  // namespace
 
 CsvTable::CsvTable(const std::filesystem::path& file)
-    : name_(file.string()), text_(ReadFileBytes(file, kMostBytes)) {
+    : name_(file.string()), text_(ReadFileBytes(file, kMaxBytes)) {
   std::string_view rest = text_;
   for (int number = 1; !rest.empty(); ++number) {
     const std::size_t end = rest.find('\n');

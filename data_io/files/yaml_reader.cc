@@ -70,7 +70,7 @@ YamlReader& YamlReader::operator=(const YamlReader& other) {
 }
 
 YamlReader YamlReader::FromFile(const std::filesystem::path& file) {
-  return FromText(ReadFileBytes(file, kMostYamlBytes), file.string());
+  return FromText(ReadFileBytes(file, kMaxYamlBytes), file.string());
 }
 
 YamlReader YamlReader::FromText(std::string_view text, const std::string& file) {
@@ -148,7 +148,7 @@ double YamlReader::Number() const {
 }
 
 std::vector<double> YamlReader::Numbers() const {
-  if (!node_->yaml.IsSequence()) Fail("is no list, expected numbers in [ ]");
+  if (!node_->yaml.IsSequence()) Fail("is not a list, expected numbers in [ ]");
   std::vector<double> numbers;
   for (const YamlReader& item : Items()) numbers.push_back(item.Number());
   return numbers;

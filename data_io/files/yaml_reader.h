@@ -18,7 +18,7 @@ namespace sonarcal::data_io {
 
 class YamlReader {
  public:
-  // First document of a file of at most kMostYamlBytes.
+  // First document of a file of at most kMaxYamlBytes.
   static YamlReader FromFile(const std::filesystem::path& file);
   static YamlReader FromText(std::string_view text, const std::string& file);
   ~YamlReader();
@@ -50,6 +50,6 @@ class YamlReader {
   std::string path_;
 };
 
-inline constexpr std::size_t kMostYamlBytes = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxYamlBytes = std::size_t{1} << 20;
 
 }  // namespace sonarcal::data_io

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 29;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 29;
 
 bool IsPicture(const fs::path& file) {
   std::string end = file.extension().string();
@@ -69,7 +69,7 @@ double SecondsOf(std::string_view name, NameTimes unit, const fs::path& file) {
 }  // namespace
 
 Grid<std::uint8_t> ReadCameraImage(const fs::path& file) {
-  std::string bytes = ReadFileBytes(file, kMostBytes);
+  std::string bytes = ReadFileBytes(file, kMaxBytes);
   if (IsJpeg(bytes)) return DecodeJpegGrey(bytes, file.string());
   const ImageFile image(std::move(bytes), file.string());
   if (image.header().channels == 1 && image.header().bits == 8) return image.DecodeGrey8();

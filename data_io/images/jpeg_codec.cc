@@ -51,7 +51,7 @@ Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& nam
   // The decoder fills missing data without an error. A complete file ends with the end marker, possibly
   // padded.
   if (bytes.rfind("\xff\xd9") == std::string_view::npos)
-    throw DataError("{}: JPEG cut short, expected an end marker", name);
+    throw DataError("{}: truncated JPEG, expected an end marker", name);
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));

@@ -1,4 +1,4 @@
-// Grey pictures in binary PGM ("P5") of 8 bits: blanks or '#' comments between width, height and the largest
+// Grey pictures in binary PGM ("P5") of 8 bits: blanks or '#' comments between width, height and max
 // value, one blank, then the rows from the top. OpenCV does not read them here because it prints the cause of
 // a failure to the terminal without returning it.
 #pragma once

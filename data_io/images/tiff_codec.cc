@@ -26,7 +26,7 @@ using TiffHandle = std::unique_ptr<TIFF, CloseTiff>;
 struct MemoryFile {
   std::string_view bytes;
   std::uint64_t position = 0;
-  char message[256] = {};  // libtiff's first complaint
+  char message[256] = {};  // first error message of libtiff
 };
 
 MemoryFile& File(thandle_t handle) {

@@ -105,7 +105,7 @@ FlatPort ReadFlatPort(const std::filesystem::path& file) {
     port.normal = {n[0], n[1], n[2]};
     const double length_1 = port.normal.norm();
     if (!(port.normal.z() > 0.1 * length_1))
-      normal->Fail("points aside or back, expected ahead of the camera");
+      normal->Fail("points sideways or backwards, expected forward of the camera");
     port.normal /= length_1;
   }
   json.Finish();

@@ -16,7 +16,7 @@ namespace sonarcal::data_io {
 namespace {
 
 constexpr std::string_view kFormat = "sonar-markers/1";
-constexpr std::size_t kMostMarkers = 10'000;
+constexpr std::size_t kMaxMarkers = 10'000;
 
 Marker ReadMarker(const JsonReader& json, const MarkerDictionary& dictionary) {
   const JsonReader id = json.At("id");
@@ -78,8 +78,8 @@ MarkerMap ReadMarkerMap(const std::filesystem::path& file) {
   }
   const JsonReader list = json.At("markers");
   const std::vector<JsonReader> items = list.Items();
-  if (items.empty() || items.size() > kMostMarkers)
-    list.Fail(fmt::format("has {} markers, expected 1 to {}", items.size(), kMostMarkers));
+  if (items.empty() || items.size() > kMaxMarkers)
+    list.Fail(fmt::format("has {} markers, expected 1 to {}", items.size(), kMaxMarkers));
   std::map<int, int> line_of_id;
   for (const JsonReader& item : items) {
     map.markers.push_back(ReadMarker(item, *dictionary));

@@ -229,11 +229,11 @@ void FanGeometry::Validate(const std::string& what) const {
     if (!(value >= low && value <= high))
       throw DataError("{}: {} is {}, expected {}..{}", what, field, value, low, high);
   };
-  constexpr double kMostPx = 1e6;
-  check("apex_x_px", apex_x_px, -kMostPx, kMostPx);
-  check("apex_y_px", apex_y_px, -kMostPx, kMostPx);
-  check("radius_min_px", radius_min_px, 0.0, kMostPx);
-  check("radius_max_px", radius_max_px, radius_min_px + 1.0, kMostPx);
+  constexpr double kMaxPx = 1e6;
+  check("apex_x_px", apex_x_px, -kMaxPx, kMaxPx);
+  check("apex_y_px", apex_y_px, -kMaxPx, kMaxPx);
+  check("radius_min_px", radius_min_px, 0.0, kMaxPx);
+  check("radius_max_px", radius_max_px, radius_min_px + 1.0, kMaxPx);
   check("half_angle_deg", half_angle_deg, 0.5, 89.0);
   check("x_scale", x_scale, 0.1, 10.0);
 }

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostPictureBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxPictureBytes = std::size_t{256} << 20;
 
 std::string FirstBytes(const fs::path& file) {
   std::array<char, 16> bytes{};
@@ -69,7 +69,7 @@ class PictureFiles final : public PictureFrames {
 
   Grid<float> Read(int index) const override {
     const fs::path& file = files_.at(index);
-    std::string bytes = ReadFileBytes(file, kMostPictureBytes);
+    std::string bytes = ReadFileBytes(file, kMaxPictureBytes);
     if (IsJpeg(bytes)) return Floats(DecodeJpegGrey(bytes, file.string()));
     return Floats(GreyOf(ImageFile(std::move(bytes), file.string()).DecodeRgb()));
   }
@@ -91,9 +91,9 @@ class Video final : public PictureFrames {
     if (!capture_.isOpened()) throw DataError("{}: a video that cannot be decoded", name_);
     const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);
     const double pixels = capture_.get(cv::CAP_PROP_FRAME_WIDTH) * capture_.get(cv::CAP_PROP_FRAME_HEIGHT);
-    constexpr double kMostFrames = 1e8;
-    if (!(frames >= 1.0 && frames <= kMostFrames))
-      throw DataError("{}: the video announces {} frames, expected 1..{}", name_, frames, kMostFrames);
+    constexpr double kMaxFrames = 1e8;
+    if (!(frames >= 1.0 && frames <= kMaxFrames))
+      throw DataError("{}: the video announces {} frames, expected 1..{}", name_, frames, kMaxFrames);
     if (!(pixels >= 1.0 && pixels <= static_cast<double>(kMaxImagePixels)))
       throw DataError("{}: the video announces {} pixels, expected 1..{}", name_, pixels, kMaxImagePixels);
     count_ = static_cast<int>(frames);

@@ -10,7 +10,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr int kMostBins = 1 << 14;
+constexpr int kMaxBins = 1 << 14;
 
 PictureGeometry::Polar ReadPolar(const JsonReader& json) {
   const auto angle_rad = [&](const char* key) {
@@ -35,15 +35,15 @@ const NumberRange kHalfAngleDeg = NumberRange::Between(0.5, 89.0);
 const NumberRange kXScale = NumberRange::Between(0.1, 10.0);
 
 void ReadFan(const JsonReader& json, PictureGeometry& geometry) {
-  if (const auto beams = json.Find("beams")) geometry.beams = static_cast<int>(beams->Integer(2, kMostBins));
+  if (const auto beams = json.Find("beams")) geometry.beams = static_cast<int>(beams->Integer(2, kMaxBins));
   if (const auto bins = json.Find("range_bins"))
-    geometry.range_bins = static_cast<int>(bins->Integer(1, kMostBins));
+    geometry.range_bins = static_cast<int>(bins->Integer(1, kMaxBins));
   const auto half_angle_deg = json.FindNumber("half_angle_deg", kHalfAngleDeg);
   const auto apex = json.Find("apex_px");
   const auto radius = json.Find("radius_px");
   const auto x_scale = json.FindNumber("x_scale", kXScale);
   if (!apex && !radius) {
-    if (x_scale) json.At("x_scale").Fail("stands without apex_px, radius_px and half_angle_deg");
+    if (x_scale) json.At("x_scale").Fail("is given without apex_px, radius_px and half_angle_deg");
     geometry.half_angle_deg = half_angle_deg;
     return;
   }
@@ -89,12 +89,12 @@ Grid<float> SampleFan(const Grid<float>& picture, const FanGeometry& fan, const 
 }
 
 PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
-  constexpr double kMostRangeM = 10'000.0;
+  constexpr double kMaxRangeM = 10'000.0;
   const JsonReader json = JsonReader::FromFile(file);
   json.CheckFormat("sonar-picture-geometry/1");
   PictureGeometry geometry;
   const JsonReader range_m = json.At("range_m");
-  const std::vector<double> range = range_m.Numbers(NumberRange::Between(0.0, kMostRangeM));
+  const std::vector<double> range = range_m.Numbers(NumberRange::Between(0.0, kMaxRangeM));
   if (range.size() != 2 || !(range[1] > range[0])) range_m.Fail("must be two ranges, the nearer first");
   geometry.range_min_m = range[0];
   geometry.range_max_m = range[1];
@@ -168,8 +168,8 @@ void PictureSampler::LayOutFan(const PictureGeometry& geometry) {
   const FanGeometry& fan = *geometry.fan;
   const double half_rad = RadFromDeg(fan.half_angle_deg);
   // Resolution of the picture: one bin per pixel of range, one beam per pixel of the far arc.
-  const auto as_fine = [](double pixels, int fewest) {
-    return static_cast<int>(std::clamp(std::round(pixels), static_cast<double>(fewest), double{kMostBins}));
+  const auto as_fine = [](double pixels, int min_count) {
+    return static_cast<int>(std::clamp(std::round(pixels), static_cast<double>(min_count), double{kMaxBins}));
   };
   axes_.range_bins =
       geometry.range_bins > 0 ? geometry.range_bins : as_fine(fan.radius_max_px - fan.radius_min_px, 1);

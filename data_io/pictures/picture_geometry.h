@@ -75,13 +75,13 @@ PictureGeometry ReadPictureGeometry(const std::filesystem::path& file);
 // Members of "fan" as text: "\"apex_px\": [...], \"radius_px\": ...".
 std::string JsonOf(const FanGeometry& fan);
 
-// Reads the members of "fan" where the place is required: apex_px, radius_px, half_angle_deg and, optional,
-// x_scale. Throws DataError with file, line and key.
+// Reads the members of "fan", which must contain its position: apex_px, radius_px, half_angle_deg and,
+// optional, x_scale. Throws DataError with file, line and key.
 FanGeometry ReadFanGeometry(const JsonReader& json);
 
 // Samples a fan picture at the centres of the beams and range bins of `axes`, by nearest neighbour. The near
-// and the far arc of `fan` show axes.range_min_m and axes.range_max_m. Throws DataError beginning with `where`
-// if the picture does not hold all samples.
+// and the far arc of `fan` show axes.range_min_m and axes.range_max_m. Throws DataError beginning with
+// `where` if the picture does not hold all samples.
 Grid<float> SampleFan(const Grid<float>& picture, const FanGeometry& fan, const PolarAxes& axes,
                       const std::string& where);
 

@@ -45,9 +45,9 @@ Mask LitPixels(const PictureFrames& pictures, int index) {
 
 constexpr int kMaxFrames = 32;  // frames in which the fan is searched
 
-// Up to `most` frames, evenly spread.
-std::vector<int> FramesToLookAt(const PictureFrames& pictures, int most = kMaxFrames) {
-  const int count = std::min(pictures.count(), most);
+// Up to `max_count` frames, evenly spread.
+std::vector<int> FramesToLookAt(const PictureFrames& pictures, int max_count = kMaxFrames) {
+  const int count = std::min(pictures.count(), max_count);
   std::vector<int> indices;
   for (int i = 0; i < count; ++i)
     indices.push_back(static_cast<int>(static_cast<std::int64_t>(i) * pictures.count() / count));
@@ -119,12 +119,12 @@ class PictureRecording final : public RecordingSource {
     info_.sonar.axes = sampler_->axes();
     if (geometry.fan) {
       info_.details.emplace_back("fan in the picture", JsonOf(*geometry.fan));
-      info_.notes.push_back(fmt::format("Where the fan lies in the picture was {}.",
+      info_.notes.push_back(fmt::format("The position of the fan in the picture was {}.",
                                         found ? "found by its edges, to about a pixel" : "given"));
       info_.notes.emplace_back(
           "Resampled from fan pictures, bilinear: neighbouring samples are not independent.");
     }
-    info_.notes.emplace_back("Grey values are the viewer's: what it did to the recorded ones is not known.");
+    info_.notes.emplace_back("Grey values are those of the viewer; its processing is not known.");
     if (pictures_->is_lossy())
       info_.notes.emplace_back(
           "The pictures were compressed with losses: grey values are not the viewer's own.");
@@ -176,7 +176,7 @@ std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(file, error)) {
     throw DataError(
-        "{}: a picture does not say how far it reaches; write that into {}: {{\"format\": "
+        "{}: a picture does not contain its range; write it into {}: {{\"format\": "
         "\"sonar-picture-geometry/1\", \"range_m\": [nearest, farthest], \"fan\": {{{}}}}}",
         path.string(), file.string(), JsonOf(FoundIn(*pictures, path)));
   }

@@ -24,7 +24,7 @@ FrameRange ParseFrameRange(const std::string& text, int frame_count);
 // ParseFrameRange, and UsageError for a frame that is named twice.
 std::vector<int> ParseFrameRanges(const std::string& text, int frame_count);
 
-// The chosen frames as a recording of their own, numbered from 0.
+// Selected frames as a recording, numbered from 0.
 class FrameRangeView final : public RecordingSource {
  public:
   FrameRangeView(std::unique_ptr<RecordingSource> recording, FrameRange range);

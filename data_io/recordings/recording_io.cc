@@ -96,11 +96,11 @@ int ChooseBits(const RecordingSource& recording, int asked) {
   const ImageScale& scale = recording.info().scale;
   SONARCAL_CHECK(asked == 0 || asked == 8 || asked == 16 || asked == 32, "{} bits", asked);
   const bool is_whole = scale.quantity == Quantity::kGrey && scale.full_scale == std::floor(scale.full_scale);
-  const int fewest = !is_whole || scale.full_scale > 65535.0 ? 32 : scale.full_scale > 255.0 ? 16 : 8;
-  if (asked == 0) return fewest;
-  if (asked < fewest) {
+  const int min_bits = !is_whole || scale.full_scale > 65535.0 ? 32 : scale.full_scale > 255.0 ? 16 : 8;
+  if (asked == 0) return min_bits;
+  if (asked < min_bits) {
     throw DataError("{}: {} images with full scale {} do not fit {} bits, expected {}",
-                    recording.info().source, ToString(scale.quantity), scale.full_scale, asked, fewest);
+                    recording.info().source, ToString(scale.quantity), scale.full_scale, asked, min_bits);
   }
   return asked;
 }

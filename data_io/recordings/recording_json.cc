@@ -82,7 +82,7 @@ std::vector<double> FindPerBeam(const JsonReader& json, const char* key, int bea
   if (!found) return {};
   std::vector<double> numbers = found->Numbers();
   if (static_cast<int>(numbers.size()) != beams) {
-    found->Fail(fmt::format("has {} numbers, expected one a beam, {}", numbers.size(), beams));
+    found->Fail(fmt::format("has {} numbers, expected one per beam, {}", numbers.size(), beams));
   }
   return numbers;
 }
@@ -187,7 +187,7 @@ void ReadScene(const JsonReader& json, const fs::path& folder, RecordingInfo& in
   info.scene_path = scene.string();
   std::error_code error;
   if (!fs::exists(scene, error)) {
-    AddNote(info, fmt::format("{} names the scene {}, which is not there", kRecordingFile, scene.string()));
+    AddNote(info, fmt::format("{} names the scene {}, which does not exist", kRecordingFile, scene.string()));
   }
 }
 

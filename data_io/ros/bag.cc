@@ -27,14 +27,14 @@ bool IsBag(const std::filesystem::path& path) {
 }
 
 std::string DescribeTopics(const std::vector<BagTopic>& topics) {
-  constexpr std::size_t kMost = 20;  // a robot may have hundreds
+  constexpr std::size_t kMax = 20;  // a robot may have hundreds
   std::string text;
-  for (std::size_t i = 0; i < topics.size() && i < kMost; ++i) {
+  for (std::size_t i = 0; i < topics.size() && i < kMax; ++i) {
     text += fmt::format("{}{} ({}, {} {})", i == 0 ? "" : ", ", Printable(topics[i].name),
                         Printable(topics[i].type), topics[i].count,
                         topics[i].count == 1 ? "message" : "messages");
   }
-  if (topics.size() > kMost) text += fmt::format(" and {} more", topics.size() - kMost);
+  if (topics.size() > kMax) text += fmt::format(" and {} more", topics.size() - kMax);
   return topics.empty() ? "no topic" : text;
 }
 

@@ -18,7 +18,7 @@
 namespace sonarcal::data_io {
 
 // Max size of a message, and of an inflated chunk of a ROS 1 bag.
-inline constexpr std::uint64_t kMostBagMessageBytes = 256 << 20;
+inline constexpr std::uint64_t kMaxBagMessageBytes = 256 << 20;
 
 struct BagTopic {
   std::string name;  // "/sonar"
@@ -54,7 +54,7 @@ class Bag {
   virtual std::vector<BagMessage> Messages(std::size_t topic) const = 0;
 
   // First `wanted_bytes` of a message, or all of it if it is shorter. Throws DataError if it is damaged, or
-  // longer than kMostBagMessageBytes.
+  // longer than kMaxBagMessageBytes.
   virtual std::vector<std::byte> Read(
       const BagMessage& message,
       std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const = 0;

@@ -1,4 +1,4 @@
-// Bags told from other files by their first bytes. Needs no library of ROS.
+// Detects bags by their first bytes. Needs no library of ROS.
 #pragma once
 
 #include <filesystem>

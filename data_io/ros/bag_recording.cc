@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 // Reason why a requested topic is not a sonar's.
 std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
   const auto index = bag.FindTopic(asked);
-  if (!index) return "is not there";
+  if (!index) return "does not exist";
   const BagTopic& topic = bag.topics()[*index];
   if (!pictures && IsPictureType(topic.type)) {
     return fmt::format(
-        "has bare pictures ({}), which do not tell their window and beams: give --picture-geometry",
+        "has bare pictures ({}), which do not contain their window and beams: give --picture-geometry",
         Printable(topic.type));
   }
   return fmt::format("has {} of type {}", topic.count == 0 ? "no message" : "messages",

@@ -9,7 +9,7 @@ namespace sonarcal::data_io {
 namespace {
 
 constexpr std::uint64_t kEncapsulationBytes = 4;
-constexpr std::uint64_t kMostPaddingBytes = 7;  // largest alignment of CDR minus one
+constexpr std::uint64_t kMaxPaddingBytes = 7;  // largest alignment of CDR minus one
 
 }  // namespace
 
@@ -68,12 +68,12 @@ double MessageStream::F64(std::string_view field) {
   return std::bit_cast<double>(U64(field));
 }
 
-std::uint32_t MessageStream::Count(std::string_view field, std::uint64_t least_bytes) {
+std::uint32_t MessageStream::Count(std::string_view field, std::uint64_t min_bytes) {
   const std::uint32_t count = U32(field);
   const std::uint64_t left = reader_.size() - at_;
-  if (count * least_bytes > left) {
+  if (count * min_bytes > left) {
     throw DataError("{}: {} elements of at least {} bytes, but {} bytes are left",
-                    reader_.Where(at_ - sizeof(count), field), count, least_bytes, left);
+                    reader_.Where(at_ - sizeof(count), field), count, min_bytes, left);
   }
   return count;
 }
@@ -106,8 +106,8 @@ std::vector<std::int16_t> MessageStream::I16s(std::string_view field) {
 
 void MessageStream::Finish() const {
   const std::uint64_t left = reader_.size() - at_;
-  if (left <= (encoding_ == MessageEncoding::kCdr ? kMostPaddingBytes : 0)) return;
-  throw DataError("{}: {} bytes are left, expected none: the message is of another definition",
+  if (left <= (encoding_ == MessageEncoding::kCdr ? kMaxPaddingBytes : 0)) return;
+  throw DataError("{}: {} bytes are left, expected none: the message has another definition",
                   reader_.Where(at_, "end of the message"), left);
 }
 

@@ -40,8 +40,8 @@ class MessageStream {
 
   std::string String(std::string_view field);
 
-  // Number of elements of a sequence. Each takes at least `least_bytes`.
-  std::uint32_t Count(std::string_view field, std::uint64_t least_bytes);
+  // Number of elements of a sequence. Each takes at least `min_bytes`.
+  std::uint32_t Count(std::string_view field, std::uint64_t min_bytes);
 
   std::vector<float> F32s(std::string_view field);
   std::vector<std::int16_t> I16s(std::string_view field);

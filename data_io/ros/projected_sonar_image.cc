@@ -174,7 +174,7 @@ void NoteOrder(const ProjectedSonarImage& message, const std::string& where,
   const bool by_beam = options.sample_order == SampleOrder::kByBeam;
   const std::size_t beams = message.beam_direction.size();
   const std::size_t ranges = message.range_m.size();
-  info.notes.push_back(fmt::format("Samples are read {}; the message's sizes do not tell the order.",
+  info.notes.push_back(fmt::format("Samples are read {}; the message's sizes do not determine the order.",
                                    by_beam ? "beam by beam, as its definition says" : "range by range"));
   if (beams == ranges) return;
   const std::vector<float> samples = Samples(message, where);
@@ -227,18 +227,18 @@ void Describe(const ProjectedSonarImage& message, const std::string& where,
   info.details.emplace_back("samples", TypeOf(message, where).name);
   info.notes.emplace_back("Neither gain, TVG, dB scale nor water is recorded.");
   if (info.scale.quantity == Quantity::kPower)
-    info.notes.emplace_back("What the samples measure is not recorded; floats are taken for linear power.");
+    info.notes.emplace_back("The quantity of the samples is not recorded; floats are read as linear power.");
   NoteOrder(message, where, options, info);
   if (LookAlongX(message)) {
     info.notes.emplace_back(
-        "Beams lie about X, not about Z as the definition says: X is taken to point ahead, Y to the left.");
+        "Beams lie around X, not around Z as the definition says: X is read as forward, Y as left.");
   } else {
     info.notes.emplace_back(
         "Left and right follow the definition, X up; a driver that means X down makes mirrored pictures.");
   }
   const double bin_m = sonar.axes.range_bin_m();
   if (RangesAreEdges(message, bin_m))
-    info.notes.emplace_back("Ranges begin nearer than half a bin and are taken for the bins' near edges.");
+    info.notes.emplace_back("Ranges begin nearer than half a bin and are read as the bins' near edges.");
   if (options.mirrored) info.notes.emplace_back("Left and right are exchanged, as asked for.");
 }
 

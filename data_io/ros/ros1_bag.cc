@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kIndexEntryBytes = 12;
 constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;       // a topic's name and a hundred bytes
-constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // definitions of messages are long
+constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // message definitions are long
 
 enum class Op : std::uint8_t {
   kMessage = 2,
@@ -32,7 +32,7 @@ enum class Op : std::uint8_t {
   kConnection = 7,
 };
 
-// Fields "name=value", each behind its u32 length. The bytes must outlive it.
+// Fields "name=value", each after its u32 length. The bytes must outlive it.
 class Fields {
  public:
   // Throws DataError for a length that leads out of `bytes` and for a field without '='.
@@ -211,9 +211,9 @@ class Ros1Bag final : public Bag {
   }
 
   void CheckMessage(const Record& record, std::uint64_t at) const {
-    if (record.op == Op::kMessage && record.data_bytes <= kMostBagMessageBytes) return;
+    if (record.op == Op::kMessage && record.data_bytes <= kMaxBagMessageBytes) return;
     throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}", name(),
-                    at, static_cast<int>(record.op), record.data_bytes, kMostBagMessageBytes);
+                    at, static_cast<int>(record.op), record.data_bytes, kMaxBagMessageBytes);
   }
 
   // Reads the headers of all records.
@@ -371,9 +371,9 @@ class Ros1Bag final : public Bag {
     const std::lock_guard lock(inflated_mutex_);
     if (inflated_ && inflated_index_ == index) return inflated_;
     const Chunk& chunk = chunks_.at(index);
-    if (std::max<std::uint64_t>(chunk.inflated_bytes, chunk.data_bytes) > kMostBagMessageBytes) {
+    if (std::max<std::uint64_t>(chunk.inflated_bytes, chunk.data_bytes) > kMaxBagMessageBytes) {
       throw DataError("{}: {} bytes, expected at most {}", ChunkName(chunk), chunk.inflated_bytes,
-                      kMostBagMessageBytes);
+                      kMaxBagMessageBytes);
     }
     std::vector<std::byte> bytes = FileBytes(chunk.data_offset, chunk.data_bytes, "chunk");
     Inflate(chunk, bytes, ChunkName(chunk));

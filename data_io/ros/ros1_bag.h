@@ -15,7 +15,7 @@
 //
 // librosbag-storage inflates the chunks and does no more. Its own reader trusts the offsets inside a chunk,
 // and it refuses a bag whose recording was cut off. Here each record's head is compared with the file before
-// a message is read. A damaged record and all that follows it are left out with a note, and missing
+// a message is read. A damaged record and all that follows it are omitted with a note, and missing
 // connections are looked up inside the chunks.
 #pragma once
 

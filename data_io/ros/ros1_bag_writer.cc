@@ -176,8 +176,8 @@ std::string PoseMessage(const Pose& world_from_sonar, std::uint32_t sequence, co
 ros::Time StampOf(const FrameInfo& info) {
   if (!info.time_s) return {};
   const double time_s = *info.time_s;
-  constexpr double kMostS = 4294967295.0;
-  if (!(time_s >= 0.0 && time_s < kMostS))
+  constexpr double kMaxS = 4294967295.0;
+  if (!(time_s >= 0.0 && time_s < kMaxS))
     throw DataError("{}: time_s is {:g}, expected 0 .. 2^32 for ROS", info.name, time_s);
   const double whole_s = std::floor(time_s);
   auto seconds = static_cast<std::uint32_t>(whole_s);

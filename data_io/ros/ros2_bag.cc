@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kLeastRowBytes = 4;  // min size of any row in the file
+constexpr std::uint64_t kMinRowBytes = 4;  // min size of any row in the file
 
 std::string ImmutableUri(const fs::path& file) {
   std::string uri = "file:";
@@ -43,7 +43,7 @@ class Database {
     sqlite3_db_config(db_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
-    const std::uint64_t longest = std::min(kMostBagMessageBytes, size_) + 1000;
+    const std::uint64_t longest = std::min(kMaxBagMessageBytes, size_) + 1000;
     sqlite3_limit(db_, SQLITE_LIMIT_LENGTH, static_cast<int>(longest));
     sqlite3_progress_handler(db_, kStepsACall, &Database::StepsAreSpent, this);
     sqlite3_exec(db_, "PRAGMA cell_size_check=ON; PRAGMA mmap_size=0", nullptr, nullptr, nullptr);
@@ -68,7 +68,7 @@ class Database {
     std::uint64_t rows = 0;
     int status = SQLITE_OK;
     while ((status = sqlite3_step(prepared)) == SQLITE_ROW) {
-      if (++rows > size_ / kLeastRowBytes)
+      if (++rows > size_ / kMinRowBytes)
         throw DataError("{}: a table has more rows than {} bytes can hold: damaged", name_, size_);
       take(prepared);
     }
@@ -99,9 +99,9 @@ class Database {
     const std::string what = fmt::format("message of row {}", row);
     if (status != SQLITE_OK) Fail(what + " cannot be read");
     const auto bytes = static_cast<std::uint64_t>(sqlite3_blob_bytes(opened));
-    if (bytes > std::min(kMostBagMessageBytes, size_)) {
+    if (bytes > std::min(kMaxBagMessageBytes, size_)) {
       throw DataError("{}: {}: {} bytes, expected at most {}", name_, what, bytes,
-                      std::min(kMostBagMessageBytes, size_));
+                      std::min(kMaxBagMessageBytes, size_));
     }
     std::vector<std::byte> data(std::min(bytes, wanted_bytes));
     if (sqlite3_blob_read(opened, data.data(), static_cast<int>(data.size()), 0) != SQLITE_OK)

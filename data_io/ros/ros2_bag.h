@@ -9,7 +9,7 @@
 // name.
 //
 // The database is opened read-only and immutable; its triggers, views and schema functions are disabled. No
-// value above kMostBagMessageBytes or above the file's size is read, and not more rows than the file can
+// value above kMaxBagMessageBytes or above the file's size is read, and not more rows than the file can
 // hold. Data in a write-ahead log beside the file are not read, which is noted.
 #pragma once
 

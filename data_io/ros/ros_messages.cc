@@ -97,7 +97,7 @@ RosOculusPing ReadOculusPingAs(MessageStream& stream, OculusLayout layout) {
     ping.image = ReadRosImageBody(stream);
   }
   if (ping.bearing_centideg.size() != ping.beams) {
-    throw DataError("{}: {} beams and {} bearings, expected one a beam", stream.Where("num_beams"),
+    throw DataError("{}: {} beams and {} bearings, expected one per beam", stream.Where("num_beams"),
                     ping.beams, ping.bearing_centideg.size());
   }
   stream.Finish();
@@ -198,8 +198,8 @@ Pose CheckedPose(const RosPose& pose, const std::string& where) {
 }
 
 std::vector<RosPose> ReadTransforms(MessageStream& stream) {
-  constexpr std::uint64_t kLeastBytes = 7 * sizeof(double);
-  std::vector<RosPose> transforms(stream.Count("transforms", kLeastBytes));
+  constexpr std::uint64_t kMinBytes = 7 * sizeof(double);
+  std::vector<RosPose> transforms(stream.Count("transforms", kMinBytes));
   for (RosPose& transform : transforms) {
     const RosHeader header = ReadHeader(stream);
     transform = {header.stamp_ns, header.frame_id, stream.String("child_frame_id"), {}};

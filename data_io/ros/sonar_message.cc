@@ -88,7 +88,7 @@ void Describe(PingWithPicture with_picture, const RosOculusPing& message, const 
   }
   if (message.is_compressed) info.details.emplace_back("picture", Printable(message.compressed.format));
   if ((message.flags & kRowGains) != 0)
-    info.notes.emplace_back("The sonar was asked for gains of the rows, which the message does not have.");
+    info.notes.emplace_back("The sonar was set to send row gains, but the message does not contain them.");
   if (options.mirrored) info.notes.emplace_back(kMirrored);
 }
 
@@ -104,7 +104,8 @@ PictureSampler SamplerFor(const PictureGeometry& geometry, const RosPicture& pic
                           const std::string& where) {
   if (!geometry.polar && !geometry.fan) {
     throw DataError(
-        "{}: the picture's geometry says neither 'polar' nor where the fan is, expected apex_px, radius_px "
+        "{}: the picture's geometry has neither 'polar' nor the position of the fan, expected apex_px, "
+        "radius_px "
         "and "
         "half_angle_deg of 'fan'",
         where);
@@ -147,8 +148,7 @@ void DescribePicture(const PolarPicture& picture, const SonarMessageOptions& opt
   info.scale = picture.image.scale;
   info.sonar.axes = picture.image.axes;
   info.valid = picture.inside;
-  info.notes.emplace_back(
-      "The message is a bare picture: window and beams are as the geometry says that was given.");
+  info.notes.emplace_back("The message is a bare picture: window and beams are those of the given geometry.");
   info.notes.emplace_back("Neither gain nor water is recorded.");
   if (options.geometry->fan)
     info.notes.emplace_back(

@@ -13,7 +13,7 @@
 
 namespace sonarcal::data_io {
 
-inline constexpr std::size_t kMaxObjTriangles = 5'000'000;  // larger meshes: glTF
+inline constexpr std::size_t kMaxObjTriangles = 5'000'000;  // use glTF for larger meshes
 inline constexpr std::size_t kMaxObjVertices = 10'000'000;
 inline constexpr std::size_t kMaxObjMaterials = 4096;
 inline constexpr std::size_t kMaxObjFaceCorners = 1000;  // the time to divide a polygon grows with the square
@@ -24,7 +24,7 @@ struct CadMesh {
   std::vector<std::vector<Eigen::Vector3f>> corners;  // of each material; each three make a triangle
 };
 
-// Reads an OBJ file. `file` is the name that error sentences carry. Throws DataError, with the line, for
+// Reads an OBJ file. `file` is the name used in error messages. Throws DataError, with the line, for
 // numbers that are malformed or not finite, indices of missing vertices, faces of fewer than three corners,
 // polygons whose sides cross, free-form geometry, unknown statements, and sizes beyond the limits above.
 CadMesh ReadObjMesh(std::string_view bytes, const std::string& file);

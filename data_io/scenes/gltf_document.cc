@@ -328,7 +328,8 @@ std::string ReadGltfBuffer(const std::filesystem::path& directory, const std::st
   const std::filesystem::path relative(uri);
   const bool climbs = std::find(relative.begin(), relative.end(), "..") != relative.end();
   if (relative.is_absolute() || climbs || uri.find('\0') != std::string::npos) {
-    throw DataError("the buffer {} is outside the file's own directory, which is refused", Printable(uri));
+    throw DataError("the buffer {} is outside the file's own directory, which is not allowed",
+                    Printable(uri));
   }
   return ReadFileBytes(directory / relative, kMaxGltfBytes);
 }

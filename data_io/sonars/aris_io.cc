@@ -41,7 +41,7 @@ ArisHeader ParseFrameHeader(const ByteReader& reader) {
     throw DataError("{}: {} m/s, expected 1300..1700", reader.Where(464, "SoundSpeed"),
                     header.sound_speed_m_per_s);
   }
-  header.samples_per_beam = reader.U32Within(468, "SamplesPerBeam", 1, kMostArisSamplesPerBeam);
+  header.samples_per_beam = reader.U32Within(468, "SamplesPerBeam", 1, kMaxArisSamplesPerBeam);
   header.sample_start_delay_us = reader.U32Within(476, "SampleStartDelay", 0, 1'000'000);
   header.lens = reader.U32(480, "LargeLens") != 0 ? ArisLens::kTelephoto : ArisLens::kStandard;
   header.system = static_cast<ArisSystem>(reader.U32Within(484, "TheSystemType", 0, 2));

@@ -33,8 +33,8 @@ PolarAxes ArisAxes(const ArisHeader& header, const std::string& what) {
   const auto centres_deg = ArisBeamCentresDeg(header.system, header.beam_count(), header.lens);
   if (centres_deg.empty()) {
     throw DataError(
-        "{}: {} with {} beams (PingMode {}), expected a combination the maker has a beam table of", what,
-        ModelName(header), header.beam_count(), header.ping_mode);
+        "{}: {} with {} beams (PingMode {}), expected a combination with a beam table of the manufacturer",
+        what, ModelName(header), header.beam_count(), header.ping_mode);
   }
   PolarAxes axes{header.range_min_m(), header.range_max_m(), static_cast<int>(header.samples_per_beam),
                  ArisAzimuthsRad(centres_deg)};
@@ -61,16 +61,18 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
     info.notes.emplace_back("The elevation beam width is not recorded, and not known with a telephoto lens.");
   } else {
     info.sonar.elevation_beam_width_deg = header.system == ArisSystem::kAris3000 ? 15.0 : 14.0;
-    info.notes.emplace_back("The elevation beam width is the maker's nominal one; it is not recorded.");
+    info.notes.emplace_back(
+        "The elevation beam width is not recorded; the manufacturer's nominal value is used.");
   }
   if (header.water_temperature_c >= -3.0f && header.water_temperature_c <= 45.0f &&
       header.salinity_ppt <= 50) {
     info.water = Water{.temperature_c = header.water_temperature_c,
                        .salinity_ppt = static_cast<double>(header.salinity_ppt)};
-    info.notes.emplace_back("Acidity and depth of the water are not recorded; defaults stand for them.");
+    info.notes.emplace_back("Acidity and depth of the water are not recorded; defaults are used.");
   } else {
-    info.notes.push_back(fmt::format("Water temperature {} C and salinity {} ppt are no water's; left out.",
-                                     header.water_temperature_c, header.salinity_ppt));
+    info.notes.push_back(
+        fmt::format("Water temperature {} C and salinity {} ppt are impossible and were omitted.",
+                    header.water_temperature_c, header.salinity_ppt));
   }
   info.settings = ArisSettings(header);
   info.details = {{"frame rate", fmt::format("{:.3f} Hz", header.frame_rate_hz)},
@@ -90,10 +92,10 @@ void NoteArisWindow(const ArisHeader& header, RecordingInfo& info) {
   // Negated so that a NaN in the header is noted too.
   if (!(std::abs(header.window_start_m - header.range_min_m()) <= tolerance_m &&
         std::abs(window_end_m - header.range_max_m()) <= tolerance_m)) {
-    info.notes.push_back(
-        fmt::format("WindowStart and WindowLength say {:.4f}..{:.4f} m; the sample timing, which is right, "
-                    "{:.4f}..{:.4f} m.",
-                    header.window_start_m, window_end_m, header.range_min_m(), header.range_max_m()));
+    info.notes.push_back(fmt::format(
+        "WindowStart and WindowLength give {:.4f}..{:.4f} m; the sample timing, which is used, gives "
+        "{:.4f}..{:.4f} m.",
+        header.window_start_m, window_end_m, header.range_min_m(), header.range_max_m()));
   }
 }
 

@@ -9,7 +9,7 @@
 
 namespace sonarcal::data_io {
 
-inline constexpr std::uint32_t kMostArisSamplesPerBeam = 1 << 16;
+inline constexpr std::uint32_t kMaxArisSamplesPerBeam = 1 << 16;
 
 // Fields with the manufacturer's names: data_io/sonars/aris_io.h.
 struct ArisHeader {

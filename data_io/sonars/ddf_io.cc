@@ -217,14 +217,15 @@ class DdfRecording final : public RecordingSource {
         {"frequency", header_.high_frequency ? "high" : "low"},
         {"sonar pan, tilt, roll", fmt::format("{:g}, {:g}, {:g} degrees as recorded", first_.pan_deg,
                                               first_.tilt_deg, first_.roll_deg)}};
-    info_.notes = {"Elevation beam width and frequency are the maker's nominal ones; they are not recorded.",
-                   "Neither sound speed, water nor dB scale is recorded.",
-                   "The reader follows the published layout; it was tried on no file of a real DIDSON."};
+    info_.notes = {
+        "Elevation beam width and frequency are not recorded; the manufacturer's nominal values are used.",
+        "Neither sound speed, water nor dB scale is recorded.",
+        "The reader follows the published layout; it was tried on no file of a real DIDSON."};
     if (header_.beams == 48)
-      info_.notes.emplace_back("Each of the 48 beams is taken to lie midway between two of the 96.");
-    info_.notes.emplace_back(first_.time_s
-                                 ? "Times are the sonar's clock, of unknown time zone, taken as UTC."
-                                 : "The date fields are no date; frames have no time.");
+      info_.notes.emplace_back("Each of the 48 beams is assumed to lie midway between two of the 96.");
+    info_.notes.emplace_back(
+        first_.time_s ? "Times are those of the sonar's clock; its time zone is unknown and read as UTC."
+                      : "The date fields hold no valid date; frames have no time.");
   }
 
   fs::path file_;

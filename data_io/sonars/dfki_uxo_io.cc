@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kMostFrameIndex = 100'000'000;
-constexpr double kMostM = 1e6;
+constexpr std::int64_t kMaxFrameIndex = 100'000'000;
+constexpr double kMaxM = 1e6;
 
 // Sonar pose in the frame of the data set's calibration, which has X right, Y down, Z forward.
 Pose CalibrationFromSonar() {
@@ -37,24 +37,24 @@ ArisHeader HeaderOf(const CsvTable& table, int row) {
   const auto number = [&](const char* column, double lowest, double highest) {
     return static_cast<float>(table.Number(row, column, lowest, highest));
   };
-  constexpr std::int64_t kMostU32 = 0xffffffff;
+  constexpr std::int64_t kMaxU32 = 0xffffffff;
   ArisHeader header;
   header.time_s = table.Number(row, "FrameTime", 0.0, 1e18) * 1e-6;
-  header.window_start_m = number("WindowStart", -kMostM, kMostM);
-  header.window_length_m = number("WindowLength", -kMostM, kMostM);
-  header.gain_db = whole("ReceiverGain", 0, kMostU32);
-  header.water_temperature_c = number("WaterTemp", -kMostM, kMostM);
+  header.window_start_m = number("WindowStart", -kMaxM, kMaxM);
+  header.window_length_m = number("WindowLength", -kMaxM, kMaxM);
+  header.gain_db = whole("ReceiverGain", 0, kMaxU32);
+  header.water_temperature_c = number("WaterTemp", -kMaxM, kMaxM);
   header.ping_mode = whole("PingMode", 1, 12);
-  header.high_frequency = whole("FrequencyHiLow", 0, kMostU32) != 0;
-  header.pulse_width_us = whole("PulseWidth", 0, kMostU32);
+  header.high_frequency = whole("FrequencyHiLow", 0, kMaxU32) != 0;
+  header.pulse_width_us = whole("PulseWidth", 0, kMaxU32);
   header.sample_period_us = whole("SamplePeriod", 1, 1000);
-  header.frame_rate_hz = number("FrameRate", 0.0, kMostM);
+  header.frame_rate_hz = number("FrameRate", 0.0, kMaxM);
   header.sound_speed_m_per_s = number("SoundSpeed", 1300.0, 1700.0);
-  header.samples_per_beam = whole("SamplesPerBeam", 1, kMostArisSamplesPerBeam);
+  header.samples_per_beam = whole("SamplesPerBeam", 1, kMaxArisSamplesPerBeam);
   header.sample_start_delay_us = whole("SampleStartDelay", 0, 1'000'000);
-  header.lens = whole("LargeLens", 0, kMostU32) != 0 ? ArisLens::kTelephoto : ArisLens::kStandard;
+  header.lens = whole("LargeLens", 0, kMaxU32) != 0 ? ArisLens::kTelephoto : ArisLens::kStandard;
   header.system = static_cast<ArisSystem>(whole("TheSystemType", 0, 2));
-  header.salinity_ppt = whole("Salinity", 0, kMostU32);
+  header.salinity_ppt = whole("Salinity", 0, kMaxU32);
   return header;
 }
 
@@ -62,14 +62,14 @@ std::map<std::int64_t, Pose> ReadArm(const fs::path& file) {
   const CsvTable table(file);
   std::map<std::int64_t, Pose> world_from_arm;
   for (int row = 0; row < table.rows(); ++row) {
-    const auto number = [&](const char* column) { return table.Number(row, column, -kMostM, kMostM); };
+    const auto number = [&](const char* column) { return table.Number(row, column, -kMaxM, kMaxM); };
     const Eigen::Quaterniond written(number("rot.w"), number("rot.x"), number("rot.y"), number("rot.z"));
     const auto rotation = UnitQuaternion(written);
     if (!rotation) {
       throw DataError("{}:{}: a quaternion of length {:g}, expected 1", file.string(), row + 2,
                       written.norm());
     }
-    world_from_arm[table.Integer(row, "aris_frame_idx", 0, kMostFrameIndex)] = {
+    world_from_arm[table.Integer(row, "aris_frame_idx", 0, kMaxFrameIndex)] = {
         *rotation, {number("pos.x"), number("pos.y"), number("pos.z")}};
   }
   return world_from_arm;
@@ -132,7 +132,7 @@ class DfkiUxoRecording final : public RecordingSource {
     int missing = 0;
     std::error_code error;
     for (int row = 0; row < table_.rows(); ++row) {
-      const Entry entry{row, table_.Integer(row, "FrameIndex", 0, kMostFrameIndex)};
+      const Entry entry{row, table_.Integer(row, "FrameIndex", 0, kMaxFrameIndex)};
       if (fs::is_regular_file(Picture(entry.number), error)) {
         frames_.push_back(entry);
       } else {
@@ -144,7 +144,7 @@ class DfkiUxoRecording final : public RecordingSource {
                       folder_.string(), table_.rows());
     }
     if (missing > 0)
-      info_.notes.push_back(fmt::format("{} frames have no picture in aris_raw and were left out.", missing));
+      info_.notes.push_back(fmt::format("{} frames have no picture in aris_raw and were omitted.", missing));
   }
 
   void ReadPoses() {
@@ -180,15 +180,15 @@ class DfkiUxoRecording final : public RecordingSource {
     const CsvTable table(file);
     int differ = 0;
     for (int row = 0; row < table.rows(); ++row) {
-      const auto number = [&](const char* column) { return table.Number(row, column, -kMostM, kMostM); };
-      const auto arm = world_from_arm_.find(table.Integer(row, "aris_frame_idx", 0, kMostFrameIndex));
+      const auto number = [&](const char* column) { return table.Number(row, column, -kMaxM, kMaxM); };
+      const auto arm = world_from_arm_.find(table.Integer(row, "aris_frame_idx", 0, kMaxFrameIndex));
       const Eigen::Vector3d hung =
           Eigen::Vector3d(number("x"), number("y"), number("z")) + gantry_from_arm->position_m;
       if (arm != world_from_arm_.end() && (arm->second.position_m - hung).norm() > kSameM) ++differ;
     }
     if (differ > 0) {
-      info_.notes.push_back(
-          fmt::format("In {} frames gantry.csv has the arm elsewhere than ar3.csv, which counts.", differ));
+      info_.notes.push_back(fmt::format(
+          "In {} frames the arm's position in gantry.csv differs from ar3.csv; ar3.csv is used.", differ));
     }
   }
 

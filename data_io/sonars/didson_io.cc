@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kBeams = 96;
-constexpr int kMostRangeBins = 1 << 16;
-constexpr double kMostRangeM = 1000.0;
+constexpr int kMaxRangeBins = 1 << 16;
+constexpr double kMaxRangeM = 1000.0;
 
 // Time in the file name of a ping: only digits, at least as many as a time in seconds since 1970 has.
 std::optional<std::uint64_t> TimeInMicroseconds(const fs::path& file) {
@@ -76,9 +76,9 @@ struct Settings {
 Settings ReadSettings(const fs::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
   Settings settings;
-  settings.axes.range_min_m = json.At("min_range").Number(NumberRange::Between(0.0, kMostRangeM));
-  settings.axes.range_max_m = json.At("max_range").Number(NumberRange::AboveUpTo(0.0, kMostRangeM));
-  settings.axes.range_bins = static_cast<int>(json.At("num_bins").Integer(1, kMostRangeBins));
+  settings.axes.range_min_m = json.At("min_range").Number(NumberRange::Between(0.0, kMaxRangeM));
+  settings.axes.range_max_m = json.At("max_range").Number(NumberRange::AboveUpTo(0.0, kMaxRangeM));
+  settings.axes.range_bins = static_cast<int>(json.At("num_bins").Integer(1, kMaxRangeBins));
   json.At("num_beams").Integer(kBeams, kBeams);
   settings.axes.beam_azimuth_rad = DidsonAzimuthsRad();
   settings.axes.Validate(file.string());
@@ -88,7 +88,7 @@ Settings ReadSettings(const fs::path& file) {
   for (const auto& [key, values] : {std::pair("psf", &settings.psf), std::pair("taper", &settings.taper)}) {
     *values = json.At(key).Numbers(NumberRange::AtLeast(0.0));
     if (values->size() != kBeams) {
-      json.At(key).Fail(fmt::format("has {} numbers, expected one a beam, {}", values->size(), kBeams));
+      json.At(key).Fail(fmt::format("has {} numbers, expected one per beam, {}", values->size(), kBeams));
     }
   }
   return settings;

@@ -28,7 +28,7 @@ FrameTree::FrameTree(const std::filesystem::path& file) {
       const YamlReader name = frame.At("frame_id");
       const bool is_new =
           frames_.emplace(name.String(), Frame{frame.At("parent_frame_id").String(), PoseOf(frame)}).second;
-      if (!is_new) name.Fail(fmt::format("'{}' stands twice", Printable(name.String())));
+      if (!is_new) name.Fail(fmt::format("'{}' occurs twice", Printable(name.String())));
     }
   }
 }

@@ -21,7 +21,7 @@ class OculusRecording final : public RecordingSource {
     is_log_ = IsOculusLog(file);
     is_log_ ? IndexLog() : IndexMessages();
     RefuseTooFewOrMany();
-    const OculusPing first = ReadPing(0, kMostOculusPingHeaderBytes).ping;
+    const OculusPing first = ReadPing(0, kMaxOculusPingHeaderBytes).ping;
     info_.format = fmt::format("Oculus simple ping result, version {}", first.version);
     DescribeOculus(first, info_);
     if (is_log_) {
@@ -34,7 +34,7 @@ class OculusRecording final : public RecordingSource {
   int frame_count() const override { return static_cast<int>(offsets_.size()); }
 
   FrameInfo frame_info(int index) const override {
-    return InfoOf(ReadPing(index, kMostOculusPingHeaderBytes));
+    return InfoOf(ReadPing(index, kMaxOculusPingHeaderBytes));
   }
 
   Frame ReadFrame(int index) const override {
@@ -82,13 +82,14 @@ class OculusRecording final : public RecordingSource {
           ReadFileRange(file_, offset, std::min(rest, kOculusHeadBytes), "message head");
       const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
       if (!head) {
-        info_.notes.push_back(
-            fmt::format("The {} bytes from byte {} on are no Oculus message; left out.", rest, offset));
+        info_.notes.push_back(fmt::format(
+            "The {} bytes from byte {} on are not an Oculus message and were omitted.", rest, offset));
         break;
       }
       if (head->message_bytes > rest) {
-        info_.notes.push_back(fmt::format("The message at byte {} is cut short, {} of {} bytes; left out.",
-                                          offset, rest, head->message_bytes));
+        info_.notes.push_back(
+            fmt::format("The message at byte {} is truncated ({} of {} bytes) and was omitted.", offset, rest,
+                        head->message_bytes));
         break;
       }
       if (head->message_id == kOculusSimplePingResult) {
@@ -99,7 +100,7 @@ class OculusRecording final : public RecordingSource {
       offset += head->message_bytes;
     }
     if (others > 0)
-      info_.notes.push_back(fmt::format("{} messages that are no pings were passed over.", others));
+      info_.notes.push_back(fmt::format("{} messages that are not pings were skipped.", others));
   }
 
   // Finds the pings of a log, one per item.
@@ -116,7 +117,7 @@ class OculusRecording final : public RecordingSource {
       }
     });
     if (others > 0)
-      info_.notes.push_back(fmt::format("{} sonar items that hold no whole ping were passed over.", others));
+      info_.notes.push_back(fmt::format("{} sonar items that hold no whole ping were skipped.", others));
   }
 
   void RefuseTooFewOrMany() const {

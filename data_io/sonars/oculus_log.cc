@@ -17,15 +17,15 @@ constexpr std::uint32_t kLogMagic = 0x11223344;
 constexpr std::uint32_t kItemMagic = 0xaabbccdd;
 constexpr std::uint64_t kLogHeadBytes = 48;
 constexpr std::uint64_t kItemHeadBytes = 40;
-constexpr std::uint64_t kMostHeadBytes = 4096;
+constexpr std::uint64_t kMaxHeadBytes = 4096;
 constexpr std::uint64_t kLengthBytes = 4;  // length before a compressed payload
 constexpr std::uint16_t kSonarItem = 10;
 
 std::uint64_t HeadBytes(const ByteReader& reader, std::uint64_t known) {
   const std::uint64_t bytes = reader.U32(4, "size of the head");
-  if (bytes < known || bytes > kMostHeadBytes) {
+  if (bytes < known || bytes > kMaxHeadBytes) {
     throw DataError("{}: {}, expected {}..{}", reader.Where(4, "size of the head"), bytes, known,
-                    kMostHeadBytes);
+                    kMaxHeadBytes);
   }
   return bytes;
 }
@@ -118,7 +118,7 @@ std::vector<std::string> ForEachOculusLogItem(const fs::path& file,
     try {
       next = ReadItemHead(file, offset, size);
     } catch (const DataError& error) {
-      notes.push_back(fmt::format("The {} bytes from byte {} on are no whole item and were left out: {}.",
+      notes.push_back(fmt::format("The {} bytes from byte {} on are not a whole item and were omitted: {}.",
                                   size - offset, offset, error.what()));
       break;
     }
@@ -129,7 +129,7 @@ std::vector<std::string> ForEachOculusLogItem(const fs::path& file,
     }
     offset = next.item.payload_offset + next.item.payload_bytes;
   }
-  if (others > 0) notes.push_back(fmt::format("{} items that are not the sonar's were passed over.", others));
+  if (others > 0) notes.push_back(fmt::format("{} items that are not the sonar's were skipped.", others));
   return notes;
 }
 
@@ -140,9 +140,9 @@ OculusLogItem ReadOculusLogItemHead(const fs::path& file, std::uint64_t offset) 
 std::vector<std::byte> ReadOculusLogItem(const fs::path& file, const OculusLogItem& item,
                                          std::uint64_t wanted_bytes) {
   const std::string where = fmt::format("{}: item at byte {}", file.string(), item.offset);
-  if (std::max(item.original_bytes, item.payload_bytes) > kMostOculusMessageBytes) {
+  if (std::max(item.original_bytes, item.payload_bytes) > kMaxOculusMessageBytes) {
     throw DataError("{}: a message of {} bytes, expected at most {}", where,
-                    std::max(item.original_bytes, item.payload_bytes), kMostOculusMessageBytes);
+                    std::max(item.original_bytes, item.payload_bytes), kMaxOculusMessageBytes);
   }
   const std::uint64_t read_bytes =
       item.compressed ? item.payload_bytes : std::min(item.payload_bytes, wanted_bytes);

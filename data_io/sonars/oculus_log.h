@@ -24,7 +24,7 @@
 namespace sonarcal::data_io {
 
 // Max size of an inflated message; the largest image of an Oculus has a few megabytes.
-inline constexpr std::uint64_t kMostOculusMessageBytes = 64 << 20;
+inline constexpr std::uint64_t kMaxOculusMessageBytes = 64 << 20;
 
 struct OculusLogItem {
   std::uint64_t offset = 0;  // position of the item's head in the file
@@ -48,8 +48,8 @@ std::vector<std::string> ForEachOculusLogItem(const std::filesystem::path& file,
 OculusLogItem ReadOculusLogItemHead(const std::filesystem::path& file, std::uint64_t offset);
 
 // First `wanted_bytes` of an item's message, inflated, or all of it if it is shorter. Throws DataError if it
-// is damaged, or longer than kMostOculusMessageBytes.
+// is damaged, or longer than kMaxOculusMessageBytes.
 std::vector<std::byte> ReadOculusLogItem(const std::filesystem::path& file, const OculusLogItem& item,
-                                         std::uint64_t wanted_bytes = kMostOculusMessageBytes);
+                                         std::uint64_t wanted_bytes = kMaxOculusMessageBytes);
 
 }  // namespace sonarcal::data_io

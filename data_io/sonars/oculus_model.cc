@@ -62,12 +62,13 @@ void DescribeSonar(const OculusPing& ping, RecordingInfo& info) {
   if (IsPlausible(ping.frequency_hz, 1e5, 1e7)) {
     info.sonar.frequency_hz = ping.frequency_hz;
   } else if (ping.has_environment) {
-    info.notes.push_back(fmt::format("Frequency {} Hz is garbage; left out.", ping.frequency_hz));
+    info.notes.push_back(fmt::format("Frequency {} Hz is invalid and was omitted.", ping.frequency_hz));
   }
   if (IsPlausible(ping.sound_speed_m_per_s, 1300.0, 1700.0)) {
     info.sonar.sound_speed_m_per_s = ping.sound_speed_m_per_s;
   } else if (ping.has_environment) {
-    info.notes.push_back(fmt::format("Sound speed {} m/s is garbage; left out.", ping.sound_speed_m_per_s));
+    info.notes.push_back(
+        fmt::format("Sound speed {} m/s is invalid and was omitted.", ping.sound_speed_m_per_s));
   }
   info.details = {
       {"mode", ping.mode == 1 ? "1 (low frequency)" : fmt::format("{} (high frequency)", ping.mode)},
@@ -88,15 +89,16 @@ void NoteEnvironment(const OculusPing& ping, RecordingInfo& info) {
   if (IsPlausible(ping.temperature_c, -3.0, 45.0) && IsPlausible(ping.salinity_ppt, 0.0, 50.0)) {
     info.water = Water{.temperature_c = ping.temperature_c, .salinity_ppt = ping.salinity_ppt};
     info.details.emplace_back("temperature", fmt::format("{:.2f} C", ping.temperature_c));
-    info.notes.emplace_back("Acidity and depth of the water are not recorded; defaults stand for them.");
+    info.notes.emplace_back("Acidity and depth of the water are not recorded; defaults are used.");
   } else {
-    info.notes.push_back(fmt::format("Temperature {:.6g} C with salinity {:.6g} ppt is garbage; left out.",
-                                     ping.temperature_c, ping.salinity_ppt));
+    info.notes.push_back(
+        fmt::format("Temperature {:.6g} C with salinity {:.6g} ppt is invalid and was omitted.",
+                    ping.temperature_c, ping.salinity_ppt));
   }
   if (IsPlausible(ping.pressure_bar, 0.0, 1200.0)) {
     info.details.emplace_back("pressure", fmt::format("{:.3f} bar", ping.pressure_bar));
   } else {
-    info.notes.push_back(fmt::format("Pressure {:.6g} bar is garbage; left out.", ping.pressure_bar));
+    info.notes.push_back(fmt::format("Pressure {:.6g} bar is invalid and was omitted.", ping.pressure_bar));
   }
 }
 

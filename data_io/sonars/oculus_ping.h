@@ -56,10 +56,10 @@ struct OculusPing {
   double full_scale() const { return static_cast<double>((std::uint64_t{1} << 8 * bytes_per_sample) - 1); }
 };
 
-// `reader` must hold the message at least up to the end of its bearings (kMostOculusPingHeaderBytes suffice).
+// `reader` must hold the message at least up to the end of its bearings (kMaxOculusPingHeaderBytes suffice).
 // Throws DataError if sizes, counts or resolution are impossible for a message of head.message_bytes.
 OculusPing ParseOculusPing(const ByteReader& reader, const OculusHead& head);
 
-inline constexpr std::uint64_t kMostOculusPingHeaderBytes = 202 + 2 * 0xffff;
+inline constexpr std::uint64_t kMaxOculusPingHeaderBytes = 202 + 2 * 0xffff;
 
 }  // namespace sonarcal::data_io

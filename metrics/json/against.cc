@@ -86,7 +86,7 @@ PairedSeries SeriesOf(const std::vector<Pair>& pairs, const Figure& figure, bool
 }
 
 // Verdict of an interval. `size` is the magnitude of the figure, relative to which rounding is ignored.
-ChangeVerdict Judge(const Interval& ci, double size) {
+ChangeVerdict VerdictOf(const Interval& ci, double size) {
   constexpr double kRounding = 1e-12;
   if (std::max(std::abs(ci.lo), std::abs(ci.hi)) <= kRounding * size) return ChangeVerdict::kSame;
   if (ci.lo > 0.0) return ChangeVerdict::kWorse;
@@ -109,7 +109,7 @@ std::optional<double> Worsening(const Figure& figure, const PairedSeries& series
   return *figure.Badness(*figure_now) - *figure.Badness(*figure_then);
 }
 
-void JudgePaired(const Figure& figure, const PairedSeries& series, bool in_time, FigureChange& change) {
+void SetPairedVerdict(const Figure& figure, const PairedSeries& series, bool in_time, FigureChange& change) {
   const int count = static_cast<int>(series.now.size());
   std::vector<int> all(count);
   std::vector<double> differences(count);
@@ -127,11 +127,11 @@ void JudgePaired(const Figure& figure, const PairedSeries& series, bool in_time,
   }
   if (draws.empty()) return;
   change.worsening_ci = PercentileInterval95(std::move(draws));
-  change.verdict = Judge(*change.worsening_ci, std::abs(change.earlier));
+  change.verdict = VerdictOf(*change.worsening_ci, std::abs(change.earlier));
 }
 
-void JudgeByIntervals(const std::optional<Interval>& now, const std::optional<Interval>& earlier,
-                      FigureChange& change) {
+void SetVerdictByIntervals(const std::optional<Interval>& now, const std::optional<Interval>& earlier,
+                           FigureChange& change) {
   if (change.now == change.earlier) {
     change.verdict = ChangeVerdict::kSame;
   } else if (now && earlier && (now->lo > earlier->hi || now->hi < earlier->lo)) {
@@ -213,9 +213,9 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
       change.worsening = badness_now - badness_then;
       const PairedSeries series = paired ? SeriesOf(pairs, figure, fan) : PairedSeries();
       if (static_cast<int>(series.now.size()) >= kBootstrapMinFrames) {
-        JudgePaired(figure, series, now.aggregate.in_time, change);
+        SetPairedVerdict(figure, series, now.aggregate.in_time, change);
       } else {
-        JudgeByIntervals(statistic.ci, IntervalAt(view_then, figure.path), change);
+        SetVerdictByIntervals(statistic.ci, IntervalAt(view_then, figure.path), change);
       }
       if (floor != nullptr) {
         const ViewSummary& floor_view = fan ? floor->macro.fan : floor->macro.polar;

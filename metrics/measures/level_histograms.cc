@@ -8,7 +8,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-constexpr double kMostLevels = 4096.0;
+constexpr double kMaxLevels = 4096.0;
 
 std::vector<double> Shares(const std::vector<double>& counts) {
   double sum = 0.0;
@@ -57,7 +57,7 @@ LevelHistograms& LevelHistograms::operator+=(const LevelHistograms& other) {
 LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
                             const Mask& real_object, const Mask& simulated_object, const Mask* inside) {
   SONARCAL_CHECK(full_scale > 0.0, "full scale {}", full_scale);
-  const auto steps = std::max(1.0, std::min(std::round(full_scale), kMostLevels - 1.0));
+  const auto steps = std::max(1.0, std::min(std::round(full_scale), kMaxLevels - 1.0));
   const auto level_of = [&](float value) {
     const double level = std::round(static_cast<double>(value) / full_scale * steps);
     return static_cast<std::size_t>(std::clamp(level, 0.0, steps));

@@ -18,9 +18,9 @@ Grid<float> PowerOfGrey(const Grid<float>& grey, double full_scale,
     return level < 0.5 ? clipped : std::max(power_of_value(value), clipped);
   };
   // Whole levels are few, so they are looked up in a table.
-  constexpr double kMostLevels = 65535.0;
+  constexpr double kMaxLevels = 65535.0;
   std::vector<float> of_level;
-  if (full_scale <= kMostLevels) {
+  if (full_scale <= kMaxLevels) {
     for (int level = 0; level <= static_cast<int>(full_scale); ++level) {
       of_level.push_back(static_cast<float>(power_of(level)));
     }

@@ -13,7 +13,7 @@ namespace sonarcal::metrics {
 namespace {
 
 // Min spread of grey levels, as a fraction of full scale.
-constexpr double kLeastSpread = 1e-3;
+constexpr double kMinSpread = 1e-3;
 // Lower quantile of the ordered statistic in grey; with os_quantile it determines the background's spread.
 constexpr double kLowerPart = 1.0 / 3.0;
 
@@ -86,7 +86,7 @@ Grid<float> CaInPower(const Grid<float>& power, const SegmentationOptions& optio
   return EveryPixel(sums, power.rows(), power.cols(), options,
                     [&](const TrainingWindow& window, int count, int row, int col) -> double {
                       const double mean = sums.Over(window).mean;
-                      if (!(mean > 0.0)) return cell(row, col) > 0.0F ? kMostDecades : 0.0;
+                      if (!(mean > 0.0)) return cell(row, col) > 0.0F ? kMaxDecades : 0.0;
                       const double ratio = cell(row, col) / mean;
                       return closed_form ? CellAveragingDecades(1.0, options.looks * count, ratio)
                                          : laws.Of(count)(ratio);
@@ -132,7 +132,7 @@ Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const 
   // many looks.
   const Grid<float> cell = BoxMean(grey, options.cell_rows, options.cell_cols, valid);
   const double looks = options.looks * CellPixels(options);
-  const double least_spread = kLeastSpread * full_scale;
+  const double min_spread = kMinSpread * full_scale;
   const LocalSums sums(cell, valid);
   if (options.method == SegmentationMethod::kCaCfar) {
     const LogMeanLaw law(looks);
@@ -140,7 +140,7 @@ Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const 
         sums, cell.rows(), cell.cols(), options,
         [&](const TrainingWindow& window, int, int row, int col) -> double {
           const Moments moments = sums.Over(window);
-          return law.Decades((cell(row, col) - moments.mean) / std::max(moments.spread, least_spread));
+          return law.Decades((cell(row, col) - moments.mean) / std::max(moments.spread, min_spread));
         });
   }
   LocalOrder order(cell, valid);
@@ -151,7 +151,7 @@ Grid<float> CfarDecadesInGrey(const Grid<float>& grey, double full_scale, const 
                       order.MoveTo(window);
                       const double high = order.RankthSmallest(RankOf(options.os_quantile, count));
                       const double low = order.RankthSmallest(RankOf(lower, count));
-                      return law.Decades((cell(row, col) - high) / std::max(high - low, least_spread));
+                      return law.Decades((cell(row, col) - high) / std::max(high - low, min_spread));
                     });
 }
 

@@ -16,12 +16,12 @@ constexpr double kHighestLog = 8.0;
 constexpr int kTableSteps = 800;
 
 double DecadesOf(double chance) {
-  // Small probabilities underflow; the result is limited to kMostDecades.
-  return chance > 0.0 ? std::clamp(-std::log10(chance), 0.0, kMostDecades) : kMostDecades;
+  // Small probabilities underflow; the result is limited to kMaxDecades.
+  return chance > 0.0 ? std::clamp(-std::log10(chance), 0.0, kMaxDecades) : kMaxDecades;
 }
 
 double NepersToDecades(double nepers) {
-  return std::clamp(nepers / std::numbers::ln10, 0.0, kMostDecades);
+  return std::clamp(nepers / std::numbers::ln10, 0.0, kMaxDecades);
 }
 
 }  // namespace

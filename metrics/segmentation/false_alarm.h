@@ -1,6 +1,6 @@
 // False-alarm probabilities: the probability that a background cell looks like an object, for the tests of
 // metrics/segmentation/cfar.h and metrics/segmentation/likelihood_ratio.h. All are given in decades, -log10
-// of the probability, at most kMostDecades. A threshold of d decades is a false-alarm rate of 10^-d.
+// of the probability, at most kMaxDecades. A threshold of d decades is a false-alarm rate of 10^-d.
 //
 // Background: the power of a pixel has a Gamma distribution with shape `looks`, independent between pixels.
 // The mean of n pixels then has a Gamma distribution with shape n looks.
@@ -12,7 +12,7 @@
 
 namespace sonarcal::metrics {
 
-inline constexpr double kMostDecades = 300.0;
+inline constexpr double kMaxDecades = 300.0;
 
 // P(x > ratio) of a Gamma variable of mean 1 and shape `looks` > 0. 0 decades for ratio <= 0.
 double GammaTailDecades(double looks, double ratio);

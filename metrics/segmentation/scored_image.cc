@@ -231,13 +231,13 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
           valid);
       setting_ = ContrastFraction(scale, options);
       // Rounding errors are not contrast.
-      least_ = kEqual * full_scale;
+      min_excess_ = kEqual * full_scale;
       break;
     case SegmentationMethod::kBackgroundSigma: {
       const Background background = BackgroundOf(score_, searched, pixels, options.background);
       offset_ = background.centre;
       unit_ = background.spread;
-      least_ = options.min_contrast * full_scale;
+      min_excess_ = options.min_contrast * full_scale;
       setting_ = options.sigma_count;
       break;
     }
@@ -248,7 +248,7 @@ ScoredImage::ScoredImage(const Grid<float>& value, const ImageScale& scale,
 
 double ScoredImage::ThresholdAt(double setting) const {
   if (chosen_ && setting == setting_) return *chosen_;
-  return offset_ + std::max(setting * unit_, least_);
+  return offset_ + std::max(setting * unit_, min_excess_);
 }
 
 Mask ScoredImage::ObjectAbove(double threshold, const Mask* within) const {

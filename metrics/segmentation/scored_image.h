@@ -46,10 +46,10 @@ class ScoredImage {
   Mask may_be_object_;
   bool any_pixel_ = false;
   double setting_ = 0.0;
-  // Threshold = offset_ + max(setting x unit_, least_).
+  // Threshold = offset_ + max(setting x unit_, min_excess_).
   double offset_ = 0.0;
   double unit_ = 1.0;
-  double least_ = 0.0;
+  double min_excess_ = 0.0;
   std::optional<double> chosen_;  // threshold at setting(), if the image determines it
 };
 

@@ -64,7 +64,7 @@ class PatchShader {
     });
     for (int col = 0; col < fan.cols(); ++col) {
       width_rad_.push_back(static_cast<float>(fan.ColumnWidthRad(col)));
-      raise_.push_back(fan.Raise(col));
+      elevation_offset_.push_back(fan.ElevationOffset(col));
     }
   }
 
@@ -83,11 +83,11 @@ class PatchShader {
     of.of_columns.resize(cols);
     of.weight.resize(hits.count);
     of.power.resize(hits.count);
-    row_math::RaisedWeights({elevation_.data(), elevation_steps_},
-                            static_cast<float>((fan_.RowElevationRad(hits.row) - lowest_rad_) / span_rad_),
-                            static_cast<float>(fan_.RowHeightRad(hits.row) / span_rad_),
-                            raise_.data() + first_col, width_rad_.data() + first_col, cols,
-                            of.of_columns.data());
+    row_math::ElevationWeights({elevation_.data(), elevation_steps_},
+                               static_cast<float>((fan_.RowElevationRad(hits.row) - lowest_rad_) / span_rad_),
+                               static_cast<float>(fan_.RowHeightRad(hits.row) / span_rad_),
+                               elevation_offset_.data() + first_col, width_rad_.data() + first_col, cols,
+                               of.of_columns.data());
     const auto height = static_cast<float>(fan_.RowHeight(hits.row));
     for (int i = 0; i < hits.count; ++i) of.weight[i] = height * of.of_columns[hits.col[i] - first_col];
     ForEachMaterial(hits, [&](int first, int count) {
@@ -108,7 +108,7 @@ class PatchShader {
   double lowest_rad_ = 0.0;
   double span_rad_ = 0.0;
   std::vector<float> width_rad_;
-  std::vector<float> raise_;
+  std::vector<float> elevation_offset_;
 };
 
 }  // namespace

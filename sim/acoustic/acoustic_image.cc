@@ -199,7 +199,7 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
                                const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds) {
   using Complex = std::complex<double>;
   if (!(parameters.receiver.looks >= 1.0)) {
-    throw DataError("receiver.looks {}: a draw needs at least one look", parameters.receiver.looks);
+    throw DataError("receiver.looks {}: a speckled image needs at least one look", parameters.receiver.looks);
   }
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const BeamNoise beam_noise(geometry.sonar, parameters);

@@ -32,7 +32,7 @@ std::string LikelyReason(const PolarAxes& axes, const Eigen::AlignedBox3f& box,
     return fmt::format(
         "the sonar looks along ({:.2f}, {:.2f}, {:.2f}) and the scene lies elsewhere; check the axes of the "
         "poses "
-        "(Y of the sonar is ahead, Z up) and the upward axis of the scene",
+        "(Y of the sonar is forward, Z up) and the upward axis of the scene",
         ahead.x(), ahead.y(), ahead.z());
   }
   constexpr double kManyWindows = 100.0;
@@ -73,7 +73,7 @@ std::string EmptyFramesWarning(const Simulator& simulator, const std::vector<Pos
   const Pose& first = world_from_sonar[static_cast<std::size_t>(empty.front())];
   const Eigen::Vector3d& at = first.position_m;
   return fmt::format(
-      "warning: {}: no ray meets the scene within {:g} .. {:g} m. In frame {} the sonar is at ({:.4g}, "
+      "warning: {}: no ray hits the scene within {:g} .. {:g} m. In frame {} the sonar is at ({:.4g}, "
       "{:.4g}, "
       "{:.4g}) m, the scene spans ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m: {}",
       empty.size() == world_from_sonar.size() ? std::string("every frame is empty")

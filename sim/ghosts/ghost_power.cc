@@ -17,7 +17,7 @@
 namespace sonarcal::sim {
 namespace {
 
-constexpr double kLeastInCommon = 1e-6;
+constexpr double kMinInCommon = 1e-6;
 
 }  // namespace
 
@@ -81,7 +81,7 @@ double GhostPower::OneWay(const GhostEcho& echo) const {
 
 double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
   const double power = azimuth_.Power(azimuth_rad, middle_rad);
-  return power < kLeastInCommon ? 0.0 : power;
+  return power < kMinInCommon ? 0.0 : power;
 }
 
 std::optional<ArrivalGrid::Between> ArrivalGrid::Place(double azimuth_rad) const {

@@ -88,7 +88,7 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
     rays.Add(tracing.sonar_m, tracing.world_from_sonar * directions.back(),
              2.0 * tracing.options.range_max_m);
   }
-  const FanHits hits = tracing.caster.Meet(rays);
+  const FanHits hits = tracing.caster.FirstIntersections(rays);
   std::vector<Seen> seen;
   for (int col = 0; col < fan.cols(); ++col) {
     const int triangle = hits.triangle[col];
@@ -116,7 +116,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
     const double aside_m = std::copysign(tracing.clearance_m, normal.dot(bundle.direction));
     rays.Add(bundle.point_m + aside_m * normal, bundle.direction, std::max(left_m, 0.0));
   }
-  const FanHits hits = tracing.caster.Meet(rays);
+  const FanHits hits = tracing.caster.FirstIntersections(rays);
   std::vector<Patch> patches;
   std::vector<Seen> further;
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -194,9 +194,9 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
     of_ray.push_back(i);
     rays.Add(start_m, to_sonar_m / length_m, length_m - tracing.clearance_m);
   }
-  const std::vector<char> obstructed = tracing.caster.Obstructed(rays);
+  const std::vector<char> occluded = tracing.caster.IsOccluded(rays);
   for (std::size_t ray = 0; ray < of_ray.size(); ++ray) {
-    if (obstructed[ray] != 0) legs[of_ray[ray]].reset();
+    if (occluded[ray] != 0) legs[of_ray[ray]].reset();
   }
   return legs;
 }
@@ -262,7 +262,7 @@ void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>&
     to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);
   }
   // The first intersection must be on the mirror, and the rest of the path must be free.
-  const FanHits hits = tracing.caster.Meet(to_mirror);
+  const FanHits hits = tracing.caster.FirstIntersections(to_mirror);
   std::vector<std::size_t> met;
   FreeRays to_sonar;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -275,9 +275,9 @@ void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>&
     to_sonar.Add(candidate.mirror_m + aside_m * plane.normal, rest_m.normalized(),
                  rest_m.norm() - 2.0 * tracing.clearance_m);
   }
-  const std::vector<char> obstructed = tracing.caster.Obstructed(to_sonar);
+  const std::vector<char> occluded = tracing.caster.IsOccluded(to_sonar);
   for (std::size_t ray = 0; ray < met.size(); ++ray) {
-    if (obstructed[ray] != 0) continue;
+    if (occluded[ray] != 0) continue;
     const Candidate& candidate = candidates[met[ray]];
     GhostEcho echo = EchoOf(tracing, row, *candidate.patch);
     echo.both_ways = true;

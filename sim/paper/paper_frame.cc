@@ -48,8 +48,8 @@ class RowShader {
       strengths_.push_back(StrengthTable(gsab, span_db, steps));
     table_steps_ = steps;
 
-    const int fewest = *std::min_element(fan.rays_per_beam().begin(), fan.rays_per_beam().end());
-    steps_of_one_ = kLargestStep / kLargestPaperEcho * std::max(1, fewest) / fan.largest_weight();
+    const int min_rays = *std::min_element(fan.rays_per_beam().begin(), fan.rays_per_beam().end());
+    steps_of_one_ = kLargestStep / kLargestPaperEcho * std::max(1, min_rays) / fan.largest_weight();
     for (int col = 0; col < fan.cols(); ++col) {
       const int beam = fan.BeamOfColumn(col);
       beam_.push_back(beam);

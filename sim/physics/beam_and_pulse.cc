@@ -14,8 +14,8 @@ namespace {
 constexpr double kPulseReachInLengths = 3.0;  // 2^-36, about -108 dB
 constexpr double kGaussianCutDb = -108.0;
 constexpr double kSideLobeCutDb = -60.0;
-constexpr double kFewestRangeSteps = 4.0;
-constexpr double kMostRangeSteps = 64.0;
+constexpr double kMinRangeSteps = 4.0;
+constexpr double kMaxRangeSteps = 64.0;
 
 }  // namespace
 
@@ -67,7 +67,7 @@ double PulseLengthM(const SonarModel& sonar, const ParameterSet& parameters) {
 
 int RangeStepsFor(const SonarModel& sonar, const ParameterSet& parameters) {
   const double steps = std::ceil(4.0 * sonar.axes.range_bin_m() / PulseLengthM(sonar, parameters) - 1e-9);
-  return static_cast<int>(std::clamp(steps, kFewestRangeSteps, kMostRangeSteps));
+  return static_cast<int>(std::clamp(steps, kMinRangeSteps, kMaxRangeSteps));
 }
 
 std::vector<double> BeamSensitivity(const SonarModel& sonar, const BeamParameters& beam) {

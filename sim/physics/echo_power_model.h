@@ -2,10 +2,11 @@
 //
 //   P = 10^((SL + G - TL_out - TL_back) / 10) sigma_m(delta) a sqrt(el(phi_out) el(phi_back)),
 //
-// TL one way (sim/physics/propagation.h), sigma_m GSAB as backscatter per unit area (sim/physics/gsab.h),
-// a = R^2 dOmega / cos(delta) the patch that a ray stands for (sim/physics/patch.h), el the two-way elevation
-// response. An echo that comes straight back has the same loss and elevation both ways; a ghost has not.
-// sim/acoustic/acoustic_frame.h has a fast version in single precision, which its test compares with this one.
+// TL one way (sim/physics/propagation.h), sigma_m GSAB as backscatter per unit area (sim/physics/gsab.h), a =
+// R^2 dOmega / cos(delta) the patch that a ray represents (sim/physics/patch.h), el the two-way elevation
+// response. A direct echo has the same loss and elevation both ways, a multipath echo has not.
+// sim/acoustic/acoustic_frame.h has a fast version in single precision, which its test compares with this
+// one.
 #pragma once
 
 #include <cmath>
@@ -30,14 +31,14 @@ struct AcousticGeometry {
 
 // Geometry of one echo.
 struct EchoPath {
-  double loss_db = 0.0;          // out and back
+  double loss_db = 0.0;          // loss out and back
   double elevation_power = 1.0;  // sqrt(el(phi_out) el(phi_back))
-  double area_m2 = 0.0;          // of the patch
+  double area_m2 = 0.0;          // area of the patch
 };
 
 class EchoPowerModel {
  public:
-  // Throws DataError where the parameters have no entry for a material.
+  // Throws DataError if the parameters have no entry for a material.
   EchoPowerModel(const AcousticGeometry& geometry, const ParameterSet& parameters,
                  const std::vector<std::string>& material_names)
       : level_db_(parameters.source_level_db + parameters.receiver.gain_db),
@@ -70,7 +71,7 @@ class EchoPowerModel {
     return PowerAtLevel(level_db_, path, backscatter);
   }
 
-  // The same for SL + G = 0 dB and unit backscatter: the part that geometry alone decides.
+  // Power for SL + G = 0 dB and unit backscatter: the factor of the geometry.
   static double UnitPower(const EchoPath& path) { return PowerAtLevel(0.0, path, 1.0); }
 
  private:

@@ -24,7 +24,7 @@ std::vector<double> AzimuthTableDb(const std::vector<double>& psf, const Recorde
   const int count = static_cast<int>(psf.size());
   const int middle = count / 2;
   if (psf.empty() || !(psf[middle] > 0.0)) {
-    throw DataError("{}: azimuth response has nothing in its middle, expected its peak there", what);
+    throw DataError("{}: azimuth response is 0 in its middle, expected its peak there", what);
   }
   // Power of the lobe at each offset; 0 where the psf is 0.
   std::vector<double> lobe(2 * middle + 1, 0.0);

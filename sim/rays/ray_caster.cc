@@ -311,7 +311,7 @@ void Load(const FreeRays& rays, std::size_t first, Packet& ray, int* valid) {
 
 }  // namespace
 
-FanHits RayCaster::Meet(const FreeRays& rays) const {
+FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
   FanHits hits;
   hits.range_m.assign(rays.size(), std::numeric_limits<float>::infinity());
   hits.triangle.assign(rays.size(), -1);
@@ -334,8 +334,8 @@ FanHits RayCaster::Meet(const FreeRays& rays) const {
   return hits;
 }
 
-std::vector<char> RayCaster::Obstructed(const FreeRays& rays) const {
-  std::vector<char> obstructed(rays.size(), 0);
+std::vector<char> RayCaster::IsOccluded(const FreeRays& rays) const {
+  std::vector<char> occluded(rays.size(), 0);
   const embree::FlushDenormals flush;
   embree::Query query(false);
   alignas(64) RTCRay16 packet = {};
@@ -345,11 +345,11 @@ std::vector<char> RayCaster::Obstructed(const FreeRays& rays) const {
     query.Occluded16(valid, embree_->scene, &packet);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
       // Embree marks an occluded ray this way.
-      obstructed[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;
+      occluded[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;
     }
   }
   embree_->rays_cast += static_cast<std::int64_t>(rays.size());
-  return obstructed;
+  return occluded;
 }
 
 }  // namespace sonarcal::sim

@@ -77,10 +77,10 @@ class RayCaster {
                    const std::function<void(const RowHits&)>& take) const;
 
   // First intersection of each ray. Single-threaded, for callers that run on all cores themselves.
-  FanHits Meet(const FreeRays& rays) const;
+  FanHits FirstIntersections(const FreeRays& rays) const;
 
   // 1 for each ray that hits anything, otherwise 0. Single-threaded.
-  std::vector<char> Obstructed(const FreeRays& rays) const;
+  std::vector<char> IsOccluded(const FreeRays& rays) const;
 
   // Unit normal of a triangle in world coordinates.
   const Eigen::Vector3f& TriangleNormal(int triangle) const { return normals_[triangle]; }

@@ -139,8 +139,8 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     throw DataError("rays: only the sampling 'beams' can be staggered");
   if (options.stagger) stagger_ = GoldenSections(rows_);
   if (options.stagger_rows) {
-    const std::vector<double> raise = GoldenSections(cols_);
-    raise_.assign(raise.begin(), raise.end());
+    const std::vector<double> elevation_offset = GoldenSections(cols_);
+    elevation_offset_.assign(elevation_offset.begin(), elevation_offset.end());
   }
   stagger_width_rad_.assign(column_width_rad_.begin(), column_width_rad_.end());
 
@@ -207,8 +207,8 @@ Eigen::Vector3f RayFan::Direction(int row, int col) const {
   }
   const double sine = staggered() ? std::sin(AzimuthRad(row, col)) : column_sine_[col];
   const double cosine = staggered() ? std::cos(AzimuthRad(row, col)) : column_cosine_[col];
-  const double across = raise_.empty() ? row_cosine_[row] : std::cos(ElevationRad(row, col));
-  const double up = raise_.empty() ? row_sine_[row] : std::sin(ElevationRad(row, col));
+  const double across = elevation_offset_.empty() ? row_cosine_[row] : std::cos(ElevationRad(row, col));
+  const double up = elevation_offset_.empty() ? row_sine_[row] : std::sin(ElevationRad(row, col));
   return Eigen::Vector3d(sine * across, cosine * across, up).cast<float>();
 }
 
@@ -218,10 +218,11 @@ void RayFan::RowDirections(int row, int first, int count, const Eigen::Matrix3f&
   const float part = staggered() ? static_cast<float>(stagger_[row]) : 0.0F;
   const float* right = column_x_.data() + first;
   const float* ahead = column_y_.data() + first;
-  if (!raise_.empty()) {
+  if (!elevation_offset_.empty()) {
     row_math::TurnedAndRaisedDirections(right, ahead, stagger_width_rad_.data() + first, part,
-                                        raise_.data() + first, static_cast<float>(row_height_rad_[row]),
-                                        row_across_[row], row_up_[row], by_rows.data(), count, x, y, z);
+                                        elevation_offset_.data() + first,
+                                        static_cast<float>(row_height_rad_[row]), row_across_[row],
+                                        row_up_[row], by_rows.data(), count, x, y, z);
   } else if (staggered()) {
     row_math::TurnedDirections(right, ahead, stagger_width_rad_.data() + first, part, row_across_[row],
                                row_up_[row], by_rows.data(), count, x, y, z);
@@ -255,7 +256,7 @@ Eigen::Vector3d RayFan::DirectionWithin(int row, int col, double u, double v) co
 }
 
 double RayFan::ElevationRad(int row, int col) const {
-  if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row] + RaisedRad(row, col);
+  if (sampling_ == Sampling::kBeams) return row_elevation_rad_[row] + ElevationOffsetRad(row, col);
   return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
@@ -269,10 +270,10 @@ double RayFan::SolidAngleSr(int row, int col) const {
   }
   // Cell about the ray: cos(elevation) = cos(e) cos(r) - sin(e) sin(r) for a row at e and an elevation offset
   // r.
-  const double raised = RaisedRad(row, col);
-  const double cosine = raised == 0.0
+  const double offset_rad = ElevationOffsetRad(row, col);
+  const double cosine = offset_rad == 0.0
                             ? row_cosine_[row]
-                            : row_cosine_[row] * std::cos(raised) - row_sine_[row] * std::sin(raised);
+                            : row_cosine_[row] * std::cos(offset_rad) - row_sine_[row] * std::sin(offset_rad);
   return column_width_rad_[col] * 2.0 * row_sine_half_height_[row] * cosine;
 }
 

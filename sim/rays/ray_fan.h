@@ -91,20 +91,20 @@ class RayFan {
     RowDirections(row, 0, cols_, rotation, x, y, z);
   }
   double AzimuthRad(int col) const { return azimuth_rad_[col]; }  // middle of the column
-  double AzimuthRad(int row, int col) const { return azimuth_rad_[col] + AsideRad(row, col); }
+  double AzimuthRad(int row, int col) const { return azimuth_rad_[col] + AzimuthOffsetRad(row, col); }
   bool staggered() const { return !stagger_.empty(); }  // in azimuth
   // Azimuths of a whole row in single precision; an array of cols().
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
 
-  // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x Raise(col), with Raise in -1/2 .. 1/2. Its
-  // solid angle is ColumnWidthRad x RowHeight x cos(elevation).
+  // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x ElevationOffset(col), with an offset in
+  // -1/2 .. 1/2. Its solid angle is ColumnWidthRad x RowHeight x cos(elevation).
   double RowElevationRad(int row) const { return row_elevation_rad_[row]; }
   double RowHeightRad(int row) const { return row_height_rad_[row]; }
   double RowHeight(int row) const { return 2.0 * row_sine_half_height_[row]; }
   double ColumnWidthRad(int col) const { return column_width_rad_[col]; }
-  float Raise(int col) const { return raise_.empty() ? 0.0F : raise_[col]; }
+  float ElevationOffset(int col) const { return elevation_offset_.empty() ? 0.0F : elevation_offset_[col]; }
 
   // Weights of the rays of a row, relative to an even share of their beam (see RayWeight); an array of
   // cols().
@@ -126,11 +126,11 @@ class RayFan {
 
  private:
   void WeighBySolidAngle();
-  double AsideRad(int row, int col) const {
+  double AzimuthOffsetRad(int row, int col) const {
     return stagger_.empty() ? 0.0 : stagger_[row] * column_width_rad_[col];
   }
-  double RaisedRad(int row, int col) const {
-    return raise_.empty() ? 0.0 : raise_[col] * row_height_rad_[row];
+  double ElevationOffsetRad(int row, int col) const {
+    return elevation_offset_.empty() ? 0.0 : elevation_offset_[col] * row_height_rad_[row];
   }
 
   Sampling sampling_;
@@ -168,7 +168,8 @@ class RayFan {
   std::vector<float> row_up_;
   std::vector<double> stagger_;  // per row, in units of the column's width, -1/2 .. 1/2; empty: all 0
   std::vector<float> stagger_width_rad_;
-  std::vector<float> raise_;  // per column, in units of the row's height, -1/2 .. 1/2; empty: all 0
+  std::vector<float>
+      elevation_offset_;  // per column, in units of the row's height, -1/2 .. 1/2; empty: all 0
 };
 
 }  // namespace sonarcal::sim

@@ -60,13 +60,14 @@ struct SmallTurn {
 
 SONARCAL_VECTOR_VERSIONS
 void TurnedAndRaisedDirections(const float* __restrict x, const float* __restrict y,
-                               const float* __restrict width_rad, float part, const float* __restrict raise,
-                               float height_rad, float across, float up, const float* __restrict rotation,
-                               int count, float* __restrict world_x, float* __restrict world_y,
+                               const float* __restrict width_rad, float part,
+                               const float* __restrict elevation_offset, float height_rad, float across,
+                               float up, const float* __restrict rotation, int count,
+                               float* __restrict world_x, float* __restrict world_y,
                                float* __restrict world_z) {
   for (int i = 0; i < count; ++i) {
     const SmallTurn aside(part * width_rad[i]);
-    const SmallTurn raised(raise[i] * height_rad);
+    const SmallTurn raised(elevation_offset[i] * height_rad);
     const float level = across * raised.cosine - up * raised.sine;
     const float height = up * raised.cosine + across * raised.sine;
     const float right = (x[i] * aside.cosine + y[i] * aside.sine) * level;
@@ -151,12 +152,13 @@ void EchoSteps(const EchoLevel& level, const Table& table, const float* __restri
 }
 
 SONARCAL_VECTOR_VERSIONS
-void RaisedWeights(const Table& table, float at, float per_raise, const float* __restrict raise,
-                   const float* __restrict width, int count, float* __restrict weight) {
+void ElevationWeights(const Table& table, float at, float per_offset,
+                      const float* __restrict elevation_offset, const float* __restrict width, int count,
+                      float* __restrict weight) {
   const float* __restrict values = table.values;
   const auto table_steps = static_cast<float>(table.steps);
   for (int i = 0; i < count; ++i) {
-    const float along = (at + per_raise * raise[i]) * table_steps;
+    const float along = (at + per_offset * elevation_offset[i]) * table_steps;
     const float inside = along > table_steps ? table_steps : along;
     const float position = inside > 0.0F ? inside : 0.0F;
     const auto cell = static_cast<std::int32_t>(position);

@@ -21,9 +21,9 @@ void TurnedDirections(const float* x, const float* y, const float* width_rad, fl
                       float up, const float* rotation, int count, float* world_x, float* world_y,
                       float* world_z);
 
-// As TurnedDirections, but then raises each vector by raise[i] x height_rad, within half a radian.
+// As TurnedDirections, but then raises each vector by elevation_offset[i] x height_rad, within half a radian.
 void TurnedAndRaisedDirections(const float* x, const float* y, const float* width_rad, float part,
-                               const float* raise, float height_rad, float across, float up,
+                               const float* elevation_offset, float height_rad, float across, float up,
                                const float* rotation, int count, float* world_x, float* world_y,
                                float* world_z);
 
@@ -71,10 +71,10 @@ void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const
              const float* azimuth_rad, const float* a, const float* b, int count, float* noisy_range_m,
              float* noisy_azimuth_rad);
 
-// table((at + per_raise x raise[i]) x steps) x width[i]: a function of a ray's elevation, times the width of
-// its column. Positions outside 0..1 are clamped.
-void RaisedWeights(const Table& table, float at, float per_raise, const float* raise, const float* width,
-                   int count, float* weight);
+// table((at + per_offset x elevation_offset[i]) x steps) x width[i]: a function of a ray's elevation, times
+// the width of its column. Positions outside 0..1 are clamped.
+void ElevationWeights(const Table& table, float at, float per_offset, const float* elevation_offset,
+                      const float* width, int count, float* weight);
 
 // table(half_tangent[i]) x weight[i] x exp(-per_m x range_m[i]) / range_m[i]^2.
 void PatchPowers(const Table& table, float per_m, const float* range_m, const float* half_tangent,

@@ -72,7 +72,9 @@ SonarPreset Aris(std::string_view name, int model, ArisSystem system, double fre
   PolarAxes axes{window.min_m, window.max_m, window.bins, ArisAzimuthsRad(centres_deg)};
   const double spacing_deg = DegFromRad(axes.beam_spacing_rad());
   return {.name = name,
-          .source = "beams: the maker's table in the ARIS File SDK; field of view: the maker's nominal one",
+          .source =
+              "beams: the manufacturer's table in the ARIS File SDK; field of view: the manufacturer's "
+              "nominal one",
           .assumed = assumed,
           .sonar = {.name = fmt::format("ARIS Explorer {}, {:.1f} MHz", model, 1e-6 * frequency_hz),
                     .frequency_hz = frequency_hz,
@@ -160,7 +162,7 @@ std::string_view Describe(BeamWidthMeaning meaning) {
     case BeamWidthMeaning::kNotStated:
       break;
   }
-  return "not stated whether one-way or two-way; taken as two-way";
+  return "not stated whether one-way or two-way; assumed two-way";
 }
 
 const std::vector<SonarPreset>& SonarPresets() {

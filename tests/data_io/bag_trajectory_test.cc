@@ -152,7 +152,7 @@ TEST_F(BagTrajectoryTest, LinksOfAChainAreInterpolated) {
 
 TEST_F(BagTrajectoryTest, WhatIsNoTrajectoryIsRefused) {
   const MadeUpMessage image{"/image", "sensor_msgs/Image", 1, "?"};
-  EXPECT_THAT(Refusal({image}, {.topic = "/odom"}), HasSubstr("topic '/odom' is not there"));
+  EXPECT_THAT(Refusal({image}, {.topic = "/odom"}), HasSubstr("topic '/odom' does not exist"));
   EXPECT_THAT(Refusal({image}, {.topic = "/image"}),
               HasSubstr("of type sensor_msgs/Image, expected nav_msgs"));
   const auto odometry = [](const std::string& bytes) {
@@ -178,13 +178,12 @@ TEST_F(BagTrajectoryTest, TransformsThatAreNoChainAreRefused) {
   const BagPoseOptions options{.topic = "/tf", .world_frame = "world", .body_frame = "sonar"};
   EXPECT_THAT(Refusal({tf({{1, "map", "sonar", none}})}, {.topic = "/tf"}),
               HasSubstr("the names of two of them"));
-  EXPECT_THAT(
-      Refusal({tf({{1, "map", "sonar", none}})}, options),
-      HasSubstr("no transforms lead from 'world' to 'sonar', expected a chain; 'map' hangs on nothing"));
+  EXPECT_THAT(Refusal({tf({{1, "map", "sonar", none}})}, options),
+              HasSubstr("no transforms lead from 'world' to 'sonar', expected a chain; 'map' has no parent"));
   EXPECT_THAT(Refusal({tf({{1, "a", "sonar", none}, {1, "sonar", "a", none}})}, options),
               HasSubstr("no transforms lead"));
   EXPECT_THAT(Refusal({tf({{1, "a", "sonar", none}, {2, "b", "sonar", none}})}, options),
-              HasSubstr("frame 'sonar' hangs on 'b', expected 'a'"));
+              HasSubstr("frame 'sonar' has the parent 'b', expected 'a'"));
 }
 
 }  // namespace

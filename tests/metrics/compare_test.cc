@@ -122,7 +122,7 @@ TEST(CompareTest, ADbScaleKnownToOneSideIsNoted) {
   simulated.scale.db_max = 160.0;
   EXPECT_THAT(
       CompareFrames(SpeckledBlock(1), simulated).notes,
-      ElementsAre("only the simulated frame states its dB scale; the other is taken to have the same"));
+      ElementsAre("only the simulated frame states its dB scale; the other is assumed to have the same"));
   PolarImage real = SpeckledBlock(1);
   real.scale.db_span = 80.0;
   EXPECT_THAT(CompareFrames(real, simulated).notes, IsEmpty());

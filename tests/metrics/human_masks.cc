@@ -18,7 +18,7 @@ constexpr int kBeams = 128;
 constexpr double kPixelsPerBin = 2.0;
 constexpr int kBoxMarginPx = 10;
 constexpr int kLastObject = 10;
-constexpr std::size_t kMostBytes = 1 << 20;  // of a file of boxes
+constexpr std::size_t kMaxBytes = 1 << 20;  // of a file of boxes
 
 struct Box {
   int left = 0, top = 0, right = 0, bottom = 0;  // all within
@@ -30,7 +30,7 @@ struct Box {
 
 // Boxes of all that is no wall.
 std::vector<Box> AnnotatedBoxes(const std::filesystem::path& file) {
-  const std::string text = data_io::ReadFileBytes(file, kMostBytes);
+  const std::string text = data_io::ReadFileBytes(file, kMaxBytes);
   static const std::regex kObject(
       R"(<name>([^<]*)</name>\s*<bndbox>\s*<x>(\d+)</x>\s*<y>(\d+)</y>\s*<w>(\d+)</w>\s*<h>(\d+)</h>)");
   std::vector<Box> boxes;

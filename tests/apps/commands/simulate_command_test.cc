@@ -430,7 +430,7 @@ TEST(SimulateCommand, FramesThatSeeNothingAreSaidWithTheLikelyReason) {
   outcome = run({sees, far, sees, far});
   EXPECT_THAT(empty_frames(outcome), ::testing::ElementsAre(1, 3));
   EXPECT_THAT(outcome.err,
-              HasSubstr("warning: 2 of 4 frames are empty (1, 3): no ray meets the scene within"));
+              HasSubstr("warning: 2 of 4 frames are empty (1, 3): no ray hits the scene within"));
   EXPECT_THAT(outcome.err, HasSubstr("check the unit of the scene and the positions"));
 
   Pose away = sees;  // upwards, from above the floor

@@ -54,7 +54,7 @@ TEST_F(CameraImageTest, ReadsGreyAndColour) {
 
 TEST_F(CameraImageTest, DamageIsOneSentence) {
   const std::string jpeg = Jpeg();
-  EXPECT_THAT(MessageOf([&] { Read(jpeg.substr(0, jpeg.size() / 2)); }), HasSubstr("JPEG cut short"));
+  EXPECT_THAT(MessageOf([&] { Read(jpeg.substr(0, jpeg.size() / 2)); }), HasSubstr("truncated JPEG"));
   EXPECT_THAT(MessageOf([&] { Read(jpeg.substr(0, 20)); }), HasSubstr("JPEG segment"));
   const auto png = EncodePng(Grid<std::uint8_t>(40, 40, 7));
   EXPECT_THAT(MessageOf([&] { Read(std::string(png.begin(), png.end() - 20)); }), HasSubstr("damaged PNG"));

@@ -174,7 +174,7 @@ TEST_F(RecordingFolderTest, ASceneIsFoundBesideTheRecording) {
   EXPECT_EQ(Open("\"frames\"", "\"scene\": \"scene.gltf\", \"frames\"")->info().scene_path,
             dir_ / "scene.gltf");
   EXPECT_THAT(Open("\"frames\"", "\"scene\": \"no.gltf\", \"frames\"")->info().notes,
-              Contains(HasSubstr("no.gltf, which is not there")));
+              Contains(HasSubstr("no.gltf, which does not exist")));
 }
 
 TEST_F(RecordingFolderTest, MistakesAreNamedWithTheirLine) {
@@ -197,7 +197,7 @@ TEST_F(RecordingFolderTest, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(RefusalOf("\"db_max\": 80", "\"db_max\": 80, \"db_span\": 60"),
             "recording.json:8: 'image.db_span' is 60, expected db_max - db_min, 80");
   EXPECT_EQ(RefusalOf("\"range_bins\": 4", "\"range_bins\": 4, \"beam_taper\": [1, 1]"),
-            "recording.json:6: 'sonar.beam_taper' has 2 numbers, expected one a beam, 3");
+            "recording.json:6: 'sonar.beam_taper' has 2 numbers, expected one per beam, 3");
   EXPECT_EQ(RefusalOf("\"range_bins\": 4", "\"range_bins\": 4.5"),
             "recording.json:6: 'sonar.range_bins' is 4.5, expected an integer from 1 to 22369621");
 }

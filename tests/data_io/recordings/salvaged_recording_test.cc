@@ -41,8 +41,8 @@ TEST(SalvagedRecording, KeepsWhatCanBeRead) {
   EXPECT_EQ(salvaged.ReadFrame(0).image.value(0, 0), 0.0F);
   EXPECT_EQ(salvaged.ReadFrame(1).image.value(0, 0), 2.0F);
   EXPECT_EQ(salvaged.frame_info(1).name, "frame_0002.png");
-  EXPECT_THAT(salvaged.info().notes, Contains(HasSubstr("Frame 1 left out: ")));
-  EXPECT_THAT(salvaged.info().notes, Contains("2 of 4 frames could not be read and were left out."));
+  EXPECT_THAT(salvaged.info().notes, Contains(HasSubstr("Frame 1 was omitted: ")));
+  EXPECT_THAT(salvaged.info().notes, Contains("2 of 4 frames could not be read and were omitted."));
 }
 
 TEST(SalvagedRecording, OfAWholeOneNothingIsSaid) {
@@ -50,7 +50,7 @@ TEST(SalvagedRecording, OfAWholeOneNothingIsSaid) {
   WriteSmallRecording(dir / "rec", 2);
   const SalvagedRecording salvaged(OpenRecording(dir / "rec"));
   EXPECT_EQ(salvaged.frame_count(), 2);
-  EXPECT_THAT(salvaged.info().notes, ::testing::Not(Contains(HasSubstr("left out"))));
+  EXPECT_THAT(salvaged.info().notes, ::testing::Not(Contains(HasSubstr("omitted"))));
 }
 
 TEST(SalvagedRecording, ManyThatAreLostAreNotAllNamed) {

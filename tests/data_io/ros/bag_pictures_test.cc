@@ -120,7 +120,7 @@ TEST_F(BagPicturesTest, AFanPictureIsSampledFromItsApex) {
       R"({"format": "sonar-picture-geometry/1", "range_m": [2, 10], "fan": {"half_angle_deg": 30}})";
   EXPECT_THAT(
       testing::MessageOf([&] { OpenBagRecording(path, {.message = {.geometry = Geometry(somewhere)}}); }),
-      HasSubstr("neither 'polar' nor where the fan is"));
+      HasSubstr("neither 'polar' nor the position of the fan"));
 }
 
 TEST_F(BagPicturesTest, WithoutAGeometryItIsSaidWhatIsMissing) {

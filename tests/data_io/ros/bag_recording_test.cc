@@ -137,7 +137,7 @@ TEST_F(BagRecordingTest, BeamsAboutXAreTakenForTheFrameOfRos) {
   const auto recording =
       OpenRecording(WriteProjected(Wire::kRos1, {.azimuth_deg = {-10.0, 5.0, 20.0}, .along_x = true}));
   ExpectAngles(recording->info().sonar.axes.beam_azimuth_rad, {-10.0, 5.0, 20.0});
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("X is taken to point ahead, Y to the left")));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("X is read as forward, Y as left")));
 }
 
 TEST_F(BagRecordingTest, RangesThatBeginAtZeroAreEdges) {

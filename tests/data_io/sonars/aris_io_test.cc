@@ -164,7 +164,7 @@ TEST_F(ArisTest, CountsFramesByTheFilesSize) {
   std::string bytes = aris.Write().bytes();
   auto recording = Open(bytes);
   EXPECT_EQ(recording->frame_count(), 2);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("4000000000 frames; the file's size makes it 2")));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("4000000000 frames; the file's size gives 2")));
 
   recording = Open(bytes.substr(0, bytes.size() - 1));
   EXPECT_EQ(recording->frame_count(), 1);
@@ -185,7 +185,7 @@ TEST_F(ArisTest, LeavesOutWaterThatCannotBe) {
     const SyntheticAris aris{.water_temperature_c = temperature_c};
     const auto recording = Open(aris.Write().bytes());
     EXPECT_FALSE(recording->info().water);
-    EXPECT_THAT(recording->info().notes, Contains(HasSubstr("are no water's")));
+    EXPECT_THAT(recording->info().notes, Contains(HasSubstr("are impossible")));
   }
 }
 

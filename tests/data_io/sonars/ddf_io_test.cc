@@ -136,13 +136,13 @@ TEST_F(DdfTest, TimesComeFromTheClockFields) {
   EXPECT_NEAR(*Open({})->frame_info(1).time_s, 1468966376.48, 1e-6);
   const auto undated = Open({.month = 13});
   EXPECT_FALSE(undated->frame_info(0).time_s);
-  EXPECT_THAT(undated->info().notes, Contains(HasSubstr("no date")));
+  EXPECT_THAT(undated->info().notes, Contains(HasSubstr("no valid date")));
 }
 
 TEST_F(DdfTest, SaysWhatItDoesNotKnow) {
   const auto recording = Open({.header_frames = 7});
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("tried on no file of a real DIDSON")));
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("says 7 frames; the file's size makes it 2")));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("gives 7 frames; the file's size gives 2")));
   EXPECT_EQ(recording->info().sonar.sound_speed_m_per_s, 0.0);
   EXPECT_FALSE(recording->info().scale.db_span);
 }

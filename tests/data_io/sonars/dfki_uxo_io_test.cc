@@ -165,7 +165,8 @@ TEST_F(DfkiUxoTest, WhatIsMissingOrDisagreesIsNoted) {
   std::filesystem::remove(recording_ / "aris_raw" / "1340.pgm");
   const auto recording = OpenRecording(recording_);
   EXPECT_EQ(recording->frame_count(), 2);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("In 1 frames gantry.csv has the arm elsewhere")));
+  EXPECT_THAT(recording->info().notes,
+              Contains(HasSubstr("In 1 frames the arm's position in gantry.csv differs")));
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("1 frames have no picture")));
   std::filesystem::remove_all(dir_ / "calibration");
   const auto without = OpenRecording(recording_);

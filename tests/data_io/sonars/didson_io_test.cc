@@ -144,7 +144,7 @@ TEST_F(DidsonTest, RefusesSettingsOutsideTheirDomain) {
   EXPECT_THAT(Refusal("min_range", 12.0), HasSubstr("range window"));
   EXPECT_THAT(Refusal("min_range", -1.0), HasSubstr("min_range"));
   EXPECT_THAT(Refusal("max_range", "far"), HasSubstr("max_range"));
-  EXPECT_THAT(Refusal("psf", {1.0, 2.0}), HasSubstr("has 2 numbers, expected one a beam, 96"));
+  EXPECT_THAT(Refusal("psf", {1.0, 2.0}), HasSubstr("has 2 numbers, expected one per beam, 96"));
   EXPECT_THAT(Refusal("taper", nullptr), HasSubstr("taper"));
   EXPECT_THAT(Refusal("fov", 0.0), HasSubstr("fov"));
   EXPECT_EQ(Refusal("fov", 0.5), "");

@@ -124,7 +124,7 @@ TEST_F(OculusTest, WalksThroughMessagesAndKeepsTheWholePings) {
   EXPECT_EQ(recording->frame_count(), 2);
   EXPECT_EQ(recording->ReadFrame(1).image.value(4, 3), 43.0f);
   EXPECT_THAT(recording->info().notes, AllOf(Contains(HasSubstr("1 messages that are no pings")),
-                                             Contains(HasSubstr("is cut short"))));
+                                             Contains(HasSubstr("is truncated"))));
 
   recording = Open(ping + "and then some text that is no message");
   EXPECT_EQ(recording->frame_count(), 1);
@@ -145,7 +145,7 @@ TEST_F(OculusTest, LeavesOutGarbageAndSaysSo) {
     EXPECT_EQ(info.sonar.sound_speed_m_per_s, 0.0);
     EXPECT_FALSE(info.water);
     for (const char* what : {"Frequency", "Temperature", "Pressure", "Sound speed"}) {
-      EXPECT_THAT(info.notes, Contains(AllOf(HasSubstr(what), HasSubstr("garbage"))));
+      EXPECT_THAT(info.notes, Contains(AllOf(HasSubstr(what), HasSubstr("is invalid"))));
     }
   }
 }

@@ -33,9 +33,9 @@ TEST(FalseAlarmTest, TwoLooksHaveAClosedForm) {
 }
 
 TEST(FalseAlarmTest, AnUnlikelyRatioStaysFinite) {
-  EXPECT_EQ(GammaTailDecades(2.0, 1e30), kMostDecades);
-  EXPECT_EQ(GammaTailDecades(1.0, 1e30), kMostDecades);
-  EXPECT_EQ(CellAveragingDecades(3.0, 1e4, 1e30), kMostDecades);
+  EXPECT_EQ(GammaTailDecades(2.0, 1e30), kMaxDecades);
+  EXPECT_EQ(GammaTailDecades(1.0, 1e30), kMaxDecades);
+  EXPECT_EQ(CellAveragingDecades(3.0, 1e4, 1e30), kMaxDecades);
 }
 
 TEST(FalseAlarmTest, CellAveragingOfOneLookIsFinnAndJohnsons) {

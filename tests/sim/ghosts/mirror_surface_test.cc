@@ -28,7 +28,7 @@ TEST(MirrorSurface, SphereSpreadsAsCoddingtonSays) {
       const RayBundle sent(from, (to - from).normalized());
       FreeRays ray;
       ray.Add(from, sent.direction, 10.0);
-      const FanHits hit = caster.Meet(ray);
+      const FanHits hit = caster.FirstIntersections(ray);
       ASSERT_GE(hit.triangle[0], 0);
       const double first_m = hit.range_m[0];
       const Eigen::Vector3d normal = sent.At(first_m).normalized();

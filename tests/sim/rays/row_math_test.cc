@@ -205,12 +205,12 @@ TEST(RowMath, EchoStepsFromEveryRange) {
   }
 }
 
-TEST(RowMath, RaisedWeightsBeyondTheTable) {
+TEST(RowMath, ElevationWeightsBeyondTheTable) {
   const std::vector<float> table = {1.0F, 2.0F, 4.0F, 4.0F};
-  const auto weight = [&](float at, float raise) {
+  const auto weight = [&](float at, float elevation_offset) {
     std::vector<float> found(17);
-    row_math::RaisedWeights({table.data(), 2}, at, 1.0F, Row(raise).data(), Row(3.0F).data(), 17,
-                            found.data());
+    row_math::ElevationWeights({table.data(), 2}, at, 1.0F, Row(elevation_offset).data(), Row(3.0F).data(),
+                               17, found.data());
     return found;
   };
   for (const float far : {-0.1F, -1e30F, -kEnd}) EXPECT_THAT(weight(0.0F, far), ::testing::Each(3.0F));
