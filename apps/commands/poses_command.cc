@@ -216,12 +216,12 @@ double Median(const calib::MarkerPoses& poses, const Value& value) {
 
 // Prints messages for the user.
 void PrintNotes(const PosesOptions& options, const TimedImages& timed, const calib::MarkerPoses& poses) {
-  constexpr int kMostNamed = 5;
+  constexpr int kMaxNamed = 5;
   int refused = 0;
   for (std::size_t i = 0; i < poses.frames.size(); ++i) {
     const std::string& why = poses.frames[i].refused;
     const std::string name = timed.images[i].file.filename().string();
-    if (!why.empty() && ++refused <= kMostNamed)
+    if (!why.empty() && ++refused <= kMaxNamed)
       cli::PrintNote(options.common, fmt::format("{}: no pose: {}", name, why));
     if (poses.frames[i].other) {
       cli::PrintNote(options.common,
@@ -229,9 +229,9 @@ void PrintNotes(const PosesOptions& options, const TimedImages& timed, const cal
                                  poses.frames[i].other->nats));
     }
   }
-  if (refused > kMostNamed)
+  if (refused > kMaxNamed)
     cli::PrintNote(options.common,
-                   fmt::format("{} more images without a pose: marker_poses.json", refused - kMostNamed));
+                   fmt::format("{} more images without a pose: marker_poses.json", refused - kMaxNamed));
   constexpr double kFewFreedoms = 20.0;
   if (poses.degrees_of_freedom < kFewFreedoms) {
     cli::PrintNote(

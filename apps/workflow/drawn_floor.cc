@@ -12,7 +12,7 @@ namespace sonarcal::workflow {
 namespace {
 
 constexpr int kMeansTold = 1024;  // resolution of the table over mean values
-constexpr int kMostLevels = 1024;
+constexpr int kMaxLevels = 1024;
 constexpr std::uint64_t kSeed = 20240107;
 
 // Returns the level in dB whose mean display is `value`. The mean display rises with the level.
@@ -31,7 +31,7 @@ double LevelShownAs(const sim::MeanDisplayTable& mean_display, const DisplayPara
 
 SpeckleDraw::SpeckleDraw(const ParameterSet& parameters, double full_scale)
     : full_scale_(full_scale),
-      levels_(static_cast<int>(std::clamp(std::round(full_scale), 1.0, double{kMostLevels}))) {
+      levels_(static_cast<int>(std::clamp(std::round(full_scale), 1.0, double{kMaxLevels}))) {
   const double looks = parameters.receiver.looks;
   if (!(looks > 0.0)) throw DataError("receiver.looks is {}, expected more than 0", looks);
   const sim::MeanDisplayTable mean_display(parameters.display, looks);

@@ -304,15 +304,15 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
 
 std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels) const {
   // Curves change faster along range than from beam to beam.
-  constexpr int kMostBins = 4;
-  constexpr int kMostBeams = 8;
+  constexpr int kMaxBins = 4;
+  constexpr int kMaxBeams = 8;
   constexpr double kWorthwhile = 4.0;  // fewer pixels by a smaller factor are hardly faster, and less exact
   const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
                                 [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
   const double factor =
       static_cast<double>(pixel_count() * frames_.size()) / static_cast<double>(wanted_pixels);
-  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMostBins),
-                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMostBeams)};
+  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMaxBins),
+                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMaxBeams)};
   if (bent || factor < kWorthwhile) return nullptr;
   return std::make_unique<CoarseFrameModel>(*this, block);
 }

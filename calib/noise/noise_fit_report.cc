@@ -199,13 +199,13 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   const NoiseLayout& layout = solution.layout;
   const NoiseLaw& law = solution.law;
   Builder builder(solution, covariance);
-  builder.Add("display.db_min", "dB", -1, law.display.db_min, start.display.db_min, -kMostLevelDb,
-              kMostLevelDb);
+  builder.Add("display.db_min", "dB", -1, law.display.db_min, start.display.db_min, -kMaxLevelDb,
+              kMaxLevelDb);
   builder.Add("display.db_max", "dB", layout.span_db, law.display.db_max, start.display.db_max,
-              law.display.db_min + kLeastSpanDb, law.display.db_min + kMostSpanDb);
+              law.display.db_min + kLeastSpanDb, law.display.db_min + kMaxSpanDb);
   if (layout.soft_db >= 0) {
     builder.Add("display.soft_db", "dB", layout.soft_db, law.display.soft_db, start.display.soft_db,
-                -kMostLevelDb, kMostLevelDb);
+                -kMaxLevelDb, kMaxLevelDb);
   }
   if (law.display.law == DisplayLaw::kPower) {
     builder.Add("display.exponent", "", -1, law.display.exponent, start.display.exponent, 0.0, 10.0);
@@ -214,24 +214,24 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
               kMinNoiseLooks, kMaxNoiseLooks, law.receiver.looks);
   if (layout.noise_db >= 0) {
     builder.Add("receiver.noise_db", "dB", layout.noise_db, *law.receiver.noise_db,
-                start.receiver.noise_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);
+                start.receiver.noise_db.value_or(0.0), -kMaxLevelDb, kMaxLevelDb);
     builder.Add("receiver.noise_slope_db_per_m", "dB/m", layout.slope, law.receiver.noise_slope_db_per_m,
-                start.receiver.noise_slope_db_per_m, -kMostSlopeDbPerM, kMostSlopeDbPerM);
+                start.receiver.noise_slope_db_per_m, -kMaxSlopeDbPerM, kMaxSlopeDbPerM);
   }
   if (layout.after_db >= 0) {
     builder.Add("receiver.noise_after_gain_db", "dB", layout.after_db, *law.receiver.noise_after_gain_db,
-                start.receiver.noise_after_gain_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);
+                start.receiver.noise_after_gain_db.value_or(0.0), -kMaxLevelDb, kMaxLevelDb);
   }
   for (int beam = 0; beam < layout.beams; ++beam) {
     if (layout.taper >= 0) {
       builder.Add(fmt::format("receiver.noise_taper_db.{}", beam), "dB", layout.taper + beam,
-                  law.receiver.noise_taper_db[beam], 0.0, -kMostLevelDb, kMostLevelDb);
+                  law.receiver.noise_taper_db[beam], 0.0, -kMaxLevelDb, kMaxLevelDb);
     }
   }
   for (int beam = 0; beam < layout.beams; ++beam) {
     if (layout.after_taper >= 0) {
       builder.Add(fmt::format("receiver.noise_after_gain_taper_db.{}", beam), "dB", layout.after_taper + beam,
-                  law.receiver.noise_after_gain_taper_db[beam], 0.0, -kMostLevelDb, kMostLevelDb);
+                  law.receiver.noise_after_gain_taper_db[beam], 0.0, -kMaxLevelDb, kMaxLevelDb);
     }
   }
   FitReport report = builder.Finish(cells);

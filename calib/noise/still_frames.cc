@@ -20,12 +20,12 @@ namespace {
 // Fresh speckle has about 1; noise 9 dB below the echoes has 0.25.
 constexpr double kMoved = 0.25;
 constexpr double kBrightestShare = 0.01;
-constexpr std::size_t kFewestBright = 50;
+constexpr std::size_t kMinBright = 50;
 
 constexpr std::size_t kFirstLookPixels = 20000;
 constexpr double kFirstStepDb = 1.0;
 constexpr double kStepDb = 0.2;
-constexpr int kMostSteps = 60;
+constexpr int kMaxSteps = 60;
 
 // Pixels this far above the noise check the level from all pixels.
 constexpr double kBrightDb = 13.0;
@@ -90,7 +90,7 @@ std::vector<std::size_t> BrightestPixels(const Stack& stack, const StillOptions&
       by_power.emplace_back(-stack.MeanPower(pixel), pixel);
   }
   const auto share = static_cast<std::size_t>(kBrightestShare * static_cast<double>(by_power.size()));
-  const std::size_t count = std::min(by_power.size(), std::max(kFewestBright, share));
+  const std::size_t count = std::min(by_power.size(), std::max(kMinBright, share));
   std::partial_sort(by_power.begin(), by_power.begin() + static_cast<std::ptrdiff_t>(count), by_power.end());
   std::vector<std::size_t> brightest;
   for (std::size_t i = 0; i < count; ++i) brightest.push_back(by_power[i].second);
@@ -185,7 +185,7 @@ Profiles Climb(const StillLikelihood& likelihood, double start_db, double step_d
   double middle_db = start_db;
   std::array<Point, 3> points = {at(start_db - step_db), at(start_db), at(start_db + step_db)};
   for (int step = 0; points[1].sum < std::max(points[0].sum, points[2].sum); ++step) {
-    if (step == kMostSteps) throw DataError("still frames: no noise level explains what changes");
+    if (step == kMaxSteps) throw DataError("still frames: no noise level explains what changes");
     if (points[2].sum > points[0].sum) {
       middle_db += step_db;
       points = {std::move(points[1]), std::move(points[2]), at(middle_db + step_db)};

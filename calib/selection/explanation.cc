@@ -316,8 +316,8 @@ class Explainer {
 
   static int BlockAlong(int least, double widths, int extent) {
     constexpr double kWidths = 8.0;
-    constexpr int kFewest = 4;
-    return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kFewest));
+    constexpr int kMin = 4;
+    return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kMin));
   }
 
   void Judge() {

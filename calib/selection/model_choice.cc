@@ -185,7 +185,7 @@ class Chooser {
   // Display laws softened as the background shows, on the levels of the given law. The slope stays, and the
   // noise moves to its level in the new law.
   std::vector<ModelVariant> DisplayVariants(JudgedAxis& axis) const {
-    constexpr std::ptrdiff_t kFewestPixels = 1000;
+    constexpr std::ptrdiff_t kMinPixels = 1000;
     const DisplayParameters<double>& given = best_.initial.display;
     if (given.law == DisplayLaw::kPower) {
       throw DataError("--choose display: the display is a power law, of which nothing else is tried");
@@ -199,11 +199,11 @@ class Chooser {
     }
     const Mask background = BackgroundOfFirst();
     const auto pixels = std::count(background.values().begin(), background.values().end(), 1);
-    if (pixels < kFewestPixels) {
+    if (pixels < kMinPixels) {
       axis.notes.push_back(
           fmt::format("No softened law was tried: frame {} has {} pixels of background, and {} are needed to "
                       "read one off.",
-                      used_.front().index, pixels, kFewestPixels));
+                      used_.front().index, pixels, kMinPixels));
       return variants;
     }
     PolarImage image = used_.front().image;

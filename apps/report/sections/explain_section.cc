@@ -325,8 +325,8 @@ void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained
       .pictures = {},
       .columns = 2,
       .legend = CauseLegend(explained.maps, explained.cause_names)};
-  constexpr std::size_t kMost = 4;
-  for (std::size_t i = 0; i < std::min(kMost, explained.maps.size()); ++i) {
+  constexpr std::size_t kMax = 4;
+  for (std::size_t i = 0; i < std::min(kMax, explained.maps.size()); ++i) {
     const workflow::CauseMap& map = explained.maps[i];
     row.pictures.push_back({.png = data_io::EncodePng(data_io::StretchPolar(data_io::Colorize(map.recorded))),
                             .caption = fmt::format("Frame {}, {}", map.index, RealWord(telling.synthetic))});
