@@ -45,11 +45,11 @@ constexpr int kWeightRounds = 2;
 // its value.
 double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& model) {
   constexpr double kOfWidth = 0.2;
-  constexpr double kOfGrain = 0.25;
+  constexpr double kOfCell = 0.25;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * value;
   const PolarAxes& axes = model.sonar().axes;
-  return entry.index < 3 ? kOfGrain * model.grain().bins * axes.range_bin_m()
-                         : kOfGrain * model.grain().beams * DegFromRad(axes.beam_spacing_rad());
+  return entry.index < 3 ? kOfCell * model.speckle_cell().bins * axes.range_bin_m()
+                         : kOfCell * model.speckle_cell().beams * DegFromRad(axes.beam_spacing_rad());
 }
 
 // Configuration with a trust region for geometric parameters, in which the model is nearly linear.
@@ -59,7 +59,7 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   for (const int index : geometric) {
     const CatalogEntry& entry = model.catalog()[index];
     const double reach = scale * Reach(entry, point[index], model);
-    near.leashes[entry.name] = {point[index] - reach, point[index] + reach};
+    near.trust_regions[entry.name] = {point[index] - reach, point[index] + reach};
   }
   return near;
 }
@@ -164,7 +164,7 @@ class AcousticFitter {
   // noise does.
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
-    const std::vector<PoseStage> stages = PoseStages(model_.grain());
+    const std::vector<PoseStage> stages = PoseStages(model_.speckle_cell());
     for (const PoseStage& stage : stages) RefineStage(stage);
     for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
       if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
@@ -217,7 +217,7 @@ class AcousticFitter {
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
-  double NoiseOfCost() const { return 0.5 * model_.grain().bins * model_.grain().beams; }
+  double NoiseOfCost() const { return 0.5 * model_.speckle_cell().bins * model_.speckle_cell().beams; }
 
   // Solves for all parameters about a sequence of points. If a point proves worse after tracing, the fit goes
   // back and reduces the reach. A change of cost below the noise ends the rounds.
@@ -271,7 +271,7 @@ class AcousticFitter {
       if (moved == 0) return;
       Say(fmt::format("{} frame{} to a better pose", moved, moved == 1 ? " goes" : "s go"));
       model_.Linearise(fit_.values, {});
-      RefineStage(PoseStages(model_.grain()).back());
+      RefineStage(PoseStages(model_.speckle_cell()).back());
       FitJointly();
     }
   }
@@ -388,7 +388,7 @@ std::vector<Pose> FitPosesOnly(const sim::Simulator& simulator, const std::vecto
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
   ParameterValues values = model.initial_values();
-  for (const PoseStage& stage : PoseStages(model.grain())) {
+  for (const PoseStage& stage : PoseStages(model.speckle_cell())) {
     RefinePoses(model, catalog, FreePoseEntries(catalog, free), stage, values, progress);
   }
   std::vector<Pose> poses;

@@ -184,8 +184,8 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   progress.reset();
   metrics::MetricsReport& metrics = comparison.metrics;
 
-  const report::ShownFrames shown =
-      report::ShowFrames(*real, *simulated, comparison.options, metrics, workflow::TellingFrames(metrics));
+  const report::ShownFrames shown = report::ShowFrames(*real, *simulated, comparison.options, metrics,
+                                                       workflow::RepresentativeFrames(metrics));
 
   std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
   for (const std::filesystem::path& file :

@@ -75,7 +75,7 @@ struct Subject {
   ParameterSet given;
   workflow::ExplainOptions options;  // as stored in provenance
   workflow::ExplainRecordingOptions explain;
-  report::ExplanationTelling telling;
+  report::ExplanationPresentation presentation;
   std::vector<std::filesystem::path> inputs;
 };
 
@@ -98,7 +98,7 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
           .given = std::move(given),
           .options = options.explain,
           .explain = options.explain.For(axes),
-          .telling = {.apart = options.apart},
+          .presentation = {.apart = options.apart},
           .inputs = {options.real, options.scene, options.params}};
 }
 
@@ -128,11 +128,11 @@ Subject OpenKnown(const ExplainCommandOptions& options, const cli::RunOutput& ou
           .given = std::move(prepared.parameters),
           .options = std::move(explain),
           .explain = std::move(resolved),
-          .telling = {.title = std::move(prepared.title),
-                      .about = true,
-                      .apart = prepared.apart || options.apart,
-                      .warnings = std::move(prepared.warnings),
-                      .caveats = std::move(prepared.caveats)},
+          .presentation = {.title = std::move(prepared.title),
+                           .about = true,
+                           .apart = prepared.apart || options.apart,
+                           .warnings = std::move(prepared.warnings),
+                           .caveats = std::move(prepared.caveats)},
           .inputs = std::move(prepared.inputs)};
 }
 
@@ -143,7 +143,7 @@ Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subj
                {"scene", options.scene.string()},
                {"params", options.params.string()},
                {"out", options.out.string()},
-               {"apart", subject.telling.apart}};
+               {"apart", subject.presentation.apart}};
   json.update(cli::SceneFormatJson(options.scene_format));
   workflow::ExplainOptions resolved = subject.options;
   resolved.rays.rays = explained.rays;
@@ -165,13 +165,14 @@ void WriteMaps(const workflow::ExplainedRecording& explained, const cli::RunOutp
 }
 
 report::HtmlReport MakeReport(const workflow::ExplainedRecording& explained, const RecordingInfo& info,
-                              const report::ExplanationTelling& telling, const Json& provenance) {
+                              const report::ExplanationPresentation& presentation, const Json& provenance) {
   const std::string name = workflow::RecordingName(info);
-  report::HtmlReport report("What each part of the model explains",
-                            telling.title.empty() ? name : fmt::format("{}; {}", telling.title, name));
+  report::HtmlReport report(
+      "What each part of the model explains",
+      presentation.title.empty() ? name : fmt::format("{}; {}", presentation.title, name));
   report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
-  report::AddWaterfall(report, explained, telling);
-  report::AddCauses(report, explained, telling);
+  report::AddWaterfall(report, explained, presentation);
+  report::AddCauses(report, explained, presentation);
   report::EndReport(report, provenance);
   return report;
 }
@@ -187,7 +188,7 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   cli::RunOutput output(options.out, "explain", options.common.force);
   if (options.known) opened = OpenKnown(options, output);
   Subject& subject = *opened;
-  subject.telling.synthetic = subject.recording->info().synthetic;
+  subject.presentation.synthetic = subject.recording->info().synthetic;
   workflow::ExplainRecordingOptions& explain = subject.explain;
   explain.on_note = [&](const std::string& sentence) { cli::PrintNote(options.common, sentence); };
   explain.on_step = [&](calib::ExplainedPart part) {
@@ -199,13 +200,13 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   const cli::Provenance provenance{.command = "explain",
                                    .configuration = ConfigurationJson(options, subject, explained),
                                    .inputs = subject.inputs};
-  const Json json = report::ExplanationJson(explained, subject.telling);
+  const Json json = report::ExplanationJson(explained, subject.presentation);
   data_io::WriteFileWhole(output / "explain.json", json.dump(2) + "\n");
   WriteMaps(explained, output);
   data_io::WriteParameters(output / "params.json", explained.explanation.steps.back().parameters);
   cli::WriteProvenance(output.staging(), provenance);
   const RecordingInfo& info = subject.recording->info();
-  report::WriteReport(MakeReport(explained, info, subject.telling, cli::ProvenanceToJson(provenance)),
+  report::WriteReport(MakeReport(explained, info, subject.presentation, cli::ProvenanceToJson(provenance)),
                       output.staging());
   output.Commit();
 
@@ -213,8 +214,9 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
     cli::PrintJson(json);
   } else {
     const std::string name = workflow::RecordingName(info);
-    std::string text = fmt::format("{}: {}", subject.telling.title.empty() ? name : subject.telling.title,
-                                   report::ExplanationText(explained, subject.telling));
+    std::string text =
+        fmt::format("{}: {}", subject.presentation.title.empty() ? name : subject.presentation.title,
+                    report::ExplanationText(explained, subject.presentation));
     if (options.known) {
       text += fmt::format("recording, scene and parameters: {}\n", (options.out / "recording").string());
     }

@@ -73,7 +73,7 @@ cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
   const auto recording = data_io::OpenRecording(options.real);
   ParameterSet parameters = ParametersFor(options, recording->info());
   cli::RunOutput output(options.out, "fit", options.common.force);
-  const workflow::StillPoses still = workflow::TellStillPoses(*recording, parameters, 0.0, {});
+  const workflow::StillPoses still = workflow::MeasureStillPoses(*recording, parameters, 0.0, {});
   if (still.poses.empty()) {
     throw DataError("{}: {}", options.real.string(),
                     still.refused.empty() ? "no pose is shown by two frames" : still.refused.front());

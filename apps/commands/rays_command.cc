@@ -90,7 +90,7 @@ Json JsonOf(const RaysOptions& options, const Measured& measured) {
   Json fewest = Json::object();
   for (const auto& [word, sampling] : WordsOf(std::type_identity<sim::Sampling>{})) {
     if (options.sampling && *options.sampling != sampling) continue;
-    const auto found = workflow::FewestRays(measured.errors.counts, sampling);
+    const auto found = workflow::MinRays(measured.errors.counts, sampling);
     fewest[std::string(word)] = found ? Json(GridText(found->grid)) : Json(nullptr);
   }
   Json json = {{"scene", options.scene.string()},
@@ -109,8 +109,8 @@ std::string_view WeightText(sim::RayWeight weight) {
   return weight == sim::RayWeight::kEven ? "evenly" : "by solid angle";
 }
 
-std::string FewestText(const std::vector<workflow::RayError>& errors, sim::Sampling sampling) {
-  const auto fewest = workflow::FewestRays(errors, sampling);
+std::string MinRaysText(const std::vector<workflow::RayError>& errors, sim::Sampling sampling) {
+  const auto fewest = workflow::MinRays(errors, sampling);
   if (!fewest) {
     return fmt::format("{}: none of these leaves 99.9 % of the pixels within one grey level",
                        ToString(sampling));
@@ -119,11 +119,11 @@ std::string FewestText(const std::vector<workflow::RayError>& errors, sim::Sampl
                      ToString(sampling), GridText(fewest->grid));
 }
 
-std::vector<std::string> FewestTexts(const RaysOptions& options, const Measured& measured) {
+std::vector<std::string> MinRaysTexts(const RaysOptions& options, const Measured& measured) {
   std::vector<std::string> texts;
   for (const auto& [word, sampling] : WordsOf(std::type_identity<sim::Sampling>{})) {
     if (!options.sampling || *options.sampling == sampling)
-      texts.push_back(FewestText(measured.errors.counts, sampling));
+      texts.push_back(MinRaysText(measured.errors.counts, sampling));
   }
   if (measured.errors.between) {
     const workflow::ImageError& e = *measured.errors.between;
@@ -146,7 +146,7 @@ std::string TableText(const RaysOptions& options, const Measured& measured) {
                         ToString(e.sampling), GridText(e.grid), e.rays(), e.denser, e.p999_grey, e.p999_db,
                         e.max_grey, 100.0 * e.within_one, 100.0 * e.within_one_lit);
   }
-  for (const std::string& line : FewestTexts(options, measured)) text += "  " + line + "\n";
+  for (const std::string& line : MinRaysTexts(options, measured)) text += "  " + line + "\n";
   return text;
 }
 
@@ -176,7 +176,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
       report::CalloutKind::kSynthetic, "Simulated on both sides",
       "Images of few rays against images of many, by the paper's model: nothing here was recorded.");
   report.Section("Errors");
-  report.List(FewestTexts(options, measured));
+  report.List(MinRaysTexts(options, measured));
   report::Table table{.caption = fmt::format("Errors over all pixels of {} pose{}; {}; rays weighed {}",
                                              measured.poses, measured.poses == 1 ? "" : "s", measured.display,
                                              WeightText(options.rays.ray_weight)),
@@ -190,7 +190,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
                                   {"Within one level", "% of lit pixels"}},
                       .rows = {}};
   for (const workflow::RayError& e : measured.errors.counts) {
-    const auto fewest = workflow::FewestRays(measured.errors.counts, e.sampling);
+    const auto fewest = workflow::MinRays(measured.errors.counts, e.sampling);
     table.rows.push_back(
         {{fmt::format("{} {}", ToString(e.sampling), GridText(e.grid)), fmt::format("{}", e.rays()),
           fmt::format("{:.1f}", e.denser), fmt::format("{:.2f}", e.p999_grey),

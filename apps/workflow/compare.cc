@@ -255,7 +255,7 @@ std::string RecordingName(const RecordingInfo& info) {
   return info.synthetic ? info.source + " (synthetic)" : info.source;
 }
 
-std::vector<int> TellingFrames(const metrics::MetricsReport& report) {
+std::vector<int> RepresentativeFrames(const metrics::MetricsReport& report) {
   const auto error_of = [&](const metrics::FrameMetrics& frame) {
     return frame.polar.intensity.Over(report.options.intensity_domain).mean_absolute().value_or(1.0);
   };

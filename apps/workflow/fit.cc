@@ -324,7 +324,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
     result.sample_pair =
         CompareRecordings(sample_by(fitted, fitted_poses, 1), sample_by(fitted, fitted_poses), judge_pair);
-    result.still = TellStillPoses(
+    result.still = MeasureStillPoses(
         recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
         &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
@@ -334,7 +334,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   doubts.insert(doubts.end(), worse.begin(), worse.end());
   report.warnings.insert(report.warnings.begin(), doubts.begin(), doubts.end());
   if (options.keep_images) {
-    const std::vector<int> examples = TellingFrames(result.after);
+    const std::vector<int> examples = RepresentativeFrames(result.after);
     result.frames_before = ComparedFrames(recording, before, judge, examples);
     result.frames_after =
         ComparedFrames(recording, after, judge, SpreadFrames(result.after, examples, kMaxKeptFrames));

@@ -162,7 +162,7 @@ DisplayParameters<double> DisplayUpToBrightest(const sim::RayCaster& caster, con
   return {.db_min = brightest_db - span_db, .db_max = brightest_db};
 }
 
-std::optional<RayError> FewestRays(const std::vector<RayError>& errors, sim::Sampling sampling) {
+std::optional<RayError> MinRays(const std::vector<RayError>& errors, sim::Sampling sampling) {
   std::optional<RayError> fewest;
   for (const RayError& error : errors) {
     if (error.sampling != sampling || error.within_one < kShareWithinOne) continue;

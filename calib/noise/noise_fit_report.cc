@@ -12,7 +12,7 @@ namespace {
 
 // A parameter is unidentifiable if its variance exceeds this share of the prior variance (half of the
 // standard deviation), or if its sigma exceeds a surprisingly large step of a level.
-constexpr double kUntold = 0.25;
+constexpr double kMaxPriorShare = 0.25;
 constexpr double kLevelStepDb = 20.0;
 constexpr double kTogether = 0.9;  // a correlation above which two parameters are determined only together
 
@@ -38,12 +38,12 @@ class Builder {
       parameter.status = ParameterStatus::kFree;
       if (place == solution_.layout.log_looks && solution_.looks_at_bound) {
         parameter.status = ParameterStatus::kAtBound;
-      } else if (!Told(place, unit)) {
+      } else if (!IsDetermined(place, unit)) {
         parameter.status = ParameterStatus::kUnidentifiable;
-        untold_.push_back({name, unit, place});
+        undetermined_.push_back({name, unit, place});
       } else {
         parameter.sigma = unit_a_step * std::sqrt(covariance_(place, place));
-        if (!IsTaper(place)) told_.push_back({name, unit, place});
+        if (!IsTaper(place)) determined_.push_back({name, unit, place});
       }
     }
     report_.parameters.push_back(parameter);
@@ -51,19 +51,19 @@ class Builder {
 
   // Reports correlations of the determined parameters, except tapers.
   FitReport Finish(const NoiseCells& cells) {
-    const int count = static_cast<int>(told_.size());
+    const int count = static_cast<int>(determined_.size());
     report_.correlation = Eigen::MatrixXd::Identity(count, count);
     for (int row = 0; row < count; ++row) {
-      report_.correlation_names.push_back(told_[row].name);
+      report_.correlation_names.push_back(determined_[row].name);
       for (int col = 0; col < row; ++col) {
-        report_.correlation(row, col) = Correlation(told_[row].place, told_[col].place);
+        report_.correlation(row, col) = Correlation(determined_[row].place, determined_[col].place);
         report_.correlation(col, row) = report_.correlation(row, col);
       }
     }
     DescribeFloor(cells);
     DescribeTapers(solution_.layout.taper, "receiver.noise_taper_db");
     DescribeTapers(solution_.layout.after_taper, "receiver.noise_after_gain_taper_db");
-    for (const Parameter& parameter : untold_) {
+    for (const Parameter& parameter : undetermined_) {
       if (!IsTaper(parameter.place)) Describe(parameter);
     }
     return std::move(report_);
@@ -79,15 +79,15 @@ class Builder {
   // Larger of the variances by sandwich and by curvature, because each misses some uncertainty.
   double Variance(int place) const { return std::max(covariance_(place, place), posterior_(place, place)); }
 
-  bool Told(int place, const std::string& unit) const {
+  bool IsDetermined(int place, const std::string& unit) const {
     const double variance = Variance(place);
-    const double most = kUntold / solution_.prior_precision[place];
+    const double most = kMaxPriorShare / solution_.prior_precision[place];
     return variance <= (unit == "dB" ? std::min(most, kLevelStepDb * kLevelStepDb) : most);
   }
 
   // Returns true if the result is the prior: the pings have no information.
   bool IsAssumed(int place) const {
-    return posterior_(place, place) * solution_.prior_precision[place] > kUntold;
+    return posterior_(place, place) * solution_.prior_precision[place] > kMaxPriorShare;
   }
 
   bool IsTaper(int place) const {
@@ -109,7 +109,7 @@ class Builder {
     const auto is_floor = [&](const Parameter& parameter) {
       return parameter.place == layout.noise_db || parameter.place == layout.slope;
     };
-    if (layout.noise_db < 0 || std::none_of(untold_.begin(), untold_.end(), is_floor)) return;
+    if (layout.noise_db < 0 || std::none_of(undetermined_.begin(), undetermined_.end(), is_floor)) return;
     Eigen::VectorXd at_middle = Eigen::VectorXd::Zero(layout.count);
     const double near_m = cells.axes.range_min_m + cells.first_bin * cells.axes.range_bin_m();
     const double far_m = cells.axes.range_min_m + cells.last_bin * cells.axes.range_bin_m();
@@ -122,14 +122,14 @@ class Builder {
         "receiver.noise_db and receiver.noise_slope_db_per_m move together: only the floor over the fitted "
         "ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",
         near_m, far_m, std::sqrt(variance)));
-    std::erase_if(untold_, is_floor);
+    std::erase_if(undetermined_, is_floor);
   }
 
   void DescribeTapers(int first, const std::string& name) {
     if (first < 0) return;
     std::string beams;
     int count = 0;
-    for (const Parameter& parameter : untold_) {
+    for (const Parameter& parameter : undetermined_) {
       const int beam = parameter.place - first;
       if (beam < 0 || beam >= solution_.layout.beams) continue;
       if (++count <= kBeamsNamed) beams += fmt::format("{}{}", beams.empty() ? "" : ", ", beam);
@@ -152,7 +152,7 @@ class Builder {
             : fmt::format("{} is known to no better than {:.2g}{}{}", parameter.name,
                           std::sqrt(Variance(parameter.place)), parameter.unit.empty() ? "" : " ",
                           parameter.unit);
-    for (const std::vector<Parameter>* list : {&told_, &untold_}) {
+    for (const std::vector<Parameter>* list : {&determined_, &undetermined_}) {
       for (const Parameter& other : *list) {
         if (other.place == parameter.place || IsTaper(other.place)) continue;
         if (std::abs(Correlation(parameter.place, other.place)) < kTogether) continue;
@@ -168,8 +168,8 @@ class Builder {
   const Eigen::MatrixXd& covariance_;
   Eigen::MatrixXd posterior_;
   FitReport report_;
-  std::vector<Parameter> told_;  // except tapers
-  std::vector<Parameter> untold_;
+  std::vector<Parameter> determined_;  // except tapers
+  std::vector<Parameter> undetermined_;
 };
 
 std::vector<std::string> GaugeOf(const NoiseLaw& law, bool fit_span) {

@@ -37,7 +37,7 @@ double HighestNode(double brightest_db) {
 
 }  // namespace
 
-double BrightestTellingDb(double looks, int frames, double asked_db) {
+double BrightestUsedDb(double looks, int frames, double asked_db) {
   const double highest = (kMaxNodes * Spacing(looks, frames) - 3.0) / 1.1;
   return std::min(asked_db, 2.0 * sim::LevelOfPower(highest));
 }
