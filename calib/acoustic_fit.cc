@@ -143,7 +143,7 @@ class AcousticFitter {
       const ModelFit first = Fit(model_, values, RadiometryOnly(), look);
       if (first.usable) values = first.values;
     }
-    Say("frames of one pose share their speckle, and count for less");
+    Say("frames of one pose share their speckle and get less weight");
     model_.ShareRepeats(values);
   }
 
@@ -230,7 +230,7 @@ class AcousticFitter {
     for (int round = 0; round < kRounds && fit_.usable && !settled_; ++round) {
       model_.Linearise(fit_.values, geometric_);
       const double cost = CostAt(model_, fit_.values, model_.frame_count());
-      Say(fmt::format("round {}: cost {:.1f} about the point reached", round + 1, cost));
+      Say(fmt::format("round {}: cost {:.1f}", round + 1, cost));
       if (cost > best_cost + noise) {
         scale *= kShrink;
         fit_.values = best;
@@ -254,7 +254,7 @@ class AcousticFitter {
   void WeighDown() {
     if (!options_.down_weight) return;
     for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
-      Say("weighing down what the scene does not explain");
+      Say("reducing the weight of pixels that do not match the scene");
       model_.DownWeight(fit_.values);
       if (!poses_.empty()) FitJointly();
       again_.test_curves = round + 1 == kWeightRounds;
@@ -265,11 +265,11 @@ class AcousticFitter {
   // Moves to better poses that rounds cannot reach, because rounds only follow one valley, and refits there.
   void GoToBetterPoses() {
     for (int move = 0; move < kMovesToBetter && !poses_.empty() && fit_.usable; ++move) {
-      Say("looking for poses that explain the frames better");
+      Say("searching for poses that fit the frames better");
       const int moved =
           TakeBetterPoses(OtherPoses(model_, catalog_, poses_, fit_.values), kBetterNats, fit_.values);
       if (moved == 0) return;
-      Say(fmt::format("{} frame{} to a better pose", moved, moved == 1 ? " goes" : "s go"));
+      Say(fmt::format("{} frame{} moved to a better pose", moved, moved == 1 ? "" : "s"));
       model_.Linearise(fit_.values, {});
       RefineStage(PoseStages(model_.speckle_cell()).back());
       FitJointly();
@@ -278,7 +278,7 @@ class AcousticFitter {
 
   void LookForOtherPoses() {
     if (poses_.empty() || !fit_.usable) return;
-    Say("looking for other poses that explain the frames as well");
+    Say("searching for other poses that fit the frames equally well");
     for (OtherPose& other : OtherPoses(model_, catalog_, poses_, fit_.values))
       fit_.report.other_poses.push_back(std::move(other.sentence));
   }

@@ -241,7 +241,7 @@ class Reader {
       for (const PlannedOption& option : ReadOptions(item, command, /*lists=*/false)) {
         for (const PlannedOption& other : options) {
           if (other.name == option.name)
-            item.Fail(fmt::format("has '{}', which options have as well", other.name));
+            item.Fail(fmt::format("has '{}', which is also in options", other.name));
         }
         row.emplace_back(option.name, option.values.front());
       }

@@ -85,7 +85,7 @@ void CheckSubject(const ExplainCommandOptions& options) {
                                                 {"--params", !options.params.empty()}};
   for (const auto& [name, is_given] : files) {
     if (is_given && options.known) throw UsageError("{} does not go with --known, which has its own", name);
-    if (!is_given && !options.known) throw UsageError("{} is required, where --known is not given", name);
+    if (!is_given && !options.known) throw UsageError("{} is required without --known", name);
   }
 }
 
@@ -168,7 +168,7 @@ report::HtmlReport MakeReport(const workflow::ExplainedRecording& explained, con
                               const report::ExplanationPresentation& presentation, const Json& provenance) {
   const std::string name = workflow::RecordingName(info);
   report::HtmlReport report(
-      "What each part of the model explains",
+      "Ablation study of the model",
       presentation.title.empty() ? name : fmt::format("{}; {}", presentation.title, name));
   report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
   report::AddWaterfall(report, explained, presentation);
@@ -227,22 +227,20 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
 
 void SetupExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainCommandOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "explain",
-      "Adds the acoustic model's parts one by one, says what each is worth on frames that were not "
-      "fitted, and what every bright cell comes from");
+  CLI::App* command = cli::AddCommand(app, "explain",
+                                      "Adds the parts of the acoustic model one by one, evaluates each on "
+                                      "held-out frames, and finds the cause of every bright pixel");
   command
       ->add_option("--real", options->real,
-                   "Recording to explain, at least two frames, a pose with each; required but for --known, "
-                   "as --scene and --params are")
+                   "Recording with at least two frames, each with a pose; required without --known, like "
+                   "--scene and --params")
       ->type_name("REC");
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/false);
   command
-      ->add_option(
-          "--params", options->params,
-          "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and where "
-          "curves begin")
+      ->add_option("--params", options->params,
+                   "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and "
+                   "start values of the curves")
       ->type_name("JSON");
   cli::AddChoice(
       *command, "--known", options->known,
@@ -254,7 +252,7 @@ void SetupExplain(CLI::App& app) {
       ->type_name("DIR");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for figures, maps and report")
       ->required();
-  command->add_flag("--apart", options->apart, "Let each held-out frame judge by itself");
+  command->add_flag("--apart", options->apart, "Evaluate each held-out frame by itself");
   cli::AddOptions(*command, options->explain);
   cli::OnRun(command, options->common, [command, options] {
     cli::RefuseSceneFormatAlone(*command);

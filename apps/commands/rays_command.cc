@@ -199,7 +199,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
          fewest && fewest->rays() == e.rays() ? report::RowStyle::kStrong : report::RowStyle::kPlain});
   }
   table.notes = {
-      "Each sampling is held against its own dense image; images are not rounded before they are compared.",
+      "Each sampling is compared with its own dense image; images are not rounded before they are compared.",
       "dB: of the level displayed, grey levels times the display's span over its full scale.",
       "Lit: half a grey level or more in either image."};
   report.Add(table);
@@ -290,34 +290,35 @@ cli::ExitStatus RunRays(const RaysOptions& options) {
 
 void SetupRays(CLI::App& app) {
   auto options = std::make_shared<RaysOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "rays", "Says how far images of few rays are from images of many, by either sampling");
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  CLI::App* command =
+      cli::AddCommand(app, "rays", "Measures the error of images with few rays, for both samplings");
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
   cli::AddSonar(*command, options->sonar)->required();
   command->add_option("--params", options->params, "Parameters of the paper's model")
       ->type_name("JSON")
       ->required();
-  command->add_option("--poses", options->poses, "Poses: a recording that has them, or a JSON file")
+  command->add_option("--poses", options->poses, "Poses: a recording with poses, or a JSON file")
       ->type_name("REC|FILE")
       ->required();
   cli::AddOutFolder(*command, options->out, options->common,
                     "Folder for rays.json and report.html (default: none is written)");
-  cli::AddChoice(*command, "--sampling", options->sampling, "How rays are spread (default: both ways)");
+  cli::AddChoice(*command, "--sampling", options->sampling, "Arrangement of the rays (default: both)");
   command
       ->add_option("--rays", options->counts,
-                   "Columns x rows of rays to try, as often as you like (default: a series)")
+                   "Columns x rows of rays to try, may be repeated (default: a series)")
       ->type_name("WxH");
   command->add_option("--dense", options->dense, "Rays of the dense image, before --denser")
       ->type_name("WxH");
-  command->add_option("--denser", options->denser, "Times as many rays has the dense image")
+  command
+      ->add_option("--denser", options->denser, "Number of rays of the dense image, as a multiple of --dense")
       ->type_name("N")
       ->check(CLI::Range(1.0, 1024.0).description(""));
   cli::AddOptionNamed(*command, options->rays, "ray_weight");
   command
-      ->add_option("--display-db", options->display_db,
-                   "Display of so many dB up to the scene's brightest echo at these poses (default: the "
-                   "parameters' display)")
+      ->add_option(
+          "--display-db", options->display_db,
+          "Span of the display up to the brightest echo at these poses (default: the parameters' display)")
       ->type_name("DB")
       ->check(CLI::Range(0.1, 1000.0).description(""));
   cli::AddOptionNamed(*command, options->rays, "threads");

@@ -133,8 +133,8 @@ ViewServer::ViewServer(ViewApi& api, int port) : http_(std::make_unique<Http>(ap
   }
   if (!http_->server.bind_to_port(kHost, port)) {
     throw DataError(
-        "port {} of {} can't be had: another program may have it; choose another with --port, or 0 "
-        "for any that is free",
+        "port {} of {} is not available: another program may use it; choose another with --port, or 0 for "
+        "any free port",
         port, kHost);
   }
   http_->gate.port = port;

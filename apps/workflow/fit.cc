@@ -132,7 +132,7 @@ std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, co
   const auto& free = options.config.free;
   if (!free || std::find(free->begin(), free->end(), "pose") == free->end()) return fitted;
   if (options.fit.progress && !split.held_out.empty())
-    options.fit.progress("fitting the poses of the frames held out, everything else held");
+    options.fit.progress("fitting the poses of the held-out frames, with all other parameters fixed");
   const std::vector<Pose> held_out = calib::FitPosesOnly(
       simulator, AcousticFrames(recording, fitted, split.held_out, options, fit.parameters.display),
       fit.parameters, options.config.pose_prior, options.fit.progress);
@@ -161,9 +161,8 @@ void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& sp
     const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
     if (mismatch.empty()) continue;
     throw DataError(
-        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
-        "out with "
-        "'convert --frames A:B'",
+        "{}: {} in {} and {}: frames of different settings cannot be fitted or evaluated together; remove "
+        "some with 'convert --frames A:B'",
         recording.info().source, mismatch, first.name, frame.name);
   }
 }
@@ -359,7 +358,7 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
                  const FitOptions& options, const Listener& listener) {
   const bool acoustic = start.model == EchoModel::kAcoustic;
   if (options.trust_all && !acoustic)
-    throw UsageError("--trust-all has no effect: the paper's model counts all pixels in full");
+    throw UsageError("--trust-all has no effect: the paper's model gives all pixels full weight");
   const ThreadLimit threads(options.rays.threads);
   for (const std::string& sentence : MirrorCaveats(start, scene.material_names)) listener.Message(sentence);
   FitRecordingOptions fit;

@@ -140,7 +140,7 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
     }
     started[i] = {frames[i], FindPoseCandidates(frames[i], map, camera, port)};
     if (started[i].candidates.empty())
-      result.frames[i].refused = "no pose puts the markers before the camera";
+      result.frames[i].refused = "no pose puts the markers in front of the camera";
   }
 
   const double typical = TypicalFactor(started, map, camera, port);
@@ -151,7 +151,7 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
     if (!result.frames[i].refused.empty()) continue;
     left_out[i] = WithoutContradictions(started[i], typical, map, camera, port);
     if (started[i].candidates.empty()) {
-      result.frames[i].refused = "no pose puts the markers before the camera";
+      result.frames[i].refused = "no pose puts the markers in front of the camera";
       continue;
     }
     const double rms_px = StartRmsPx(started[i], map, camera, port);

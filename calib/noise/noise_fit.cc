@@ -215,10 +215,10 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
                            agreement.nats_per_pixel, fitted.solution.converged});
     if (options.progress) {
       options.progress(
-          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats a pixel{}", ToString(form.display.law),
+          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats per pixel{}", ToString(form.display.law),
                       ToString(form.speckle), ToString(form.time_varied_gain),
                       form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel,
-                      fitted.solution.converged ? "" : ", not converged and so not chosen"));
+                      fitted.solution.converged ? "" : ", not converged and so not selected"));
     }
     const double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
     if (!fitted.solution.converged || !std::isfinite(score)) return;

@@ -119,8 +119,8 @@ class Builder {
         std::max(at_middle.dot(covariance_ * at_middle), at_middle.dot(posterior_ * at_middle));
     if (!(variance <= 0.25 * Variance(layout.noise_db) && variance <= kLevelStepDb * kLevelStepDb)) return;
     report_.unidentifiable_directions.push_back(fmt::format(
-        "receiver.noise_db and receiver.noise_slope_db_per_m move together: only the floor over the fitted "
-        "ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",
+        "receiver.noise_db and receiver.noise_slope_db_per_m are not determined separately: only the noise "
+        "level over the fitted ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",
         near_m, far_m, std::sqrt(variance)));
     std::erase_if(undetermined_, is_floor);
   }
@@ -137,18 +137,15 @@ class Builder {
     if (count == 0) return;
     if (count > kBeamsNamed) beams += " and others";
     report_.unidentifiable_directions.push_back(
-        fmt::format("{} of {} of {} beams ({}) is hardly told by the pings: it stands near what was assumed "
-                    "beforehand, the mean of all beams",
+        fmt::format("{} of {} of {} beams ({}) is hardly determined by the pings: it stays near its prior, "
+                    "the mean of all beams",
                     name, count, solution_.layout.beams, beams));
   }
 
   void Describe(const Parameter& parameter) {
     std::string text =
         IsAssumed(parameter.place)
-            ? fmt::format(
-                  "the pings say next to nothing about {}: it stands where what was assumed beforehand "
-                  "puts it",
-                  parameter.name)
+            ? fmt::format("the pings hardly determine {}: its value comes from the prior", parameter.name)
             : fmt::format("{} is known to no better than {:.2g}{}{}", parameter.name,
                           std::sqrt(Variance(parameter.place)), parameter.unit.empty() ? "" : " ",
                           parameter.unit);
@@ -174,20 +171,23 @@ class Builder {
 
 std::vector<std::string> GaugeOf(const NoiseLaw& law, bool fit_span) {
   std::vector<std::string> gauge = {
-      "Levels are relative: display.db_min is fixed, and what is told is how far the noise lies from it.",
+      "Levels are relative: display.db_min is fixed, and the pings determine the distance of the noise from "
+      "it.",
       "Tapers have a mean of 0 dB over the beams; the floors' levels carry the rest."};
   if (law.display.law == DisplayLaw::kPower) {
-    gauge.emplace_back("The exponent is fixed: on background alone it and the looks are one number.");
+    gauge.emplace_back(
+        "The exponent is fixed: background alone determines only one number for exponent and looks.");
     gauge[0] =
-        "Levels are relative: display.db_max is fixed, and what is told is how far the noise lies from it.";
+        "Levels are relative: display.db_max is fixed, and the pings determine the distance of the noise "
+        "from it.";
   } else if (fit_span) {
     gauge.emplace_back(
-        "receiver.looks is fixed at 1 and the display's span is fitted, as the recording does not tell it: "
-        "on background alone the two are one number.");
+        "receiver.looks is fixed at 1 and the display's span is fitted, because the recording does not state "
+        "it: background alone determines only one number for the two.");
   } else {
     gauge.emplace_back(
-        "The display's span is fixed and receiver.looks is fitted: on background alone the two are one "
-        "number.");
+        "The display's span is fixed and receiver.looks is fitted: background alone determines only one "
+        "number for the two.");
   }
   return gauge;
 }
@@ -242,8 +242,8 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   report.termination = solution.converged ? "converged" : "ended before it converged";
   if (frames_used < 5) {
     report.gauge.emplace_back(
-        "Fewer than five pings: sigmas take range bands for independent, and know nothing of drift from ping "
-        "to ping.");
+        "Fewer than five pings: the standard errors treat range bands as independent and do not include "
+        "drift from ping to ping.");
   }
   return report;
 }

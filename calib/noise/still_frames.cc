@@ -186,7 +186,7 @@ Profiles Climb(const StillLikelihood& likelihood, double start_db, double step_d
   double middle_db = start_db;
   std::array<Point, 3> points = {at(start_db - step_db), at(start_db), at(start_db + step_db)};
   for (int step = 0; points[1].sum < std::max(points[0].sum, points[2].sum); ++step) {
-    if (step == kMaxSteps) throw DataError("still frames: no noise level explains what changes");
+    if (step == kMaxSteps) throw DataError("still frames: no noise level fits the changes");
     if (points[2].sum > points[0].sum) {
       middle_db += step_db;
       points = {std::move(points[1]), std::move(points[2]), at(middle_db + step_db)};
@@ -328,7 +328,7 @@ StillLevels SeparateSpeckleFromNoise(std::span<const PolarImage> images, std::sp
   if (still.size() < 2) {
     throw DataError(
         "frames {}: even their brightest pixels change from frame to frame as fresh speckle does, so that "
-        "either the scene moves or nothing stands out of the noise",
+        "either the scene moves or nothing exceeds the noise",
         fmt::join(frame_numbers, ", "));
   }
   stack.frames = std::move(still);
@@ -343,7 +343,7 @@ StillLevels SeparateSpeckleFromNoise(std::span<const PolarImage> images, std::sp
   std::vector<int> block_of;
   for (const std::size_t pixel : informative.pixels) block_of.push_back(BlockOf(pixel, stack.beams, options));
   const Level noise = TopOf(profiles, block_of, [](std::size_t) { return true; });
-  if (!std::isfinite(noise.sigma_db)) throw DataError("still frames: the noise level cannot be told");
+  if (!std::isfinite(noise.sigma_db)) throw DataError("still frames: the noise level cannot be determined");
   levels.noise_db = noise.db;
   levels.noise_sigma_db = noise.sigma_db;
   FillEchoes(stack, options, informative, profiles.weights, levels);
@@ -384,7 +384,7 @@ SceneEchoes CompareSceneEchoes(const StillLevels& levels, const std::vector<doub
     block.sum += ratio;
     block.count += 1.0;
   }
-  if (blocks.size() < 2) throw DataError("still frames: the scene's echoes hardly stand out of the noise");
+  if (blocks.size() < 2) throw DataError("still frames: the scene's echoes hardly exceed the noise");
   const auto n = static_cast<double>(echoes.pixels);
   const double mean = sum / n;
   double scatter = 0.0;

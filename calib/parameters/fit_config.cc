@@ -106,7 +106,7 @@ FitConfig ReadFitConfig(const std::filesystem::path& path) {
 
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog) {
   std::vector<bool> free(catalog.size(), false);
-  SONARCAL_CHECK(config.free.has_value(), "nobody says what is free");
+  SONARCAL_CHECK(config.free.has_value(), "no free parameters are given");
   for (const std::string& pattern : *config.free) {
     ForMatches(pattern, catalog, [&](std::size_t i) { free[i] = true; });
   }

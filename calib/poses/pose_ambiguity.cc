@@ -26,9 +26,9 @@ std::string Words(const PoseStep& step) {
 
 std::string Sentence(int index, const char* kind, const PoseStep& step, double worse_by) {
   return worse_by < 0.0
-             ? fmt::format("pose.{}: {} ({}) explains the frame better, by {:.1f} nats, than the one given",
+             ? fmt::format("pose.{}: {} ({}) fits the frame better than the reported pose, by {:.1f} nats",
                            index, kind, Words(step), -worse_by)
-             : fmt::format("pose.{}: {} ({}) explains the frame as well but for {:.1f} nats", index, kind,
+             : fmt::format("pose.{}: {} ({}) fits the frame nearly as well, {:.1f} nats worse", index, kind,
                            Words(step), worse_by);
 }
 
@@ -110,7 +110,7 @@ std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::
   };
   const Eigen::VectorXd ridge = problem.Ridge(fitted, slopes);
   for (const double sigmas : {-1.5, -0.5, 0.5, 1.5})
-    follow(problem.MovedEntries(values, sigmas * ridge), "another pose along what it tells least");
+    follow(problem.MovedEntries(values, sigmas * ridge), "another pose along the least determined direction");
   const Pose pose = model.PoseOf(frame, values);
   if (const auto heights = HeightsSeen(model, pose)) {
     const auto mirrored =

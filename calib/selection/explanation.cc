@@ -405,7 +405,7 @@ Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vect
                     const ExplainOptions& options) {
   if (used.empty()) throw DataError("explain: no frames");
   if (held_out.empty())
-    throw DataError("explain: no frame is held out, and what a part is worth shows only there");
+    throw DataError("explain: no frame is held out, expected at least one for the evaluation");
   if (given.materials.empty()) throw DataError("explain: the parameters name no material");
   return Explainer(scene, sonar, used, held_out, given, options).Run();
 }
