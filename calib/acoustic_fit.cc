@@ -46,11 +46,11 @@ constexpr int kWeightRounds = 2;
 // its value.
 double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& model) {
   constexpr double kOfWidth = 0.2;
-  constexpr double kOfGrain = 0.25;
+  constexpr double kOfCell = 0.25;
   if (entry.group != ParameterGroup::kPose) return kOfWidth * value;
   const PolarAxes& axes = model.sonar().axes;
-  return entry.index < 3 ? kOfGrain * model.grain().bins * axes.range_bin_m()
-                         : kOfGrain * model.grain().beams * DegFromRad(axes.beam_spacing_rad());
+  return entry.index < 3 ? kOfCell * model.speckle_cell().bins * axes.range_bin_m()
+                         : kOfCell * model.speckle_cell().beams * DegFromRad(axes.beam_spacing_rad());
 }
 
 // Configuration with a trust region for geometric parameters, in which the model is nearly linear.
@@ -60,7 +60,7 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   for (const int index : geometric) {
     const CatalogEntry& entry = model.catalog()[index];
     const double reach = scale * Reach(entry, point[index], model);
-    near.leashes[entry.name] = {point[index] - reach, point[index] + reach};
+    near.trust_regions[entry.name] = {point[index] - reach, point[index] + reach};
   }
   return near;
 }
@@ -144,7 +144,7 @@ class AcousticFitter {
       const ModelFit first = Fit(model_, values, RadiometryOnly(), look);
       if (first.usable) values = first.values;
     }
-    Say("frames of one pose share their speckle, and count for less");
+    Say("frames of one pose share their speckle and get less weight");
     model_.ShareRepeats(values);
   }
 
@@ -165,7 +165,7 @@ class AcousticFitter {
   // noise does.
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
-    const std::vector<PoseStage> stages = PoseStages(model_.grain());
+    const std::vector<PoseStage> stages = PoseStages(model_.speckle_cell());
     for (const PoseStage& stage : stages) RefineStage(stage);
     for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
       if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
@@ -218,7 +218,7 @@ class AcousticFitter {
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
-  double NoiseOfCost() const { return 0.5 * model_.grain().bins * model_.grain().beams; }
+  double NoiseOfCost() const { return 0.5 * model_.speckle_cell().bins * model_.speckle_cell().beams; }
 
   // Solves for all parameters about a sequence of points. If a point proves worse after tracing, the fit goes
   // back and reduces the reach. A change of cost below the noise ends the rounds.
@@ -231,7 +231,7 @@ class AcousticFitter {
     for (int round = 0; round < kRounds && fit_.usable && !settled_; ++round) {
       model_.Linearise(fit_.values, geometric_);
       const double cost = CostAt(model_, fit_.values, model_.frame_count());
-      Say(fmt::format("round {}: cost {:.1f} about the point reached", round + 1, cost));
+      Say(fmt::format("round {}: cost {:.1f}", round + 1, cost));
       if (cost > best_cost + noise) {
         scale *= kShrink;
         fit_.values = best;
@@ -255,7 +255,7 @@ class AcousticFitter {
   void WeighDown() {
     if (!options_.down_weight) return;
     for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
-      Say("weighing down what the scene does not explain");
+      Say("reducing the weight of pixels that do not match the scene");
       model_.DownWeight(fit_.values);
       if (!poses_.empty()) FitJointly();
       again_.test_curves = round + 1 == kWeightRounds;
@@ -266,20 +266,20 @@ class AcousticFitter {
   // Moves to better poses that rounds cannot reach, because rounds only follow one valley, and refits there.
   void GoToBetterPoses() {
     for (int move = 0; move < kMovesToBetter && !poses_.empty() && fit_.usable; ++move) {
-      Say("looking for poses that explain the frames better");
+      Say("searching for poses that fit the frames better");
       const int moved =
           TakeBetterPoses(OtherPoses(model_, catalog_, poses_, fit_.values), kBetterNats, fit_.values);
       if (moved == 0) return;
-      Say(fmt::format("{} frame{} to a better pose", moved, moved == 1 ? " goes" : "s go"));
+      Say(fmt::format("{} frame{} moved to a better pose", moved, moved == 1 ? "" : "s"));
       model_.Linearise(fit_.values, {});
-      RefineStage(PoseStages(model_.grain()).back());
+      RefineStage(PoseStages(model_.speckle_cell()).back());
       FitJointly();
     }
   }
 
   void LookForOtherPoses() {
     if (poses_.empty() || !fit_.usable) return;
-    Say("looking for other poses that explain the frames as well");
+    Say("searching for other poses that fit the frames equally well");
     for (OtherPose& other : OtherPoses(model_, catalog_, poses_, fit_.values))
       fit_.report.other_poses.push_back(std::move(other.sentence));
   }
@@ -388,7 +388,7 @@ std::vector<Pose> FitPosesOnly(const sim::Simulator& simulator, const std::vecto
   std::vector<CatalogEntry> catalog = model.catalog();
   const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
   ParameterValues values = model.initial_values();
-  for (const PoseStage& stage : PoseStages(model.grain())) {
+  for (const PoseStage& stage : PoseStages(model.speckle_cell())) {
     RefinePoses(model, catalog, FreePoseEntries(catalog, free), stage, values, progress);
   }
   std::vector<Pose> poses;

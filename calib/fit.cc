@@ -320,7 +320,8 @@ class Fitter {
         [](double sigma) { return std::isfinite(sigma) ? sigma : std::numeric_limits<double>::max(); });
     Eigen::Index worst = 0;
     if (sigma_in_steps.maxCoeff(&worst) <= 1.0) return std::nullopt;
-    return OpenDirection{static_cast<int>(worst), names[worst] + ", whose sigma exceeds a surprising step"};
+    return OpenDirection{static_cast<int>(worst),
+                         names[worst] + ", whose standard error exceeds a surprisingly large step"};
   }
 
   void Finish() {
@@ -366,13 +367,13 @@ class Fitter {
     }
     if (held.empty()) {
       report_.gauge.push_back(
-          fmt::format("source_level_db and {} are both free: they shift one number with the materials' "
-                      "amplitudes, and what of them is reported is one of many equal answers",
+          fmt::format("source_level_db and {} are both free: together with the materials' amplitudes they "
+                      "change the same number, so the reported values are one of many equal solutions",
                       other));
       return;
     }
     report_.gauge.push_back(
-        fmt::format("held {} at the values given: source level {}, and a common factor on A, C and E of all "
+        fmt::format("{} fixed at the given values: source level {}, and a common factor on A, C and E of all "
                     "materials are one number, carried by the materials",
                     fmt::join(held, " and "), acoustic ? "and gain" : "minus db_min"));
     if (!acoustic) {

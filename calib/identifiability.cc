@@ -139,7 +139,7 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
 }
 
 Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
-  constexpr double kFewest = 2.0;  // degrees of freedom
+  constexpr double kMin = 2.0;  // degrees of freedom
   constexpr double z = 1.959964;
   const Eigen::Index n = equations.information.rows();
   Eigen::MatrixXd information = equations.information;
@@ -156,7 +156,7 @@ Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
   }
   // Expands the quantile of Student's law about the normal one (Abramowitz & Stegun 26.7.5).
   return sum.cwiseAbs2().cwiseQuotient(square).unaryExpr([](double freedom) {
-    if (!(freedom >= kFewest)) return std::numeric_limits<double>::infinity();
+    if (!(freedom >= kMin)) return std::numeric_limits<double>::infinity();
     const double z2 = z * z;
     return 1.0 + (z2 + 1.0) / (4.0 * freedom) +
            (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * freedom * freedom) +

@@ -140,9 +140,9 @@ class Stepper {
   };
   Split Directions(const Eigen::MatrixXd& of_frames) const {
     const Eigen::VectorXd sigma = Scales();
-    const double pixels_a_grain = model_.grain().bins * model_.grain().beams;
+    const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * of_frames *
-                                                                sigma.asDiagonal() / pixels_a_grain);
+                                                                sigma.asDiagonal() / pixels_per_cell);
     // eigenvalues ascend
     const Eigen::Index open = (solver.eigenvalues().array() < 1.0 / kOpenShare).count();
     return {.told = solver.eigenvectors().rightCols(of_frames.rows() - open),

@@ -243,12 +243,12 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
 
 BlockPixels BlockSize(const FrameModel& model, const FitOptions& options) {
   constexpr double kWidths = 8.0;
-  const auto along = [](int given, double grain, int extent, int fewest) {
-    const int wanted = static_cast<int>(std::ceil(kWidths * grain - 1e-6));
+  const auto along = [](int given, double width, int extent, int fewest) {
+    const int wanted = static_cast<int>(std::ceil(kWidths * width - 1e-6));
     return std::max(given, std::min(wanted, extent / fewest));
   };
-  return {.bins = along(options.block_bins, model.grain().bins, model.range_bins(), 4),
-          .beams = along(options.block_beams, model.grain().beams, model.beams(), 2)};
+  return {.bins = along(options.block_bins, model.speckle_cell().bins, model.range_bins(), 4),
+          .beams = along(options.block_beams, model.speckle_cell().beams, model.beams(), 2)};
 }
 
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kFormat = "sonarcal-batch/1";
 constexpr std::array<std::string_view, 3> kCommands = {"simulate", "compare", "fit"};
 constexpr std::array<std::string_view, 5> kOwnOptions = {"out", "resume", "json", "quiet", "help"};
-constexpr std::size_t kMostJobs = 100'000;
+constexpr std::size_t kMaxJobs = 100'000;
 
 // An option of an entry, in the order of the plan.
 struct PlannedOption {
@@ -85,8 +85,8 @@ std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options,
                                  const data_io::JsonReader& where) {
   std::vector<Chosen> combinations = {{}};
   for (const PlannedOption& option : options) {
-    if (combinations.size() * option.values.size() > kMostJobs)
-      where.Fail(fmt::format("makes more than {} jobs", kMostJobs));
+    if (combinations.size() * option.values.size() > kMaxJobs)
+      where.Fail(fmt::format("makes more than {} jobs", kMaxJobs));
     std::vector<Chosen> longer;
     for (const Chosen& chosen : combinations) {
       for (const std::string& value : option.values) {
@@ -196,7 +196,7 @@ class Reader {
 
   void AddJob(const std::string& id, const std::string& command, Chosen chosen, const std::string& id_before,
               const data_io::JsonReader& entry) {
-    if (plan_.jobs.size() == kMostJobs) entry.Fail(fmt::format("makes more than {} jobs", kMostJobs));
+    if (plan_.jobs.size() == kMaxJobs) entry.Fail(fmt::format("makes more than {} jobs", kMaxJobs));
     BatchJob job{.id = id, .command = command, .options = {}, .arguments = {}, .after = id_before, .key = {}};
     std::string key_before;
     if (!id_before.empty()) {
@@ -241,7 +241,7 @@ class Reader {
       for (const PlannedOption& option : ReadOptions(item, command, /*lists=*/false)) {
         for (const PlannedOption& other : options) {
           if (other.name == option.name)
-            item.Fail(fmt::format("has '{}', which options have as well", other.name));
+            item.Fail(fmt::format("has '{}', which is also in options", other.name));
         }
         row.emplace_back(option.name, option.values.front());
       }

@@ -38,8 +38,8 @@ BatchRunner::BatchRunner(BatchPlan plan, const fs::path& out, const BatchSetting
     const LedgerState* state = StateOf(job);
     if (state != nullptr && state->key != job.key) {
       throw DataError(
-          "{}: the job {} was begun with other options or other inputs, expected those of now: take another "
-          "--out, or the files as they were",
+          "{}: the job {} was started with other options or other inputs, expected the present ones: use "
+          "another --out, or restore the files",
           ledger_.file().string(), job.id);
     }
   }
@@ -99,9 +99,8 @@ bool BatchRunner::TakeFoundOutput(const BatchJob& job) {
   if (!fs::exists(output)) return false;
   const LedgerState* state = StateOf(job);
   if (state == nullptr) {
-    throw DataError(
-        "{}: is there already, and the ledger does not know it: move it away, or take another --out",
-        output.string());
+    throw DataError("{}: exists, but is not in the ledger: move it away, or use another --out",
+                    output.string());
   }
   // The output of an interrupted simulation may be incomplete: --resume makes the rest.
   if (state->event == LedgerState::Event::kStarted && job.command == "simulate") return false;

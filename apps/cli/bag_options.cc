@@ -15,11 +15,11 @@ void AddBagOptions(CLI::App& command, BagArguments& arguments) {
   command.add_option("--topic", options.topic, "The sonar's topic in a ROS bag (default: the only one)")
       ->type_name("NAME");
   AddChoice(command, "--sample-order", options.message.sample_order,
-            "How a ProjectedSonarImage's samples follow each other: beam by beam or range by range");
+            "Order of the samples of a ProjectedSonarImage: beam by beam or range by range");
   command.add_flag("--mirror", options.message.mirrored, "Exchange left and right of a ROS bag's images");
   command
       .add_option("--picture-geometry", arguments.picture_geometry,
-                  "Where the pixels of pictures, a video, or bare pictures in a ROS bag lie "
+                  "Geometry of the pixels of pictures, of a video, or of plain pictures in a ROS bag "
                   "(sonar-picture-geometry/1; default: the file beside them)")
       ->type_name("FILE");
 }

@@ -36,11 +36,11 @@ void WaitForSignals(const sigset_t& signals) {
   constexpr timespec kMoment = {1, 0};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
   if (again < 0) {
-    std::cerr << "\nsonarcal: stopping after the frame in hand; a second interruption ends at once"
+    std::cerr << "\nsonarcal: stopping after the present frame; a second interruption ends at once"
               << std::endl;
     if (sigwait(&signals, &again) != 0) return;
   }
-  EndBy(again, signals, "interrupted, and again: ended at once");
+  EndBy(again, signals, "interrupted twice: ended at once");
 }
 
 }  // namespace

@@ -45,13 +45,9 @@ void AddOptions(const std::vector<DocumentedOption>& options, bool arguments, st
 }
 
 constexpr const char* kExitStatus =
-    ".SH EXIT STATUS\n"
-    ".TP\n0\nDone.\n"
-    ".TP\n1\nBad data, or a run that failed.\n"
-    ".TP\n2\nA wrong command line.\n"
-    ".TP\n3\nA fit that ended without a usable solution.\n"
-    ".TP\n4\nA threshold given with \\fB\\-\\-fail\\-above\\fR was passed.\n"
-    ".TP\n130\nInterrupted, with what was finished in its place.\n";
+    ".SH EXIT STATUS\n.TP\n0\nDone.\n.TP\n1\nBad data, or a run that failed.\n.TP\n2\nA wrong command "
+    "line.\n.TP\n3\nA fit that ended without a usable solution.\n.TP\n4\nA figure exceeded a threshold of "
+    "\\fB\\-\\-fail\\-above\\fR.\n.TP\n130\nInterrupted; finished outputs are kept.\n";
 
 }  // namespace
 
@@ -59,9 +55,8 @@ std::string ProgramManPage(const CLI::App& root, const std::string& version) {
   std::string text = Head("sonarcal", version, "makes a simulated imaging sonar agree with a real one");
   text += ".SH SYNOPSIS\n.B sonarcal\n.I COMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n";
   text += Roff(
-      "Renders what an imaging sonar should have seen of a scene, measures how far that is from what it did "
-      "see, "
-      "and fits the simulator's physical parameters until the two agree as well as the data allow.");
+      "Simulates the images of an imaging sonar in a scene, compares them with recorded images, and fits the "
+      "physical parameters of the simulation until both agree as well as the data allow.");
   text += "\n.SH COMMANDS\n";
   for (const CLI::App* command : DocumentedCommands(root)) {
     text += fmt::format(".TP\n\\fBsonarcal\\-{}\\fR(1)\n{}\n", Roff(command->get_name()),

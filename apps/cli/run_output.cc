@@ -92,8 +92,7 @@ void CheckOutFolder(const fs::path& folder, const std::string& command, bool for
 CLI::Option* AddOutFolder(CLI::App& command, fs::path& out, CommonOptions& common,
                           const std::string& description) {
   command.add_flag("--force", common.force,
-                   "Write into --out although it holds what no earlier run of this command wrote; files of "
-                   "the same names are replaced");
+                   "Write into --out although it holds other files; files of the same names are replaced");
   return command.add_option("--out", out, description)->type_name("DIR");
 }
 

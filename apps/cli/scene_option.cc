@@ -42,8 +42,7 @@ Scene ReadSceneFile(const std::filesystem::path& scene, const SceneFormat& forma
   if (!data_io::NeedsConventions(scene)) {
     if (format.unit || format.up) {
       throw UsageError(
-          "--scene-unit and --scene-up are for OBJ and STL; {} is taken for glTF, which is in "
-          "metres and Y up",
+          "--scene-unit and --scene-up are for OBJ and STL; {} is read as glTF, which is in metres and Y up",
           scene.string());
     }
     return data_io::ReadScene(scene);
@@ -54,11 +53,9 @@ Scene ReadSceneFile(const std::filesystem::path& scene, const SceneFormat& forma
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& vertex_m : read.vertices_m) box.extend(vertex_m);
   const Eigen::Vector3f size_m = box.sizes();
-  PrintNote(
-      common,
-      fmt::format("{}: {} triangles, {:.4g} x {:.4g} m and {:.4g} m high; its format tells neither unit "
-                  "nor upward axis, which --scene-unit and --scene-up do",
-                  scene.string(), read.triangles.size(), size_m.x(), size_m.y(), size_m.z()));
+  PrintNote(common, fmt::format("{}: {} triangles, {:.4g} x {:.4g} m and {:.4g} m high; its format states "
+                                "neither unit nor upward axis, set them with --scene-unit and --scene-up",
+                                scene.string(), read.triangles.size(), size_m.x(), size_m.y(), size_m.z()));
   return read;
 }
 

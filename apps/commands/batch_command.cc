@@ -134,7 +134,7 @@ cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
         [&] { return interruption.asked(); });
   }
   if (!is_complete) {
-    cli::PrintError(fmt::format("interrupted: what is done lies in {}; the same command runs the rest",
+    cli::PrintError(fmt::format("interrupted: finished jobs are in {}; the same command runs the rest",
                                 options.out.string()));
     return cli::ExitStatus::kInterrupted;
   }
@@ -145,22 +145,22 @@ void SetupBatch(CLI::App& app) {
   auto options = std::make_shared<BatchOptions>();
   CLI::App* command =
       cli::AddCommand(app, "batch", "Simulates, compares or fits over many recordings and parameter sets");
-  command->add_option("PLAN", options->plan, "Which commands run with which options (sonarcal-batch/1, JSON)")
+  command->add_option("PLAN", options->plan, "Plan of commands and their options (sonarcal-batch/1, JSON)")
       ->required();
   command->add_option("--out", options->out, "Folder of all outputs, of the ledger and of the summary")
       ->type_name("DIR")
       ->required();
-  command->add_option("-j,--jobs", options->processes, "Jobs at a time, each a process of its own")
+  command
+      ->add_option("-j,--jobs", options->processes,
+                   "Number of jobs that run at the same time, each as a process")
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));
-  command
-      ->add_option("--threads", options->threads,
-                   "Threads of each job, 0 for the cores divided among the jobs")
+  command->add_option("--threads", options->threads, "Threads per job; 0 divides the cores among the jobs")
       ->type_name("N")
       ->check(CLI::Range(0, 1024).description(""));
-  command->add_flag("--dry-run", options->dry_run, "List the jobs and what is done of them, and run none");
-  command->add_flag("--summary", options->summary_only, "Write the summary of what is done, and run nothing");
-  command->add_option("--only", options->only, "Run one job, which a scheduler of its own asks for")
+  command->add_flag("--dry-run", options->dry_run, "List the jobs and their states; run none");
+  command->add_flag("--summary", options->summary_only, "Write the summary of the finished jobs; run none");
+  command->add_option("--only", options->only, "Run only this job, for use with another scheduler")
       ->type_name("JOB")
       ->default_str("");
   cli::OnRun(command, options->common, [options, &app] { return RunBatch(*options, app); });

@@ -167,8 +167,8 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   progress.reset();
   metrics::MetricsReport& metrics = comparison.metrics;
 
-  const report::ShownFrames shown =
-      report::ShowFrames(*real, *simulated, comparison.options, metrics, workflow::TellingFrames(metrics));
+  const report::ShownFrames shown = report::ShowFrames(*real, *simulated, comparison.options, metrics,
+                                                       workflow::RepresentativeFrames(metrics));
 
   std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
   for (const std::filesystem::path& file :
@@ -217,24 +217,23 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
       ->required();
   command
       ->add_option("--frames", options->frames,
-                   "Frames of both: from A, counted from 0, up to but without B, or several such ranges "
-                   "(default: all)")
+                   "Frames to compare, of both recordings: from A (counted from 0) up to, but not including, "
+                   "B, or several such ranges (default: all)")
       ->type_name("A:B,...");
   cli::AddOptions(*command, options->compare);
   command->add_flag("--sweep-csv", options->sweep_csv, "Write the curves to threshold_sweep.csv too");
   command
       ->add_option("--pictures", options->pictures,
-                   "Frames that get pictures, evenly spread over those compared; 0 for none")
+                   "Max number of frames with pictures, evenly spread over those compared; 0 for none")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber.description(""));
-  cli::AddSceneOptions(
-      *command, options->scene, options->scene_format,
-      "Scene of the recording, to tell the difference by incidence angle and material, and for "
-      "--object (default for --object: the one that a recording names)",
-      false);
+  cli::AddSceneOptions(*command, options->scene, options->scene_format,
+                       "Scene of the recording, for residuals by incidence angle and material, and for "
+                       "--object (default for --object: the scene that a recording names)",
+                       false);
   command
       ->add_option("--fail-above", options->fail_above,
-                   "End with status 4 where a figure of metrics.json is above a value, such as "
+                   "End with status 4 if a figure of metrics.json is above a value, such as "
                    "intensity_error.polar=0.1 or against.worse=0")
       ->type_name("NAME=VALUE");
 }

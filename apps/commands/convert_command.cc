@@ -160,27 +160,26 @@ void SetupConvert(CLI::App& app) {
   cli::AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
   command
       ->add_option("--frames", options->frames,
-                   "Frames to take: from A, counted from 0, up to but without B; all if not given")
+                   "Frames to convert: from A (counted from 0) up to, but not including, B; all if not given")
       ->type_name("A:B");
   command
-      ->add_option(
-          "--trajectory", options->trajectory,
-          "Where the sonar, or the body that carries it, was over time; gives every frame the pose at its "
-          "time, in place of its own")
+      ->add_option("--trajectory", options->trajectory,
+                   "Trajectory of the sonar, or of the body that carries it; gives every frame the pose at "
+                   "its time, in place of its own")
       ->type_name("FILE");
   cli::AddChoice(*command, "--trajectory-format", options->trajectory_format,
-                 "Format of the trajectory (default: told by its first lines)");
+                 "Format of the trajectory (default: determined from its first lines)");
   cli::AddBagOptions(*command, options->bag);
   command
       ->add_option("--pose-topic", options->pose_topic,
-                   "Topic of a ROS bag that says where that body was, in place of --trajectory: Odometry, "
+                   "Topic of a ROS bag with the poses of that body, in place of --trajectory: Odometry, "
                    "PoseStamped or transforms")
       ->type_name("NAME");
   command
       ->add_option("--pose-frames", options->pose_frames,
                    "Frames between which the transforms are followed, of the world and of the body")
       ->type_name("WORLD:BODY");
-  command->add_option("--mount", options->mount, "How the sonar sits on that body (sonar-mount/1)")
+  command->add_option("--mount", options->mount, "Mount of the sonar on that body (sonar-mount/1)")
       ->type_name("FILE");
   command
       ->add_option("--time-offset", options->time_offset_s,
@@ -189,14 +188,13 @@ void SetupConvert(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--most-gap", options->most_gap_s,
-                   "Seconds between two poses of the trajectory beyond which nothing is interpolated")
+                   "Max time in seconds between two poses of the trajectory for an interpolation")
       ->type_name("S")
       ->capture_default_str()
       ->check(CLI::PositiveNumber.description(""));
-  command->add_flag(
-      "--salvage", options->salvage,
-      "Leave out the frames of a damaged recording that cannot be read, with a note of each, rather "
-      "than end at the first");
+  command->add_flag("--salvage", options->salvage,
+                    "Leave out the frames of a damaged recording that cannot be read, with a message for "
+                    "each, instead of ending at the first");
   cli::OnRun(command, options->common, [command, options] {
     if (options->trajectory.empty()) {
       cli::RefuseGiven(*command, {"--trajectory-format"}, "without --trajectory");

@@ -74,7 +74,7 @@ struct Subject {
   ParameterSet given;
   workflow::ExplainOptions options;  // as stored in provenance
   workflow::ExplainRecordingOptions explain;
-  report::ExplanationTelling telling;
+  report::ExplanationPresentation presentation;
   std::vector<std::filesystem::path> inputs;
 };
 
@@ -85,8 +85,7 @@ void CheckSubject(const ExplainCommandOptions& options) {
   for (const auto& [name, is_given] : files) {
     if (is_given && !options.known.empty())
       throw UsageError("{} does not go with --known, which has its own", name);
-    if (!is_given && options.known.empty())
-      throw UsageError("{} is required, where --known is not given", name);
+    if (!is_given && options.known.empty()) throw UsageError("{} is required without --known", name);
   }
 }
 
@@ -99,7 +98,7 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
           .given = std::move(given),
           .options = options.explain,
           .explain = options.explain.For(axes),
-          .telling = {.apart = options.apart},
+          .presentation = {.apart = options.apart},
           .inputs = {options.real, options.scene, options.params}};
 }
 
@@ -129,11 +128,11 @@ Subject OpenKnown(const reproduce::CasePlan& plan, const ExplainCommandOptions& 
           .given = std::move(prepared.parameters),
           .options = std::move(explain),
           .explain = std::move(resolved),
-          .telling = {.title = std::move(prepared.title),
-                      .about = true,
-                      .apart = prepared.apart || options.apart,
-                      .warnings = std::move(prepared.warnings),
-                      .caveats = std::move(prepared.caveats)},
+          .presentation = {.title = std::move(prepared.title),
+                           .about = true,
+                           .apart = prepared.apart || options.apart,
+                           .warnings = std::move(prepared.warnings),
+                           .caveats = std::move(prepared.caveats)},
           .inputs = std::move(prepared.inputs)};
 }
 
@@ -144,7 +143,7 @@ Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subj
                {"scene", options.scene.string()},
                {"params", options.params.string()},
                {"out", options.out.string()},
-               {"apart", subject.telling.apart}};
+               {"apart", subject.presentation.apart}};
   json.update(cli::SceneFormatJson(options.scene_format));
   workflow::ExplainOptions resolved = subject.options;
   resolved.rays.rays = explained.rays;
@@ -166,13 +165,14 @@ void WriteMaps(const workflow::ExplainedRecording& explained, const cli::RunOutp
 }
 
 report::HtmlReport MakeReport(const workflow::ExplainedRecording& explained, const RecordingInfo& info,
-                              const report::ExplanationTelling& telling, const Json& provenance) {
+                              const report::ExplanationPresentation& presentation, const Json& provenance) {
   const std::string name = workflow::RecordingName(info);
-  report::HtmlReport report("What each part of the model explains",
-                            telling.title.empty() ? name : fmt::format("{}; {}", telling.title, name));
+  report::HtmlReport report(
+      "Ablation study of the model",
+      presentation.title.empty() ? name : fmt::format("{}; {}", presentation.title, name));
   report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
-  report::AddWaterfall(report, explained, telling);
-  report::AddCauses(report, explained, telling);
+  report::AddWaterfall(report, explained, presentation);
+  report::AddCauses(report, explained, presentation);
   report::EndReport(report, provenance);
   return report;
 }
@@ -193,7 +193,7 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   cli::RunOutput output(options.out, "explain", options.common.force);
   if (plan) opened = OpenKnown(*plan, options, output);
   Subject& subject = *opened;
-  subject.telling.synthetic = subject.recording->info().synthetic;
+  subject.presentation.synthetic = subject.recording->info().synthetic;
   workflow::ExplainRecordingOptions& explain = subject.explain;
   explain.on_note = [&](const std::string& sentence) { cli::PrintNote(options.common, sentence); };
   explain.on_step = [&](calib::ExplainedPart part) {
@@ -205,13 +205,13 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   const cli::Provenance provenance{.command = "explain",
                                    .configuration = ConfigurationJson(options, subject, explained),
                                    .inputs = subject.inputs};
-  const Json json = report::ExplanationJson(explained, subject.telling);
+  const Json json = report::ExplanationJson(explained, subject.presentation);
   data_io::WriteFileWhole(output / "explain.json", json.dump(2) + "\n");
   WriteMaps(explained, output);
   data_io::WriteParameters(output / "params.json", explained.explanation.steps.back().parameters);
   cli::WriteProvenance(output.staging(), provenance);
   const RecordingInfo& info = subject.recording->info();
-  report::WriteReport(MakeReport(explained, info, subject.telling, cli::ProvenanceToJson(provenance)),
+  report::WriteReport(MakeReport(explained, info, subject.presentation, cli::ProvenanceToJson(provenance)),
                       output.staging());
   output.Commit();
 
@@ -219,8 +219,9 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
     cli::PrintJson(json);
   } else {
     const std::string name = workflow::RecordingName(info);
-    std::string text = fmt::format("{}: {}", subject.telling.title.empty() ? name : subject.telling.title,
-                                   report::ExplanationText(explained, subject.telling));
+    std::string text =
+        fmt::format("{}: {}", subject.presentation.title.empty() ? name : subject.presentation.title,
+                    report::ExplanationText(explained, subject.presentation));
     if (plan) {
       text += fmt::format("recording, scene and parameters: {}\n", (options.out / "recording").string());
     }
@@ -231,22 +232,20 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
 
 void SetupExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainCommandOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "explain",
-      "Adds the acoustic model's parts one by one, says what each is worth on frames that were not "
-      "fitted, and what every bright cell comes from");
+  CLI::App* command = cli::AddCommand(app, "explain",
+                                      "Adds the parts of the acoustic model one by one, evaluates each on "
+                                      "held-out frames, and finds the cause of every bright pixel");
   command
       ->add_option("--real", options->real,
-                   "Recording to explain, at least two frames, a pose with each; required but for --known, "
-                   "as --scene and --params are")
+                   "Recording with at least two frames, each with a pose; required without --known, like "
+                   "--scene and --params")
       ->type_name("REC");
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/false);
   command
-      ->add_option(
-          "--params", options->params,
-          "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and where "
-          "curves begin")
+      ->add_option("--params", options->params,
+                   "Parameters of the acoustic model: the form of beam, pulse, display and mirrors, and "
+                   "start values of the curves")
       ->type_name("JSON");
   command
       ->add_option("--known", options->known,
@@ -259,7 +258,7 @@ void SetupExplain(CLI::App& app) {
       ->type_name("DIR");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for figures, maps and report")
       ->required();
-  command->add_flag("--apart", options->apart, "Let each held-out frame judge by itself");
+  command->add_flag("--apart", options->apart, "Evaluate each held-out frame by itself");
   cli::AddOptions(*command, options->explain);
   cli::OnRun(command, options->common, [command, options] {
     cli::RefuseSceneFormatAlone(*command);

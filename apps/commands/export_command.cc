@@ -113,7 +113,7 @@ void CheckOptions(const ExportOptions& options) {
   if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
   if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
     throw UsageError(
-        "--out is '{}', expected a name that ends in .mp4, as the video's container is told by it",
+        "--out is '{}', expected a name that ends in .mp4, which determines the container of the video",
         options.out.string());
   }
   if (!options.out.has_filename()) {
@@ -301,7 +301,7 @@ void SetupExport(CLI::App& app) {
                                          [options](ExportTarget to) { options->to = to; })
       ->required();
   cli::AddOutFolder(*command, options->out, options->common,
-                    "File to write (a folder for png); beside it, what was exported and how, as JSON")
+                    "File to write (a folder for png); an account of the export is written beside it as JSON")
       ->type_name("FILE")
       ->required();
   command->add_option("--params", options->params, "Parameters to export to a simulator")->type_name("JSON");
@@ -309,22 +309,22 @@ void SetupExport(CLI::App& app) {
   cli::AddOptionNamed(*command, options->rays, "absorption");
   command
       ->add_option("--recording", options->recording,
-                   "Recording to export, of any format; for simulators the one whose sonar it is")
+                   "Recording to export, of any format; for simulators, a recording of the sonar")
       ->type_name("REC");
   cli::AddBagOptions(*command, options->bag);
   command
       ->add_option("--frames", options->frames,
-                   "Frames of the recording: from A, counted from 0, up to but without B; all if not given")
+                   "Frames to export: from A (counted from 0) up to, but not including, B; all if not given")
       ->type_name("A:B");
   command
       ->add_option("--height", options->height_px,
-                   "Height of pictures, pixels (default: one a range bin, 800 at most)")
+                   "Height of pictures, pixels (default: one per range bin, at most 800)")
       ->type_name("PX")
       ->default_str("")
       ->check(CLI::Range(2, 10000).description(""));
   command
       ->add_option("--fps", options->frames_per_s,
-                   "Frames a second of a video (default: as recorded, 10 where frames have no times)")
+                   "Frames per second of a video (default: as recorded, 10 if frames have no times)")
       ->type_name("HZ")
       ->default_str("")
       ->check(CLI::Range(0.01, 1000.0).description(""));

@@ -85,7 +85,7 @@ std::string CurvesText(const calib::FitReport& report,
   for (const calib::FittedCurve& curve : report.curves) {
     const auto range = seen.find(curve.material);
     if (range == seen.end()) continue;
-    text += fmt::format("  {}, backscatter at incidence where the frames show it, dB\n", curve.material);
+    text += fmt::format("  {}, backscatter at incidence angles in the frames, dB\n", curve.material);
     for (const int deg : kAnglesDeg) {
       const auto i = static_cast<std::size_t>(deg);  // one value per degree
       if (deg < range->second.low_deg || deg > range->second.high_deg || i >= curve.backscatter_db.size())
@@ -127,10 +127,10 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
   const calib::FitReport& report = fit.fit.report;
   std::string text = fit.choice ? report::ModelChoiceText(*fit.choice) : std::string();
   for (const std::string& sentence : report.warnings) text += fmt::format("warning: {}\n", sentence);
-  text +=
-      fmt::format("{}: fitted to frames {}, judged on {}\n", recording, report::FrameList(report.frames_used),
-                  fit.judged_on_held_out ? "frames " + report::FrameList(report.frames_held_out)
-                                         : "the same frames, because none is held out");
+  text += fmt::format("{}: fitted to frames {}, evaluated on {}\n", recording,
+                      report::FrameList(report.frames_used),
+                      fit.judged_on_held_out ? "frames " + report::FrameList(report.frames_held_out)
+                                             : "the same frames, because none is held out");
   const std::size_t width = NameWidth(report);
   text += CurvesText(report, fit.seen) + ParametersText(report);
   const auto add_list = [&](const char* title, const std::vector<std::string>& sentences) {
@@ -162,7 +162,7 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
     add_image("speckled sample", *fit.sample_before, *fit.sample_after);
   if (report.down_weighted_share) {
     text +=
-        fmt::format("{:.1f} % of the pixels used count for less than half: the scene does not explain them\n",
+        fmt::format("{:.1f} % of the pixels used have a weight below one half: they do not match the scene\n",
                     100.0 * *report.down_weighted_share);
   }
   text += report::StillText(fit.still);
@@ -255,12 +255,10 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   cli::WriteProvenance(output.staging(), provenance);
   if (!fit.fit.usable) {
     output.Commit();
-    cli::PrintError(
-        fmt::format("the fit ended without a usable solution ({}); {} tells more, and no parameters were "
-                    "written",
-                    fit.fit.report.termination.empty() ? "nothing could be told from the frames"
-                                                       : fit.fit.report.termination,
-                    (options.out / "fit.json").string()));
+    cli::PrintError(fmt::format(
+        "the fit ended without a usable solution ({}); see {}, no parameters were written",
+        fit.fit.report.termination.empty() ? "the frames determine no parameter" : fit.fit.report.termination,
+        (options.out / "fit.json").string()));
     return cli::ExitStatus::kNoSolution;
   }
   data_io::WriteParameters(output / "params.json", fit.fit.parameters);
@@ -285,36 +283,36 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
                    "Recording to fit to; each frame needs a pose, except with --noise-only or --still")
       ->type_name("REC")
       ->required();
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/false);
   command
-      ->add_option("--params", options->params,
-                   "Parameters to start from; with --noise-only its display is kept, with --still also its "
-                   "looks and floor")
+      ->add_option(
+          "--params", options->params,
+          "Start parameters; --noise-only keeps their display, --still also their looks and noise floor")
       ->type_name("JSON");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for parameters, fit and report")
       ->required();
   cli::AddOptions(*command, options->fit);
   CLI::Option* noise_only =
       command->add_flag("--noise-only", options->noise_only,
-                        "Fit the noise floor, speckle and display law alone, to pings without targets");
+                        "Fit only noise floor, speckle and display law, to pings without targets");
   command
       ->add_flag("--still", options->still,
-                 "Tell speckle from receiver noise alone, by frames of one pose whose scene stands still")
+                 "Only separate speckle from receiver noise, on frames from one pose of a static scene")
       ->excludes(noise_only);
   command->add_option("--range-min", options->range_min_m, "Noise only: nearest range used (default: all)")
       ->type_name("M");
   command->add_option("--range-max", options->range_max_m, "Noise only: farthest range used (default: all)")
       ->type_name("M");
   command->add_flag("--find-background", options->find_background,
-                    "Noise only: find the window of range that holds no targets, by rule");
-  command->add_flag(
-      "--hold-out-bands", options->hold_out_bands,
-      "Noise only: judge on every second band of 8 range bins, which is not fitted (default: of a "
-      "single frame alone)");
+                    "Noise only: find the window of range without targets by rule");
+  command->add_flag("--hold-out-bands", options->hold_out_bands,
+                    "Noise only: evaluate on every second band of 8 range bins, which is not fitted "
+                    "(default: only for a single frame)");
   command
       ->add_option("--reject-beyond", options->reject_beyond,
-                   "Noise only: leave out cells this many robust standard deviations off, 0 for none")
+                   "Noise only: leave out cells that are off by more than this many robust standard "
+                   "deviations, 0 for none")
       ->type_name("N")
       ->check(CLI::Range(0.0, 100.0).description(""));
 }

@@ -32,7 +32,7 @@ ParameterSet ParametersFor(const FitCommandOptions& options, const RecordingInfo
   parameters.model = EchoModel::kAcoustic;
   if (!options.params.empty()) parameters = data_io::ReadParameters(options.params);
   if (options.params.empty() && !(info.scale.db_min && info.scale.db_max)) {
-    throw DataError("{}: the recording tells no levels db_min and db_max, expected --params with a display",
+    throw DataError("{}: the recording states no levels db_min and db_max, expected --params with a display",
                     info.source);
   }
   if (const std::string note = workflow::TakeDisplay(info.scale, parameters); !note.empty())
@@ -62,7 +62,7 @@ calib::FitReport ReportOf(const workflow::StillPoses& still) {
                                .upper = 300.0,
                                .status = calib::ParameterStatus::kFree});
   report.termination = "converged";
-  report.gauge.push_back("display and looks as given: noise is told in their levels");
+  report.gauge.push_back("display and looks as given: noise levels are relative to them");
   return report;
 }
 
@@ -73,10 +73,10 @@ cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
   const auto recording = data_io::OpenRecording(options.real);
   ParameterSet parameters = ParametersFor(options, recording->info());
   cli::RunOutput output(options.out, "fit", options.common.force);
-  const workflow::StillPoses still = workflow::TellStillPoses(*recording, parameters, 0.0, {});
+  const workflow::StillPoses still = workflow::MeasureStillPoses(*recording, parameters, 0.0, {});
   if (still.poses.empty()) {
     throw DataError("{}: {}", options.real.string(),
-                    still.refused.empty() ? "no pose is shown by two frames" : still.refused.front());
+                    still.refused.empty() ? "no pose has two frames" : still.refused.front());
   }
   cli::Provenance provenance{.command = "fit",
                              .configuration = {{"still", true},
@@ -93,7 +93,7 @@ cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
   parameters.materials.try_emplace("default");
   data_io::WriteParameters(output / "params.json", parameters);
   const RecordingInfo& info = recording->info();
-  report::HtmlReport html("Speckle and noise of still frames", workflow::RecordingName(info));
+  report::HtmlReport html("Speckle and noise of static frames", workflow::RecordingName(info));
   report::AddSyntheticCallout(html, info.synthetic, workflow::RecordingName(info));
   html.Section("Levels");
   report::AddStillPoses(html, still);
@@ -252,8 +252,8 @@ cli::ExitStatus RunFitNoise(const FitCommandOptions& options) {
   cli::WriteProvenance(output.staging(), provenance);
   if (!fit.usable) {
     output.Commit();
-    cli::PrintError(fmt::format("the fit {}; no parameters were written, {} tells more",
-                                fit.report.termination, (options.out / "fit.json").string()));
+    cli::PrintError(fmt::format("the fit {}; no parameters were written, see {}", fit.report.termination,
+                                (options.out / "fit.json").string()));
     return cli::ExitStatus::kNoSolution;
   }
   ParameterSet parameters;

@@ -230,14 +230,14 @@ void SetupGallery(CLI::App& app) {
                     "Leave mock-up, bridge pier and jacket without the flat bed they stand on");
   cli::AddSceneOptions(*command, options->scene, options->scene_format,
                        "A scene of your own, in place of the program's", /*required=*/false);
-  command->add_option("--poses", options->poses, "Its viewpoints: a recording that has poses, or a JSON file")
+  command->add_option("--poses", options->poses, "Its viewpoints: a recording with poses, or a JSON file")
       ->type_name("REC|FILE");
   command
       ->add_option("--params", options->params,
                    "Parameters (default: the paper's Table 4 for every material of the program's scenes)")
       ->type_name("JSON");
   cli::AddSonar(*command, options->sonar);
-  command->add_option("--views", options->views, "The first so many viewpoints of each scene, 0 for all")
+  command->add_option("--views", options->views, "Number of viewpoints of each scene, 0 for all")
       ->type_name("N")
       ->check(CLI::Range(0, 10000).description(""));
   cli::AddOptions(*command, options->rays);

@@ -250,7 +250,7 @@ cli::ExitStatus RunInspect(const InspectOptions& options) {
 void SetupInspect(CLI::App& app) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command = cli::AddCommand(
-      app, "inspect", "Says what a recording holds: sensor, window, beams, frames, gain, quirks");
+      app, "inspect", "Prints the contents of a recording: sensor, window, beams, frames, gain, quirks");
   command->add_option("FILE", options->files, "Recording folders, or files of a sonar's native format")
       ->required();
   cli::AddBagOptions(*command, options->bag);

@@ -158,7 +158,7 @@ TimedImages ListImages(const PosesOptions& options) {
     return timed;
   }
   timed.times = options.rate_hz ? fmt::format("{:g} images a second, the first at 0", *options.rate_hz)
-                                : "the image's number, from 0, for want of times: no seconds";
+                                : "the number of the image, from 0, because times are unknown";
   for (std::size_t i = 0; i < timed.images.size(); ++i)
     timed.images[i].time_s = static_cast<double>(i) / options.rate_hz.value_or(1.0);
   return timed;
@@ -216,12 +216,12 @@ double Median(const calib::MarkerPoses& poses, const Value& value) {
 
 // Prints messages for the user.
 void PrintNotes(const PosesOptions& options, const TimedImages& timed, const calib::MarkerPoses& poses) {
-  constexpr int kMostNamed = 5;
+  constexpr int kMaxNamed = 5;
   int refused = 0;
   for (std::size_t i = 0; i < poses.frames.size(); ++i) {
     const std::string& why = poses.frames[i].refused;
     const std::string name = timed.images[i].file.filename().string();
-    if (!why.empty() && ++refused <= kMostNamed)
+    if (!why.empty() && ++refused <= kMaxNamed)
       cli::PrintNote(options.common, fmt::format("{}: no pose: {}", name, why));
     if (poses.frames[i].other) {
       cli::PrintNote(options.common,
@@ -229,25 +229,23 @@ void PrintNotes(const PosesOptions& options, const TimedImages& timed, const cal
                                  poses.frames[i].other->nats));
     }
   }
-  if (refused > kMostNamed)
+  if (refused > kMaxNamed)
     cli::PrintNote(options.common,
-                   fmt::format("{} more images without a pose: marker_poses.json", refused - kMostNamed));
+                   fmt::format("{} more images without a pose: marker_poses.json", refused - kMaxNamed));
   constexpr double kFewFreedoms = 20.0;
   if (poses.degrees_of_freedom < kFewFreedoms) {
     cli::PrintNote(
         options.common,
-        fmt::format(
-            "warning: the noise is told by {:.0f} degrees of freedom alone, covariances may be far off",
-            poses.degrees_of_freedom));
+        fmt::format("warning: only {:.0f} degrees of freedom determine the noise, covariances may be far off",
+                    poses.degrees_of_freedom));
   }
   constexpr double kBadFit = 5.0;
   if (poses.noise_factor > kBadFit) {
     cli::PrintNote(
         options.common,
-        fmt::format(
-            "warning: residuals are {:.1f} times what the edges in the images allow: map, camera or port "
-            "are not what they are said to be, and covariances leave out what is wrong in all frames",
-            poses.noise_factor));
+        fmt::format("warning: residuals are {:.1f} times as large as the edges in the images allow: map, "
+                    "camera or port are wrong, and covariances do not include errors common to all frames",
+                    poses.noise_factor));
   }
 }
 
@@ -278,7 +276,7 @@ cli::ExitStatus RunPoses(const PosesOptions& options) {
   const auto posed =
       std::ranges::count_if(poses.frames, [](const auto& frame) { return frame.refused.empty(); });
   if (posed == 0) {
-    throw DataError("{}: none of {} images gives a pose; of the first: {}", options.images.string(),
+    throw DataError("{}: none of {} images gives a pose; first image: {}", options.images.string(),
                     images.size(), poses.frames.front().refused);
   }
   WriteOutputs(options, output, timed, images, inputs, poses);
@@ -312,7 +310,7 @@ cli::ExitStatus RunPoses(const PosesOptions& options) {
 void SetupPoses(CLI::App& app) {
   auto options = std::make_shared<PosesOptions>();
   CLI::App* command = cli::AddCommand(
-      app, "poses", "Finds where the sonar was, from pictures of markers by a camera beside it");
+      app, "poses", "Finds the poses of the sonar from pictures of markers by a camera mounted beside it");
   command->add_option("--images", options->images, "Folder of pictures: PNG, JPEG or grey TIFF")
       ->type_name("DIR")
       ->required();
@@ -321,12 +319,12 @@ void SetupPoses(CLI::App& app) {
       ->required();
   command
       ->add_option("--markers", options->markers,
-                   "Where the ArUco or AprilTag markers are, in metres (sonar-markers/1)")
+                   "Map of the ArUco or AprilTag markers, in metres (sonar-markers/1)")
       ->type_name("JSON")
       ->required();
   command
       ->add_option("--mount", options->mount,
-                   "How the camera sits beside the sonar: camera_from_sonar, in metres (sonar-mount/1)")
+                   "Mount of the camera beside the sonar: camera_from_sonar, in metres (sonar-mount/1)")
       ->type_name("JSON")
       ->required();
   command
@@ -336,18 +334,18 @@ void SetupPoses(CLI::App& app) {
           "given, which is right for a camera calibrated under water")
       ->type_name("JSON");
   cli::AddOutFolder(*command, options->out, options->common, "Folder to write")->required();
-  cli::AddChoice(
-      *command, "--time-unit", options->time_unit,
-      "Unit of the times that the pictures' names are (default: by their digits: 10 s, 13 ms, 16 us, 19 ns)");
+  cli::AddChoice(*command, "--time-unit", options->time_unit,
+                 "Unit of the times in the names of the pictures (default: from their number of digits: 10 "
+                 "s, 13 ms, 16 us, 19 ns)");
   command
-      ->add_option("--rate", options->rate_hz,
-                   "Pictures a second, in place of times by name; where neither is known, times are numbers")
+      ->add_option(
+          "--rate", options->rate_hz,
+          "Pictures per second, in place of times from names; without either, times are image numbers")
       ->type_name("HZ")
       ->check(CLI::PositiveNumber.description(""));
   command
-      ->add_option(
-          "--max-rms", options->max_rms_px,
-          "Reprojection error, pixels (rms of the corners' distances), beyond which a frame is refused")
+      ->add_option("--max-rms", options->max_rms_px,
+                   "Max reprojection error of a frame, pixels (rms of the corners' distances)")
       ->type_name("PX")
       ->capture_default_str()
       ->check(CLI::PositiveNumber.description(""));

@@ -90,7 +90,7 @@ Json JsonOf(const RaysOptions& options, const Measured& measured) {
   Json fewest = Json::object();
   for (const auto& [word, sampling] : WordsOf(std::type_identity<sim::Sampling>{})) {
     if (options.sampling && *options.sampling != sampling) continue;
-    const auto found = workflow::FewestRays(measured.errors.counts, sampling);
+    const auto found = workflow::MinRays(measured.errors.counts, sampling);
     fewest[std::string(word)] = found ? Json(GridText(found->grid)) : Json(nullptr);
   }
   Json json = {{"scene", options.scene.string()},
@@ -109,8 +109,8 @@ std::string_view WeightText(sim::RayWeight weight) {
   return weight == sim::RayWeight::kEven ? "evenly" : "by solid angle";
 }
 
-std::string FewestText(const std::vector<workflow::RayError>& errors, sim::Sampling sampling) {
-  const auto fewest = workflow::FewestRays(errors, sampling);
+std::string MinRaysText(const std::vector<workflow::RayError>& errors, sim::Sampling sampling) {
+  const auto fewest = workflow::MinRays(errors, sampling);
   if (!fewest) {
     return fmt::format("{}: none of these leaves 99.9 % of the pixels within one grey level",
                        ToString(sampling));
@@ -119,11 +119,11 @@ std::string FewestText(const std::vector<workflow::RayError>& errors, sim::Sampl
                      ToString(sampling), GridText(fewest->grid));
 }
 
-std::vector<std::string> FewestTexts(const RaysOptions& options, const Measured& measured) {
+std::vector<std::string> MinRaysTexts(const RaysOptions& options, const Measured& measured) {
   std::vector<std::string> texts;
   for (const auto& [word, sampling] : WordsOf(std::type_identity<sim::Sampling>{})) {
     if (!options.sampling || *options.sampling == sampling)
-      texts.push_back(FewestText(measured.errors.counts, sampling));
+      texts.push_back(MinRaysText(measured.errors.counts, sampling));
   }
   if (measured.errors.between) {
     const workflow::ImageError& e = *measured.errors.between;
@@ -146,7 +146,7 @@ std::string TableText(const RaysOptions& options, const Measured& measured) {
                         ToString(e.sampling), GridText(e.grid), e.rays(), e.denser, e.p999_grey, e.p999_db,
                         e.max_grey, 100.0 * e.within_one, 100.0 * e.within_one_lit);
   }
-  for (const std::string& line : FewestTexts(options, measured)) text += "  " + line + "\n";
+  for (const std::string& line : MinRaysTexts(options, measured)) text += "  " + line + "\n";
   return text;
 }
 
@@ -176,7 +176,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
       report::CalloutKind::kSynthetic, "Simulated on both sides",
       "Images of few rays against images of many, by the paper's model: nothing here was recorded.");
   report.Section("Errors");
-  report.List(FewestTexts(options, measured));
+  report.List(MinRaysTexts(options, measured));
   report::Table table{.caption = fmt::format("Errors over all pixels of {} pose{}; {}; rays weighed {}",
                                              measured.poses, measured.poses == 1 ? "" : "s", measured.display,
                                              WeightText(options.rays.ray_weight)),
@@ -190,7 +190,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
                                   {"Within one level", "% of lit pixels"}},
                       .rows = {}};
   for (const workflow::RayError& e : measured.errors.counts) {
-    const auto fewest = workflow::FewestRays(measured.errors.counts, e.sampling);
+    const auto fewest = workflow::MinRays(measured.errors.counts, e.sampling);
     table.rows.push_back(
         {{fmt::format("{} {}", ToString(e.sampling), GridText(e.grid)), fmt::format("{}", e.rays()),
           fmt::format("{:.1f}", e.denser), fmt::format("{:.2f}", e.p999_grey),
@@ -199,7 +199,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
          fewest && fewest->rays() == e.rays() ? report::RowStyle::kStrong : report::RowStyle::kPlain});
   }
   table.notes = {
-      "Each sampling is held against its own dense image; images are not rounded before they are compared.",
+      "Each sampling is compared with its own dense image; images are not rounded before they are compared.",
       "dB: of the level displayed, grey levels times the display's span over its full scale.",
       "Lit: half a grey level or more in either image."};
   report.Add(table);
@@ -290,34 +290,35 @@ cli::ExitStatus RunRays(const RaysOptions& options) {
 
 void SetupRays(CLI::App& app) {
   auto options = std::make_shared<RaysOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "rays", "Says how far images of few rays are from images of many, by either sampling");
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  CLI::App* command =
+      cli::AddCommand(app, "rays", "Measures the error of images with few rays, for both samplings");
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
   cli::AddSonar(*command, options->sonar)->required();
   command->add_option("--params", options->params, "Parameters of the paper's model")
       ->type_name("JSON")
       ->required();
-  command->add_option("--poses", options->poses, "Poses: a recording that has them, or a JSON file")
+  command->add_option("--poses", options->poses, "Poses: a recording with poses, or a JSON file")
       ->type_name("REC|FILE")
       ->required();
   cli::AddOutFolder(*command, options->out, options->common,
                     "Folder for rays.json and report.html (default: none is written)");
-  cli::AddChoice(*command, "--sampling", options->sampling, "How rays are spread (default: both ways)");
+  cli::AddChoice(*command, "--sampling", options->sampling, "Arrangement of the rays (default: both)");
   command
       ->add_option("--rays", options->counts,
-                   "Columns x rows of rays to try, as often as you like (default: a series)")
+                   "Columns x rows of rays to try, may be repeated (default: a series)")
       ->type_name("WxH");
   command->add_option("--dense", options->dense, "Rays of the dense image, before --denser")
       ->type_name("WxH");
-  command->add_option("--denser", options->denser, "Times as many rays has the dense image")
+  command
+      ->add_option("--denser", options->denser, "Number of rays of the dense image, as a multiple of --dense")
       ->type_name("N")
       ->check(CLI::Range(1.0, 1024.0).description(""));
   cli::AddOptionNamed(*command, options->rays, "ray_weight");
   command
-      ->add_option("--display-db", options->display_db,
-                   "Display of so many dB up to the scene's brightest echo at these poses (default: the "
-                   "parameters' display)")
+      ->add_option(
+          "--display-db", options->display_db,
+          "Span of the display up to the brightest echo at these poses (default: the parameters' display)")
       ->type_name("DB")
       ->check(CLI::Range(0.1, 1000.0).description(""));
   cli::AddOptionNamed(*command, options->rays, "threads");

@@ -41,12 +41,12 @@ std::string PresenceText(const data_io::PublicRecording& recording, data_io::Rec
           "here, {}{}", (folder / recording.name).string(),
           recording.witness.empty() ? " (not checked: no checksum is known)" : ", and the checksum is right");
     case data_io::RecordingPresence::kDifferent:
-      return fmt::format("{} is there, but {} in it is not what was published",
+      return fmt::format("{} exists, but {} in it differs from the published file",
                          (folder / recording.name).string(), recording.witness);
     case data_io::RecordingPresence::kAbsent:
       return recording.commit.empty()
-                 ? "not here; to be fetched from its page by hand"
-                 : fmt::format("not here; scripts/fetch_recording.sh {} brings it", recording.name);
+                 ? "not here; download it from its page"
+                 : fmt::format("not here; get it with scripts/fetch_recording.sh {}", recording.name);
   }
   return {};
 }
@@ -101,7 +101,7 @@ void SetupRecordings(CLI::App& app) {
   CLI::App* command = cli::AddCommand(
       app, "recordings", "Lists public recordings of real sonars, their licences, and which are here");
   command->add_option("--dir", options->folder,
-                      "Folder where they are looked for; default: $SONARCAL_RECORDINGS, else recordings/");
+                      "Folder of the recordings; default: $SONARCAL_RECORDINGS, else recordings/");
   cli::OnRun(command, options->common, [options] { return RunRecordings(*options); });
 }
 

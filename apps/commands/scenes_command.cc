@@ -75,7 +75,7 @@ std::vector<const sim::Environment*> ChosenEnvironments(const std::vector<std::s
 
 void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only,
                            sim::EnvironmentOptions& options) {
-  command.add_option("--only", only, "Names of scenes, as --list of scenes has them (default: all)")
+  command.add_option("--only", only, "Names of scenes, listed by sonarcal scenes --list (default: all)")
       ->delimiter(',')
       ->type_name("NAME,NAME")
       ->allow_extra_args(false);
@@ -146,8 +146,7 @@ void SetupScenes(CLI::App& app) {
       "Writes the paper's scenes (tank, mock-up, seabed, bridge pier, jacket), with parameters and poses");
   cli::AddOutFolder(*command, options->out, options->common,
                     "Folder for scenes, parameters and poses; required without --list");
-  command->add_flag("--list", options->list,
-                    "Say what scenes there are, with their triangles; write nothing");
+  command->add_flag("--list", options->list, "List the scenes with their number of triangles; write nothing");
   AddEnvironmentOptions(*command, options->only, options->environment);
   command->add_flag("--bed", options->environment.bed,
                     "Put a flat bed below mock-up, bridge pier and jacket, which stand free otherwise");

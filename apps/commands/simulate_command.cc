@@ -205,14 +205,14 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
 namespace {
 
 void AddSimulateOptions(CLI::App* command, SimulateCommandOptions* options) {
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
   cli::AddSonar(*command, options->sonar)->required();
   command->add_option("--params", options->params, "Parameters: materials, levels in dB, errors")
       ->type_name("JSON")
       ->required();
   command
-      ->add_option("--poses", options->poses, "Poses, one a frame: a recording that has them, or a JSON file")
+      ->add_option("--poses", options->poses, "Poses, one per frame: a recording with poses, or a JSON file")
       ->type_name("REC|FILE")
       ->required();
   cli::AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
@@ -222,15 +222,14 @@ void AddSimulateOptions(CLI::App* command, SimulateCommandOptions* options) {
                     "Write the depth image as well: range along each ray, in metres (range_NNNN.tiff) and in "
                     "millimetres (depth_NNNN.png)");
   command->add_flag("--resume", options->resume,
-                    "Go on with what an interrupted or killed run of the same command left in --out");
+                    "Continue an interrupted or killed run of the same command in --out");
 }
 
 }  // namespace
 
 void SetupSimulate(CLI::App& app) {
   auto options = std::make_shared<SimulateCommandOptions>();
-  CLI::App* command =
-      cli::AddCommand(app, "simulate", "Renders what a sonar would see of a scene, as a recording");
+  CLI::App* command = cli::AddCommand(app, "simulate", "Simulates a recording of a sonar in a scene");
   AddSimulateOptions(command, options.get());
   cli::OnRun(command, options->common, [options] { return RunSimulate(*options); });
 }

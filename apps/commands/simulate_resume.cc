@@ -59,7 +59,8 @@ std::optional<Json> ReadMadeOf(const fs::path& folder) {
   const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || !json.contains("made_of") || !json["made_of"].is_object()) {
     throw DataError(
-        "{}: does not say what frames were made of, expected that of an unfinished 'sonarcal simulate'",
+        "{}: does not state the inputs of the frames, expected the provenance of an unfinished 'sonarcal "
+        "simulate'",
         file.string());
   }
   return json["made_of"];

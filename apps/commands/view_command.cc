@@ -66,10 +66,10 @@ void SetPoses(const ViewOptions& options, view::ViewSetup& setup) {
     for (std::size_t i = 0; setup.real && i < setup.poses.size(); ++i) {
       setup.poses[i].time_s = setup.real->frame_info(static_cast<int>(i)).time_s;
     }
-    cli::PrintNote(options.common,
-                   setup.real
-                       ? "the recording has no poses: the sonar is put before the scene, to be moved by hand"
-                       : "no poses are given: the sonar is put before the scene, to be moved by hand");
+    cli::PrintNote(
+        options.common,
+        setup.real ? "the recording has no poses: the sonar is placed in front of the scene, move it by hand"
+                   : "no poses are given: the sonar is placed in front of the scene, move it by hand");
   }
   const int count = static_cast<int>(setup.poses.size());
   if (setup.real && setup.real->frame_count() != count) {
@@ -93,7 +93,7 @@ void OpenBrowser(const std::string& url) {
   char* const arguments[] = {program.data(), address.data(), nullptr};
   pid_t child = 0;
   if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, arguments, environ) != 0) {
-    cli::PrintError("xdg-open is not there to open a browser: open the address by hand");
+    cli::PrintError("xdg-open was not found: open the address by hand");
     return;
   }
   std::thread([child] { waitpid(child, nullptr, 0); }).detach();
@@ -136,7 +136,7 @@ view::ViewSetup SetUpView(const ViewOptions& options) {
   setup.scene_path = options.scene.string();
   setup.scene_words = SceneWords(options.scene_format);
   if (options.params.empty()) {
-    cli::PrintNote(options.common, "no parameters are given: those of the program's own scenes are taken");
+    cli::PrintNote(options.common, "no parameters are given: those of the built-in scenes are used");
     // For materials that are not in the built-in scenes.
     setup.parameters.materials.try_emplace("default");
   }
@@ -176,18 +176,15 @@ void SetupView(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
   CLI::App* command = cli::AddCommand(
       app, "view", "Shows a scene, a sonar in it and its image live on a page of this machine, with sliders");
-  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene, its materials by name",
+  cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
   cli::AddSonar(*command, options->sonar, " (default: that of --real)");
-  command
-      ->add_option("--params", options->params,
-                   "Parameters to start from (default: those of the program's own scenes)")
+  command->add_option("--params", options->params, "Start parameters (default: those of the built-in scenes)")
       ->type_name("JSON");
   command
-      ->add_option(
-          "--poses", options->poses,
-          "Poses, one a frame: a recording that has them, or a JSON file (default: those of --real, else "
-          "one before the scene)")
+      ->add_option("--poses", options->poses,
+                   "Poses, one per frame: a recording with poses, or a JSON file (default: those of --real, "
+                   "else one in front of the scene)")
       ->type_name("REC|FILE");
   command->add_option("--real", options->real, "Recording to show beside the simulation, and to fit to")
       ->type_name("REC");

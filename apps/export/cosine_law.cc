@@ -12,7 +12,7 @@ CosineLaw FitCosineLaw(const GsabParameters<double>& gsab, double exponent) {
   const auto excess_db = [&](double degree) {
     return sim::GsabDb(gsab, degree) - exponent * DbFromPower(std::cos(RadFromDeg(degree)));
   };
-  const int angles = static_cast<int>(kCosineLawMostDeg) + 1;
+  const int angles = static_cast<int>(kCosineLawMaxDeg) + 1;
   double sum_db = 0.0;
   for (int degree = 0; degree < angles; ++degree) sum_db += excess_db(degree);
   const double mean_db = sum_db / angles;

@@ -17,10 +17,10 @@ struct CosineLaw {
 };
 
 // Largest incidence angle of the comparison. Beyond it, both curves fall towards nothing.
-inline constexpr double kCosineLawMostDeg = 75.0;
+inline constexpr double kCosineLawMaxDeg = 75.0;
 
 // Finds k so that the levels of the two curves, in dB, have a mean difference of 0 over incidence 0 ..
-// kCosineLawMostDeg, with equal weight per degree. Exact (worst_db = 0) if A = E = 0 and D = n.
+// kCosineLawMaxDeg, with equal weight per degree. Exact (worst_db = 0) if A = E = 0 and D = n.
 CosineLaw FitCosineLaw(const GsabParameters<double>& gsab, double exponent);
 
 }  // namespace sonarcal::exporting

@@ -32,7 +32,7 @@ void AccountForMaterials(const std::map<std::string, CosineLaw>& laws, const std
         fmt::format("material.{}.gsab.", name), fmt::format(fmt::runtime(target), name),
         fmt::format("the curve of '{}' by one number times cos^{:g} of the incidence, up to {:.1f} dB off "
                     "below {:g} degrees{}",
-                    name, law.exponent, law.worst_db, kCosineLawMostDeg, also));
+                    name, law.exponent, law.worst_db, kCosineLawMaxDeg, also));
   }
 }
 

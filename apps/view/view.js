@@ -6,7 +6,7 @@ import {Fit} from './fit.js';
 import {Images} from './images.js';
 import {kMaterialColours, World} from './scene.js';
 
-const kMostUndo = 200;
+const kMaxUndo = 200;
 const kFollowMs = 1000;  // over which images are counted
 const kCompareMs = 700;  // between two comparisons while a slider moves
 
@@ -52,7 +52,7 @@ function settle() {
   const now = JSON.stringify(view.state);
   if (now === settled) return;
   done.push(settled);
-  if (done.length > kMostUndo) done.shift();
+  if (done.length > kMaxUndo) done.shift();
   undone = [];
   settled = now;
   showPast();

@@ -311,7 +311,7 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
     throw BadRequest(error.what());
   }
   if (state.sonar != SonarChanges()) {
-    return Refusal(422, "a fit takes the sonar as recorded: put its controls back first");
+    return Refusal(422, "a fit uses the sonar as recorded: reset its controls first");
   }
   const bool acoustic = state.parameters.model == EchoModel::kAcoustic;
   options.config.free = acoustic

@@ -334,8 +334,8 @@ class Builder {
     add("range_min_m", "Nearest range", "m", axes.range_min_m, 0.0, 1000.0, 0.3 * axes.range_max_m, false,
         false, true);
     add("range_max_m", "Farthest range", "m", axes.range_max_m, 0.01, 1000.0, 0.4, true, false, true);
-    add("range_bins", "Range bins", "1", axes.range_bins, 2, kMostRangeBins, 0.4, true, true, true);
-    add("beams", "Beams", "1", axes.beam_count(), 2, kMostBeams, 0.4, true, true, true);
+    add("range_bins", "Range bins", "1", axes.range_bins, 2, kMaxRangeBins, 0.4, true, true, true);
+    add("beams", "Beams", "1", axes.beam_count(), 2, kMaxBeams, 0.4, true, true, true);
     add("field_of_view_deg", "Field of view, azimuth", "deg", FieldOfViewDeg(axes), 1.0, 170.0, 0.4, true,
         false, true);
     add("elevation_beam_width_deg", "Field of view, elevation", "deg", sonar.elevation_beam_width_deg, 0.1,

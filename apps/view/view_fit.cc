@@ -108,7 +108,7 @@ void ViewFit::Run(ViewFitRequest request) {
     if (!fit.fit.usable) {
       return End(Phase::kFailed,
                  fmt::format("the fit ended without a usable solution ({})",
-                             fit.fit.report.termination.empty() ? "nothing could be told from the frames"
+                             fit.fit.report.termination.empty() ? "the frames determine no parameter"
                                                                 : fit.fit.report.termination));
     }
     {

@@ -32,9 +32,8 @@ std::optional<ViewRefusal> Refused(const ViewGate& gate, const ViewCaller& calle
     return ViewRefusal{405, "only GET and POST are answered"};
   }
   if (caller.path.starts_with("/api/") && !SameToken(caller.token, gate.token)) {
-    return ViewRefusal{403,
-                       fmt::format("the request has not the token of the address that was printed, in {}",
-                                   kViewTokenHeader)};
+    return ViewRefusal{
+        403, fmt::format("the request lacks the token of the printed address in {}", kViewTokenHeader)};
   }
   return std::nullopt;
 }

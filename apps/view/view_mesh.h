@@ -9,11 +9,11 @@ namespace sonarcal::view {
 
 // Max number of triangles that a browser turns smoothly. Of larger meshes every second, third, ... triangle
 // is shown, with a note.
-inline constexpr std::size_t kMostTrianglesShown = 1'000'000;
+inline constexpr std::size_t kMaxTrianglesShown = 1'000'000;
 
 // Returns a framed mesh: {"vertices", "triangles", "triangles_in_scene", "material_names", "lowest_m": [x, y,
 // z], "highest_m"}.
-std::string MeshFrame(const Scene& scene, std::size_t most = kMostTrianglesShown);
+std::string MeshFrame(const Scene& scene, std::size_t most = kMaxTrianglesShown);
 
 // Returns JSON and its data as one answer. Data are aligned to four bytes.
 std::string Framed(const std::string& json, const std::string& data);

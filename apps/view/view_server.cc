@@ -78,21 +78,21 @@ struct ViewServer::Http {
     std::string body;
     bool too_large = false;
     read([&](const char* bytes, std::size_t count) {
-      too_large = body.size() + count > kMostViewRequestBytes;
+      too_large = body.size() + count > kMaxViewRequestBytes;
       if (!too_large) body.append(bytes, count);
       return !too_large;
     });
     // The library itself limits only bodies with a stated length.
     if (too_large || response.status == 413) {
       return PutSentence(response, 413,
-                         fmt::format("the request has more than {} bytes", kMostViewRequestBytes));
+                         fmt::format("the request has more than {} bytes", kMaxViewRequestBytes));
     }
     Answer(request, body, response);
   }
 
   void SetUp() {
     server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-    server.set_payload_max_length(kMostViewRequestBytes);
+    server.set_payload_max_length(kMaxViewRequestBytes);
     server.set_keep_alive_max_count(100'000);
     server.set_keep_alive_timeout(1);
     server.set_tcp_nodelay(true);
@@ -133,8 +133,8 @@ ViewServer::ViewServer(ViewApi& api, int port) : http_(std::make_unique<Http>(ap
   }
   if (!http_->server.bind_to_port(kHost, port)) {
     throw DataError(
-        "port {} of {} can't be had: another program may have it; choose another with --port, or 0 "
-        "for any that is free",
+        "port {} of {} is not available: another program may use it; choose another with --port, or 0 for "
+        "any free port",
         port, kHost);
   }
   http_->gate.port = port;

@@ -10,7 +10,7 @@
 namespace sonarcal::view {
 
 // Max size of a request body. The largest that the page sends is a set of parameters.
-inline constexpr std::size_t kMostViewRequestBytes = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxViewRequestBytes = std::size_t{1} << 20;
 
 class ViewServer {
  public:

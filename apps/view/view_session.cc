@@ -15,7 +15,7 @@
 namespace sonarcal::view {
 namespace {
 
-constexpr std::size_t kMostClients = 64;
+constexpr std::size_t kMaxClients = 64;
 
 // Bytes that identify a value for comparison.
 class Key {
@@ -194,7 +194,7 @@ bool ViewSession::IsOvertaken(const ViewState& state) {
 std::optional<ViewImage> ViewSession::Render(const ViewState& state) {
   if (!state.client.empty()) {
     const std::scoped_lock lock(newest_mutex_);
-    if (newest_.size() >= kMostClients && newest_.find(state.client) == newest_.end()) newest_.clear();
+    if (newest_.size() >= kMaxClients && newest_.find(state.client) == newest_.end()) newest_.clear();
     std::int64_t& newest = newest_[state.client];
     newest = std::max(newest, state.sequence);
   }

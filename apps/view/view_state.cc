@@ -33,8 +33,8 @@ SonarChanges ReadSonarChanges(const data_io::JsonReader& json) {
   return {.frequency_hz = json.FindNumber("frequency_hz", kFrequencyHz),
           .range_min_m = json.FindNumber("range_min_m", kRangeM),
           .range_max_m = json.FindNumber("range_max_m", kRangeM),
-          .range_bins = FindCount(json, "range_bins", kMostRangeBins),
-          .beams = FindCount(json, "beams", kMostBeams),
+          .range_bins = FindCount(json, "range_bins", kMaxRangeBins),
+          .beams = FindCount(json, "beams", kMaxBeams),
           .field_of_view_deg = json.FindNumber("field_of_view_deg", kWidthDeg),
           .azimuth_beam_width_deg = json.FindNumber("azimuth_beam_width_deg", kWidthDeg),
           .elevation_beam_width_deg = json.FindNumber("elevation_beam_width_deg", kWidthDeg)};

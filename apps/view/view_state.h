@@ -40,8 +40,8 @@ struct SonarChanges {
   bool operator==(const SonarChanges&) const = default;
 };
 
-inline constexpr int kMostRangeBins = 4096;
-inline constexpr int kMostBeams = 1024;
+inline constexpr int kMaxRangeBins = 4096;
+inline constexpr int kMaxBeams = 1024;
 
 // Returns the sonar with the changes. Beams keep their azimuths if neither their number nor the field of view
 // changes. They are scaled with the field of view, and evenly spaced if their number changes. With any

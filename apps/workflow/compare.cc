@@ -43,7 +43,7 @@ void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
   if (mismatch.empty()) return;
   throw DataError(
       "{}: {} in the real and the simulated recording: their grey values mean different things; compare them "
-      "all the same with --as-displayed",
+      "anyway with --as-displayed",
       real.name, mismatch);
 }
 
@@ -205,7 +205,7 @@ metrics::MetricsReport CompareRecordings(const RecordingSource& real, const Reco
     report.noise_floor = metrics::MeasureNoiseFloor(real, of_floor, options.boxes);
   }
   if (options.as_displayed) {
-    notes.insert("grey levels are compared as displayed: the dB scales that the two state are not looked at");
+    notes.insert("grey levels are compared as displayed; the dB scales of the recordings are ignored");
   }
   for (const auto& [name, value] : simulated.info().details) {
     if (simulated.info().synthetic && name == "noise")
@@ -257,7 +257,7 @@ std::string RecordingName(const RecordingInfo& info) {
   return info.synthetic ? info.source + " (synthetic)" : info.source;
 }
 
-std::vector<int> TellingFrames(const metrics::MetricsReport& report) {
+std::vector<int> RepresentativeFrames(const metrics::MetricsReport& report) {
   const auto error_of = [&](const metrics::FrameMetrics& frame) {
     return frame.polar.intensity.Over(report.options.intensity_domain).mean_absolute().value_or(1.0);
   };

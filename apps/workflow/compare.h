@@ -81,7 +81,7 @@ std::string RecordingName(const RecordingInfo& info);
 
 // Returns the numbers of at most three representative frames: those with the lowest, the median and the
 // highest intensity error in the polar view, in the order of the recording.
-std::vector<int> TellingFrames(const metrics::MetricsReport& report);
+std::vector<int> RepresentativeFrames(const metrics::MetricsReport& report);
 
 // Returns at most `count` of `frames`, evenly spread and in their order. Includes the first and the last.
 std::vector<int> EvenlySpread(const std::vector<int>& frames, int count);

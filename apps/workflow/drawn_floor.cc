@@ -12,8 +12,8 @@
 namespace sonarcal::workflow {
 namespace {
 
-constexpr int kMeansTold = 1024;  // resolution of the table over mean values
-constexpr int kMostLevels = 1024;
+constexpr int kMeanCount = 1024;  // resolution of the table over mean values
+constexpr int kMaxLevels = 1024;
 constexpr std::uint64_t kSeed = 20240107;
 
 // Returns the level in dB whose mean display is `value`. The mean display rises with the level.
@@ -32,12 +32,12 @@ double LevelShownAs(const sim::MeanDisplayTable& mean_display, const DisplayPara
 
 SpeckleDraw::SpeckleDraw(const ParameterSet& parameters, double full_scale)
     : full_scale_(full_scale),
-      levels_(static_cast<int>(std::clamp(std::round(full_scale), 1.0, double{kMostLevels}))) {
+      levels_(static_cast<int>(std::clamp(std::round(full_scale), 1.0, double{kMaxLevels}))) {
   const double looks = parameters.receiver.looks;
   if (!(looks > 0.0)) throw DataError("receiver.looks is {}, expected more than 0", looks);
   const sim::MeanDisplayTable mean_display(parameters.display, looks);
-  for (int step = 0; step <= kMeansTold; ++step) {
-    const double value = static_cast<double>(step) / kMeansTold;
+  for (int step = 0; step <= kMeanCount; ++step) {
+    const double value = static_cast<double>(step) / kMeanCount;
     const double power = PowerFromDb(LevelShownAs(mean_display, parameters.display, value));
     std::vector<float>& cumulative = cumulative_.emplace_back();
     for (int level = 0; level < levels_; ++level) {
@@ -52,7 +52,7 @@ Grid<float> SpeckleDraw::Draw(const Grid<float>& mean, std::uint64_t seed) const
   Grid<float> drawn(mean.rows(), mean.cols());
   for (std::size_t i = 0; i < mean.size(); ++i) {
     const double value = std::clamp(static_cast<double>(mean.values()[i]) / full_scale_, 0.0, 1.0);
-    const std::vector<float>& cumulative = cumulative_[static_cast<int>(std::lround(value * kMeansTold))];
+    const std::vector<float>& cumulative = cumulative_[static_cast<int>(std::lround(value * kMeanCount))];
     // std::uniform_real_distribution is not used: its results differ between standard libraries.
     const auto chance = static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53);
     const auto above = std::upper_bound(cumulative.begin(), cumulative.end(), chance);

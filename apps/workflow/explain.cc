@@ -38,10 +38,7 @@ void CheckExplainable(const RecordingSource& recording, const ParameterSet& give
                     ToString(info.scale.quantity));
   }
   if (recording.frame_count() < 2) {
-    throw DataError(
-        "{}: one frame; what a part is worth shows on frames that were not fitted, so at least two "
-        "are needed",
-        info.source);
+    throw DataError("{}: one frame, expected at least two: one to fit and one to evaluate on", info.source);
   }
 }
 

@@ -132,7 +132,7 @@ std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, co
   const auto& free = options.config.free;
   if (!free || std::find(free->begin(), free->end(), "pose") == free->end()) return fitted;
   if (options.fit.progress && !split.held_out.empty())
-    options.fit.progress("fitting the poses of the frames held out, everything else held");
+    options.fit.progress("fitting the poses of the held-out frames, with all other parameters fixed");
   const std::vector<Pose> held_out = calib::FitPosesOnly(
       simulator, AcousticFrames(recording, fitted, split.held_out, options, fit.parameters.display),
       fit.parameters, options.config.pose_prior, options.fit.progress);
@@ -161,9 +161,8 @@ void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& sp
     const std::string mismatch = SettingsMismatch(first.settings, frame.settings);
     if (mismatch.empty()) continue;
     throw DataError(
-        "{}: {} in {} and {}: frames of different settings cannot be fitted, or judged, together; take some "
-        "out with "
-        "'convert --frames A:B'",
+        "{}: {} in {} and {}: frames of different settings cannot be fitted or evaluated together; remove "
+        "some with 'convert --frames A:B'",
         recording.info().source, mismatch, first.name, frame.name);
   }
 }
@@ -324,7 +323,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
     result.sample_pair =
         CompareRecordings(sample_by(fitted, fitted_poses, 1), sample_by(fitted, fitted_poses), judge_pair);
-    result.still = TellStillPoses(
+    result.still = MeasureStillPoses(
         recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
         &report,
         [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
@@ -334,7 +333,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   doubts.insert(doubts.end(), worse.begin(), worse.end());
   report.warnings.insert(report.warnings.begin(), doubts.begin(), doubts.end());
   if (options.keep_images) {
-    const std::vector<int> examples = TellingFrames(result.after);
+    const std::vector<int> examples = RepresentativeFrames(result.after);
     result.frames_before = ComparedFrames(recording, before, judge, examples);
     result.frames_after =
         ComparedFrames(recording, after, judge, SpreadFrames(result.after, examples, kMaxKeptFrames));
@@ -359,7 +358,7 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
                  const FitOptions& options, const Listener& listener) {
   const bool acoustic = start.model == EchoModel::kAcoustic;
   if (options.trust_all && !acoustic)
-    throw UsageError("--trust-all has no effect: the paper's model counts all pixels in full");
+    throw UsageError("--trust-all has no effect: the paper's model gives all pixels full weight");
   const ThreadLimit threads(options.rays.threads);
   for (const std::string& sentence : MirrorCaveats(start, scene.material_names)) listener.Message(sentence);
   FitRecordingOptions fit;

@@ -70,10 +70,10 @@ void DoubtObjectInView(const RecordingFit& fit, std::vector<std::string>& doubts
         return frame.object_box.has_value() && frame.object_box->empty();
       });
   if (without == 0) return;
-  doubts.push_back(fmt::format(
-      "the scene shows no pixel of the object in {} of the {} frames that judge the fit: its poses, "
-      "the scene or the name of the object may be wrong",
-      without, fit.after.frames.size()));
+  doubts.push_back(
+      fmt::format("the scene shows no pixel of the object in {} of the {} frames of the evaluation: its "
+                  "poses, the scene or the name of the object may be wrong",
+                  without, fit.after.frames.size()));
 }
 
 void DoubtAgreement(const RecordingFit& fit, std::vector<std::string>& doubts) {
@@ -124,9 +124,8 @@ void DoubtPoses(const calib::FitReport& report, const calib::FitConfig& config,
     }
     const double moved = is_angle ? std::remainder(parameter.value - about, 360.0) : parameter.value - about;
     if (!(std::abs(moved) > kMaxPriorSigmas * sigma)) continue;
-    doubts.push_back(fmt::format(
-        "{} ended {:.3g} {} from what was known of it beforehand, {:.1f} of its standard deviations",
-        parameter.name, std::abs(moved), parameter.unit, std::abs(moved) / sigma));
+    doubts.push_back(fmt::format("{} ended {:.3g} {} from its prior, {:.1f} standard deviations",
+                                 parameter.name, std::abs(moved), parameter.unit, std::abs(moved) / sigma));
   }
 }
 

@@ -14,7 +14,7 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
         "the parameters name the model 'coherent', but only 'paper' and 'acoustic' can be fitted");
   }
   if (!options.choose.empty() && initial.model != EchoModel::kAcoustic) {
-    throw DataError("the parameters name the model '{}', but only of 'acoustic' forms can be chosen",
+    throw DataError("the parameters name the model '{}', but only forms of 'acoustic' can be selected",
                     ToString(initial.model));
   }
   const RecordingInfo& info = recording.info();

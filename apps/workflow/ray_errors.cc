@@ -85,10 +85,10 @@ RayErrors MeasureRayErrors(const sim::RayCaster& caster, const SonarModel& sonar
                            const std::vector<Pose>& poses, const RayErrorOptions& options,
                            const std::function<void()>& progress) {
   if (parameters.model != EchoModel::kPaper) {
-    throw DataError("errors against rays are those of the paper's model, but the parameters name '{}'",
+    throw DataError("ray errors are measured with the paper's model, but the parameters name '{}'",
                     ToString(parameters.model));
   }
-  if (poses.empty()) throw DataError("no poses to measure errors against rays at");
+  if (poses.empty()) throw DataError("no poses to measure ray errors at");
   const double side = std::sqrt(options.denser);
   const RayGridSize dense = {static_cast<int>(std::lround(options.dense.cols * side)),
                              static_cast<int>(std::lround(options.dense.rows * side))};
@@ -161,7 +161,7 @@ DisplayParameters<double> DisplayUpToBrightest(const sim::RayCaster& caster, con
   return {.db_min = brightest_db - span_db, .db_max = brightest_db};
 }
 
-std::optional<RayError> FewestRays(const std::vector<RayError>& errors, sim::Sampling sampling) {
+std::optional<RayError> MinRays(const std::vector<RayError>& errors, sim::Sampling sampling) {
   std::optional<RayError> fewest;
   for (const RayError& error : errors) {
     if (error.sampling != sampling || error.within_one < kShareWithinOne) continue;

@@ -70,6 +70,6 @@ DisplayParameters<double> DisplayUpToBrightest(const sim::RayCaster& caster, con
 
 // Returns the smallest number of rays of a sampling whose error is at most one grey level in 99.9 % of the
 // pixels.
-std::optional<RayError> FewestRays(const std::vector<RayError>& errors, sim::Sampling sampling);
+std::optional<RayError> MinRays(const std::vector<RayError>& errors, sim::Sampling sampling);
 
 }  // namespace sonarcal::workflow

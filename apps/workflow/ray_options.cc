@@ -85,7 +85,7 @@ sim::SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& wat
 
 void CheckRayWeight(sim::RayWeight weight, EchoModel model) {
   if (weight == sim::RayWeight::kEven || model == EchoModel::kPaper) return;
-  throw UsageError("--ray-weight {} is for the paper's model: '{}' takes solid angles in any case",
+  throw UsageError("--ray-weight {} is for the paper's model: '{}' always uses solid angles",
                    ToString(weight), ToString(model));
 }
 

@@ -61,8 +61,8 @@ WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Wate
   }
   if (of_sonar) return {*of_sonar, {}};
   const Water fresh;
-  return {fresh, fmt::format("no water is given, neither by the parameters nor by the sonar: taking {}",
-                             WaterText(fresh))};
+  return {fresh,
+          fmt::format("neither the parameters nor the sonar give a water: {} is used", WaterText(fresh))};
 }
 
 std::vector<std::string> MirrorCaveats(const ParameterSet& parameters,
@@ -189,7 +189,8 @@ void CheckFrozenSpeckle(const SimulateOptions& options, EchoModel model) {
   }
   if (options.expected)
     throw UsageError("--frozen-speckle has no effect with --expected, which has no speckle");
-  if (!IsRandom(options, model)) throw UsageError("--frozen-speckle needs --noise: without it is no speckle");
+  if (!IsRandom(options, model))
+    throw UsageError("--frozen-speckle needs --noise: without it there is no speckle");
 }
 
 // Throws UsageError for options that change nothing with these parameters.
@@ -200,9 +201,8 @@ void RefuseWithoutEffect(const SimulateOptions& options, const ParameterSet& par
   if (options.noise && model == EchoModel::kPaper && parameters.jitter.sigma_range_m == 0.0 &&
       parameters.jitter.sigma_azimuth_deg == 0.0) {
     throw UsageError(
-        "--noise has no effect: the paper's model draws range and azimuth errors, and jitter.sigma_range_m "
-        "and "
-        "jitter.sigma_azimuth_deg are both 0");
+        "--noise has no effect: jitter.sigma_range_m and jitter.sigma_azimuth_deg, the range and azimuth "
+        "errors of the paper's model, are both 0");
   }
   if (options.ghost_order > 1 && (model == EchoModel::kPaper || parameters.mirrors.empty())) {
     throw UsageError(
@@ -223,8 +223,7 @@ PreparedSimulation PrepareSimulation(const SimulateOptions& options, const Sonar
                                      ParameterSet parameters) {
   if (options.model) parameters.model = *options.model;
   if (options.expected && options.noise)
-    throw UsageError(
-        "--expected does not go with --noise: an expected image is the mean over noise and speckle");
+    throw UsageError("--expected contradicts --noise: an expected image is the mean over noise and speckle");
   CheckFrozenSpeckle(options, parameters.model);
   CheckRayWeight(options.rays.ray_weight, parameters.model);
   RefuseWithoutEffect(options, parameters);

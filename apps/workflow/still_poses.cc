@@ -60,9 +60,9 @@ std::vector<std::vector<int>> FramesByPose(const RecordingSource& recording) {
   return shown_again;
 }
 
-StillPoses TellStillPoses(const RecordingSource& recording, const ParameterSet& parameters,
-                          double absorption_db_per_m, const std::vector<std::uint8_t>& use,
-                          const calib::FitReport* report, const ExpectedEchoes& expected) {
+StillPoses MeasureStillPoses(const RecordingSource& recording, const ParameterSet& parameters,
+                             double absorption_db_per_m, const std::vector<std::uint8_t>& use,
+                             const calib::FitReport* report, const ExpectedEchoes& expected) {
   const calib::StillOptions options{
       .display = parameters.display,
       .looks = parameters.receiver.looks,
@@ -74,7 +74,7 @@ StillPoses TellStillPoses(const RecordingSource& recording, const ParameterSet& 
     for (const int frame : frames) images.push_back(recording.ReadFrame(frame).image);
     StillPose pose;
     try {
-      pose.levels = calib::TellSpeckleFromNoise(images, frames, options);
+      pose.levels = calib::SeparateSpeckleFromNoise(images, frames, options);
     } catch (const DataError& error) {
       still.refused.emplace_back(error.what());
       continue;

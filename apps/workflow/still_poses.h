@@ -41,8 +41,8 @@ using ExpectedEchoes = std::function<std::vector<double>(int frame)>;
 
 // Uses display, looks and noise floor of `parameters`. Compares with the fitted scene if `report` and
 // `expected` are given.
-StillPoses TellStillPoses(const RecordingSource& recording, const ParameterSet& parameters,
-                          double absorption_db_per_m, const std::vector<std::uint8_t>& use,
-                          const calib::FitReport* report = nullptr, const ExpectedEchoes& expected = {});
+StillPoses MeasureStillPoses(const RecordingSource& recording, const ParameterSet& parameters,
+                             double absorption_db_per_m, const std::vector<std::uint8_t>& use,
+                             const calib::FitReport* report = nullptr, const ExpectedEchoes& expected = {});
 
 }  // namespace sonarcal::workflow

@@ -52,15 +52,15 @@ bool DirectionThroughPort(const FlatPort& port, const Eigen::Matrix<T, 3, 1>& po
   const T water_m = z - T(port.outer_m());
   if (!(water_m > T(0.0))) return false;
   T m(0.0);
-  constexpr int kMostSteps = 100;
-  constexpr double kMostTangent2 = 1e12;  // along the window
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 100;
+  constexpr double kMaxTangent2 = 1e12;  // along the window
+  for (int step = 0; step < kMaxSteps; ++step) {
     const PortLayer<T> glass = LayerOf(T(port.thickness_m), port.glass_index, m, r2);
     const PortLayer<T> water = LayerOf(water_m, port.water_index, m, r2);
     const T change = -(T(port.distance_m) * m + glass.value + water.value - T(1.0)) /
                      (T(port.distance_m) + glass.slope + water.slope);
     m += change;
-    if (!(m * m * r2 < T(kMostTangent2))) return false;
+    if (!(m * m * r2 < T(kMaxTangent2))) return false;
     // Takes one step more than the value needs, because the derivative of a jet lags one step behind.
     if (!(change * change > T(1e-26) * m * m)) {
       direction = normal + m * aside;

@@ -135,7 +135,7 @@ class Adjuster {
                (refine_focal_ ? 1.0 : 0.0) - priors;
     if (!(freedom_ > 0.0)) {
       throw DataError(
-          "{} markers in {} frames leave no degree of freedom to tell the noise by, expected more",
+          "{} markers in {} frames leave no degree of freedom to estimate the noise, expected more",
           marker_blocks_.size(), frames_.size());
     }
     return std::max(1e-6, noise_factor2 * sum / freedom_);
@@ -161,7 +161,7 @@ class Adjuster {
     if (!covariance.Compute(wanted, problem_.get())) {
       throw DataError(
           "the markers in {} frames do not determine {}", frames_.size(),
-          refine_focal_ ? "poses and focal length together: hold the focal length" : "their poses");
+          refine_focal_ ? "poses and focal length together: fix the focal length" : "their poses");
     }
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       Eigen::Matrix<double, 6, 6, Eigen::RowMajor> block;

@@ -15,10 +15,10 @@ using Eigen::Vector2d;
 
 constexpr double kWindowOfCell = 0.45;  // half the window across an edge, as a fraction of a cell's width
 constexpr double kLeastWindowPx = 1.0;
-constexpr double kMostWindowPx = 3.0;
+constexpr double kMaxWindowPx = 3.0;
 constexpr int kLeastSamples = 4;
 constexpr double kLeastContrast = 10.0;  // grey levels
-constexpr double kMostScatterPx = 1.0;
+constexpr double kMaxScatterPx = 1.0;
 constexpr int kPasses = 8;
 constexpr double kStillPx = 1e-3;
 
@@ -139,7 +139,7 @@ double WindowPx(const Quad& pixels, int e, int cells) {
   const Vector2d across(-along.y(), along.x());
   const double width_px =
       std::min(std::abs(across.dot(pixels[(e + 2) % 4] - a)), std::abs(across.dot(pixels[(e + 3) % 4] - a)));
-  return std::clamp(kWindowOfCell * width_px / cells, kLeastWindowPx, kMostWindowPx);
+  return std::clamp(kWindowOfCell * width_px / cells, kLeastWindowPx, kMaxWindowPx);
 }
 
 std::optional<EdgeLine> MeasureEdge(const Grid<std::uint8_t>& grey, const Straightener& straightener,
@@ -222,7 +222,7 @@ std::optional<Matrix8d> CornerCovariance(const std::array<EdgeLine, 4>& lines, c
     freedom += line.samples;
   }
   const double sample_variance = scatter2 / std::max(1.0, freedom);
-  if (!(sample_variance < kMostScatterPx * kMostScatterPx)) return std::nullopt;
+  if (!(sample_variance < kMaxScatterPx * kMaxScatterPx)) return std::nullopt;
 
   Matrix8d slope = Matrix8d::Zero();  // derivatives of the corners by (offset, slope) of each line
   for (int e = 0; e < 4; ++e) {

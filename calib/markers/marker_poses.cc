@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMedianOfChi2With8 = 7.344;
 // A marker beyond this multiple of the typical misfit is wrong: wrong ones are off by thousands.
-constexpr double kMostMisfit = 200.0;
+constexpr double kMaxMisfit = 200.0;
 
 struct StartedFrame {
   std::vector<MarkerObservation> seen;
@@ -50,7 +50,7 @@ std::vector<MarkerObservation> WithoutContradictions(StartedFrame& frame, double
     const std::vector<double> misfits =
         MarkerMisfits(frame.seen, map, camera, port, frame.candidates.front().world_from_camera);
     const auto worst = std::ranges::max_element(misfits);
-    if (*worst <= kMostMisfit * factor) break;
+    if (*worst <= kMaxMisfit * factor) break;
     const auto marker = frame.seen.begin() + (worst - misfits.begin());
     left_out.push_back(*marker);
     frame.seen.erase(marker);
@@ -140,7 +140,7 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
     }
     started[i] = {frames[i], FindPoseCandidates(frames[i], map, camera, port)};
     if (started[i].candidates.empty())
-      result.frames[i].refused = "no pose puts the markers before the camera";
+      result.frames[i].refused = "no pose puts the markers in front of the camera";
   }
 
   const double typical = TypicalFactor(started, map, camera, port);
@@ -151,7 +151,7 @@ MarkerPoses FindMarkerPoses(const std::vector<std::vector<MarkerObservation>>& f
     if (!result.frames[i].refused.empty()) continue;
     left_out[i] = WithoutContradictions(started[i], typical, map, camera, port);
     if (started[i].candidates.empty()) {
-      result.frames[i].refused = "no pose puts the markers before the camera";
+      result.frames[i].refused = "no pose puts the markers in front of the camera";
       continue;
     }
     const double rms_px = StartRmsPx(started[i], map, camera, port);

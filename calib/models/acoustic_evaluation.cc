@@ -17,7 +17,7 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-level cache
-constexpr double kMostGrowth = 3.0;  // max growth of an echo for which its slope holds, nepers of power
+constexpr double kMaxGrowth = 3.0;   // max growth of an echo for which its slope holds, nepers of power
 
 GsabParameters<ceres::Jet<double, sim::kCurveTerms - 1>> AsDuals(const GsabParameters<double>& g) {
   using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
@@ -192,7 +192,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
     for (std::size_t k = 0; k < curves.size(); ++k) curves[k] += moved_[g] * scratch.curves[k];
     for (std::size_t k = 0; k < ghosts.size(); ++k) ghosts[k] += moved_[g] * scratch.ghosts[k];
   }
-  const double factor = grown == 0.0 ? 1.0 : std::exp(std::clamp(grown, -kMostGrowth, kMostGrowth));
+  const double factor = grown == 0.0 ? 1.0 : std::exp(std::clamp(grown, -kMaxGrowth, kMaxGrowth));
   for (double& value : curves) value *= factor;
   for (double& value : ghosts) value *= factor;
   const double power = AllMaterials(curves.data());
@@ -201,7 +201,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
     if (slope.logarithm.empty()) {
       slopes[g] *= factor;
     } else {
-      slopes[g] = std::abs(grown) < kMostGrowth ? slope.logarithm[pixel] * power : 0.0;
+      slopes[g] = std::abs(grown) < kMaxGrowth ? slope.logarithm[pixel] * power : 0.0;
     }
   }
 }

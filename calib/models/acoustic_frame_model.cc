@@ -103,7 +103,7 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
   }
 }
 
-FrameModel::Grain AcousticFrameModel::grain() const {
+FrameModel::SpeckleCell AcousticFrameModel::speckle_cell() const {
   const SonarModel& sonar = simulator_.sonar();
   const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   return {.bins = std::max(1.0, initial_.pulse.length_m / sonar.axes.range_bin_m()),
@@ -143,9 +143,9 @@ Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, con
                                                const sim::RayFan& fan) const {
   sim::ScatterMap scatter = sim::ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry(),
                                              parameters, simulator_.options().trace);
-  const int thin =
+  const int decimation =
       std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
-  const sim::GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, thin);
+  const sim::GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, decimation);
   sim::AddGhosts(ghosts, geometry(), parameters, scatter);
   return sim::EchoPowerImage(scatter, geometry(), parameters);
 }
@@ -168,7 +168,7 @@ sim::GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& va
   return simulator_.TraceGhosts(PoseOf(frame, values), parameters);
 }
 
-sim::RayFan AcousticFrameModel::ThinnedFan(int factor) const {
+sim::RayFan AcousticFrameModel::DecimatedFan(int factor) const {
   sim::RayFanOptions options = simulator_.options().fan;
   options.cols = std::max(1, options.cols / factor);
   options.rows = std::max(1, options.rows / factor);
@@ -240,7 +240,7 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
 
 void AcousticFrameModel::DownWeight(const ParameterValues& values) {
   const ParameterSet parameters = Parameters(values);
-  const DownWeightOptions options{.grain_bins = grain().bins, .grain_beams = grain().beams};
+  const DownWeightOptions options{.cell_bins = speckle_cell().bins, .cell_beams = speckle_cell().beams};
   for (int frame = 0; frame < frame_count(); ++frame) {
     weights_[frame] = CellWeights(frames_[frame].recorded, MeanPower(frame, values), frames_[frame].use,
                                   range_bins(), beams(), parameters.receiver.looks, options);
@@ -304,15 +304,15 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
 
 std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels) const {
   // Curves change faster along range than from beam to beam.
-  constexpr int kMostBins = 4;
-  constexpr int kMostBeams = 8;
+  constexpr int kMaxBins = 4;
+  constexpr int kMaxBeams = 8;
   constexpr double kWorthwhile = 4.0;  // fewer pixels by a smaller factor are hardly faster, and less exact
   const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
                                 [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
   const double factor =
       static_cast<double>(pixel_count() * frames_.size()) / static_cast<double>(wanted_pixels);
-  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMostBins),
-                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMostBeams)};
+  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMaxBins),
+                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMaxBeams)};
   if (bent || factor < kWorthwhile) return nullptr;
   return std::make_unique<CoarseFrameModel>(*this, block);
 }

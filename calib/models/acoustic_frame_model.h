@@ -56,7 +56,7 @@ class AcousticFrameModel final : public FrameModel {
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   bool ShowsMirror(int material) const override { return reflected_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
-  Grain grain() const override;
+  SpeckleCell speckle_cell() const override;
   int first_of_pose(int frame) const override;
   bool IsLikelihood() const override { return true; }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
@@ -73,7 +73,7 @@ class AcousticFrameModel final : public FrameModel {
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const sim::RayFan& fan) const;
   // Returns the fan of the simulator with rows and columns divided by this factor.
-  sim::RayFan ThinnedFan(int factor) const;
+  sim::RayFan DecimatedFan(int factor) const;
 
   const ParameterValues& initial_values() const { return initial_values_; }
   // Returns the parameters with these values. Those without a catalog entry keep their initial value.

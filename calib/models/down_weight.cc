@@ -40,8 +40,8 @@ void DownWeightOptions::Check() const {
   };
   at_least("tolerance_db", tolerance_db, 0.0);
   at_least("sigmas", sigmas, 1.0);
-  at_least("grain_bins", grain_bins, 1.0);
-  at_least("grain_beams", grain_beams, 1.0);
+  at_least("cell_bins", cell_bins, 1.0);
+  at_least("cell_beams", cell_beams, 1.0);
 }
 
 std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::span<const double> mean,
@@ -63,9 +63,9 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
       counts.Set(bin, beam, counted ? 1.0 : 0.0);
     }
   }
-  const int reach_bins = static_cast<int>(std::ceil(options.grain_bins));
-  const int reach_beams = static_cast<int>(std::ceil(options.grain_beams));
-  const double grain = options.grain_bins * options.grain_beams;
+  const int reach_bins = static_cast<int>(std::ceil(options.cell_bins));
+  const int reach_beams = static_cast<int>(std::ceil(options.cell_beams));
+  const double cell_pixels = options.cell_bins * options.cell_beams;
   std::vector<float> weights(pixels, 1.0F);
   for (int bin = 0; bin < bins; ++bin) {
     for (int beam = 0; beam < beams; ++beam) {
@@ -77,7 +77,7 @@ std::vector<float> CellWeights(std::span<const RecordedPower> recorded, std::spa
       if (count < 0.5) continue;
       const double ratio = ratios.Sum(first_bin, last_bin, first_beam, last_beam) / count;
       const double off_db = std::abs(kDbPerNeper * std::log(std::max(ratio, 1e-12)));
-      const double independent = std::max(1.0, count / grain);
+      const double independent = std::max(1.0, count / cell_pixels);
       const double z = (off_db - options.tolerance_db) / (kDbPerNeper / std::sqrt(independent * looks));
       if (z <= options.sigmas) continue;
       const double share = options.sigmas / z;

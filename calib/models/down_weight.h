@@ -23,8 +23,8 @@ struct DownWeightOptions {
   double tolerance_db = 3.0;
   double sigmas = 4.0;
   // Size of a speckle cell in pixels: pulse length / bin, beam width / beam spacing. At least 1.
-  double grain_bins = 1.0;
-  double grain_beams = 1.0;
+  double cell_bins = 1.0;
+  double cell_beams = 1.0;
 
   // Throws DataError with field, value and limit.
   void Check() const;

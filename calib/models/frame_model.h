@@ -56,11 +56,11 @@ class FrameModel {
 
   // Size of a speckle cell in pixels: the half-power widths of pulse and beam. Pixels within it are
   // correlated.
-  struct Grain {
+  struct SpeckleCell {
     double bins = 1.0;
     double beams = 1.0;
   };
-  virtual Grain grain() const { return {}; }
+  virtual SpeckleCell speckle_cell() const { return {}; }
 
   // Returns the first frame with the pose of `frame`, or `frame` itself if there is none. While nothing
   // moves, speckle stays the same and further frames add little information.

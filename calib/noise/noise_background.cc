@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kRejections = 6;
 constexpr int kMeasureIterations = 30;
-constexpr int kFewestBands = 8;        // per window; fewer show no trend with range
+constexpr int kMinBands = 8;           // per window; fewer show no trend with range
 constexpr double kOneLevel = 0.9;      // share of pixels
 constexpr double kWindowReject = 2.5;  // robust standard deviations, for the law that measures a window
 constexpr double kOneGrey = 1.0;
@@ -108,7 +108,7 @@ std::vector<BackgroundWindow> BackgroundWindows(const NoiseForm& form, const Noi
                                                 const NoiseCells& cells, double share,
                                                 const NoiseFitOptions& options) {
   const int length = std::clamp(static_cast<int>(std::lround(share * cells.bands())),
-                                std::min(kFewestBands, cells.bands()), cells.bands());
+                                std::min(kMinBands, cells.bands()), cells.bands());
   std::vector<BackgroundWindow> windows;
   for (int band = 0; band + length <= cells.bands(); band += std::max(1, length / 2)) {
     NoiseCells window = cells;

@@ -19,7 +19,7 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr int kFewestBandsToSplit = 4;
+constexpr int kMinBandsToSplit = 4;
 constexpr int kPingsForDrift = 5;  // min number of pings for a covariance that includes their drift
 // min number of held-out pings to select and evaluate on different ones
 constexpr std::size_t kHeldOutToSplit = 4;
@@ -198,7 +198,7 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   for (std::size_t i = 0; i < fit.weight.size(); ++i) {
     if (used.all[i].empty()) fit.weight[i] = 0.0;
   }
-  fit.bands_held_out = fit.cells.bands() >= kFewestBandsToSplit &&
+  fit.bands_held_out = fit.cells.bands() >= kMinBandsToSplit &&
                        (options.hold_out_bands || (options.choose_held_out && recording.frame_count() == 1));
   fit.judged_on_held_out = fit.judged_on_held_out || fit.bands_held_out;
   const std::vector<double> judging_weight = OfBands(fit, 1);
@@ -215,10 +215,10 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
                            agreement.nats_per_pixel, fitted.solution.converged});
     if (options.progress) {
       options.progress(
-          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats a pixel{}", ToString(form.display.law),
+          fmt::format("{}, {} speckle, gain {}, {}: {:.5f} nats per pixel{}", ToString(form.display.law),
                       ToString(form.speckle), ToString(form.time_varied_gain),
                       form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel,
-                      fitted.solution.converged ? "" : ", not converged and so not chosen"));
+                      fitted.solution.converged ? "" : ", not converged and so not selected"));
     }
     const double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
     if (!fitted.solution.converged || !std::isfinite(score)) return;

@@ -12,7 +12,7 @@ namespace {
 
 // A parameter is unidentifiable if its variance exceeds this share of the prior variance (half of the
 // standard deviation), or if its sigma exceeds a surprisingly large step of a level.
-constexpr double kUntold = 0.25;
+constexpr double kMaxPriorShare = 0.25;
 constexpr double kLevelStepDb = 20.0;
 constexpr double kTogether = 0.9;  // a correlation above which two parameters are determined only together
 
@@ -38,12 +38,12 @@ class Builder {
       parameter.status = ParameterStatus::kFree;
       if (place == solution_.layout.log_looks && solution_.looks_at_bound) {
         parameter.status = ParameterStatus::kAtBound;
-      } else if (!Told(place, unit)) {
+      } else if (!IsDetermined(place, unit)) {
         parameter.status = ParameterStatus::kUnidentifiable;
-        untold_.push_back({name, unit, place});
+        undetermined_.push_back({name, unit, place});
       } else {
         parameter.sigma = unit_a_step * std::sqrt(covariance_(place, place));
-        if (!IsTaper(place)) told_.push_back({name, unit, place});
+        if (!IsTaper(place)) determined_.push_back({name, unit, place});
       }
     }
     report_.parameters.push_back(parameter);
@@ -51,19 +51,19 @@ class Builder {
 
   // Reports correlations of the determined parameters, except tapers.
   FitReport Finish(const NoiseCells& cells) {
-    const int count = static_cast<int>(told_.size());
+    const int count = static_cast<int>(determined_.size());
     report_.correlation = Eigen::MatrixXd::Identity(count, count);
     for (int row = 0; row < count; ++row) {
-      report_.correlation_names.push_back(told_[row].name);
+      report_.correlation_names.push_back(determined_[row].name);
       for (int col = 0; col < row; ++col) {
-        report_.correlation(row, col) = Correlation(told_[row].place, told_[col].place);
+        report_.correlation(row, col) = Correlation(determined_[row].place, determined_[col].place);
         report_.correlation(col, row) = report_.correlation(row, col);
       }
     }
     DescribeFloor(cells);
     DescribeTapers(solution_.layout.taper, "receiver.noise_taper_db");
     DescribeTapers(solution_.layout.after_taper, "receiver.noise_after_gain_taper_db");
-    for (const Parameter& parameter : untold_) {
+    for (const Parameter& parameter : undetermined_) {
       if (!IsTaper(parameter.place)) Describe(parameter);
     }
     return std::move(report_);
@@ -79,15 +79,15 @@ class Builder {
   // Larger of the variances by sandwich and by curvature, because each misses some uncertainty.
   double Variance(int place) const { return std::max(covariance_(place, place), posterior_(place, place)); }
 
-  bool Told(int place, const std::string& unit) const {
+  bool IsDetermined(int place, const std::string& unit) const {
     const double variance = Variance(place);
-    const double most = kUntold / solution_.prior_precision[place];
+    const double most = kMaxPriorShare / solution_.prior_precision[place];
     return variance <= (unit == "dB" ? std::min(most, kLevelStepDb * kLevelStepDb) : most);
   }
 
   // Returns true if the result is the prior: the pings have no information.
   bool IsAssumed(int place) const {
-    return posterior_(place, place) * solution_.prior_precision[place] > kUntold;
+    return posterior_(place, place) * solution_.prior_precision[place] > kMaxPriorShare;
   }
 
   bool IsTaper(int place) const {
@@ -109,7 +109,7 @@ class Builder {
     const auto is_floor = [&](const Parameter& parameter) {
       return parameter.place == layout.noise_db || parameter.place == layout.slope;
     };
-    if (layout.noise_db < 0 || std::none_of(untold_.begin(), untold_.end(), is_floor)) return;
+    if (layout.noise_db < 0 || std::none_of(undetermined_.begin(), undetermined_.end(), is_floor)) return;
     Eigen::VectorXd at_middle = Eigen::VectorXd::Zero(layout.count);
     const double near_m = cells.axes.range_edge_m(cells.first_bin);
     const double far_m = cells.axes.range_edge_m(cells.last_bin);
@@ -119,17 +119,17 @@ class Builder {
         std::max(at_middle.dot(covariance_ * at_middle), at_middle.dot(posterior_ * at_middle));
     if (!(variance <= 0.25 * Variance(layout.noise_db) && variance <= kLevelStepDb * kLevelStepDb)) return;
     report_.unidentifiable_directions.push_back(fmt::format(
-        "receiver.noise_db and receiver.noise_slope_db_per_m move together: only the floor over the fitted "
-        "ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",
+        "receiver.noise_db and receiver.noise_slope_db_per_m are not determined separately: only the noise "
+        "level over the fitted ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",
         near_m, far_m, std::sqrt(variance)));
-    std::erase_if(untold_, is_floor);
+    std::erase_if(undetermined_, is_floor);
   }
 
   void DescribeTapers(int first, const std::string& name) {
     if (first < 0) return;
     std::string beams;
     int count = 0;
-    for (const Parameter& parameter : untold_) {
+    for (const Parameter& parameter : undetermined_) {
       const int beam = parameter.place - first;
       if (beam < 0 || beam >= solution_.layout.beams) continue;
       if (++count <= kBeamsNamed) beams += fmt::format("{}{}", beams.empty() ? "" : ", ", beam);
@@ -137,22 +137,19 @@ class Builder {
     if (count == 0) return;
     if (count > kBeamsNamed) beams += " and others";
     report_.unidentifiable_directions.push_back(
-        fmt::format("{} of {} of {} beams ({}) is hardly told by the pings: it stands near what was assumed "
-                    "beforehand, the mean of all beams",
+        fmt::format("{} of {} of {} beams ({}) is hardly determined by the pings: it stays near its prior, "
+                    "the mean of all beams",
                     name, count, solution_.layout.beams, beams));
   }
 
   void Describe(const Parameter& parameter) {
     std::string text =
         IsAssumed(parameter.place)
-            ? fmt::format(
-                  "the pings say next to nothing about {}: it stands where what was assumed beforehand "
-                  "puts it",
-                  parameter.name)
+            ? fmt::format("the pings hardly determine {}: its value comes from the prior", parameter.name)
             : fmt::format("{} is known to no better than {:.2g}{}{}", parameter.name,
                           std::sqrt(Variance(parameter.place)), parameter.unit.empty() ? "" : " ",
                           parameter.unit);
-    for (const std::vector<Parameter>* list : {&told_, &untold_}) {
+    for (const std::vector<Parameter>* list : {&determined_, &undetermined_}) {
       for (const Parameter& other : *list) {
         if (other.place == parameter.place || IsTaper(other.place)) continue;
         if (std::abs(Correlation(parameter.place, other.place)) < kTogether) continue;
@@ -168,26 +165,29 @@ class Builder {
   const Eigen::MatrixXd& covariance_;
   Eigen::MatrixXd posterior_;
   FitReport report_;
-  std::vector<Parameter> told_;  // except tapers
-  std::vector<Parameter> untold_;
+  std::vector<Parameter> determined_;  // except tapers
+  std::vector<Parameter> undetermined_;
 };
 
 std::vector<std::string> GaugeOf(const NoiseLaw& law, bool fit_span) {
   std::vector<std::string> gauge = {
-      "Levels are relative: display.db_min is fixed, and what is told is how far the noise lies from it.",
+      "Levels are relative: display.db_min is fixed, and the pings determine the distance of the noise from "
+      "it.",
       "Tapers have a mean of 0 dB over the beams; the floors' levels carry the rest."};
   if (law.display.law == DisplayLaw::kPower) {
-    gauge.emplace_back("The exponent is fixed: on background alone it and the looks are one number.");
+    gauge.emplace_back(
+        "The exponent is fixed: background alone determines only one number for exponent and looks.");
     gauge[0] =
-        "Levels are relative: display.db_max is fixed, and what is told is how far the noise lies from it.";
+        "Levels are relative: display.db_max is fixed, and the pings determine the distance of the noise "
+        "from it.";
   } else if (fit_span) {
     gauge.emplace_back(
-        "receiver.looks is fixed at 1 and the display's span is fitted, as the recording does not tell it: "
-        "on background alone the two are one number.");
+        "receiver.looks is fixed at 1 and the display's span is fitted, because the recording does not state "
+        "it: background alone determines only one number for the two.");
   } else {
     gauge.emplace_back(
-        "The display's span is fixed and receiver.looks is fitted: on background alone the two are one "
-        "number.");
+        "The display's span is fixed and receiver.looks is fitted: background alone determines only one "
+        "number for the two.");
   }
   return gauge;
 }
@@ -199,13 +199,13 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   const NoiseLayout& layout = solution.layout;
   const NoiseLaw& law = solution.law;
   Builder builder(solution, covariance);
-  builder.Add("display.db_min", "dB", -1, law.display.db_min, start.display.db_min, -kMostLevelDb,
-              kMostLevelDb);
+  builder.Add("display.db_min", "dB", -1, law.display.db_min, start.display.db_min, -kMaxLevelDb,
+              kMaxLevelDb);
   builder.Add("display.db_max", "dB", layout.span_db, law.display.db_max, start.display.db_max,
-              law.display.db_min + kLeastSpanDb, law.display.db_min + kMostSpanDb);
+              law.display.db_min + kLeastSpanDb, law.display.db_min + kMaxSpanDb);
   if (layout.soft_db >= 0) {
     builder.Add("display.soft_db", "dB", layout.soft_db, law.display.soft_db, start.display.soft_db,
-                -kMostLevelDb, kMostLevelDb);
+                -kMaxLevelDb, kMaxLevelDb);
   }
   if (law.display.law == DisplayLaw::kPower) {
     builder.Add("display.exponent", "", -1, law.display.exponent, start.display.exponent, 0.0, 10.0);
@@ -214,24 +214,24 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
               kMinNoiseLooks, kMaxNoiseLooks, law.receiver.looks);
   if (layout.noise_db >= 0) {
     builder.Add("receiver.noise_db", "dB", layout.noise_db, *law.receiver.noise_db,
-                start.receiver.noise_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);
+                start.receiver.noise_db.value_or(0.0), -kMaxLevelDb, kMaxLevelDb);
     builder.Add("receiver.noise_slope_db_per_m", "dB/m", layout.slope, law.receiver.noise_slope_db_per_m,
-                start.receiver.noise_slope_db_per_m, -kMostSlopeDbPerM, kMostSlopeDbPerM);
+                start.receiver.noise_slope_db_per_m, -kMaxSlopeDbPerM, kMaxSlopeDbPerM);
   }
   if (layout.after_db >= 0) {
     builder.Add("receiver.noise_after_gain_db", "dB", layout.after_db, *law.receiver.noise_after_gain_db,
-                start.receiver.noise_after_gain_db.value_or(0.0), -kMostLevelDb, kMostLevelDb);
+                start.receiver.noise_after_gain_db.value_or(0.0), -kMaxLevelDb, kMaxLevelDb);
   }
   for (int beam = 0; beam < layout.beams; ++beam) {
     if (layout.taper >= 0) {
       builder.Add(fmt::format("receiver.noise_taper_db.{}", beam), "dB", layout.taper + beam,
-                  law.receiver.noise_taper_db[beam], 0.0, -kMostLevelDb, kMostLevelDb);
+                  law.receiver.noise_taper_db[beam], 0.0, -kMaxLevelDb, kMaxLevelDb);
     }
   }
   for (int beam = 0; beam < layout.beams; ++beam) {
     if (layout.after_taper >= 0) {
       builder.Add(fmt::format("receiver.noise_after_gain_taper_db.{}", beam), "dB", layout.after_taper + beam,
-                  law.receiver.noise_after_gain_taper_db[beam], 0.0, -kMostLevelDb, kMostLevelDb);
+                  law.receiver.noise_after_gain_taper_db[beam], 0.0, -kMaxLevelDb, kMaxLevelDb);
     }
   }
   FitReport report = builder.Finish(cells);
@@ -242,8 +242,8 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   report.termination = solution.converged ? "converged" : "ended before it converged";
   if (frames_used < 5) {
     report.gauge.emplace_back(
-        "Fewer than five pings: sigmas take range bands for independent, and know nothing of drift from ping "
-        "to ping.");
+        "Fewer than five pings: the standard errors treat range bands as independent and do not include "
+        "drift from ping to ping.");
   }
   return report;
 }

@@ -171,7 +171,7 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
     blocks[static_cast<std::size_t>(band / judge_bands) * judge_cols + beam / kJudgeBeams].Add(counts[cell],
                                                                                                chance);
   }
-  if (all.pixels == 0.0) throw DataError("no pixel is left to judge a noise law on");
+  if (all.pixels == 0.0) throw DataError("no pixel remains to evaluate a noise law");
 
   agreement.raw = raw.Summary();
   agreement.whitened = whitened.Summary();

@@ -23,8 +23,8 @@ constexpr double kConverged = 1e-3;
 // beams with interference, which no law with one speckle describes.
 constexpr double kGainedLittle = 0.02;
 constexpr int kLastSteps = 4;
-constexpr double kMostStepDb = 6.0;
-constexpr double kMostDamping = 1e8;
+constexpr double kMaxStepDb = 6.0;
+constexpr double kMaxDamping = 1e8;
 constexpr double kFreeDamping = 1e-2;  // up to here, damping is not the cause of a short step
 // Min curvature for damping, as a fraction of the largest diagonal element.
 constexpr double kLeastCurvature = 1e-8;
@@ -93,7 +93,7 @@ NoiseLaw FromVector(const NoiseLaw& form, const NoiseLayout& layout, const Eigen
 bool WithinBounds(const NoiseLayout& layout, const Eigen::VectorXd& value) {
   if (!value.allFinite()) return false;
   for (int place = 0; place < layout.count; ++place) {
-    const double most = place == layout.slope ? kMostSlopeDbPerM : kMostLevelDb;
+    const double most = place == layout.slope ? kMaxSlopeDbPerM : kMaxLevelDb;
     if (std::abs(value[place]) > most) return false;
   }
   return true;
@@ -117,14 +117,14 @@ std::optional<Eigen::VectorXd> Step(const Eigen::MatrixXd& information, const Ei
   return solver.solve(score);
 }
 
-constexpr int kMostOfACell = 7;
+constexpr int kMaxPerCell = 7;
 
 // Parameters of a cell, and the derivatives of ln N and of the levels' probabilities by them.
 struct CellParameters {
-  std::array<int, kMostOfACell> place;
-  std::array<double, kMostOfACell> by_log_noise;    // d ln N / d parameter
-  std::array<double, kMostOfACell> curvature_sign;  // for d2 ln N: outer product of these times bend
-  std::array<int, kMostOfACell> grey_derivative;    // index in GreyLevels::Chance, or -1
+  std::array<int, kMaxPerCell> place;
+  std::array<double, kMaxPerCell> by_log_noise;    // d ln N / d parameter
+  std::array<double, kMaxPerCell> curvature_sign;  // for d2 ln N: outer product of these times bend
+  std::array<int, kMaxPerCell> grey_derivative;    // index in GreyLevels::Chance, or -1
   int count = 0;
   double noise_power = 0.0;
   double bend = 0.0;
@@ -177,7 +177,7 @@ Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseC
   constexpr int kKinds = GreyLevels::kDerivatives;
   struct Used {
     CellParameters parameters;
-    Eigen::Matrix<double, kKinds, kMostOfACell> jacobian;
+    Eigen::Matrix<double, kKinds, kMaxPerCell> jacobian;
     double pixels = 0.0;
     double by_log_noise = 0.0;  // score
   };
@@ -209,7 +209,7 @@ Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseC
       cell.jacobian(0, p) = parameters.by_log_noise[p];
       if (parameters.grey_derivative[p] >= 0) cell.jacobian(parameters.grey_derivative[p], p) = 1.0;
     }
-    const Eigen::Vector<double, kMostOfACell> by_parameter = cell.jacobian.transpose() * score;
+    const Eigen::Vector<double, kMaxPerCell> by_parameter = cell.jacobian.transpose() * score;
     for (int p = 0; p < parameters.count; ++p) sum.score[parameters.place[p]] += by_parameter[p];
   }
   if (!with_information) return sum;
@@ -223,7 +223,7 @@ Evaluation Evaluate(const NoiseLaw& law, const NoiseLayout& layout, const NoiseC
                                   most->parameters.noise_power);
   for (const Used& cell : used) {
     const CellParameters& parameters = cell.parameters;
-    const Eigen::Matrix<double, kMostOfACell, kMostOfACell> block =
+    const Eigen::Matrix<double, kMaxPerCell, kMaxPerCell> block =
         cell.pixels * cell.jacobian.transpose() * expected(parameters.noise_power) * cell.jacobian;
     for (int p = 0; p < parameters.count; ++p) {
       for (int q = 0; q < parameters.count; ++q) {
@@ -294,13 +294,13 @@ void AddPriors(const NoiseSolution& solution, Evaluation& sum) {
 
 // Limits a step from `from`, centres the tapers, and clamps looks and span to their bounds.
 Eigen::VectorXd Next(const NoiseLayout& layout, const Eigen::VectorXd& from, const Eigen::VectorXd& step) {
-  Eigen::VectorXd next = from + step.cwiseMin(kMostStepDb).cwiseMax(-kMostStepDb);
+  Eigen::VectorXd next = from + step.cwiseMin(kMaxStepDb).cwiseMax(-kMaxStepDb);
   CentreTapers(layout, next);
   const auto clamp = [&next](int place, double lower, double upper) {
     if (place >= 0) next[place] = std::clamp(next[place], lower, upper);
   };
   clamp(layout.log_looks, std::log(kMinNoiseLooks), std::log(kMaxNoiseLooks));
-  clamp(layout.span_db, kLeastSpanDb, kMostSpanDb);
+  clamp(layout.span_db, kLeastSpanDb, kMaxSpanDb);
   return next;
 }
 
@@ -375,7 +375,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
       }
     }
     damping = better ? std::max(1e-6, damping * 0.1) : std::max(1e-4, damping * 10.0);
-    if (damping > kMostDamping) break;
+    if (damping > kMaxDamping) break;
   }
   at_best = evaluate(best, true);
   solution.cost = at_best.cost;

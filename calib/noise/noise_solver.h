@@ -40,9 +40,9 @@ struct NoiseSolution {
 inline constexpr double kMinNoiseLooks = 1.0;
 inline constexpr double kMaxNoiseLooks = 100.0;
 inline constexpr double kLeastSpanDb = 5.0;
-inline constexpr double kMostSpanDb = 400.0;
-inline constexpr double kMostLevelDb = 500.0;  // max magnitude; also for tapers and the soft floor
-inline constexpr double kMostSlopeDbPerM = 1000.0;
+inline constexpr double kMaxSpanDb = 400.0;
+inline constexpr double kMaxLevelDb = 500.0;  // max magnitude; also for tapers and the soft floor
+inline constexpr double kMaxSlopeDbPerM = 1000.0;
 
 // Levenberg-Marquardt. Ends without `converged` if no step lowers the cost at any damping, or after
 // options.max_iterations. The law is then the best one found, finite and within the bounds above. `start`

@@ -25,7 +25,7 @@ struct QuantileBound {
 
 inline QuantileMoments QuantileResidual(const QuantileBound& lower, const QuantileBound& upper) {
   constexpr double kSmallestChance = 1e-300;  // a residual of 37
-  constexpr double kThin = 1e-9;              // fraction of the tail; a narrower interval counts as a point
+  constexpr double kPointShare = 1e-9;        // fraction of the tail; a narrower interval counts as a point
   const auto quantile = [&](const QuantileBound& bound) {
     return bound.below < 0.5 ? Eigen::numext::ndtri(std::max(bound.below, kSmallestChance))
                              : -Eigen::numext::ndtri(std::max(bound.beyond, kSmallestChance));
@@ -36,7 +36,7 @@ inline QuantileMoments QuantileResidual(const QuantileBound& lower, const Quanti
   const double tail = low_side ? upper.below : lower.beyond;
   const double a = quantile(lower);
   const double b = quantile(upper);
-  if (!(chance > std::max(kSmallestChance, kThin * tail))) return {.mean = a, .square = a * a};
+  if (!(chance > std::max(kSmallestChance, kPointShare * tail))) return {.mean = a, .square = a * a};
   return {.mean = (density(a) - density(b)) / chance,
           .square = 1.0 + (a * density(a) - b * density(b)) / chance};
 }

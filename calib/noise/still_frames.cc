@@ -22,18 +22,18 @@ namespace {
 // Fresh speckle has about 1; noise 9 dB below the echoes has 0.25.
 constexpr double kMoved = 0.25;
 constexpr double kBrightestShare = 0.01;
-constexpr std::size_t kFewestBright = 50;
+constexpr std::size_t kMinBright = 50;
 
 constexpr std::size_t kFirstLookPixels = 20000;
 constexpr double kFirstStepDb = 1.0;
 constexpr double kStepDb = 0.2;
-constexpr int kMostSteps = 60;
+constexpr int kMaxSteps = 60;
 
 // Pixels this far above the noise check the level from all pixels.
 constexpr double kBrightDb = 13.0;
 constexpr double kBrightSigmaDb = 1.0;  // larger standard errors check nothing
 
-constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Stack {
   GreyClasses classes;
@@ -92,7 +92,7 @@ std::vector<std::size_t> BrightestPixels(const Stack& stack, const StillOptions&
       by_power.emplace_back(-stack.MeanPower(pixel), pixel);
   }
   const auto share = static_cast<std::size_t>(kBrightestShare * static_cast<double>(by_power.size()));
-  const std::size_t count = std::min(by_power.size(), std::max(kFewestBright, share));
+  const std::size_t count = std::min(by_power.size(), std::max(kMinBright, share));
   std::partial_sort(by_power.begin(), by_power.begin() + static_cast<std::ptrdiff_t>(count), by_power.end());
   std::vector<std::size_t> brightest;
   for (std::size_t i = 0; i < count; ++i) brightest.push_back(by_power[i].second);
@@ -121,14 +121,15 @@ std::vector<bool> FindMoved(const Stack& stack, const StillOptions& options) {
 }
 
 // Every n-th of the pixels that determine the noise, with their likelihood.
-struct Telling {
+struct Informative {
   std::vector<std::size_t> pixels;
   StillLikelihood likelihood;
 };
 
-Telling TellingPixels(const Stack& stack, const StillOptions& options, double noise_db, std::size_t every) {
+Informative InformativePixels(const Stack& stack, const StillOptions& options, double noise_db,
+                              std::size_t every) {
   const int frames = static_cast<int>(stack.frames.size());
-  const double brightest_db = BrightestTellingDb(options.looks, frames, options.brightest_db);
+  const double brightest_db = BrightestUsedDb(options.looks, frames, options.brightest_db);
   std::vector<std::size_t> pixels;
   std::vector<std::uint16_t> classes_of;
   std::vector<float> shape_db;
@@ -186,7 +187,7 @@ Profiles Climb(const StillLikelihood& likelihood, double start_db, double step_d
   double middle_db = start_db;
   std::array<Point, 3> points = {at(start_db - step_db), at(start_db), at(start_db + step_db)};
   for (int step = 0; points[1].sum < std::max(points[0].sum, points[2].sum); ++step) {
-    if (step == kMostSteps) throw DataError("still frames: no noise level explains what changes");
+    if (step == kMaxSteps) throw DataError("still frames: no noise level fits the changes");
     if (points[2].sum > points[0].sum) {
       middle_db += step_db;
       points = {std::move(points[1]), std::move(points[2]), at(middle_db + step_db)};
@@ -268,10 +269,10 @@ double VarianceOfSum(const std::map<int, double>& by_block, int blocks_across) {
   return variance;
 }
 
-void FillEchoes(const Stack& stack, const StillOptions& options, const Telling& telling,
+void FillEchoes(const Stack& stack, const StillOptions& options, const Informative& informative,
                 const std::vector<double>& weights, StillLevels& levels) {
   std::vector<double>& power = levels.echo_power;
-  power.assign(stack.pixels(), kNotTold);
+  power.assign(stack.pixels(), kUnknown);
   for (std::size_t pixel = 0; pixel < stack.pixels(); ++pixel) {
     if (!Counts(options, pixel)) continue;
     if (stack.ReachesTop(pixel)) {
@@ -281,9 +282,9 @@ void FillEchoes(const Stack& stack, const StillOptions& options, const Telling& 
     // Pixels far above the noise, where the frames agree.
     power[pixel] = stack.MeanPower(pixel) - PowerFromDb(levels.noise_db + NoiseShapeDb(options, pixel));
   }
-  const std::vector<double> near_noise = telling.likelihood.EchoPower(levels.noise_db, weights);
+  const std::vector<double> near_noise = informative.likelihood.EchoPower(levels.noise_db, weights);
   for (std::size_t i = 0; i < near_noise.size(); ++i) {
-    if (!std::isnan(power[telling.pixels[i]])) power[telling.pixels[i]] = near_noise[i];
+    if (!std::isnan(power[informative.pixels[i]])) power[informative.pixels[i]] = near_noise[i];
   }
   std::map<int, double> by_block;
   double sum = 0.0;
@@ -309,8 +310,8 @@ void StillOptions::Check() const {
     throw DataError("still frames: brightest_db is {:g}, expected 10 .. 40", brightest_db);
 }
 
-StillLevels TellSpeckleFromNoise(std::span<const PolarImage> images, std::span<const int> frame_numbers,
-                                 const StillOptions& options) {
+StillLevels SeparateSpeckleFromNoise(std::span<const PolarImage> images, std::span<const int> frame_numbers,
+                                     const StillOptions& options) {
   options.Check();
   SONARCAL_CHECK(images.size() == frame_numbers.size(), "{} images, {} numbers", images.size(),
                  frame_numbers.size());
@@ -328,28 +329,28 @@ StillLevels TellSpeckleFromNoise(std::span<const PolarImage> images, std::span<c
   if (still.size() < 2) {
     throw DataError(
         "frames {}: even their brightest pixels change from frame to frame as fresh speckle does, so that "
-        "either the scene moves or nothing stands out of the noise",
+        "either the scene moves or nothing exceeds the noise",
         fmt::join(frame_numbers, ", "));
   }
   stack.frames = std::move(still);
 
   const std::size_t every = std::max<std::size_t>(1, stack.pixels() / kFirstLookPixels);
   double noise_db = FirstLookDb(stack, options);
-  const Telling rough = TellingPixels(stack, options, noise_db, every);
+  const Informative rough = InformativePixels(stack, options, noise_db, every);
   const Profiles first = Climb(rough.likelihood, noise_db, kFirstStepDb, {});
   noise_db = TopOf(first, std::vector<int>(rough.pixels.size(), 0), [](std::size_t) { return true; }).db;
-  const Telling telling = TellingPixels(stack, options, noise_db, 1);
-  const Profiles profiles = Climb(telling.likelihood, noise_db, kStepDb, first.weights);
+  const Informative informative = InformativePixels(stack, options, noise_db, 1);
+  const Profiles profiles = Climb(informative.likelihood, noise_db, kStepDb, first.weights);
   std::vector<int> block_of;
-  for (const std::size_t pixel : telling.pixels) block_of.push_back(BlockOf(pixel, stack.beams, options));
+  for (const std::size_t pixel : informative.pixels) block_of.push_back(BlockOf(pixel, stack.beams, options));
   const Level noise = TopOf(profiles, block_of, [](std::size_t) { return true; });
-  if (!std::isfinite(noise.sigma_db)) throw DataError("still frames: the noise level cannot be told");
+  if (!std::isfinite(noise.sigma_db)) throw DataError("still frames: the noise level cannot be determined");
   levels.noise_db = noise.db;
   levels.noise_sigma_db = noise.sigma_db;
-  FillEchoes(stack, options, telling, profiles.weights, levels);
+  FillEchoes(stack, options, informative, profiles.weights, levels);
 
   const Level bright = TopOf(profiles, block_of, [&](std::size_t i) {
-    const std::size_t pixel = telling.pixels[i];
+    const std::size_t pixel = informative.pixels[i];
     return levels.echo_power[pixel] > PowerFromDb(noise.db + NoiseShapeDb(options, pixel) + kBrightDb);
   });
   if (bright.sigma_db < kBrightSigmaDb) {
@@ -384,7 +385,7 @@ SceneEchoes CompareSceneEchoes(const StillLevels& levels, const std::vector<doub
     block.sum += ratio;
     block.count += 1.0;
   }
-  if (blocks.size() < 2) throw DataError("still frames: the scene's echoes hardly stand out of the noise");
+  if (blocks.size() < 2) throw DataError("still frames: the scene's echoes hardly exceed the noise");
   const auto n = static_cast<double>(echoes.pixels);
   const double mean = sum / n;
   double scatter = 0.0;

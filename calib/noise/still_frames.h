@@ -65,8 +65,8 @@ struct StillLevels {
 // `frame_numbers`: numbers of the images for messages. Leaves out frames whose brightest pixels differ from
 // those of the others. Throws DataError if fewer than two frames are static. This includes the case that even
 // the brightest pixels change like fresh speckle: the scene moves, or nothing exceeds the noise.
-StillLevels TellSpeckleFromNoise(std::span<const PolarImage> images, std::span<const int> frame_numbers,
-                                 const StillOptions& options);
+StillLevels SeparateSpeckleFromNoise(std::span<const PolarImage> images, std::span<const int> frame_numbers,
+                                     const StillOptions& options);
 
 // Compares the echoes that a scene predicts with the constant echoes of the frames, over the pixels where the
 // predicted power is at least `above_noise_db` above the noise. Averages the ratio of the two powers, whose

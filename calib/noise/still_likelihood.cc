@@ -13,8 +13,8 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr int kMostClasses = 512;
-constexpr int kMostNodes = 600;
+constexpr int kMaxClasses = 512;
+constexpr int kMaxNodes = 600;
 constexpr std::size_t kChunk = 2048;  // pixels; fixed, so that sums do not depend on the number of threads
 constexpr double kShapeStepDb = 0.5;  // noise shapes are rounded to it
 constexpr double kLeastChance = 1e-12;
@@ -38,14 +38,14 @@ double HighestNode(double brightest_db) {
 
 }  // namespace
 
-double BrightestTellingDb(double looks, int frames, double asked_db) {
-  const double highest = (kMostNodes * Spacing(looks, frames) - 3.0) / 1.1;
+double BrightestUsedDb(double looks, int frames, double asked_db) {
+  const double highest = (kMaxNodes * Spacing(looks, frames) - 3.0) / 1.1;
   return std::min(asked_db, 2.0 * DbFromPower(highest));
 }
 
 GreyClasses::GreyClasses(const DisplayParameters<double>& display, double full_scale) {
   const int levels = static_cast<int>(full_scale) + 1;
-  levels_in_class_ = (levels + kMostClasses - 1) / kMostClasses;
+  levels_in_class_ = (levels + kMaxClasses - 1) / kMaxClasses;
   const auto power_at = [&](double grey) { return sim::PowerFromDisplay(display, grey / full_scale); };
   const int classes = (levels + levels_in_class_ - 1) / levels_in_class_;
   for (int c = 1; c < classes; ++c) edges_.push_back(power_at(c * levels_in_class_ - 0.5));

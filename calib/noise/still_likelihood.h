@@ -32,7 +32,7 @@ class GreyClasses {
 
 // Returns how far above the noise pixels may lie: `asked_db`, limited by the max number of nodes for this
 // number of frames.
-double BrightestTellingDb(double looks, int frames, double asked_db);
+double BrightestUsedDb(double looks, int frames, double asked_db);
 
 class StillLikelihood {
  public:

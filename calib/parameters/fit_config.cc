@@ -113,7 +113,7 @@ FitConfig ParseFitConfig(std::string_view text, const std::string& name) {
 
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog) {
   std::vector<bool> free(catalog.size(), false);
-  SONARCAL_CHECK(config.free.has_value(), "nobody says what is free");
+  SONARCAL_CHECK(config.free.has_value(), "no free parameters are given");
   for (const std::string& pattern : *config.free) {
     ForMatches(pattern, catalog, [&](std::size_t i) { free[i] = true; });
   }
@@ -133,10 +133,10 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
   for (CatalogEntry& entry : catalog) {
     if (entry.group == ParameterGroup::kPose)
       entry.typical_step = entry.index < 3 ? config.pose_prior.position_m : config.pose_prior.angle_deg;
-    const auto leash = config.leashes.find(entry.name);
-    if (leash == config.leashes.end()) continue;
-    entry.leash_lower = leash->second.first;
-    entry.leash_upper = leash->second.second;
+    const auto region = config.trust_regions.find(entry.name);
+    if (region == config.trust_regions.end()) continue;
+    entry.trust_lower = region->second.first;
+    entry.trust_upper = region->second.second;
   }
   for (const auto& [pattern, prior] : config.priors) {
     ForMatches(pattern, catalog, [&, &known = prior](std::size_t i) {

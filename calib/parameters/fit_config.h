@@ -42,7 +42,7 @@ struct FitConfig {
   std::vector<std::string> fixed = {};
   std::map<std::string, std::pair<double, double>> bounds = {};
   // Trust region of one solve, by name. Set by a fit in rounds, not by a user.
-  std::map<std::string, std::pair<double, double>> leashes = {};
+  std::map<std::string, std::pair<double, double>> trust_regions = {};
   std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: no prior
   PosePrior pose_prior = {};
   // Held-out frames. Absent: the last third, at least one if there are two.

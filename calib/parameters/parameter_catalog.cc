@@ -21,7 +21,7 @@ constexpr double kExponentStep = 1.0;
 constexpr double kLevelStepDb = 20.0;
 // 10 dB in the loss of a reflection. Beyond 60 dB the ghosts of a mirror are below all other echoes.
 constexpr double kLossStepDb = 10.0;
-constexpr double kMostLossDb = 60.0;
+constexpr double kMaxLossDb = 60.0;
 
 CatalogEntry GsabEntry(const std::string& material, int material_idx, int index) {
   const sim::ParameterTraits& traits = sim::kGsabTraits[index];
@@ -98,7 +98,7 @@ void AddMirrors(const std::vector<std::string>& material_names, const std::vecto
                        .group = ParameterGroup::kMirror,
                        .mirror = static_cast<int>(material),
                        .lower = 0.0,
-                       .upper = kMostLossDb,
+                       .upper = kMaxLossDb,
                        .typical_step = kLossStepDb});
   }
 }

@@ -59,8 +59,8 @@ struct CatalogEntry {
   double upper = 0.0;
   // Trust region of one solve, in which the model is nearly linear. A value that ends at it is not at a
   // bound.
-  double leash_lower = -std::numeric_limits<double>::infinity();
-  double leash_upper = std::numeric_limits<double>::infinity();
+  double trust_lower = -std::numeric_limits<double>::infinity();
+  double trust_upper = std::numeric_limits<double>::infinity();
   bool logarithmic = false;
   double typical_step = 1.0;
   std::optional<Prior> prior = {};
@@ -74,8 +74,8 @@ struct CatalogEntry {
   }
 
   // Limits of a solver for the value.
-  double solve_lower() const { return std::max(lower, leash_lower); }
-  double solve_upper() const { return std::min(upper, leash_upper); }
+  double solve_lower() const { return std::max(lower, trust_lower); }
+  double solve_upper() const { return std::min(upper, trust_upper); }
 
   // Distance of a value from its prior, in sigmas of the prior; 0 without a prior.
   double FromPrior(double value) const {

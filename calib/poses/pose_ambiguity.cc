@@ -14,10 +14,10 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kTold = 4.0;      // nats; odds of 55 to 1
-constexpr double kApart = 4.0;     // min distance of two different poses, sigmas
-constexpr int kStepsDown = 3;      // number of steps downhill in the search for another valley
-constexpr double kWorthIt = 60.0;  // nats; a start with more is abandoned
+constexpr double kMaxWorseNats = 4.0;   // nats; odds of 55 to 1
+constexpr double kApart = 4.0;          // min distance of two different poses, sigmas
+constexpr int kStepsDown = 3;           // number of steps downhill in the search for another valley
+constexpr double kMaxStartNats = 60.0;  // nats; a start with more is abandoned
 
 std::string Words(const PoseStep& step) {
   return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
@@ -26,9 +26,9 @@ std::string Words(const PoseStep& step) {
 
 std::string Sentence(int index, const char* kind, const PoseStep& step, double worse_by) {
   return worse_by < 0.0
-             ? fmt::format("pose.{}: {} ({}) explains the frame better, by {:.1f} nats, than the one given",
+             ? fmt::format("pose.{}: {} ({}) fits the frame better than the reported pose, by {:.1f} nats",
                            index, kind, Words(step), -worse_by)
-             : fmt::format("pose.{}: {} ({}) explains the frame as well but for {:.1f} nats", index, kind,
+             : fmt::format("pose.{}: {} ({}) fits the frame nearly as well, {:.1f} nats worse", index, kind,
                            Words(step), worse_by);
 }
 
@@ -39,11 +39,11 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
                                 const std::vector<int>& entries, const ParameterValues& start,
                                 const char* kind) {
   PoseProblem::State state = problem.At(start);
-  if (state.cost > fitted.cost + kWorthIt) return std::nullopt;
+  if (state.cost > fitted.cost + kMaxStartNats) return std::nullopt;
   const PoseProblem::Slopes slopes = problem.SlopesAt(state.values);
   double damping = 1e-3;
   for (int i = 0; i < kStepsDown; ++i) problem.Step(slopes, damping, state);
-  if (state.cost > fitted.cost + kTold) return std::nullopt;
+  if (state.cost > fitted.cost + kMaxWorseNats) return std::nullopt;
   Eigen::VectorXd moved(static_cast<Eigen::Index>(entries.size()));
   for (std::size_t k = 0; k < entries.size(); ++k)
     moved(static_cast<Eigen::Index>(k)) = state.values[entries[k]] - fitted.values[entries[k]];
@@ -60,8 +60,8 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
 
 // Min and max height of the first intersections of a pose's rays, m; nullopt if they meet nothing.
 std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model, const Pose& pose) {
-  constexpr int kThin = 8;
-  const sim::RayFan fan = model.ThinnedFan(kThin);
+  constexpr int kDecimation = 8;
+  const sim::RayFan fan = model.DecimatedFan(kDecimation);
   const sim::EchoList echoes = sim::Trace(model.simulator().caster(), fan, pose, model.sonar().axes,
                                           model.simulator().options().trace);
   double lowest = std::numeric_limits<double>::infinity();
@@ -92,7 +92,7 @@ std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<Cata
     from_prior += 0.5 * std::pow((with[entry] - of.prior->coordinate) / of.prior->sigma, 2);
     was += 0.5 * std::pow((values[entry] - of.prior->coordinate) / of.prior->sigma, 2);
   }
-  if (from_prior > was + kWorthIt) return std::nullopt;
+  if (from_prior > was + kMaxStartNats) return std::nullopt;
   return with;
 }
 
@@ -110,7 +110,7 @@ std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::
   };
   const Eigen::VectorXd ridge = problem.Ridge(fitted, slopes);
   for (const double sigmas : {-1.5, -0.5, 0.5, 1.5})
-    follow(problem.MovedEntries(values, sigmas * ridge), "another pose along what it tells least");
+    follow(problem.MovedEntries(values, sigmas * ridge), "another pose along the least determined direction");
   const Pose pose = model.PoseOf(frame, values);
   if (const auto heights = HeightsSeen(model, pose)) {
     const auto mirrored =

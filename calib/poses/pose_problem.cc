@@ -10,24 +10,24 @@
 namespace sonarcal::calib {
 
 PoseProblem::PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                         const PoseSmoothing& smoothing, int thin, std::vector<int> frames,
+                         const PoseSmoothing& smoothing, int decimation, std::vector<int> frames,
                          std::vector<int> entries, const ParameterValues& values)
     : model_(model),
       catalog_(catalog),
       entries_(std::move(entries)),
       frames_(std::move(frames)),
-      fan_(model.ThinnedFan(thin)) {
+      fan_(model.DecimatedFan(decimation)) {
   const ParameterSet parameters = model.Parameters(values);
   for (const int frame : frames_)
     views_.emplace_back(model, frame, parameters, smoothing, fan_, model.PoseOf(frame, values));
 }
 
 PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
-  State state{.values = values, .judged = std::vector<PoseView::Judgement>(frames_.size()), .cost = 0.0};
+  State state{.values = values, .evaluated = std::vector<PoseView::Evaluation>(frames_.size()), .cost = 0.0};
   tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
-    state.judged[i] = views_[i].Judge(views_[i].Expected(model_.PoseOf(frames_[i], values)));
+    state.evaluated[i] = views_[i].Evaluate(views_[i].Expected(model_.PoseOf(frames_[i], values)));
   });
-  for (const PoseView::Judgement& judged : state.judged) state.cost += judged.cost;
+  for (const PoseView::Evaluation& evaluated : state.evaluated) state.cost += evaluated.cost;
   for (const int entry : entries_) state.cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
   return state;
 }
@@ -52,12 +52,12 @@ NormalEquations PoseProblem::NormalAt(const State& state, const Slopes& slopes) 
   const auto count = static_cast<Eigen::Index>(entries_.size());
   NormalEquations normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    const PoseView::Judgement& judged = state.judged[i];
+    const PoseView::Evaluation& evaluated = state.evaluated[i];
     const Eigen::MatrixXd slope = slopes[i].cast<double>();
     const Eigen::MatrixXd moves = MovesOfEntries(frames_[i], state.values);
     normal.information +=
-        moves.transpose() * (slope.transpose() * judged.information.asDiagonal() * slope) * moves;
-    normal.score += moves.transpose() * (slope.transpose() * judged.score);
+        moves.transpose() * (slope.transpose() * evaluated.information.asDiagonal() * slope) * moves;
+    normal.score += moves.transpose() * (slope.transpose() * evaluated.score);
   }
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& prior = catalog_[entries_[k]].prior;

@@ -17,15 +17,15 @@ class PoseProblem {
   // Model and catalog must outlive the problem. `catalog` is that of the model, with bounds and priors. All
   // `entries` are of poses. `thin`: decimation of the rows and columns of rays.
   PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-              const PoseSmoothing& smoothing, int thin, std::vector<int> frames, std::vector<int> entries,
-              const ParameterValues& values);
+              const PoseSmoothing& smoothing, int decimation, std::vector<int> frames,
+              std::vector<int> entries, const ParameterValues& values);
   PoseProblem(const PoseProblem&) = delete;
   PoseProblem& operator=(const PoseProblem&) = delete;
 
   struct State {
     ParameterValues values;
-    std::vector<PoseView::Judgement> judged;  // per frame
-    double cost = 0.0;                        // nats, including priors
+    std::vector<PoseView::Evaluation> evaluated;  // per frame
+    double cost = 0.0;                            // nats, including priors
   };
   State At(const ParameterValues& values) const;
 

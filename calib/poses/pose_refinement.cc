@@ -75,13 +75,17 @@ double Solve(const PoseProblem& problem, int slope_rounds, bool along_ridge, Par
 
 }  // namespace
 
-std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain) {
+std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell) {
   constexpr double kFar = 4.0;
   constexpr double kFarBeams = 2.0;
   constexpr double kNearBeams = 0.5;
-  return {{.smoothing = {kFar * grain.bins, kFarBeams * grain.beams}, .slopes = 2, .thin = 2, .sweep = true},
-          {.smoothing = {grain.bins, kNearBeams * grain.beams}, .slopes = 2, .along_ridge = true},
-          {.smoothing = {}, .slopes = 3, .along_ridge = true}};
+  return {
+      {.smoothing = {kFar * speckle_cell.bins, kFarBeams * speckle_cell.beams},
+       .slopes = 2,
+       .decimation = 2,
+       .sweep = true},
+      {.smoothing = {speckle_cell.bins, kNearBeams * speckle_cell.beams}, .slopes = 2, .along_ridge = true},
+      {.smoothing = {}, .slopes = 3, .along_ridge = true}};
 }
 
 std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
@@ -101,8 +105,8 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
   const double step_m = stage.smoothing.bins * model.sonar().axes.range_bin_m();
   const double step_deg = stage.smoothing.beams * DegFromRad(model.sonar().axes.beam_spacing_rad());
   const auto refine = [&](std::vector<int> frames, std::vector<int> of, const std::string& name) {
-    const PoseProblem problem(model, catalog, stage.smoothing, stage.thin, std::move(frames), std::move(of),
-                              values);
+    const PoseProblem problem(model, catalog, stage.smoothing, stage.decimation, std::move(frames),
+                              std::move(of), values);
     if (stage.sweep) Sweep(problem, step_m, step_deg, values);
     const double fall = Solve(problem, stage.slopes, stage.along_ridge, values);
     falls += fall;

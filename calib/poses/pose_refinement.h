@@ -20,13 +20,13 @@ namespace sonarcal::calib {
 struct PoseStage {
   PoseSmoothing smoothing;
   int slopes = 2;            // max number of times that derivatives are traced
-  int thin = 1;              // decimation of the rows and columns of rays
+  int decimation = 1;        // decimation of the rows and columns of rays
   bool along_ridge = false;  // jumps along the direction that the frames determine least
   bool sweep = false;        // first tries headings and distances within twice the prior sigma
 };
 
 // Returns the stages: smoothing over about four speckle cells, over one, and the likelihood.
-std::vector<PoseStage> PoseStages(const FrameModel::Grain& grain);
+std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell);
 
 // Returns the free pose entries of the catalog.
 std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free);

@@ -225,7 +225,7 @@ TargetPose PoseOfBrightRegion(const Grid<float>& image, const PolarAxes& axes) {
     }
   }
   if (!(weight > 0.0)) {
-    throw DataError("pose search: nothing in the image stands four standard deviations above its background");
+    throw DataError("pose search: no pixel of the image is four standard deviations above its background");
   }
   return {.range_m = range_m / weight, .azimuth_rad = azimuth_rad / weight};
 }
@@ -265,7 +265,7 @@ std::vector<std::string> OpenQuestions(const Matcher& fine, const PoseSearchResu
       costs += fmt::format("{}{:+.0f} deg {:+.1f} %", i == 0 ? "" : ", ", options.ridge_elevations_deg[i],
                            100.0 * (std::sqrt(result.ridge[i].cost / lowest) - 1.0));
     }
-    open.push_back("elevation (height): with it held and the rest refitted, the rms difference grows by " +
+    open.push_back("elevation (height): with it fixed and the rest refitted, the rms difference grows by " +
                    costs);
   }
   open.emplace_back("roll about the length of a body of revolution");

@@ -17,7 +17,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
       parameters_(parameters),
       smoothing_(smoothing),
       fan_(fan),
-      pixels_a_grain_(model.grain().bins * model.grain().beams),
+      pixels_per_cell_(model.speckle_cell().bins * model.speckle_cell().beams),
       lowest_(sim::PowerFromDisplay(parameters.display, 0.0)),
       highest_(sim::PowerFromDisplay(parameters.display, 1.0)) {
   if (smoothing.none()) return;
@@ -35,7 +35,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
     squares += std::pow(shown_.values()[i] - expected.values()[i], 2);
     count += 1.0;
   }
-  weight_ = squares > 0.0 ? count / (squares * pixels_a_grain_) : 0.0;
+  weight_ = squares > 0.0 ? count / (squares * pixels_per_cell_) : 0.0;
 }
 
 Grid<float> PoseView::ExpectedShown(const PolarImage& power) const {
@@ -60,7 +60,7 @@ Eigen::VectorXf PoseView::Expected(const Pose& world_from_sonar) const {
   return Eigen::Map<const Eigen::VectorXf>(shown.values().data(), static_cast<Eigen::Index>(shown.size()));
 }
 
-PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
+PoseView::Evaluation PoseView::Evaluate(const Eigen::VectorXf& expected) const {
   const Eigen::Index pixels = expected.size();
   if (!smoothing_.none()) {
     const Eigen::VectorXd difference = expected.cast<double>();
@@ -68,7 +68,7 @@ PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
             .score = -weight_ * difference,
             .information = Eigen::VectorXd::Constant(pixels, weight_)};
   }
-  Judgement judged{
+  Evaluation evaluated{
       .cost = 0.0, .score = Eigen::VectorXd::Zero(pixels), .information = Eigen::VectorXd::Zero(pixels)};
   const AcousticFrame& frame = model_.frame(frame_);
   const double looks = parameters_.receiver.looks;
@@ -76,11 +76,11 @@ PoseView::Judgement PoseView::Judge(const Eigen::VectorXf& expected) const {
     if (!Counts(static_cast<std::size_t>(i))) continue;
     const double mean = std::exp(static_cast<double>(expected[i]));
     const LikelihoodTerm term = PowerLikelihood(frame.recorded[i], mean, looks);
-    judged.cost += 0.5 * term.residual * term.residual / pixels_a_grain_;
-    judged.score[i] = -term.residual * term.slope / pixels_a_grain_;
-    judged.information[i] = ExpectedInformation(lowest_, highest_, mean, looks) / pixels_a_grain_;
+    evaluated.cost += 0.5 * term.residual * term.residual / pixels_per_cell_;
+    evaluated.score[i] = -term.residual * term.slope / pixels_per_cell_;
+    evaluated.information[i] = ExpectedInformation(lowest_, highest_, mean, looks) / pixels_per_cell_;
   }
-  return judged;
+  return evaluated;
 }
 
 }  // namespace sonarcal::calib

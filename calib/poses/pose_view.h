@@ -32,12 +32,12 @@ class PoseView {
   // Returns the expected value of each pixel at a pose. Traces.
   Eigen::VectorXf Expected(const Pose& world_from_sonar) const;
 
-  struct Judgement {
+  struct Evaluation {
     double cost = 0.0;            // half of -2 log likelihood, up to a constant
     Eigen::VectorXd score;        // -d cost / d expected, pixel by pixel
     Eigen::VectorXd information;  // the mean of d^2 cost / d expected^2
   };
-  Judgement Judge(const Eigen::VectorXf& expected) const;
+  Evaluation Evaluate(const Eigen::VectorXf& expected) const;
 
  private:
   Grid<float> ExpectedShown(const PolarImage& power) const;
@@ -48,7 +48,7 @@ class PoseView {
   ParameterSet parameters_;
   PoseSmoothing smoothing_;
   const sim::RayFan& fan_;
-  double pixels_a_grain_;
+  double pixels_per_cell_;
   double lowest_;  // power at the bottom of the display; below, at its top
   double highest_;
   Grid<float> shown_;    // smoothed views: recorded image, not smoothed

@@ -264,7 +264,7 @@ class Explainer {
     }
     const AcousticFrameModel seen(simulator, used, step.parameters);
     mean_used_ = MeanPowers(seen);
-    grain_ = seen.grain();
+    speckle_cell_ = seen.speckle_cell();
     const AcousticFrameModel unseen(simulator, held_out, step.parameters);
     step.mean_held_out = MeanPowers(unseen);
     for (const AcousticFrame& frame : held_out) step.poses_held_out.push_back(frame.world_from_sonar);
@@ -316,15 +316,15 @@ class Explainer {
 
   static int BlockAlong(int least, double widths, int extent) {
     constexpr double kWidths = 8.0;
-    constexpr int kFewest = 4;
-    return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kFewest));
+    constexpr int kMin = 4;
+    return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kMin));
   }
 
   void Judge() {
     result_.pixels_used = Likelihood(result_.steps.back(), used_, mean_used_).Pixels();
-    result_.pixels_a_cell =
-        std::max(1.0, kCellWidths * grain_.bins) * std::max(1.0, kCellWidths * grain_.beams);
-    const double cells = result_.pixels_used / result_.pixels_a_cell;
+    result_.pixels_per_cell =
+        std::max(1.0, kCellWidths * speckle_cell_.bins) * std::max(1.0, kCellWidths * speckle_cell_.beams);
+    const double cells = result_.pixels_used / result_.pixels_per_cell;
     for (std::size_t i = 1; i < result_.steps.size(); ++i) {
       ExplainedStep& step = result_.steps[i];
       const ExplainedStep& before = result_.steps[i - 1];
@@ -383,7 +383,7 @@ class Explainer {
   std::optional<sim::Simulator> one_;     // one material
   std::optional<sim::Simulator> all_;
   std::vector<std::vector<double>> mean_used_;  // for the last step
-  FrameModel::Grain grain_;
+  FrameModel::SpeckleCell speckle_cell_;
   Explanation result_;
 };
 
@@ -405,7 +405,7 @@ Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vect
                     const ExplainOptions& options) {
   if (used.empty()) throw DataError("explain: no frames");
   if (held_out.empty())
-    throw DataError("explain: no frame is held out, and what a part is worth shows only there");
+    throw DataError("explain: no frame is held out, expected at least one for the evaluation");
   if (given.materials.empty()) throw DataError("explain: the parameters name no material");
   return Explainer(scene, sonar, used, held_out, given, options).Run();
 }

@@ -110,7 +110,7 @@ struct Explanation {
   std::vector<std::string> left_out = {};  // steps with the reason, one sentence each
   std::vector<std::string> warnings = {};  // values at the end of their range, one sentence each
   double pixels_used = 0.0;
-  double pixels_a_cell = 1.0;  // pixels in one independent cell
+  double pixels_per_cell = 1.0;  // pixels in one independent cell
 };
 
 struct ExplainOptions {

@@ -28,7 +28,7 @@ double LogChance(const GreyLevels& levels, int full_scale, int level, double mea
   const QuantileBound lower = levels.Bound(level - 1, mean_power);
   const QuantileBound upper = levels.Bound(level, mean_power);
   const double chance = lower.below < 0.5 ? upper.below - lower.below : lower.beyond - upper.beyond;
-  return std::log((1.0 - kAnything) * std::max(chance, 0.0) + kAnything / (full_scale + 1.0));
+  return std::log((1.0 - kOutlierFraction) * std::max(chance, 0.0) + kOutlierFraction / (full_scale + 1.0));
 }
 
 bool Counts(const GreyFrame& frame, std::size_t pixel) {
@@ -172,7 +172,8 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
       };
       const double lower = level <= 0 ? 0.0 : below(level - 0.5);
       const double upper = level >= full_scale ? 1.0 : below(level + 0.5);
-      return std::log((1.0 - kAnything) * std::max(upper - lower, 0.0) + kAnything / (full_scale + 1.0));
+      return std::log((1.0 - kOutlierFraction) * std::max(upper - lower, 0.0) +
+                      kOutlierFraction / (full_scale + 1.0));
     };
   });
 }

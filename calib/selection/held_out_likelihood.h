@@ -2,7 +2,7 @@
 // values themselves, so that display laws can be compared too. The probability of a grey level is that of its
 // quantisation interval under speckle about the mean power of the pixel, through the display
 // (calib/noise/noise_likelihood.h). A clipped value has the probability of all values that are shown there. A
-// fraction kAnything of the pixels are outliers, with equal probability of every level. Otherwise a few
+// fraction kOutlierFraction of the pixels are outliers, with equal probability of every level. Otherwise a few
 // pixels that no variant describes would dominate the sum and its standard error.
 //
 // Sums are kept per block of pixels. Speckle is correlated over beam and pulse, and over frames of one pose,
@@ -20,7 +20,7 @@
 
 namespace sonarcal::calib {
 
-inline constexpr double kAnything = 0.01;
+inline constexpr double kOutlierFraction = 0.01;
 
 struct GreyFrame {
   int index = 0;  // index in the recording

@@ -41,9 +41,9 @@ class Chooser {
   ModelChoice Run(const ParameterSet& initial, const FitConfig& config) {
     mirrors_ = sim::ReflectingMaterials(simulator_.caster().material_names(), initial);
     const FitOptions few = Few(options_.first_iterations, options_.fit.starts, true);
-    Say("choice of a model: fitting the one given");
+    Say("selection of the model: fitting the given one");
     std::optional<Candidate> first = FitAndJudge(initial, initial, config, few);
-    if (!first) throw DataError("the model to choose from could not be fitted to the frames used");
+    if (!first) throw DataError("the given model could not be fitted to the frames used");
     best_ = std::move(*first);
     ModelChoice choice;
     for (const ChoiceAxis axis : options_.axes) choice.axes.push_back(Decide(axis));
@@ -138,7 +138,7 @@ class Chooser {
     std::vector<ModelVariant> variants = {{.name = fmt::format("{:g}", given), .given = true}};
     if (given != 1.0) variants.push_back(with("1", 1.0, 0));
     if (std::abs(best - given) < kAlike * given || std::abs(best - 1.0) < kAlike) {
-      axis.notes.push_back(fmt::format("Number of looks that explains the frames used best: {:.2f}.", best));
+      axis.notes.push_back(fmt::format("Number of looks that fits the frames used best: {:.2f}.", best));
     } else {
       variants.push_back(with(fmt::format("{:.3g}, fitted to the frames used", best), best, 1));
     }
@@ -154,7 +154,7 @@ class Chooser {
     held.fixed.emplace_back(kTrendName);
     const bool free_now = IsFree(best_.config, kTrendName);
     if (!free_now && !IsFree(free, kTrendName))
-      throw DataError("--choose trend: the configuration holds {}", kTrendName);
+      throw DataError("--choose trend: the configuration fixes {}", kTrendName);
     return {{.name = given == 0.0 ? "none" : fmt::format("{:g} dB/m, as given", given),
              .given = !free_now,
              .apply = [given](ParameterSet& p) { p.receiver.noise_slope_db_per_m = given; },
@@ -185,10 +185,10 @@ class Chooser {
   // Display laws softened as the background shows, on the levels of the given law. The slope stays, and the
   // noise moves to its level in the new law.
   std::vector<ModelVariant> DisplayVariants(JudgedAxis& axis) const {
-    constexpr std::ptrdiff_t kFewestPixels = 1000;
+    constexpr std::ptrdiff_t kMinPixels = 1000;
     const DisplayParameters<double>& given = best_.initial.display;
     if (given.law == DisplayLaw::kPower) {
-      throw DataError("--choose display: the display is a power law, of which nothing else is tried");
+      throw DataError("--choose display: the display is a power law, which has no variants");
     }
     std::vector<ModelVariant> variants = {{.name = DisplayName(given.law),
                                            .fitted_values = given.law == DisplayLaw::kLog ? 0 : 1,
@@ -199,11 +199,10 @@ class Chooser {
     }
     const Mask background = BackgroundOfFirst();
     const auto pixels = std::count(background.values().begin(), background.values().end(), 1);
-    if (pixels < kFewestPixels) {
-      axis.notes.push_back(
-          fmt::format("No softened law was tried: frame {} has {} pixels of background, and {} are needed to "
-                      "read one off.",
-                      used_.front().index, pixels, kFewestPixels));
+    if (pixels < kMinPixels) {
+      axis.notes.push_back(fmt::format(
+          "No softened law was tried: frame {} has {} pixels of background, at least {} are needed.",
+          used_.front().index, pixels, kMinPixels));
       return variants;
     }
     PolarImage image = used_.front().image;
@@ -314,7 +313,7 @@ ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyF
                         const FitConfig& config, const ModelChoiceOptions& options) {
   if (used.empty()) throw DataError("fit: no frames");
   if (held_out.empty()) {
-    throw DataError("a model is chosen by frames that the fit does not see, and none is held out");
+    throw DataError("a model is selected on held-out frames, but no frame is held out");
   }
   ParameterSet complete = initial;
   if (!complete.receiver.noise_db) {

@@ -13,7 +13,7 @@ namespace sonarcal::report {
 namespace {
 
 constexpr std::size_t kPictureBytes = 7'500'000;
-constexpr std::size_t kFewestFrames = 3;
+constexpr std::size_t kMinFrames = 3;
 
 std::vector<std::uint8_t> GreyPng(const PolarImage& image) {
   Grid<std::uint8_t> grey(image.value.rows(), image.value.cols());
@@ -33,7 +33,7 @@ std::string FigureText(const std::optional<double>& value) {
 std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames) {
   // Two pictures with one byte per pixel. That of the objects compresses to almost nothing.
   const std::size_t fitting = kPictureBytes / std::max<std::size_t>(2 * pixels, 1);
-  return std::min(frames, std::max(kFewestFrames, fitting));
+  return std::min(frames, std::max(kMinFrames, fitting));
 }
 
 ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,

@@ -21,8 +21,8 @@ void Dot(RgbImage& picture, const Eigen::Vector2d& pixel, const data_io::Rgb& co
 void Line(RgbImage& picture, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
           const data_io::Rgb& color) {
   const double length_px = (to - from).norm();
-  constexpr double kMostPx = 1e5;
-  if (!(length_px < kMostPx)) return;
+  constexpr double kMaxPx = 1e5;
+  if (!(length_px < kMaxPx)) return;
   const int steps = 1 + static_cast<int>(2.0 * length_px);
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Vector2d at = from + (to - from) * i / steps;

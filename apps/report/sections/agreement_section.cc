@@ -17,7 +17,7 @@ namespace sonarcal::report {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostClasses = 128;  // classes of a histogram
+constexpr int kMaxClasses = 128;  // classes of a histogram
 constexpr int kRangeBands = 8;
 constexpr double kHighestRatio = 2.0;  // upper end of the axis
 
@@ -114,7 +114,7 @@ ChartSeries HistogramSeries(const std::string& name, const std::vector<double>& 
   ChartSeries series{.name = name, .x = {}, .y = {}, .colour = colour};
   double total = 0.0;
   for (const double count : counts) total += count;
-  const std::size_t group = (counts.size() + kMostClasses - 1) / kMostClasses;
+  const std::size_t group = (counts.size() + kMaxClasses - 1) / kMaxClasses;
   for (std::size_t first = 0; first < counts.size(); first += group) {
     const std::size_t end = std::min(counts.size(), first + group);
     double sum = 0.0;

@@ -14,7 +14,7 @@
 namespace sonarcal::report {
 namespace {
 
-constexpr std::size_t kMostFrameRows = 200;
+constexpr std::size_t kMaxFrameRows = 200;
 
 // Headline figures: their usual names and their paths (metrics/figures.h).
 std::vector<std::pair<const char*, std::string>> HeadFigures(metrics::IntensityDomain domain) {
@@ -123,7 +123,7 @@ Table FrameTable(const metrics::MetricsReport& metrics) {
               .notes = {"Counts and ratios are those of the polar image; the fan's are in metrics.json."}};
   // Shows evenly spread frames, including the first and the last, if all would make the page unreadable.
   const std::size_t frames = metrics.frames.size();
-  const std::size_t shown = std::min(frames, kMostFrameRows);
+  const std::size_t shown = std::min(frames, kMaxFrameRows);
   if (shown < frames) {
     table.caption += fmt::format(": {} of {} frames, evenly spread", shown, frames);
     table.notes.emplace_back("All frames: per_frame.csv.");

@@ -115,8 +115,8 @@ Table StepTable(const workflow::ExplainedRecording& explained, const workflow::J
       "in the frames used, not {:.0f} pixels: speckle is alike over "
       "{:.1f} "
       "of them.",
-      explained.explanation.pixels_used / explained.explanation.pixels_a_cell,
-      explained.explanation.pixels_used, explained.explanation.pixels_a_cell));
+      explained.explanation.pixels_used / explained.explanation.pixels_per_cell,
+      explained.explanation.pixels_used, explained.explanation.pixels_per_cell));
   table.notes.emplace_back(
       "Intensity error: mean absolute difference of grey values over the whole polar image. Median image: "
       "the "
@@ -158,8 +158,8 @@ Waterfall WaterfallOf(const workflow::ExplainedRecording& explained, const workf
 
 // Evaluations: each frame alone, or all together.
 std::vector<workflow::JudgedSteps> Judges(const workflow::ExplainedRecording& explained,
-                                          const ExplanationTelling& telling) {
-  if (telling.apart) return explained.by_frame;
+                                          const ExplanationPresentation& presentation) {
+  if (presentation.apart) return explained.by_frame;
   return {explained.judged};
 }
 
@@ -220,11 +220,11 @@ std::optional<std::string> ContradictionOf(const workflow::ExplainedRecording& e
 }  // namespace
 
 std::vector<std::string> WarningsOf(const workflow::ExplainedRecording& explained,
-                                    const ExplanationTelling& telling) {
-  std::vector<std::string> warnings = telling.warnings;
+                                    const ExplanationPresentation& presentation) {
+  std::vector<std::string> warnings = presentation.warnings;
   const std::vector<std::string>& ends = explained.explanation.warnings;
   warnings.insert(warnings.end(), ends.begin(), ends.end());
-  for (const workflow::JudgedSteps& judged : Judges(explained, telling)) {
+  for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
     for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
       if (const auto sentence = ContradictionOf(explained, judged, i)) warnings.push_back(*sentence);
     }
@@ -271,27 +271,27 @@ std::string CauseSentence(const workflow::ExplainedRecording& explained) {
 }
 
 void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explained,
-                  const ExplanationTelling& telling) {
+                  const ExplanationPresentation& presentation) {
   report.Section("What each part is worth");
-  for (const std::string& sentence : WarningsOf(explained, telling))
+  for (const std::string& sentence : WarningsOf(explained, presentation))
     report.Callout(CalloutKind::kWarning, "Doubtful", sentence + ".");
-  if (!telling.caveats.empty()) {
+  if (!presentation.caveats.empty()) {
     report.Callout(CalloutKind::kLimit, "What to know", "What was assumed, and what figures do not show.");
-    report.List(telling.caveats);
+    report.List(presentation.caveats);
   }
-  for (const workflow::JudgedSteps& judged : Judges(explained, telling)) {
+  for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
     const std::string by = "by " + Frames(judged.frames) + ", which no fit saw";
-    if (telling.apart) report.Subsection("Judged by " + Frames(judged.frames));
-    std::string of = telling.title.empty() ? std::string() : ": " + telling.title;
-    if (telling.apart) of += ", by " + Frames(judged.frames);
-    const std::string known = telling.title.empty() ? std::string() : " (" + telling.title + ")";
+    if (presentation.apart) report.Subsection("Judged by " + Frames(judged.frames));
+    std::string of = presentation.title.empty() ? std::string() : ": " + presentation.title;
+    if (presentation.apart) of += ", by " + Frames(judged.frames);
+    const std::string known = presentation.title.empty() ? std::string() : " (" + presentation.title + ")";
     report.Add(WaterfallOf(explained, judged, &workflow::StepFigures::intensity_error,
                            "What is left unexplained after each part is added" + of),
                fmt::format("Judged {}{}. Blue: what is left; pale green: what a part "
                            "took away; red: what it added. The dashed line is what the last model's own "
                            "draws differ from it by: speckle and noise.",
                            by, known));
-    if (telling.about && judged.figures.back().about_error) {
+    if (presentation.about && judged.figures.back().about_error) {
       report.Add(WaterfallOf(explained, judged, &workflow::StepFigures::about_error,
                              "What is left unexplained about the object" + of),
                  fmt::format("Judged {}{}, within {} range bins and {} beams of the object as found in the "
@@ -311,25 +311,26 @@ void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explai
 }
 
 void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained,
-               const ExplanationTelling& telling) {
+               const ExplanationPresentation& presentation) {
   report.Section("What the bright cells come from");
   std::string sentence = CauseSentence(explained);
   if (!sentence.empty()) sentence.front() = static_cast<char>(std::toupper(sentence.front()));
   report.Paragraph(sentence + ".");
   PictureRow row{
-      .caption = (telling.title.empty() ? std::string() : telling.title + ". ") +
-                 RealCaption(telling.synthetic) +
+      .caption = (presentation.title.empty() ? std::string() : presentation.title + ". ") +
+                 RealCaption(presentation.synthetic) +
                  " (left) and what each bright cell comes from by the last model (right); "
                  "nearest range at the top. A cell is bright where the recorded power about it is "
                  "twice the noise floor, and not explained where it is three times what is expected.",
       .pictures = {},
       .columns = 2,
       .legend = CauseLegend(explained.maps, explained.cause_names)};
-  constexpr std::size_t kMost = 4;
-  for (std::size_t i = 0; i < std::min(kMost, explained.maps.size()); ++i) {
+  constexpr std::size_t kMax = 4;
+  for (std::size_t i = 0; i < std::min(kMax, explained.maps.size()); ++i) {
     const workflow::CauseMap& map = explained.maps[i];
-    row.pictures.push_back({.png = data_io::EncodePng(data_io::StretchPolar(data_io::Colorize(map.recorded))),
-                            .caption = fmt::format("Frame {}, {}", map.index, RealWord(telling.synthetic))});
+    row.pictures.push_back(
+        {.png = data_io::EncodePng(data_io::StretchPolar(data_io::Colorize(map.recorded))),
+         .caption = fmt::format("Frame {}, {}", map.index, RealWord(presentation.synthetic))});
     row.pictures.push_back({.png = data_io::EncodePng(CausePicture(map.cause)),
                             .caption = fmt::format("Frame {}, causes", map.index),
                             .crisp = true});
@@ -343,7 +344,8 @@ void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained
   if (!table.rows.empty()) report.Add(table);
 }
 
-Json ExplanationJson(const workflow::ExplainedRecording& explained, const ExplanationTelling& telling) {
+Json ExplanationJson(const workflow::ExplainedRecording& explained,
+                     const ExplanationPresentation& presentation) {
   const calib::Explanation& of = explained.explanation;
   Json steps = Json::array();
   for (std::size_t i = 0; i < of.steps.size(); ++i) {
@@ -396,10 +398,10 @@ Json ExplanationJson(const workflow::ExplainedRecording& explained, const Explan
   for (const workflow::JudgedSteps& judged : explained.by_frame)
     floors.push_back(NumberOrNull(judged.floor_error));
   Json json = {{"format", "sonar-explanation/1"},
-               {"title", telling.title},
-               {"warnings", WarningsOf(explained, telling)},
-               {"caveats", telling.caveats},
-               {"judged_apart", telling.apart},
+               {"title", presentation.title},
+               {"warnings", WarningsOf(explained, presentation)},
+               {"caveats", presentation.caveats},
+               {"judged_apart", presentation.apart},
                {"frames_used", explained.split.used},
                {"frames_held_out", explained.split.held_out},
                {"steps", steps},
@@ -407,7 +409,7 @@ Json ExplanationJson(const workflow::ExplainedRecording& explained, const Explan
                {"speckle_floor_error", NumberOrNull(explained.judged.floor_error)},
                {"speckle_floor_error_by_frame", floors},
                {"pixels_used", of.pixels_used},
-               {"pixels_a_cell", of.pixels_a_cell},
+               {"pixels_a_cell", of.pixels_per_cell},
                {"causes",
                 {{"names", explained.cause_names}, {"words", CauseSentence(explained)}, {"frames", frames}}}};
   json["metrics_after"] = Json::parse(metrics::MetricsJson(explained.metrics_after.value()));
@@ -417,11 +419,11 @@ Json ExplanationJson(const workflow::ExplainedRecording& explained, const Explan
 }
 
 std::string ExplanationText(const workflow::ExplainedRecording& explained,
-                            const ExplanationTelling& telling) {
+                            const ExplanationPresentation& presentation) {
   std::string text;
-  for (const std::string& sentence : WarningsOf(explained, telling))
+  for (const std::string& sentence : WarningsOf(explained, presentation))
     text += fmt::format("warning: {}\n", sentence);
-  for (const workflow::JudgedSteps& judged : Judges(explained, telling)) {
+  for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
     text += fmt::format("fitted to {}, judged on {}, which no fit saw\n", Frames(explained.split.used),
                         Frames(judged.frames));
     text += TextOf(explained, judged);
@@ -430,7 +432,7 @@ std::string ExplanationText(const workflow::ExplainedRecording& explained,
   for (const std::string& sentence : explained.explanation.left_out)
     text += fmt::format("  left out: {}\n", sentence);
   text += CauseSentence(explained) + "\n";
-  for (const std::string& sentence : telling.caveats) text += fmt::format("note: {}\n", sentence);
+  for (const std::string& sentence : presentation.caveats) text += fmt::format("note: {}\n", sentence);
   return text;
 }
 

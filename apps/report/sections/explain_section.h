@@ -16,7 +16,7 @@ namespace sonarcal::report {
 std::string_view TitleOf(calib::ExplainedPart part);
 
 // Options for the presentation of an ablation study.
-struct ExplanationTelling {
+struct ExplanationPresentation {
   std::string title = {};  // name of the recording, shown with every picture; empty: none
   bool about = false;      // adds a waterfall of the error around the object
   bool apart = false;      // evaluates the held-out frames one by one, not together
@@ -29,11 +29,11 @@ struct ExplanationTelling {
 // Adds a section with the waterfall, its table, and the steps that were left out. If frames are evaluated one
 // by one, there are several waterfalls and tables.
 void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explained,
-                  const ExplanationTelling& telling = {});
+                  const ExplanationPresentation& presentation = {});
 
 // Adds a section on the causes of bright pixels: shares in a sentence, and maps.
 void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained,
-               const ExplanationTelling& telling = {});
+               const ExplanationPresentation& presentation = {});
 
 // Returns a sentence such as "of the bright cells 71 % show floor, 12 % ghost by wall, ...": causes in
 // descending order, those below 0.5 % together.
@@ -42,14 +42,14 @@ std::string CauseSentence(const workflow::ExplainedRecording& explained);
 // Returns reasons to doubt the study, one sentence each: values and searches at the end of their range, and
 // steps whose held-out likelihood and held-out error disagree.
 std::vector<std::string> WarningsOf(const workflow::ExplainedRecording& explained,
-                                    const ExplanationTelling& telling);
+                                    const ExplanationPresentation& presentation);
 
 // Returns the object of explain.json.
 nlohmann::ordered_json ExplanationJson(const workflow::ExplainedRecording& explained,
-                                       const ExplanationTelling& telling = {});
+                                       const ExplanationPresentation& presentation = {});
 
 // Returns text for a terminal.
 std::string ExplanationText(const workflow::ExplainedRecording& explained,
-                            const ExplanationTelling& telling = {});
+                            const ExplanationPresentation& presentation = {});
 
 }  // namespace sonarcal::report

@@ -187,7 +187,7 @@ TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {
                                           SONARCAL_BINARY, Batch("out"), Quoted(world_ / "err"));
   const int status = std::system(("bash -c \"" + command + "; exit \\$?\"").c_str());
   if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "the batch was done within a second";
-  EXPECT_THAT(testing::ReadFile(world_ / "err"), HasSubstr("interrupted: what is done lies in"));
+  EXPECT_THAT(testing::ReadFile(world_ / "err"), HasSubstr("interrupted: finished jobs are in"));
   ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
   EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
 }
@@ -271,7 +271,7 @@ TEST_F(BatchTest, OtherInputsNeedAnotherFolder) {
   testing::WriteFile(world_.params(), text);
   const Outcome outcome = RunSonarcal(Batch("out"));
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("sim/0000 was begun with other options or other inputs"));
+  EXPECT_THAT(outcome.err, HasSubstr("sim/0000 was started with other options or other inputs"));
 }
 
 TEST_F(BatchTest, DryRunListsAndDoesNothing) {
@@ -302,7 +302,7 @@ TEST_F(BatchTest, MistakesInAPlanAreSaidWithFileAndLine) {
       {entry(R"("options": {"seed": true})"), "expected a value of --seed"},
       {entry(R"("options": {"seed": []})"), "expected at least one value"},
       {entry(R"("rows": [{"seed": [1, 2]}])"), "each row is one job"},
-      {entry(R"("rows": [{"seed": 1}], "options": {"seed": 2})"), "which options have as well"},
+      {entry(R"("rows": [{"seed": 1}], "options": {"seed": 2})"), "which is also in options"},
       {entry(R"("for_each": "b")"), "expected the name of an entry before this one"},
       {entry(R"("optoins": {})"), "unknown key"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "reproduce"}]})",

@@ -372,7 +372,7 @@ TEST_F(CompareCommand, APolygonHoldsTheObject) {
   EXPECT_EQ(RunSonarcal(Arguments("--region-polygon 1:-5,x,3:5")).status, 2);
 }
 
-TEST(TellingFrames, AreTheBestTheMiddleAndTheWorst) {
+TEST(RepresentativeFrames, AreTheBestTheMiddleAndTheWorst) {
   metrics::MetricsReport report;
   for (int i = 0; i < 7; ++i) {
     metrics::FrameMetrics frame;
@@ -380,7 +380,7 @@ TEST(TellingFrames, AreTheBestTheMiddleAndTheWorst) {
     frame.polar.intensity.union_region.Add(0.0, 0.1 * ((i * 3) % 7));  // 0, 3, 6, 2, 5, 1, 4 tenths
     report.frames.push_back(frame);
   }
-  EXPECT_EQ(workflow::TellingFrames(report), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(workflow::RepresentativeFrames(report), (std::vector<int>{0, 1, 2}));
 }
 
 TEST(EvenlySpread, HoldsTheFirstAndTheLast) {

@@ -153,7 +153,7 @@ TEST_F(ExplainCommand, KnownRecordingsHaveFilesOfTheirOwn) {
     EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
   };
   expect_usage("--known bomb --real " + Quoted(real_), "--real does not go with --known");
-  expect_usage("--real " + Quoted(real_), "--scene is required, where --known is not given");
+  expect_usage("--real " + Quoted(real_), "--scene is required without --known");
   expect_usage("--known ship", "unknown case 'ship', expected bomb|hull_strip");
   const Outcome outcome = RunSonarcal("explain -q --known hull-strip --recordings " + Quoted(real_) +
                                       " --out " + Quoted(world_ / "out"));
@@ -175,7 +175,7 @@ TEST_F(ExplainCommand, MistakesCostOneSentence) {
   const auto recording = data_io::OpenRecording(real_);
   data_io::WriteRecording(MemoryRecording(recording->info(), {recording->ReadFrame(0)}), world_ / "one");
   real_ = world_ / "one";
-  expect_failure(Arguments(), "at least two are needed");
+  expect_failure(Arguments(), "expected at least two");
   data_io::WriteParameters(world_.params(), testing::TinyParameters());
   expect_failure(Arguments(), "only 'acoustic' can be explained");
   EXPECT_EQ(RunSonarcal("explain --real " + Quoted(real_)).status, 2);

@@ -245,7 +245,7 @@ TEST_F(FitCommand, AModelIsChosenByTheFramesHeldOut) {
   data_io::WriteParameters(world_ / "start.json", StartingParameters());
   const Outcome paper = RunSonarcal(arguments + " --choose looks");
   EXPECT_EQ(paper.status, 1);
-  EXPECT_THAT(paper.err, HasSubstr("'paper', but only of 'acoustic'"));
+  EXPECT_THAT(paper.err, HasSubstr("'paper', but only forms of 'acoustic'"));
 }
 
 TEST_F(FitCommand, LossesOfMirrorsAreFittedByDefault) {

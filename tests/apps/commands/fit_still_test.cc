@@ -73,7 +73,7 @@ TEST_F(FitStillCommand, RefusesFreshSpeckleInOneSentence) {
   const Outcome outcome = RunSonarcal(Arguments());
   EXPECT_EQ(outcome.status, 1);
   EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("either the scene moves or nothing stands out of the noise"));
+  EXPECT_THAT(outcome.err, HasSubstr("either the scene moves or nothing exceeds the noise"));
   EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
 }
 
@@ -81,7 +81,7 @@ TEST_F(FitStillCommand, RefusesASingleFrameAndOtherModes) {
   Simulate("--frozen-speckle", 1);
   const Outcome single = RunSonarcal(Arguments());
   EXPECT_EQ(single.status, 1);
-  EXPECT_THAT(single.err, HasSubstr("no pose is shown by two frames"));
+  EXPECT_THAT(single.err, HasSubstr("no pose has two frames"));
   EXPECT_EQ(RunSonarcal(Arguments("--noise-only")).status, 2);
 }
 

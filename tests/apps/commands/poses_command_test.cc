@@ -128,7 +128,7 @@ TEST_F(PosesCommandTest, WhatCannotBeIsOneSentenceAndLeavesNothing) {
   EXPECT_THAT(FailureOf(options), HasSubstr("expected images"));
   data_io::WritePng(options.images / "a.png", Grid<std::uint8_t>(480, 640, 128));
   EXPECT_THAT(FailureOf(options),
-              HasSubstr("none of 1 images gives a pose; of the first: no marker of the map"));
+              HasSubstr("none of 1 images gives a pose; first image: no marker of the map"));
   data_io::WritePng(options.images / "a.png", Grid<std::uint8_t>(48, 64, 128));
   EXPECT_THAT(FailureOf(options), HasSubstr("64 x 48 pixels, expected the camera's 640 x 480"));
   options = Options();

@@ -55,15 +55,15 @@ TEST(MeasureRayErrors, FallWithRaysAndVanishAtTheDenseImageItself) {
     EXPECT_NEAR(errors[first].p999_db, errors[first].p999_grey * 3.0 / 255.0, 1e-12);
     EXPECT_EQ(errors[first + 2].max_grey, 0.0);
     EXPECT_EQ(errors[first + 2].within_one, 1.0);
-    const auto fewest = workflow::FewestRays(errors, errors[first].sampling);
+    const auto fewest = workflow::MinRays(errors, errors[first].sampling);
     ASSERT_TRUE(fewest.has_value());
     EXPECT_EQ(fewest->rays(), 1024 * 400);
   }
   options.grids.pop_back();
-  EXPECT_FALSE(workflow::FewestRays(workflow::MeasureRayErrors(caster, sonar, TankParameters(), simulation,
-                                                               {sim::MockupTankPoses(3)[1]}, options)
-                                        .counts,
-                                    sim::Sampling::kFrustum)
+  EXPECT_FALSE(workflow::MinRays(workflow::MeasureRayErrors(caster, sonar, TankParameters(), simulation,
+                                                            {sim::MockupTankPoses(3)[1]}, options)
+                                     .counts,
+                                 sim::Sampling::kFrustum)
                    .has_value());
 }
 

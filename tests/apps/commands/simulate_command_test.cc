@@ -211,7 +211,7 @@ TEST(SimulateCommand, AnObjOrStlSceneGivesTheSameImagesAsItsGltf) {
                                 Quoted(world.sonar()), Quoted(world.poses()), Quoted(world / name)));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     if (arguments.find(".gltf") == std::string::npos) {
-      EXPECT_THAT(outcome.err, HasSubstr("tells neither unit nor upward axis"));
+      EXPECT_THAT(outcome.err, HasSubstr("states neither unit nor upward axis"));
     }
     return testing::ReadFile(world / (name + "/frame_0001.png"));
   };

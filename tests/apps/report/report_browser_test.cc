@@ -72,7 +72,7 @@ TEST(ComparisonViewer, FramesAreSpreadAndFitThePage) {
   const std::vector<int> shown = workflow::SpreadFrames(report, {3, 777}, 11);
   EXPECT_EQ(shown.size(), 11U);
   EXPECT_TRUE(std::ranges::is_sorted(shown));
-  for (const int telling : {3, 777}) EXPECT_TRUE(std::ranges::binary_search(shown, telling));
+  for (const int frame : {3, 777}) EXPECT_TRUE(std::ranges::binary_search(shown, frame));
   int widest = 0;
   for (std::size_t i = 1; i < shown.size(); ++i) widest = std::max(widest, shown[i] - shown[i - 1]);
   EXPECT_LE(widest, 250);

@@ -154,7 +154,7 @@ TEST_F(ViewServerTest, UnknownPathsBadAndLargeBodies) {
   EXPECT_EQ(bad->status, 400);
   EXPECT_EQ(std::count(bad->body.begin(), bad->body.end(), '\n'), 0);
   EXPECT_THAT(bad->body, HasSubstr("request:1"));
-  const std::string large(kMostViewRequestBytes + 1, ' ');
+  const std::string large(kMaxViewRequestBytes + 1, ' ');
   EXPECT_EQ(Client().Post("/api/render", Token(), large, "application/json")->status, 413);
   // Chunks, which do not tell how many will come.
   const auto chunked = Client().Post(

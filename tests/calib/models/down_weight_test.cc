@@ -77,8 +77,8 @@ TEST(CellWeightsTest, GrainWidensTheWindowAndPixelsThatDoNotCountAreNotLookedAt)
   EXPECT_THAT(CellWeights(recorded, mean, use, kBins, kBeams, 1.0), ::testing::Each(1.0F));
   use[middle] = 1;
   EXPECT_LT(CellWeights(recorded, mean, use, kBins, kBeams, 1.0)[middle], 1.0F);
-  EXPECT_THAT([&] { CellWeights(recorded, mean, use, kBins, kBeams, 1.0, {.grain_bins = 0.5}); },
-              ::testing::ThrowsMessage<DataError>(::testing::HasSubstr("grain_bins 0.5")));
+  EXPECT_THAT([&] { CellWeights(recorded, mean, use, kBins, kBeams, 1.0, {.cell_bins = 0.5}); },
+              ::testing::ThrowsMessage<DataError>(::testing::HasSubstr("cell_bins 0.5")));
 }
 
 }  // namespace

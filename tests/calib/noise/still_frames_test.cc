@@ -92,7 +92,7 @@ StillOptions OptionsFor(const StillScene& scene) {
 }
 
 StillLevels Tell(const StillScene& scene) {
-  return TellSpeckleFromNoise(Draw(scene), Numbers(scene.frames), OptionsFor(scene));
+  return SeparateSpeckleFromNoise(Draw(scene), Numbers(scene.frames), OptionsFor(scene));
 }
 
 std::vector<double> ExpectedPower(const StillScene& scene) {
@@ -215,7 +215,7 @@ TEST(StillFrames, AKnownShapeOfTheNoiseIsFollowed) {
   options.noise_shape_db.assign(static_cast<std::size_t>(scene.bins) * scene.beams, 0.0);
   std::fill(options.noise_shape_db.begin() + static_cast<std::ptrdiff_t>(half) * scene.beams,
             options.noise_shape_db.end(), shift_db);
-  const StillLevels levels = TellSpeckleFromNoise(images, Numbers(scene.frames), options);
+  const StillLevels levels = SeparateSpeckleFromNoise(images, Numbers(scene.frames), options);
   EXPECT_NEAR(levels.noise_db, scene.noise_db, 4.0 * levels.noise_sigma_db);
 }
 
@@ -265,7 +265,7 @@ TEST(StillFrames, SyntheticTankStandsStill) {
   std::vector<PolarImage> images;
   for (int i = 0; i < recording.frame_count(); ++i) images.push_back(recording.ReadFrame(i).image);
   const StillOptions options{.display = tank.known.display};
-  const StillLevels levels = TellSpeckleFromNoise(images, Numbers(recording.frame_count()), options);
+  const StillLevels levels = SeparateSpeckleFromNoise(images, Numbers(recording.frame_count()), options);
   EXPECT_TRUE(levels.moved.empty());
   const double noise_db = tank.TrueNoiseDb();
   EXPECT_NEAR(levels.noise_db, noise_db, 0.5);

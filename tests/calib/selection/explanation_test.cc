@@ -123,7 +123,7 @@ TEST_F(ExplanationTest, GhostsThatAreThereAreWorthIt) {
             ErrorOf(speckle, frames.held_out) / 255.0 / speckle.error_held_out.Pixels())
       << "no image has a lower mean absolute error than the median";
   // By hand: the criteria are twice the nats of independent cells, and what values cost.
-  const double cells = explanation.pixels_used / explanation.pixels_a_cell;
+  const double cells = explanation.pixels_used / explanation.pixels_per_cell;
   const double nats = cells * (ghosts.nats_used - before.nats_used);
   const int values = ghosts.determined - before.determined;
   EXPECT_NEAR(ghosts.aic_change, 2.0 * (values - nats), 1e-9);

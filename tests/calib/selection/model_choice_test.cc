@@ -242,7 +242,8 @@ TEST(GreyLikelihoodTest, ChancesAreThoseOfTheDisplayAndAddUpToOne) {
           level == 15 ? 1.0 : sim::DisplayedCdf(parameters.display, looks, 3.0, (level + 0.5) / 15.0);
       const double lower =
           level == 0 ? 0.0 : sim::DisplayedCdf(parameters.display, looks, 3.0, (level - 0.5) / 15.0);
-      EXPECT_NEAR(std::exp(of.PerPixel()), (1.0 - kAnything) * (upper - lower) + kAnything / 16.0, 1e-12)
+      EXPECT_NEAR(std::exp(of.PerPixel()),
+                  (1.0 - kOutlierFraction) * (upper - lower) + kOutlierFraction / 16.0, 1e-12)
           << level;
       sum += std::exp(of.PerPixel());
     }
