@@ -4,7 +4,8 @@
 
 man -l --warnings must have nothing to say of any page, each command of --help has its page with all options that
 its --help lists, and bash offers these options, the commands, and the words of options that take one of a few. The table of
-docs/reference/sonars.md is what `sonarcal sonars` lists.
+docs/reference/sonars.md is what `sonarcal sonars` lists. The tables and the schema of params.json in docs/reference are those
+that the program makes from its table of parameters.
 """
 
 import json
@@ -16,6 +17,7 @@ import sys
 import tempfile
 
 SONARCAL = sys.argv[1]
+REFERENCE = pathlib.Path(__file__).parent.parent / "docs" / "reference"
 
 
 def output_of(*command, **more):
@@ -83,7 +85,7 @@ def check_fish(folder):
 
 def check_sonars():
     """docs/reference/sonars.md has a row for each sonar known by name, with its figures."""
-    page = pathlib.Path(__file__).parent.parent.joinpath("docs", "reference", "sonars.md").read_text(encoding="utf-8")
+    page = REFERENCE.joinpath("sonars.md").read_text(encoding="utf-8")
     rows = {}
     for line in page.splitlines():
         if line.startswith("| `"):
@@ -105,6 +107,31 @@ def check_sonars():
     assert rows == expected, f"docs/reference/sonars.md has {rows}, the program {expected}"
 
 
+def tables_of(text):
+    """The first table below each heading."""
+    tables = {}
+    for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
+        found = re.search(r"^\| (?:key|parameter) \|.*\n(?:\|.*\n)+", section, re.MULTILINE)
+        if found:
+            tables[section.partition("\n")[0]] = found.group()
+    return tables
+
+
+def check_parameters(folder):
+    """The tables and the schema of params.json. To update them, copy from `sonarcal documentation --out`."""
+    made = tables_of(pathlib.Path(folder, "parameters.md").read_text(encoding="utf-8"))
+    bounds = made.pop("Default bounds")
+    page = tables_of(REFERENCE.joinpath("parameters.md").read_text(encoding="utf-8"))
+    assert len(made) == 9 and page.keys() == made.keys(), f"parameters.md has tables of {list(page)}"
+    for heading, table in made.items():
+        assert page[heading] == table, f"parameters.md, {heading}: expected\n{table}"
+    page = tables_of(REFERENCE.joinpath("fit_config.md").read_text(encoding="utf-8"))
+    assert page["Default bounds"] == bounds, f"fit_config.md, Default bounds: expected\n{bounds}"
+    schema = "params.schema.json"
+    expected = pathlib.Path(folder, schema).read_text(encoding="utf-8")
+    assert REFERENCE.joinpath("schemas", schema).read_text(encoding="utf-8") == expected, f"{schema} is not up to date"
+
+
 def main():
     """The test."""
     help_text = output_of(SONARCAL, "--help")
@@ -116,6 +143,7 @@ def main():
         check_pages(folder, commands)
         check_bash(folder, commands)
         check_fish(folder)
+        check_parameters(folder)
         for shell, script in (("zsh", "_sonarcal"), ("fish", "sonarcal.fish")):
             if subprocess.run(["which", shell], stdout=subprocess.DEVNULL, check=False).returncode == 0:
                 subprocess.run([shell, "-n", f"{folder}/{script}"], check=True)

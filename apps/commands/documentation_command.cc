@@ -1,5 +1,5 @@
 // `sonarcal documentation --out DIR`, hidden from --help: writes manual pages and shell completion for the
-// build and for packages.
+// build and for packages, and the tables and the schema of docs/reference that describe params.json.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -14,6 +14,8 @@
 #include "apps/cli/man_pages.h"
 #include "apps/cli/run_output.h"
 #include "apps/commands/commands.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/parameter_reference.h"
 
 namespace sonarcal::commands {
 namespace {
@@ -38,6 +40,9 @@ cli::ExitStatus RunDocumentation(const DocumentationOptions& options, const CLI:
   write("sonarcal.bash", cli::BashCompletion(root));
   write("_sonarcal", cli::ZshCompletion(root));
   write("sonarcal.fish", cli::FishCompletion(root));
+  write("parameters.md",
+        data_io::ParametersTables() + "\n## Default bounds\n\n" + data_io::AcousticFitLimitsTable());
+  write("params.schema.json", data_io::JsonText(data_io::ParametersSchema()));
   output.Commit();
   if (options.common.json) {
     cli::PrintJson({{"files", files}});

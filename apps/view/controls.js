@@ -217,7 +217,7 @@ class Row {
   }
 }
 
-// All rows, in groups that fold. `hold` says which a fit leaves as they are.
+// All rows, in groups that fold.
 export class Controls {
   constructor(root, session, moved) {
     this.session = session;

@@ -1,31 +1,44 @@
-// The panel of the fit: starts it from where the controls stand, shows how far it is, and hands over what it
-// found.
+// The panel of the fit: starts it from the values of the controls, shows its progress, and hands over its
+// result.
 import {ask} from './server.js';
 import {make, short} from './controls.js';
 
 const kPollMs = 400;
 
 export class Fit {
-  // `stateOf`: what to start from; `found(parameters)`: what to do with the values found; `complain(sentence)`.
-  constructor(root, stateOf, found, complain) {
+  // `options`: those of the session; `stateOf()`: state to start from; `found(parameters)`: takes the fitted
+  // values; `complain(sentence)`: shows an error.
+  constructor(root, options, stateOf, found, complain) {
     this.part = (name) => root.querySelector(`[data-part="${name}"]`);
     this.stateOf = stateOf;
     this.found = found;
     this.complain = complain;
     this.root = root;
+    this.inputs = options.map((option) => this.addOption(option));
     this.part('start').addEventListener('click', () => this.start());
     this.part('stop').addEventListener('click', () => this.stop());
   }
 
+  // Adds the row of an option. Returns its name and a function that reads its value.
+  addOption({name, help, min, max, default: value}) {
+    const id = `fit-${name}`;
+    const list = Array.isArray(value);
+    const input = list ? make('input', {id, type: 'text', placeholder: 'material.wall.*, ...', autocomplete: 'off',
+                                        spellcheck: 'false', title: help})
+                       : make('input', {id, type: 'number', min: String(min), max: String(max), value: String(value),
+                                        title: help});
+    const words = name.replaceAll('_', ' ');
+    this.part('options').append(
+        make('div', {class: 'row plain'}, make('label', {for: id}, words[0].toUpperCase() + words.slice(1)), input));
+    const names = () => input.value.split(',').map((item) => item.trim()).filter(Boolean);
+    return {name, value: list ? names : () => Number(input.value)};
+  }
+
   async start() {
     this.complain('');
-    const hold = this.part('hold').value.split(',').map((name) => name.trim()).filter(Boolean);
-    const answer = await ask('/api/fit/start', {
-      state: this.stateOf(),
-      hold,
-      starts: Number(this.part('starts').value),
-      max_iterations: Number(this.part('iterations').value),
-    });
+    const request = {state: this.stateOf()};
+    for (const {name, value} of this.inputs) request[name] = value();
+    const answer = await ask('/api/fit/start', request);
     if (answer.status !== 200) {
       this.complain(answer.json.error);
       return;
@@ -76,7 +89,7 @@ export class Fit {
       bar.max = status.frames;
       bar.value = status.frames_traced;
     } else {
-      bar.removeAttribute('value');  // how many steps a solver takes nobody knows
+      bar.removeAttribute('value');  // the number of iterations is not known beforehand
     }
     const doing = tracing ? `tracing frame ${status.frames_traced + 1} of ${status.frames}` : '';
     this.part('lines').textContent = [...status.lines.slice(-6), doing].filter(Boolean).join('\n');
@@ -94,18 +107,18 @@ export class Fit {
                                                   p.sigma === null ? '\u2013' : short(p.sigma, 2),
                                                   p.status === 'free' ? '' : p.status.replace('_', ' ')));
     const {before, after, frames_held_out: heldOut} = result;
-    const judged = result.judged_on_held_out ? `frames ${heldOut.join(', ')}, which the fit did not see`
-                                             : 'the frames it was fitted to, as none is held out';
+    const frames = result.judged_on_held_out ? `the held-out frames ${heldOut.join(', ')}`
+                                             : 'the fitted frames, because no frame is held out';
     const figures = [['Expected image: IoU', 'iou'], ['intensity error', 'intensity_error'],
                      ['intensity error, whole image', 'intensity_error_whole']];
     this.part('result').replaceChildren(
         ...result.warnings.map((sentence) => make('p', {class: 'fault'}, `Warning: ${sentence}.`)),
-        make('p', {}, `Its values are in the sliders now; Undo puts the earlier ones back. Judged on ${judged}:`),
+        make('p', {}, `The sliders now show the fitted values. Undo restores the earlier ones. Evaluated on ${frames}:`),
         table(['', 'before', 'after'],
               figures.map(([label, name]) => cells(label, figure(before[name]), figure(after[name])))),
         make('details', {}, make('summary', {}, `${values.length} values`),
              make('div', {class: 'scroll', tabindex: '0'},
-                  table(['parameter', 'before', 'fitted', 'sigma', ''], values))),
+                  table(['parameter', 'before', 'fitted', 'standard error', ''], values))),
         ...(result.left_open.length > 0 ? [make('p', {}, 'Not identifiable:')] : []),
         ...result.left_open.map((sentence) => make('p', {class: 'soft'}, sentence)));
   }

@@ -382,7 +382,7 @@ async function begin() {
   if (world) world.look('outside');
   if (session.recorded) {
     const take = (parameters) => change((state) => { state.parameters = parameters; }, true);
-    const fit = new Fit(byId('fit'), () => view.state, take, complain);
+    const fit = new Fit(byId('fit'), session.fit_options, () => view.state, take, complain);
     fit.follow();
   }
   document.body.dataset.ready = 'yes';

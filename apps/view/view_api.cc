@@ -14,12 +14,12 @@
 #include "apps/view/view_controls.h"
 #include "apps/view/view_files.h"
 #include "apps/view/view_mesh.h"
-#include "calib/acoustic_fit.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/json/parameter_json.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pictures/picture.h"
 #include "metrics/json/metrics_json.h"
@@ -184,21 +184,15 @@ ViewAnswer ViewApi::Session() const {
                                                           .water = setup.water,
                                                           .material_names = session_.scene().material_names,
                                                           .recorded = setup.real != nullptr});
+  Json sonar = {{"name", setup.sonar.name}};
+  sonar.update(data_io::MemberJson(SonarAsShown(setup.sonar)));
   return JsonAnswer({{"version", SONARCAL_VERSION},
                      {"scene", setup.scene_path},
                      {"material_names", session_.scene().material_names},
-                     {"sonar",
-                      {{"name", setup.sonar.name},
-                       {"frequency_hz", setup.sonar.frequency_hz},
-                       {"range_min_m", setup.sonar.axes.range_min_m},
-                       {"range_max_m", setup.sonar.axes.range_max_m},
-                       {"range_bins", setup.sonar.axes.range_bins},
-                       {"beams", setup.sonar.axes.beam_count()},
-                       {"field_of_view_deg", FieldOfViewDeg(setup.sonar.axes)},
-                       {"azimuth_beam_width_deg", setup.sonar.azimuth_beam_width_deg},
-                       {"elevation_beam_width_deg", setup.sonar.elevation_beam_width_deg}}},
+                     {"sonar", std::move(sonar)},
                      {"parameters", data_io::ParametersJson(parameters)},
                      {"controls", ViewControlsJson(controls)},
+                     {"fit_options", PageOptionsJson()},
                      {"frames", FramesJson(setup)},
                      {"poses_given", setup.poses_given},
                      {"recorded", RecordedJson(setup)},
@@ -292,19 +286,11 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   const ViewSetup& setup = session_.setup();
   if (!setup.real) return Refusal(422, "there is nothing to fit to: start with --real");
   ViewState state;
-  workflow::FitRecordingOptions options{
-      .rays = setup.rays, .config = {}, .fit = {}, .comparison = setup.compare};
+  workflow::FitOptions chosen;
   try {
     const data_io::JsonReader json = data_io::JsonReader::FromText(body, "request");
     json.At("state");
-    if (const auto hold = json.Find("hold")) {
-      for (const data_io::JsonReader& name : hold->Items()) options.config.fixed.push_back(name.String());
-    }
-    if (const auto starts = json.Find("starts"))
-      options.fit.starts = static_cast<int>(starts->Integer(1, 100));
-    if (const auto most = json.Find("max_iterations")) {
-      options.fit.max_iterations = static_cast<int>(most->Integer(1, 10'000));
-    }
+    chosen = ReadPageOptions(json);
     json.Finish();
     state = ParseViewState(Json::parse(body)["state"].dump(), session_.frame_count());
   } catch (const DataError& error) {
@@ -313,11 +299,14 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   if (state.sonar != SonarChanges()) {
     return Refusal(422, "a fit uses the sonar as recorded: reset its controls first");
   }
-  const bool acoustic = state.parameters.model == EchoModel::kAcoustic;
-  options.config.free = acoustic
-                            ? calib::AcousticFreeByDefault(state.parameters, session_.scene().material_names)
-                            : calib::PaperFreeByDefault();
-  options.fit.down_weight = acoustic;
+  workflow::FitRecordingOptions options{
+      .rays = setup.rays,
+      .config = workflow::ResolveFitConfig(chosen, state.parameters, session_.scene()),
+      .fit = {},
+      .comparison = setup.compare};
+  options.fit.starts = chosen.starts;
+  options.fit.max_iterations = chosen.max_iterations;
+  options.fit.down_weight = state.parameters.model == EchoModel::kAcoustic;
   options.fit.threads = setup.rays.threads;
   fit_.Start({.real = session_.RecordingOf(state),
               .scene = session_.scene(),

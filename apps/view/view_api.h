@@ -8,7 +8,7 @@
 //   POST /api/compare       STATE -> figures as in the frames of metrics.json, and the object regions; framed
 //   POST /api/files         STATE -> {"files": {"params.json": text, ...}, "command"}; JSON
 //   POST /api/save          STATE -> as /api/files, written into --out; JSON
-//   POST /api/fit/start     {"state": STATE, "hold": [names], "starts", "max_iterations"} -> status; JSON
+//   POST /api/fit/start     {"state": STATE, "starts": 4, ...}, see kPageOptions -> status; JSON
 //   POST /api/fit/stop      {} -> status; JSON
 //   GET  /api/fit           status (apps/view/view_fit.h); JSON
 //

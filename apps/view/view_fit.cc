@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdint>
 #include <exception>
 #include <new>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -55,7 +59,46 @@ Json ResultJson(const workflow::RecordingFit& fit) {
           {"after", FiguresJson(fit.after)}};
 }
 
+// Calls visit(info, value) for each of the page's options.
+template <typename Visitor>
+void VisitPageOptions(workflow::FitOptions& options, Visitor&& visit) {
+  for (const std::string_view name : kPageOptions) {
+    workflow::FitOptions::Visit(options, [&]<typename T>(const OptionInfo& info, T& value) {
+      if constexpr (std::is_same_v<T, int> || std::is_same_v<T, std::vector<std::string>>) {
+        if (info.name == name) visit(info, value);
+      }
+    });
+  }
+}
+
 }  // namespace
+
+Json PageOptionsJson() {
+  workflow::FitOptions defaults;
+  Json json = Json::array();
+  VisitPageOptions(defaults, [&](const OptionInfo& info, const auto& value) {
+    Json item = {{"name", info.name}, {"help", info.help}, {"default", value}};
+    if (std::isfinite(info.min)) item["min"] = info.min;
+    if (std::isfinite(info.max)) item["max"] = info.max;
+    json.push_back(std::move(item));
+  });
+  return json;
+}
+
+workflow::FitOptions ReadPageOptions(const data_io::JsonReader& json) {
+  workflow::FitOptions options;
+  VisitPageOptions(options, [&]<typename T>(const OptionInfo& info, T& value) {
+    const auto found = json.Find(info.name);
+    if (!found) return;
+    if constexpr (std::is_same_v<T, int>) {
+      value = static_cast<int>(
+          found->Integer(static_cast<std::int64_t>(info.min), static_cast<std::int64_t>(info.max)));
+    } else {
+      for (const data_io::JsonReader& item : found->Items()) value.push_back(item.String());
+    }
+  });
+  return options;
+}
 
 ViewFit::~ViewFit() {
   Stop();

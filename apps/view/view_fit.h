@@ -2,6 +2,7 @@
 // values of the controls. Only one runs at a time.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -9,13 +10,24 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "apps/workflow/fit.h"
+#include "data_io/json/json_reader.h"
 
 namespace sonarcal::view {
+
+// Options of `sonarcal fit` that the page sets, in its order.
+inline constexpr std::array<std::string_view, 3> kPageOptions = {"starts", "max_iterations", "fixed"};
+
+// [{"name", "help", "default", "min", "max"}], without limits for a list of names.
+nlohmann::ordered_json PageOptionsJson();
+
+// Reads those of the page's options that are there. Throws DataError for a value that is not of its kind.
+workflow::FitOptions ReadPageOptions(const data_io::JsonReader& json);
 
 struct ViewFitRequest {
   std::shared_ptr<const RecordingSource> real;

@@ -12,33 +12,14 @@
 #include "core/types/units.h"
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/json/parameter_json.h"
 #include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::view {
 namespace {
 
-const data_io::NumberRange kRangeM = data_io::NumberRange::Between(0.0, 1000.0);
-const data_io::NumberRange kWidthDeg = data_io::NumberRange::AboveUpTo(0.0, 170.0);
-const data_io::NumberRange kFrequencyHz = data_io::NumberRange::Between(1e3, 1e8);
 const data_io::NumberRange kPositionM = data_io::NumberRange::Between(-1e5, 1e5);
 const data_io::NumberRange kAngleDeg = data_io::NumberRange::Between(-360.0, 360.0);
-
-std::optional<int> FindCount(const data_io::JsonReader& json, std::string_view key, int most) {
-  const auto found = json.Find(key);
-  if (!found) return std::nullopt;
-  return static_cast<int>(found->Integer(2, most));
-}
-
-SonarChanges ReadSonarChanges(const data_io::JsonReader& json) {
-  return {.frequency_hz = json.FindNumber("frequency_hz", kFrequencyHz),
-          .range_min_m = json.FindNumber("range_min_m", kRangeM),
-          .range_max_m = json.FindNumber("range_max_m", kRangeM),
-          .range_bins = FindCount(json, "range_bins", kMaxRangeBins),
-          .beams = FindCount(json, "beams", kMaxBeams),
-          .field_of_view_deg = json.FindNumber("field_of_view_deg", kWidthDeg),
-          .azimuth_beam_width_deg = json.FindNumber("azimuth_beam_width_deg", kWidthDeg),
-          .elevation_beam_width_deg = json.FindNumber("elevation_beam_width_deg", kWidthDeg)};
-}
 
 Pose ReadAnglePose(const data_io::JsonReader& json) {
   const data_io::JsonReader position_json = json.At("position_m");
@@ -86,6 +67,21 @@ double FieldOfViewDeg(const PolarAxes& axes) {
   return DegFromRad(axes.field_of_view_rad());
 }
 
+SonarChanges SonarAsShown(const SonarModel& sonar) {
+  return {.frequency_hz = sonar.frequency_hz,
+          .range_min_m = sonar.axes.range_min_m,
+          .range_max_m = sonar.axes.range_max_m,
+          .range_bins = sonar.axes.range_bins,
+          .beams = sonar.axes.beam_count(),
+          .field_of_view_deg = FieldOfViewDeg(sonar.axes),
+          .azimuth_beam_width_deg = sonar.azimuth_beam_width_deg,
+          .elevation_beam_width_deg = sonar.elevation_beam_width_deg};
+}
+
+bool IsRecorded(std::string_view key) {
+  return key.starts_with("range_") || key == "beams" || key == "field_of_view_deg";
+}
+
 SonarModel Changed(const SonarModel& sonar, const SonarChanges& changes) {
   SonarModel changed = sonar;
   const auto take = [](const std::optional<double>& from, double& to) { to = from.value_or(to); };
@@ -116,7 +112,7 @@ ViewState ParseViewState(std::string_view text, int frame_count) {
   ViewState state;
   const data_io::JsonReader parameters = json.At("parameters");
   if (!parameters.is_object()) parameters.Fail("is no object, expected that of params.json");
-  if (const auto sonar = json.Find("sonar")) state.sonar = ReadSonarChanges(*sonar);
+  if (const auto sonar = json.Find("sonar")) data_io::ReadGroup(*sonar, state.sonar);
   if (const auto frame = json.Find("frame"))
     state.frame = static_cast<int>(frame->Integer(0, frame_count - 1));
   if (const auto poses = json.Find("poses")) state.poses = ReadPoses(*poses, frame_count);

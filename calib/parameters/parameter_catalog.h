@@ -1,17 +1,13 @@
-// The parameters of a fit by name: unit, bounds, and place in the parameter structs.
+// The parameters of a fit by name, with unit, bounds and place. The entries of an image model are made from the
+// table of all parameters (core/types/parameter_table.h); poses are added.
 //
-// Names are those of `fit.json`: source_level_db, display.db_min, display.db_max,
-// material.<name>.gsab.{A,B_deg,C,D,E,F_deg}. Paper's model: jitter.{sigma_range_m,sigma_azimuth_deg,
-// reference_range_m}. Acoustic model: receiver.{gain_db,noise_db,noise_slope_db_per_m},
-// beam.{azimuth_width_deg,elevation_width_deg}, pulse.length_m; with mirrors mirror.<name>.loss_db and
-// beam.transmit_end_deg; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}, and pose.mount.* for an
-// offset behind every recorded pose (in the frame of the sonar; 0 for none).
+// Names are those of `fit.json`: the path in params.json, such as receiver.gain_db, with material.<name> in
+// place of materials.<name>; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}; and pose.mount.* for an
+// offset behind every recorded pose, in the sonar's frame (none is zero).
 //
-// A solver sees the coordinate of a value: its logarithm if it must stay positive, otherwise the value
-// itself. `typical_step` is a surprisingly large change of the coordinate. A parameter whose sigma exceeds it
-// is called unidentifiable. In a fit by likelihood it is also the sigma of the default prior.
-//
-// To add a parameter: add an entry to the catalog and a case to the slot of its model.
+// A solver moves the coordinate of a value: the logarithm of a value that must stay positive, otherwise the
+// value itself. `typical_step` is a surprising change of the coordinate. A parameter that the data leave freer
+// than that is called unidentifiable. In a fit by likelihood it is also the standard deviation of the prior.
 #pragma once
 
 #include <algorithm>
@@ -19,20 +15,23 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/types/parameter_table.h"
 #include "sim/physics/paper_echo.h"
 
 namespace sonarcal::calib {
 
+// Groups of entries, in the order of a catalog.
 enum class ParameterGroup {
   kSourceLevel,
   kDisplay,
-  kGsab,
-  kJitter,
   kReceiver,
   kBeam,
   kPulse,
+  kGsab,
+  kJitter,
   kTransmit,
   kMirror,
   kPose,
@@ -49,6 +48,7 @@ struct Prior {
 
 struct CatalogEntry {
   std::string name;
+  std::string_view key = {};  // in its group of params.json; empty for a pose
   std::string unit;
   ParameterGroup group = ParameterGroup::kSourceLevel;
   int material = -1;  // index into the scene's material names, kGsab only
@@ -123,20 +123,15 @@ double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& m
 template <typename T>
 T& PaperSlot(sim::PaperParameters<T>& p, const CatalogEntry& entry) {
   switch (entry.group) {
-    case ParameterGroup::kSourceLevel:
-      return p.source_level_db;
     case ParameterGroup::kDisplay:
-      return entry.index == 0 ? p.display.db_min : p.display.db_max;
-    case ParameterGroup::kGsab: {
-      GsabParameters<T>& g = p.materials[entry.material];
-      T* const members[] = {&g.a, &g.b_deg, &g.c, &g.d, &g.e, &g.f_deg};
-      return *members[entry.index];
-    }
+      return ParameterMember<T>(p.display, entry.key);
+    case ParameterGroup::kGsab:
+      return ParameterMember<T>(p.materials[entry.material], entry.key);
+    case ParameterGroup::kJitter:
+      return ParameterMember<T>(p.jitter, entry.key);
     default:
-      break;
+      return p.source_level_db;
   }
-  T* const members[] = {&p.jitter.sigma_range_m, &p.jitter.sigma_azimuth_deg, &p.jitter.reference_range_m};
-  return *members[entry.index];
 }
 
 // Converts the parameters to another scalar.

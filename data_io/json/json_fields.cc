@@ -6,8 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/types/parameter_table.h"
 #include "core/types/rotation.h"
 #include "core/types/units.h"
+#include "data_io/json/parameter_json.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -44,17 +46,13 @@ nlohmann::ordered_json PoseJson(const Pose& pose) {
 }
 
 Water ReadWater(const JsonReader& json) {
-  return {.temperature_c = json.At("temperature_c").Number(NumberRange::Between(-4.0, 100.0)),
-          .salinity_ppt = json.At("salinity_ppt").Number(NumberRange::Between(0.0, 350.0)),
-          .ph = json.At("ph").Number(NumberRange::Between(0.0, 14.0)),
-          .depth_m = json.At("depth_m").Number(NumberRange::Between(0.0, 12000.0))};
+  Water water;
+  ReadGroup(json, water);
+  return water;
 }
 
 nlohmann::ordered_json WaterJson(const Water& water) {
-  return {{"temperature_c", water.temperature_c},
-          {"salinity_ppt", water.salinity_ppt},
-          {"ph", water.ph},
-          {"depth_m", water.depth_m}};
+  return MemberJson(water);
 }
 
 nlohmann::ordered_json SonarJson(const SonarModel& sonar) {

@@ -19,12 +19,9 @@ namespace sonarcal::data_io {
 Pose ReadPose(const JsonReader& json);
 nlohmann::ordered_json PoseJson(const Pose& pose);
 
-// All four values are required and must be those of natural waters: -4..100 C, 0..350 ppt, pH 0..14, 0..12000
-// m.
+// All four values are required and must lie within the limits of core/types/parameter_table.h.
 Water ReadWater(const JsonReader& json);
 nlohmann::ordered_json WaterJson(const Water& water);
-
-// Words of the file: "array" and "lens".
 
 // Omits unknown values (0), as readers expect (data_io/recordings/recording_io.h).
 nlohmann::ordered_json SonarJson(const SonarModel& sonar);

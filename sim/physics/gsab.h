@@ -9,34 +9,13 @@
 // strength per unit area.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
-#include <string_view>
 
 #include "core/types/parameters.h"
 #include "core/types/units.h"
 
 namespace sonarcal::sim {
-
-// Parameter as a fit uses it.
-struct ParameterTraits {
-  std::string_view name;  // name in `fit.json`, after its group
-  std::string_view unit;
-  double lower;
-  double upper;
-};
-
-// In the order of the members of GsabParameters. Widths below 0.1 degrees are not distinguishable from a
-// mirror, widths above 60 degrees not from the cosine.
-inline constexpr std::array<ParameterTraits, 6> kGsabTraits = {{
-    {"A", "power ratio", 1e-6, 1e6},
-    {"B_deg", "deg", 0.1, 60.0},
-    {"C", "power ratio", 1e-6, 1e6},
-    {"D", "1", 0.0, 8.0},
-    {"E", "power ratio", 1e-6, 1e6},
-    {"F_deg", "deg", 0.1, 60.0},
-}};
 
 // Lower limit of the power; it keeps the logarithm finite at 90 degrees.
 inline constexpr double kGsabFloor = 1e-12;

@@ -7,23 +7,13 @@
 // spread evenly over their interval.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/types/parameters.h"
 #include "core/types/units.h"
-#include "sim/physics/gsab.h"
 
 namespace sonarcal::sim {
-
-// Bounds of a fit: errors far below a bin have no visible effect. A value of exactly 0 means no error and is
-// not fitted.
-inline constexpr std::array<ParameterTraits, 3> kJitterTraits = {{
-    {"sigma_range_m", "m", 1e-4, 1.0},
-    {"sigma_azimuth_deg", "deg", 1e-3, 10.0},
-    {"reference_range_m", "m", 0.1, 1000.0},
-}};
 
 // g(R) / sqrt(f / f0).
 template <typename T>

@@ -247,7 +247,7 @@ TEST_F(ViewApiTest, AFitIsThatOfTheCommand) {
   EXPECT_EQ(Json::parse(api_->Answer("GET", "/api/fit", {}).body)["state"], "none");
   Json state = State();
   state["parameters"]["materials"]["box"]["gsab"]["C"] = 1.0;
-  const Json request = {{"state", state}, {"starts", 1}, {"hold", {"jitter.*"}}};
+  const Json request = {{"state", state}, {"starts", 1}, {"fixed", {"jitter.*"}}};
   const ViewAnswer started = Post("/api/fit/start", request);
   ASSERT_EQ(started.status, 200) << started.body;
   EXPECT_EQ(Post("/api/fit/start", request).status, 422);  // one at a time
@@ -276,7 +276,7 @@ TEST_F(ViewApiTest, AFitCanBeStoppedAndFailsInOneSentence) {
   ASSERT_EQ(Post("/api/fit/start", {{"state", state}}).status, 200);
   ASSERT_EQ(Post("/api/fit/stop", Json::object()).status, 200);
   EXPECT_EQ(WaitForFit(*api_)["state"], "stopped");
-  ASSERT_EQ(Post("/api/fit/start", {{"state", state}, {"hold", {"no such name"}}}).status, 200);
+  ASSERT_EQ(Post("/api/fit/start", {{"state", state}, {"fixed", {"no such name"}}}).status, 200);
   const Json failed = WaitForFit(*api_);
   EXPECT_EQ(failed["state"], "failed");
   EXPECT_THAT(failed["error"].get<std::string>(), HasSubstr("no such name"));
