@@ -1,4 +1,4 @@
-// What a fit may change, and on which frames: the user's part of a fit. The solver's options are in
+// User's part of a fit: the parameters that it may change, and its frames. The solver's options are in
 // fit_options.h.
 //
 // As a file (`--config fit.json`; an unknown key is refused with its line):

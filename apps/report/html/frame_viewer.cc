@@ -87,9 +87,8 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
   const std::string name = fmt::format("viewer-{}", number);
   const Json data = ViewerJson(viewer);
   std::string html = fmt::format(
-      "<details hidden=\"hidden\"><summary>Go through the frames: blink, overlay, difference, "
-      "values under the pointer</summary>\n<div class=\"viewer\" data-viewer=\"{}\">\n"
-      "<div class=\"controls\">",
+      "<details hidden=\"hidden\"><summary>Browse the frames: blink, overlay, difference, values under the "
+      "pointer</summary>\n<div class=\"viewer\" data-viewer=\"{}\">\n<div class=\"controls\">",
       EscapeHtml(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
   const std::array<Choice, 6> show = {{{"real", RealCaption(viewer.real_is_synthetic)},
                                        {"simulated", "Simulated"},
@@ -103,10 +102,10 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
       "<option value=\"grey\">Grey</option></select></label>"
       "<label><input type=\"checkbox\" data-part=\"outline\"/>Outline objects</label></div>\n";
   html += fmt::format(
-      "<div class=\"frames\"><button type=\"button\" data-part=\"before\" aria-label=\"Frame before\">"
-      "\u2039</button><label class=\"slider\">Frame <input type=\"range\" data-part=\"slider\" min=\"0\" "
-      "max=\"{}\" value=\"0\" step=\"1\"/></label><button type=\"button\" data-part=\"after\" "
-      "aria-label=\"Frame after\">\u203a</button> <strong data-part=\"name\"></strong></div>\n",
+      "<div class=\"frames\"><button type=\"button\" data-part=\"before\" aria-label=\"Previous "
+      "frame\">\u2039</button><label class=\"slider\">Frame <input type=\"range\" data-part=\"slider\" "
+      "min=\"0\" max=\"{}\" value=\"0\" step=\"1\"/></label><button type=\"button\" data-part=\"after\" "
+      "aria-label=\"Next frame\">\u203a</button> <strong data-part=\"name\"></strong></div>\n",
       viewer.frames.size() - 1);
   html +=
       "<p data-part=\"figures\"></p>\n<canvas data-part=\"canvas\" tabindex=\"0\" role=\"img\"></canvas>\n"

@@ -228,7 +228,7 @@ void HtmlReport::Add(const PictureRow& row) {
   std::string caption = row.caption;
   for (const Picture& picture : row.pictures) {
     if (IsOneColour(picture.png)) {
-      caption += fmt::format(" {}: one colour throughout, not shown.", picture.caption);
+      caption += fmt::format(" {}: a single colour, not shown.", picture.caption);
       continue;
     }
     const std::string_view bytes(reinterpret_cast<const char*>(picture.png.data()), picture.png.size());

@@ -61,8 +61,8 @@ std::string ViewerCaption(std::size_t shown, std::size_t compared) {
   return shown == compared
              ? fmt::format("All {} compared frames.", compared)
              : fmt::format(
-                   "{} of the {} compared frames, spread evenly and with the best, the middle and the "
-                   "worst among them: the page would be too large with all. Figures are of all frames.",
+                   "{} of the {} compared frames, evenly spread and including the best, the median and the "
+                   "worst, to limit the size of the page. Figures are those of all frames.",
                    shown, compared);
 }
 

@@ -34,20 +34,17 @@ void AddAgainst(HtmlReport& report, const metrics::Against& against) {
               .columns = {{"Figure"}, {"View"}, {"Before"}, {"Now"}, {"Verdict"}, {"Way to the floor", "%"}},
               .rows = {},
               .notes = {}};
+  table.notes.push_back(against.common_frames > 0
+                            ? fmt::format("Means over frames. A change is significant if the 95 % interval "
+                                          "of the difference over the {} common frames does not contain 0.",
+                                          against.common_frames)
+                            : "Means over frames. Too few common frames: a change is significant if the two "
+                              "95 % intervals do not overlap.");
   table.notes.push_back(
-      against.common_frames > 0
-          ? fmt::format(
-                "Means over frames. A change counts where the 95 % interval of the difference over the "
-                "{} frames of both does not hold 0.",
-                against.common_frames)
-          : "Means over frames. Too few frames stand in both: a change counts where the two 95 % intervals "
-            "lie "
-            "apart.");
-  table.notes.push_back(fmt::format(
-      "Of all {} figures {} got better and {} worse; one in twenty does by chance. In strong print the ones "
-      "that are looked at first.",
-      against.figures.size(), against.Count(metrics::ChangeVerdict::kBetter, false),
-      against.Count(metrics::ChangeVerdict::kWorse, false)));
+      fmt::format("Of all {} figures, {} got better and {} worse; one in twenty does so by chance. Headline "
+                  "figures are bold.",
+                  against.figures.size(), against.Count(metrics::ChangeVerdict::kBetter, false),
+                  against.Count(metrics::ChangeVerdict::kWorse, false)));
   for (const std::string& note : against.notes) table.notes.push_back("Note: " + note + ".");
   for (const metrics::FigureChange& change : against.figures) {
     const bool told =

@@ -36,7 +36,7 @@ std::string AgainstText(const metrics::Against& against) {
   std::string text =
       fmt::format("against {} ({}):\n", against.earlier,
                   against.common_frames > 0 ? fmt::format("{} common frames, paired", against.common_frames)
-                                            : "by intervals, as too few frames stand in both");
+                                            : "by intervals, because there are too few common frames");
   for (const metrics::FigureChange& change : against.figures) {
     if (!change.headline) continue;
     const std::string label =

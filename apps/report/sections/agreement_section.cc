@@ -67,13 +67,12 @@ std::string IntensityInWords(const metrics::MetricsReport& metrics) {
 std::string SpeckleInWords(const metrics::NoiseFloor& floor) {
   const std::string& reason = floor.real_against_real.absent_reason;
   const std::string unmeasured =
-      fmt::format("What no simulator could beat on this recording was not measured{}.",
+      fmt::format("The best value that any simulation could reach on this recording was not measured{}.",
                   reason.empty() ? "" : ": " + reason);
   if (!floor.speckle) return unmeasured + " Its display states no dB, so theory gives no value either.";
   return fmt::format(
-      "{} In theory, where a pixel shows the speckle of a single look and the display clips nothing, an "
-      "expected "
-      "image differs by {} on average and a speckled sample by {}.",
+      "{} In theory, with single-look speckle and without clipping, an expected image differs by {} on "
+      "average and a speckled sample by {}.",
       unmeasured, FigureText(floor.speckle->smooth_simulation),
       FigureText(floor.speckle->speckled_simulation));
 }
@@ -86,13 +85,13 @@ std::string FloorInWords(const metrics::MetricsReport& metrics) {
       floor == nullptr ? std::nullopt : floor->macro.polar.Over(domain).mean_absolute.value;
   if (!error) return {};
   if (best == 0.0) {
-    return "What no simulator could beat on this recording was not found: the frames that show one still "
-           "scene "
-           "are the same to the last grey level.";
+    return "The best value that any simulation could reach on this recording is unknown: its frames of one "
+           "static scene are identical.";
   }
   if (!best) return SpeckleInWords(metrics.noise_floor);
   return fmt::format(
-      "What no simulator could beat on this recording is about {}: the error is {:.2f} times that. {}",
+      "The best value that any simulation could reach on this recording is about {}: the error is {:.2f} "
+      "times that. {}",
       FigureText(best), *error / *best, FloorNote(metrics.noise_floor));
 }
 
@@ -101,9 +100,8 @@ std::string WorstInWords(const metrics::MetricsReport& metrics) {
   const auto worst = FindWorstBand(metrics.residuals.ByRange(), kRangeBands);
   if (!worst) return {};
   return fmt::format(
-      "It is furthest off at {:.2f} to {:.2f} m: by {} of full scale on average over the pixels of all "
-      "frames, the "
-      "simulated image {} by {}.",
+      "The error is largest at {:.2f} to {:.2f} m: {} of full scale on average over the pixels of all "
+      "frames, the simulated image {} by {}.",
       worst->from, worst->to, FigureText(worst->mean_absolute), worst->bias > 0.0 ? "brighter" : "darker",
       FigureText(std::abs(worst->bias)));
 }
@@ -208,12 +206,9 @@ void AddThresholdSweep(HtmlReport& report, const metrics::MetricsReport& metrics
     areas.rows.push_back({{kLabels[ratio], area(pooled), area(mean),
                            pooled ? fmt::format("{:.0f}", 100.0 * pooled->axis_share) : "0"}});
   }
-  report.Add(
-      {chart},
-      fmt::format(
-          "Occupancy at every threshold that was tried, so that no single one has to be trusted. Ns/Nr "
-          "above {:g} is cut off.",
-          kHighestRatio));
+  report.Add({chart},
+             fmt::format("Occupancy over the threshold of the segmentation. The chart ends at Ns/Nr = {:g}.",
+                         kHighestRatio));
   report.Add(areas);
 }
 
@@ -225,12 +220,11 @@ void AddGreyLevels(HtmlReport& report, const metrics::MetricsReport& metrics) {
     if (counts.real.size() < 2) continue;
     const double full_scale = metrics.scale.full_scale;
     const std::string real = RealWord(metrics.real_is_synthetic);
-    report.Add(
-        {HistogramChart(counts, fmt::format("{}: grey values", name), full_scale, real),
-         QuantileChart(counts, fmt::format("{}: quantiles", name), full_scale, real)},
-        fmt::format("{}: how often each grey value occurs, and the quantiles of the one image over those of "
-                    "the other; on the dashed line the two are distributed alike.",
-                    name));
+    report.Add({HistogramChart(counts, fmt::format("{}: grey values", name), full_scale, real),
+                QuantileChart(counts, fmt::format("{}: quantiles", name), full_scale, real)},
+               fmt::format("{}: histograms of the grey values, and the quantiles of one image over those of "
+                           "the other. On the dashed line both distributions are equal.",
+                           name));
   }
 }
 

@@ -52,8 +52,8 @@ std::string Name(const calib::JudgedVariant& variant) {
 void AddModelChoice(HtmlReport& report, const calib::ModelChoice& choice) {
   report.Subsection("Choice of the model");
   report.Paragraph(
-      fmt::format("Each variant was fitted to the frames used, one choice after the other, and judged by the "
-                  "likelihood of the grey values of frames {}, which no fit saw.",
+      fmt::format("Each variant was fitted to the frames used, one choice after the other, and evaluated by "
+                  "the likelihood of the grey values of the held-out frames {}.",
                   FrameList(choice.frames_chosen_on)));
   Table table{.caption = "Variants by likelihood of the held-out frames",
               .columns = {{"Variant"},
@@ -72,13 +72,13 @@ void AddModelChoice(HtmlReport& report, const calib::ModelChoice& choice) {
     for (const std::string& note : axis.notes) table.notes.push_back(note);
   }
   table.notes.push_back(fmt::format(
-      "± is one standard error of the difference, on the same {:.0f} pixels, over {} blocks of them that are "
-      "larger than the grain of speckle. What lies within {:g} of these behind the best is a tie: of those "
-      "the variant with the fewest fitted values is chosen, and among equals the one given.",
+      "± is one standard error of the difference, on the same {:.0f} pixels, over {} blocks that are larger "
+      "than a speckle cell. Variants within {:g} standard errors of the best are equally good. Of these, the "
+      "one with the fewest fitted values is selected, and among equals the given one.",
       choice.pixels, choice.blocks, choice.tie_sigmas));
   table.notes.emplace_back(
-      "The frames that chose also judge the fit below: few variants make that a small advantage, but it is "
-      "one.");
+      "The same frames evaluate the fit below. This gives it a small advantage, because there are few "
+      "variants.");
   report.Add(table);
 }
 

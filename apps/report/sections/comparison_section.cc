@@ -33,11 +33,9 @@ std::string FloorText(const metrics::MetricsReport& metrics) {
   std::string text;
   if (floor.speckle) {
     text = fmt::format(
-        "Where a pixel shows the speckle of a single look over a {:g} dB display, a noise-free simulation of "
-        "the "
-        "right level still differs by {:.3f} on average, and one with its own speckle by {:.3f}. A display "
-        "that "
-        "clips, or several looks, lower this. ",
+        "With single-look speckle on a {:g} dB display, a noise-free simulation of the right level differs "
+        "by {:.3f} on average, and one with its own speckle by {:.3f}. Clipping or several looks lower these "
+        "values. ",
         floor.speckle->span_db, floor.speckle->smooth_simulation, floor.speckle->speckled_simulation);
   } else {
     text =
@@ -53,7 +51,7 @@ std::string FloorText(const metrics::MetricsReport& metrics) {
   const metrics::ViewSummary& view = measured.aggregate.macro.polar;
   return text +
          fmt::format(
-             "Real frames of a still scene against each other ({} pair{}): IoU {}, intensity error {}.",
+             "Real frames of a static scene against each other ({} pair{}): IoU {}, intensity error {}.",
              measured.pairs.size(), measured.pairs.size() == 1 ? "" : "s", FigureText(view.At("iou").value),
              FigureText(view.Over(metrics.options.intensity_domain).mean_absolute.value));
 }
@@ -66,7 +64,7 @@ std::vector<std::string> TableNotes(const metrics::MetricsReport& metrics) {
   } else {
     notes.push_back(fmt::format("95 % intervals: frames resampled {} times, {}.", metrics::kBootstrapDraws,
                                 metrics.aggregate.in_time
-                                    ? "in blocks of consecutive ones, as they follow each other in time"
+                                    ? "in blocks of consecutive ones, because they follow each other in time"
                                     : "taken as independent"));
   }
   const int left_out = metrics.aggregate.macro.polar.At("iou").frames_left_out;
@@ -158,7 +156,7 @@ void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::
   } else {
     report.Callout(
         CalloutKind::kSynthetic, "The simulated side is synthetic",
-        fmt::format("{} is taken as recorded by a sonar: nothing in it says otherwise.", real_name));
+        fmt::format("{} counts as recorded by a sonar, because it does not state otherwise.", real_name));
   }
 }
 

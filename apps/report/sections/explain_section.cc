@@ -30,17 +30,17 @@ std::string Text(const std::optional<double>& value, int decimals) {
 std::string_view WhatOf(calib::ExplainedPart part) {
   switch (part) {
     case calib::ExplainedPart::kStart:
-      return "one curve for all, beams of one spacing, a pulse of one bin, nothing where no echo is";
+      return "one curve for all, beams as wide as their spacing, a pulse of one bin, a black background";
     case calib::ExplainedPart::kResponse:
-      return "the beams' pattern in azimuth and the pulse";
+      return "the beam pattern in azimuth, and the pulse";
     case calib::ExplainedPart::kElevation:
-      return "the beam's pattern in elevation, side lobes and all";
+      return "the beam pattern in elevation, with side lobes";
     case calib::ExplainedPart::kNoise:
       return "a noise floor";
     case calib::ExplainedPart::kMaterials:
       return "a backscatter curve for each material";
     case calib::ExplainedPart::kGhosts:
-      return "echoes by way of mirrors, their losses fitted";
+      return "echoes by way of mirrors, with fitted losses";
     case calib::ExplainedPart::kSpeckle:
       return "grey values vary as speckle does";
     case calib::ExplainedPart::kPoses:
@@ -79,7 +79,7 @@ std::vector<std::pair<double, std::string>> Shares(const workflow::ExplainedReco
 
 Table StepTable(const workflow::ExplainedRecording& explained, const workflow::JudgedSteps& judged,
                 const std::string& by) {
-  Table table{.caption = "Each part added to those above it, fitted again, and judged " + by,
+  Table table{.caption = "Each part added to those above it, fitted again, and evaluated " + by,
               .columns = {{"Added"},
                           {"Intensity error", "of full scale"},
                           {"Median image", "of full scale"},
@@ -109,25 +109,19 @@ Table StepTable(const workflow::ExplainedRecording& explained, const workflow::J
              fmt::format("{}", step.determined), std::string(ToString(judged.verdict[i]))}});
   }
   table.notes.push_back(fmt::format(
-      "Worth it: likelier on the frames held out by more than two standard errors, BIC falls, and the error "
-      "of the median image does not rise by more than two standard errors. Where likelihood and error say "
-      "opposite things the part is contradicted by the error. Both criteria count {:.0f} independent cells "
-      "in the frames used, not {:.0f} pixels: speckle is alike over "
-      "{:.1f} "
-      "of them.",
+      "Worth it: the held-out frames are more likely by more than two standard errors, BIC falls, and the "
+      "error of the median image does not rise by more than two standard errors. If likelihood and error "
+      "disagree, the part is contradicted by the error. Both criteria count {:.0f} independent cells in the "
+      "frames used, not {:.0f} pixels: speckle is correlated over {:.1f} of them.",
       explained.explanation.pixels_used / explained.explanation.pixels_per_cell,
       explained.explanation.pixels_used, explained.explanation.pixels_per_cell));
   table.notes.emplace_back(
       "Intensity error: mean absolute difference of grey values over the whole polar image. Median image: "
-      "the "
-      "same, from speckle on of the image of which half of the law of each pixel lies below, which makes "
-      "this "
-      "error least. About the object: the same within 20 range bins and 4 beams of it, as found in the "
-      "recorded image. Until "
-      "speckle is "
-      "added a constant is taken off, and occupancy is that of the expected image; from there on that of a "
-      "draw, and means little where the segmentation does not find an object. Fitted values: those that the "
-      "data determine.");
+      "this error for the median of each pixel's law from speckle on, which makes it smallest. About the "
+      "object: the error within 20 range bins and 4 beams of the object in the recorded image. Before "
+      "speckle is added, a constant is subtracted, and occupancy is that of the expected image. From there "
+      "on it is that of a speckled sample, and means little if the segmentation does not find an object. "
+      "Fitted values: those that the data determine.");
   return table;
 }
 
@@ -198,7 +192,7 @@ std::string TextOf(const workflow::ExplainedRecording& explained, const workflow
                         Text(figures.ns_over_nr, 3), gain, bic, i == 0 ? "" : ToString(judged.verdict[i]));
   }
   if (judged.floor_error) {
-    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  of the last model's own draws\n", "speckle alone",
+    text += fmt::format("  {:<20}  {:>9}  {:>6}  {:>6}  of the last model's own samples\n", "speckle alone",
                         Text(judged.floor_error, 4), "", Text(judged.about_floor_error, 4));
   }
   return text;
@@ -276,7 +270,7 @@ void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explai
   for (const std::string& sentence : WarningsOf(explained, presentation))
     report.Callout(CalloutKind::kWarning, "Doubtful", sentence + ".");
   if (!presentation.caveats.empty()) {
-    report.Callout(CalloutKind::kLimit, "What to know", "What was assumed, and what figures do not show.");
+    report.Callout(CalloutKind::kLimit, "What to know", "Assumptions, and limits of the figures.");
     report.List(presentation.caveats);
   }
   for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
@@ -286,17 +280,17 @@ void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explai
     if (presentation.apart) of += ", by " + Frames(judged.frames);
     const std::string known = presentation.title.empty() ? std::string() : " (" + presentation.title + ")";
     report.Add(WaterfallOf(explained, judged, &workflow::StepFigures::intensity_error,
-                           "What is left unexplained after each part is added" + of),
-               fmt::format("Judged {}{}. Blue: what is left; pale green: what a part "
-                           "took away; red: what it added. The dashed line is what the last model's own "
-                           "draws differ from it by: speckle and noise.",
+                           "Error that remains after each part is added" + of),
+               fmt::format("Evaluated {}{}. Blue: the remaining error. Pale green: error that a part "
+                           "removes. Red: error that it adds. Dashed line: difference between the last model "
+                           "and its own speckled samples, from speckle and noise.",
                            by, known));
     if (presentation.about && judged.figures.back().about_error) {
       report.Add(WaterfallOf(explained, judged, &workflow::StepFigures::about_error,
-                             "What is left unexplained about the object" + of),
-                 fmt::format("Judged {}{}, within {} range bins and {} beams of the object as found in the "
-                             "recorded image.",
-                             by, known, workflow::kAboutBins, workflow::kAboutBeams));
+                             "Error that remains about the object" + of),
+                 fmt::format(
+                     "Evaluated {}{}, within {} range bins and {} beams of the object in the recorded image.",
+                     by, known, workflow::kAboutBins, workflow::kAboutBeams));
     }
     report.Add(StepTable(explained, judged, by));
   }
@@ -424,11 +418,13 @@ std::string ExplanationText(const workflow::ExplainedRecording& explained,
   for (const std::string& sentence : WarningsOf(explained, presentation))
     text += fmt::format("warning: {}\n", sentence);
   for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
-    text += fmt::format("fitted to {}, judged on {}, which no fit saw\n", Frames(explained.split.used),
-                        Frames(judged.frames));
+    text +=
+        fmt::format("fitted to {}, evaluated on {}\n", Frames(explained.split.used), Frames(judged.frames));
     text += TextOf(explained, judged);
   }
-  text += "  errors are those of the expected image; IoU and Ns/Nr too, from 'speckle' on those of a draw\n";
+  text +=
+      "  errors are those of the expected image; IoU and Ns/Nr too, from 'speckle' on those of a speckled "
+      "sample\n";
   for (const std::string& sentence : explained.explanation.left_out)
     text += fmt::format("  left out: {}\n", sentence);
   text += CauseSentence(explained) + "\n";

@@ -58,7 +58,7 @@ std::string FloorNote(const metrics::NoiseFloor& floor) {
       return fmt::format(
           "Floor: {} pair{} of real frames of {} against each other.", floor.real_against_real.pairs.size(),
           floor.real_against_real.pairs.size() == 1 ? "" : "s",
-          floor.real_against_real.assumed_still ? "a scene taken to be still" : "a still scene");
+          floor.real_against_real.assumed_still ? "a scene assumed to be static" : "a still scene");
     case metrics::FloorSource::kDrawn:
       return "Floor: " + floor.drawn->law + ".";
     case metrics::FloorSource::kNone:

@@ -71,9 +71,8 @@ Table ValueTable(const calib::FitReport& fit) {
                   {"Bounds", "", false},
                   {"Status", "", false}},
       .rows = {},
-      .notes = {"Sigma: one standard deviation, from leaving out one block of neighbouring pixels after "
-                "another, so that speckle and errors that neighbours share are not counted as "
-                "independent. It tells what the data allow within this model, not how wrong the model is."}};
+      .notes = {"Sigma: standard error, from leaving out one block of neighbouring pixels after another, "
+                "because neighbours share speckle and errors. It does not include errors of the model."}};
   constexpr std::ptrdiff_t kTruthColumn = 4;
   const bool truth = calib::HasTruth(fit);
   if (truth) {
@@ -199,19 +198,18 @@ void AddCorrelations(HtmlReport& report, const calib::FitReport& fit) {
 
 std::string JudgedText(const workflow::RecordingFit& fit) {
   if (!fit.judged_on_held_out) {
-    return "No frame was held out: the figures below are of the frames the fit has seen, and flatter it.";
+    return "No frame was held out: the figures below are those of the fitted frames, and are too good.";
   }
   return fmt::format(
-             "The fit saw frames {} and was judged on frames {}, which it did not see. {} frames are "
-             "compared "
-             "with the expected image, the mean over {}, as grey levels are displayed.",
+             "The fit used frames {} and is evaluated on the held-out frames {}. {} frames are compared with "
+             "the expected image, the mean over {}, as grey levels are displayed.",
              FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
              RealCaption(fit.after.real_is_synthetic),
              fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle") +
          (fit.poses.empty()
               ? ""
-              : " Poses were fitted; those of the frames held out too, to these frames, with everything "
-                "else held: poses.json has them all. Before the fit, frames stand at their recorded poses.");
+              : " Poses were fitted, those of the held-out frames to these frames with all other parameters "
+                "fixed; poses.json holds them all. The figures before the fit use the recorded poses.");
 }
 
 }  // namespace
@@ -270,15 +268,15 @@ void AddFitComparison(HtmlReport& report, const workflow::RecordingFit& fit) {
   if (fit.judged_on_held_out) {
     report.Paragraph(JudgedText(fit));
   } else {
-    report.Callout(CalloutKind::kLimit, "Not judged on unseen frames", JudgedText(fit));
+    report.Callout(CalloutKind::kLimit, "Not evaluated on held-out frames", JudgedText(fit));
   }
   AddBeforeAfterTable(report, fit.before, fit.after,
                       fit.judged_on_held_out
-                          ? "Before and after the fit, on frames it did not see: the expected image"
+                          ? "Before and after the fit, on held-out frames: the expected image"
                           : "Before and after the fit, on the frames it used: the expected image");
   if (fit.sample_before && fit.sample_after) {
     AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
-                        "The same with a speckled sample in place of the expected image");
+                        "As above, with a speckled sample in place of the expected image");
   }
   report.Paragraph("The expected image after the fit:");
   report.List(SummaryInWords(fit.after));
@@ -295,12 +293,12 @@ void AddFitComparison(HtmlReport& report, const workflow::RecordingFit& fit) {
 
 void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit) {
   if (fit.weights.empty() || !fit.fit.report.down_weighted_share) return;
-  report.Subsection("What the scene does not explain");
-  report.Paragraph(fmt::format(
-      "{:.2f} % of the pixels used counted for less than half in the fit, as their neighbourhood is brighter "
-      "or darker than speckle about the model allows.",
-      100.0 * *fit.fit.report.down_weighted_share));
-  PictureRow row{.caption = "Pixels used by the fit: black counts in full, the brighter the less",
+  report.Subsection("Pixels that do not match the scene");
+  report.Paragraph(
+      fmt::format("{:.2f} % of the pixels used had a weight below one half in the fit, because their "
+                  "neighbourhood is brighter or darker than speckle about the model allows.",
+                  100.0 * *fit.fit.report.down_weighted_share));
+  PictureRow row{.caption = "Weights of the pixels in the fit: black is full weight, brighter is less",
                  .pictures = {}};
   constexpr int kHeightPx = 360;
   std::vector<int> dark;  // frames with an empty map
@@ -319,10 +317,9 @@ void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit) {
                             .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i])});
   }
   if (!dark.empty()) {
-    report.Paragraph(
-        fmt::format("No map is shown of frame{} {}: fewer than {:g} % of the pixels counted for "
-                    "less than half.",
-                    dark.size() == 1 ? "" : "s", FrameList(dark), 100.0 * kMinMapShare));
+    report.Paragraph(fmt::format(
+        "No map is shown of frame{} {}: fewer than {:g} % of the pixels had a weight below one half.",
+        dark.size() == 1 ? "" : "s", FrameList(dark), 100.0 * kMinMapShare));
   }
   if (!row.pictures.empty()) report.Add(row);
 }
@@ -340,11 +337,9 @@ void AddFittedValues(HtmlReport& report, const workflow::RecordingFit& fit) {
   }
   report.Subsection("Backscatter curves");
   if (!charts.empty()) {
-    report.Add(
-        charts,
-        "Backscatter of each material before and after the fit. Solid where the frames used show "
-        "the material at that incidence; dashed where the curve is only continued. The band holds the curve "
-        "with 95 % confidence, within this model.");
+    report.Add(charts,
+               "Backscatter of each material before and after the fit. Solid: the frames used show the "
+               "material at that incidence. Dashed: extrapolated. Band: 95 % confidence within this model.");
   }
   for (const std::string& material : unseen)
     report.Paragraph("Not seen in the frames used: " + material + ".");
@@ -352,16 +347,15 @@ void AddFittedValues(HtmlReport& report, const workflow::RecordingFit& fit) {
   report.Subsection("Parameters");
   for (const std::string& gauge : result.gauge) report.Callout(CalloutKind::kLimit, "Gauge", gauge + ".");
   if (!result.unidentifiable_directions.empty()) {
-    report.Callout(
-        CalloutKind::kLimit, "Not identifiable from these frames",
-        "The frames used do not determine these values separately. Each stands where it was held, where its "
-        "prior puts it, or at one of several values that fit equally well. No sigma is given for it.");
+    report.Callout(CalloutKind::kLimit, "Not identifiable from these frames",
+                   "The frames used do not determine these values separately. Each has its fixed value, the "
+                   "value of its prior, or one of several values that fit equally well. It has no sigma.");
     report.List(result.unidentifiable_directions);
   }
   if (!result.other_poses.empty()) {
     report.Callout(CalloutKind::kLimit, "Poses with a double",
-                   "These frames look as likely from another place. The one nearer to what was recorded is "
-                   "given, and its sigmas are about it alone.");
+                   "Other poses fit these frames equally well. The pose nearer to the recorded one is "
+                   "reported, and its sigmas hold only there.");
     report.List(result.other_poses);
   }
   report.Add(ValueTable(result));

@@ -15,9 +15,8 @@ namespace {
 
 Table ChoiceTable(const calib::NoiseFit& fit) {
   Table table{.caption = fmt::format(
-                  "Candidates, by -log likelihood of the pings they are chosen on; the least "
-                  "is best, but each step to a richer law has to gain {:.5f}, and one that has not "
-                  "converged is never chosen",
+                  "Candidates, by -log likelihood of the pings that select; the smallest is best, but each "
+                  "step to a richer law must gain {:.5f}, and one that has not converged is never selected",
                   calib::kRelevantNats),
               .columns = {{"Display law"},
                           {"Speckle", {}, false},
@@ -129,8 +128,8 @@ Picture ResidualMap(const calib::NoiseFit& fit, bool is_synthetic) {
   return {.png = data_io::EncodePng(data_io::StretchPolar(
               data_io::Colorize(residual, {-limit, limit}, data_io::ColorMap::kViridis))),
           .caption = fmt::format(
-              "{} less predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); "
-              "beams from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
+              "{} minus predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); beams "
+              "from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
               RealCaption(is_synthetic), -limit, limit, fit.cells.RangeM(0),
               fit.cells.RangeM(fit.cells.bands() - 1),
               cells < static_cast<int>(residual.size()) ? "; cells left out are darkest" : ""),
@@ -157,22 +156,22 @@ std::string NoiseWindowText(const calib::NoiseFit& fit) {
 }
 
 std::string NoiseJudgedText(const calib::NoiseFit& fit) {
-  if (!fit.judged_on_held_out) return "judged on the frames it was fitted to, as none is held out";
+  if (!fit.judged_on_held_out) return "evaluated on the fitted frames, because none is held out";
   if (fit.bands_held_out) {
     std::string text =
-        fmt::format("judged on every second band of {} range bins, not fitted, of ", fit.cells.band_bins);
+        fmt::format("evaluated on every second band of {} range bins, not fitted, of ", fit.cells.band_bins);
     const bool same_pings = fit.frames_judged_on == fit.report.frames_used;
     text += same_pings ? "the " + std::string(fit.frames_judged_on.size() == 1 ? "ping" : "pings") + " fitted"
                        : Pings(fit.frames_judged_on.size()) + " not fitted";
     if (fit.judged_apart_from_choice)
       return text + fmt::format("; {} chose", Others(fit.frames_chosen_on.size()));
-    return text + "; it chose among the candidates too";
+    return text + "; it also selected the candidate";
   }
   if (fit.judged_apart_from_choice) {
-    return fmt::format("judged on {} that neither it nor the choice among candidates has seen; {} chose",
+    return fmt::format("evaluated on {} that neither the fit nor the selection used; {} selected",
                        Pings(fit.frames_judged_on.size()), Others(fit.frames_chosen_on.size()));
   }
-  return fmt::format("judged on {} that it was not fitted to, but that chose it among the candidates",
+  return fmt::format("evaluated on {} that were not fitted, but that selected the candidate",
                      Pings(fit.frames_judged_on.size()));
 }
 
@@ -196,13 +195,13 @@ void AddNoiseSections(HtmlReport& report, const calib::NoiseFit& fit, bool is_sy
   const std::string judged =
       fmt::format("Noise law of {}, {}.", Pings(fit.report.frames_used.size()), NoiseJudgedText(fit));
   if (!fit.judged_on_held_out) {
-    report.Callout(CalloutKind::kLimit, "Judged on what was fitted",
-                   judged +
-                       " Agreement is better here than it will be on others, and the richer candidates "
-                       "are at an advantage.");
+    report.Callout(
+        CalloutKind::kLimit, "Evaluated on fitted data",
+        judged + " Agreement is better than on other data, and richer candidates have an advantage.");
   } else if (!fit.judged_apart_from_choice) {
-    report.Callout(CalloutKind::kLimit, "Chosen and judged on the same data",
-                   judged + " From four held-out pings on, half of them only choose and half only judge.");
+    report.Callout(
+        CalloutKind::kLimit, "Selected and evaluated on the same data",
+        judged + " With four or more held-out pings, half of them only select and half only evaluate.");
   } else {
     report.Paragraph(judged);
   }
@@ -212,16 +211,15 @@ void AddNoiseSections(HtmlReport& report, const calib::NoiseFit& fit, bool is_sy
   report.Add({HistogramChart(fit.judged, real), MeanChart(fit, true, real), MeanChart(fit, false, real)},
              RealCaption(is_synthetic) + " " + on + ", and predicted by the law");
   report.Add(PictureRow{
-      .caption = "What the law leaves", .pictures = {ResidualMap(fit, is_synthetic)}, .columns = 1});
+      .caption = "Residuals of the law", .pictures = {ResidualMap(fit, is_synthetic)}, .columns = 1});
   report.Section("The law");
   report.Add(ChoiceTable(fit));
   report.Add(ValueTable(fit));
   report.Add({TaperChart(fit)}, "Level of each beam's noise, relative to the mean over beams");
   if (!fit.report.unidentifiable_directions.empty()) {
-    report.Callout(
-        CalloutKind::kLimit, "Not told by the pings",
-        "Values called unidentifiable have no sigma: with the others they describe these pings, and "
-        "alone they mean nothing.");
+    report.Callout(CalloutKind::kLimit, "Not determined by the pings",
+                   "Unidentifiable values have no sigma: together with the others they describe these pings, "
+                   "alone they have no meaning.");
     report.List(fit.report.unidentifiable_directions);
   }
 }

@@ -122,7 +122,7 @@ void AddResiduals(HtmlReport& report, const metrics::MetricsReport& metrics) {
         std::ranges::any_of(table.classes, [](const auto& of) { return of.from.has_value(); });
     if (numeric) {
       report.Add({ResidualChart(table, "Over incidence", "incidence", real)},
-                 "The same by the mean angle between the rays and the surface's normal.");
+                 "Differences by the mean angle between the rays and the surface normal.");
     } else {
       report.Add(ResidualTableOf(table));
     }

@@ -61,10 +61,12 @@ std::string SmoothingText(const metrics::SegmentationOptions& s) {
 std::string TidyingText(const metrics::SegmentationOptions& s) {
   std::string text;
   if (s.open_rows > 1 || s.open_cols > 1) {
-    text += fmt::format("Specks smaller than {} x {} pixels are opened away. ", s.open_rows, s.open_cols);
+    text += fmt::format("Specks smaller than {} x {} pixels are removed by an opening. ", s.open_rows,
+                        s.open_cols);
   }
   if (s.close_rows > 1 || s.close_cols > 1) {
-    text += fmt::format("Gaps smaller than {} x {} pixels are closed. ", s.close_rows, s.close_cols);
+    text +=
+        fmt::format("Gaps smaller than {} x {} pixels are filled by a closing. ", s.close_rows, s.close_cols);
   }
   if (s.min_area_px > 0) text += fmt::format("Components below {} pixels are dropped. ", s.min_area_px);
   if (s.max_rows > 0)

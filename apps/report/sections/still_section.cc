@@ -52,13 +52,13 @@ std::string StillText(const workflow::StillPoses& still) {
   std::string text;
   for (const workflow::StillPose& pose : still.poses) {
     const calib::StillLevels& levels = pose.levels;
-    text += fmt::format("  frames {} show one pose and stand still\n", FrameList(levels.frames));
+    text += fmt::format("  frames {} show one pose of a static scene\n", FrameList(levels.frames));
     if (!levels.moved.empty())
       text +=
           fmt::format("    frames {} share it, but the scene has moved: left out\n", FrameList(levels.moved));
-    text += fmt::format("    noise, by what changes:  {}", Level(levels.noise_db, levels.noise_sigma_db));
+    text += fmt::format("    noise, which changes:    {}", Level(levels.noise_db, levels.noise_sigma_db));
     text += pose.fitted_noise_db ? "; " + NoiseVerdict(pose) + "\n" : "\n";
-    text += fmt::format("    speckle, by what stays:  {}, mean power of {} pixels\n",
+    text += fmt::format("    speckle, which stays:    {}, mean power of {} pixels\n",
                         Level(levels.echo_db, levels.echo_sigma_db), levels.pixels);
     if (levels.clipped_at_top > 0)
       text += fmt::format("    and {} pixels clipped at the top, left out\n", levels.clipped_at_top);
@@ -100,11 +100,10 @@ std::string StillMembers(const workflow::StillPoses& still) {
 
 void AddStillPoses(HtmlReport& report, const workflow::StillPoses& still) {
   if (still.empty()) return;
-  report.Subsection("Speckle told from receiver noise");
+  report.Subsection("Speckle and receiver noise");
   report.Paragraph(
-      "Frames of one pose whose scene stands still: what changes from one to the next is the receiver's "
-      "noise, "
-      "what stays is the echo with its speckle. The levels below need no scene and no law of speckle.");
+      "Frames from one pose of a static scene: receiver noise changes from frame to frame, the echo with its "
+      "speckle does not. The levels below need no scene and no law of speckle.");
   for (const workflow::StillPose& pose : still.poses) {
     const calib::StillLevels& levels = pose.levels;
     std::vector<std::pair<std::string, std::string>> facts = {
@@ -121,7 +120,7 @@ void AddStillPoses(HtmlReport& report, const workflow::StillPoses& still) {
       report.Callout(CalloutKind::kLimit, "The echoes change a little", doubt + ".");
   }
   for (const std::string& sentence : still.refused)
-    report.Callout(CalloutKind::kLimit, "Nothing told of a pose", sentence + ".");
+    report.Callout(CalloutKind::kLimit, "Poses without a result", sentence + ".");
 }
 
 }  // namespace sonarcal::report

@@ -50,7 +50,7 @@ class FitCommand : public ::testing::Test {
 TEST_F(FitCommand, FindsTheParametersAndJudgesThemOnOtherFrames) {
   const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("judged on frames 1 and 3"));
+  EXPECT_THAT(outcome.out, HasSubstr("evaluated on frames 1 and 3"));
 
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
   EXPECT_EQ(json["frames_used"], (std::vector<int>{0, 2}));
@@ -129,7 +129,7 @@ TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
   for (const char* part : {"before the fit", "after the fit", "Gauge", "material.box.gsab.C", "<svg",
-                           "which it did not see", "Both sides are synthetic", "Truth"}) {
+                           "evaluated on the held-out frames", "Both sides are synthetic", "Truth"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
   EXPECT_LT(html.find("Backscatter curves"), html.find("material.box.gsab.C")) << "the curve comes first";

@@ -78,7 +78,7 @@ class FitNoiseCommand : public ::testing::Test {
 TEST_F(FitNoiseCommand, FindsTheNoiseOfASyntheticSonar) {
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("noise law of 10 pings, judged on 3 pings that neither"));
+  EXPECT_THAT(outcome.out, HasSubstr("noise law of 10 pings, evaluated on 3 pings that neither"));
   EXPECT_THAT(outcome.out, HasSubstr("whitened residual"));
 
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
@@ -121,17 +121,17 @@ TEST_F(FitNoiseCommand, TheReportShowsTheLawAndWhatItLeaves) {
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
   for (const char* part : {"receiver.noise_db", "Whitened residual", "<svg", "The recording is synthetic",
-                           "Candidates", "neither it nor the choice among candidates has seen"}) {
+                           "Candidates", "neither the fit nor the selection used"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
-  EXPECT_THAT(html, Not(HasSubstr("Judged on what was fitted")));
+  EXPECT_THAT(html, Not(HasSubstr("Evaluated on fitted data")));
 }
 
 TEST_F(FitNoiseCommand, OneFrameIsJudgedOnBandsNotFittedAndThatIsSaid) {
   Keep(1);
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const char* said = "judged on every second band of 8 range bins, not fitted, of the ping fitted";
+  const char* said = "evaluated on every second band of 8 range bins, not fitted, of the ping fitted";
   EXPECT_THAT(outcome.out, HasSubstr(said));
   EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr(said));
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
@@ -144,8 +144,10 @@ TEST_F(FitNoiseCommand, FewHeldOutFramesChooseAndJudgeAndThatIsSaid) {
   Keep(6);
   const Outcome outcome = RunSonarcal(Arguments("--held-out 2,5"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("judged on 2 pings that it was not fitted to, but that chose it"));
-  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"), HasSubstr("Chosen and judged on the same data"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("evaluated on 2 pings that were not fitted, but that selected the candidate"));
+  EXPECT_THAT(testing::ReadFile(world_ / "out/report.html"),
+              HasSubstr("Selected and evaluated on the same data"));
   const nlohmann::json agreement = testing::ReadJsonFile(world_ / "out/fit.json")["agreement"];
   EXPECT_EQ(agreement["judged_apart_from_choice"], false);
   EXPECT_EQ(agreement["frames_chosen_on"], agreement["frames_judged_on"]);

@@ -54,7 +54,7 @@ TEST_F(FitStillCommand, TellsNoiseFromFrozenSpeckle) {
   Simulate("--frozen-speckle");
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("frames 0, 1, 2 and 3 show one pose and stand still"));
+  EXPECT_THAT(outcome.out, HasSubstr("frames 0, 1, 2 and 3 show one pose of a static scene"));
   EXPECT_THAT(outcome.out, HasSubstr("(synthetic)"));
   const auto fit = testing::ReadJsonFile(world_ / "out/fit.json");
   const auto& still = fit["still"][0];

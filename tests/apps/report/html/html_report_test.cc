@@ -163,7 +163,7 @@ TEST(HtmlReportTest, APictureOfOneColourIsSaidNotShown) {
   EXPECT_FALSE(IsOneColour(SmallPng()));
   report.Add(PictureRow{.caption = "Weights.", .pictures = {{black, "Frame 0"}, {black_fan, "Frame 4"}}});
   EXPECT_TRUE(testing::PicturesOf(report.Html()).empty());
-  EXPECT_THAT(report.Html(), HasSubstr("<p>Weights. Frame 0: one colour throughout, not shown."));
+  EXPECT_THAT(report.Html(), HasSubstr("<p>Weights. Frame 0: a single colour, not shown."));
 }
 
 TEST(HtmlReportTest, APictureCarriesItsSize) {

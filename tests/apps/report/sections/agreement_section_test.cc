@@ -83,7 +83,7 @@ TEST(SummaryInWords, SaysWhatTheTablesSay) {
   EXPECT_THAT(sentences[1], HasSubstr(fmt::format("{:.3f} of full scale on average",
                                                   *macro.At("intensity.union.mean_absolute").value)));
   EXPECT_THAT(sentences[1], HasSubstr("brighter by"));
-  EXPECT_THAT(sentences[2], HasSubstr("could beat on this recording is about"));
+  EXPECT_THAT(sentences[2], HasSubstr("could reach on this recording is about"));
   for (const std::string& sentence : SummaryInWords(Compared(1)))
     EXPECT_THAT(sentence, Not(HasSubstr("nan")));
   // One frame tells no floor, but its display does, in theory.
