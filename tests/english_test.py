@@ -9,7 +9,7 @@ import re
 import sys
 import tempfile
 
-FOLDERS = ["core", "data_io", "metrics", "sim"]
+FOLDERS = ["apps", "calib", "core", "data_io", "metrics", "sim"]
 
 SUFFIXES = (".h", ".cc")
 

@@ -7,22 +7,22 @@ class App;
 
 namespace sonarcal::commands {
 
-void SetupReproduce(CLI::App& app);   // apps/commands/reproduce_command.h
-void SetupScenes(CLI::App& app);      // apps/commands/scenes_command.h
-void SetupGallery(CLI::App& app);     // apps/commands/gallery_command.h
-void SetupSimulate(CLI::App& app);    // apps/commands/simulate_command.h
-void SetupRays(CLI::App& app);        // apps/commands/rays_command.h
-void SetupCompare(CLI::App& app);     // apps/commands/compare_command.h
-void SetupFit(CLI::App& app);         // apps/commands/fit_command.h
-void SetupView(CLI::App& app);        // apps/commands/view_command.h
-void SetupBatch(CLI::App& app);       // apps/commands/batch_command.h
-void SetupDocs(CLI::App& app);        // hidden: apps/commands/documentation_command.cc
-void SetupExplain(CLI::App& app);     // apps/commands/explain_command.h
-void SetupInspect(CLI::App& app);     // apps/commands/inspect_command.h
-void SetupConvert(CLI::App& app);     // apps/commands/convert_command.h
-void SetupExport(CLI::App& app);      // apps/commands/export_command.h
-void SetupPoses(CLI::App& app);       // apps/commands/poses_command.h
-void SetupRecordings(CLI::App& app);  // apps/commands/recordings_command.h
-void SetupSonars(CLI::App& app);      // apps/commands/sonars_command.h
+void SetupReproduce(CLI::App& app);
+void SetupScenes(CLI::App& app);
+void SetupGallery(CLI::App& app);
+void SetupSimulate(CLI::App& app);
+void SetupRays(CLI::App& app);
+void SetupCompare(CLI::App& app);
+void SetupFit(CLI::App& app);
+void SetupView(CLI::App& app);
+void SetupBatch(CLI::App& app);
+void SetupDocs(CLI::App& app);  // hidden
+void SetupExplain(CLI::App& app);
+void SetupInspect(CLI::App& app);
+void SetupConvert(CLI::App& app);
+void SetupExport(CLI::App& app);
+void SetupPoses(CLI::App& app);
+void SetupRecordings(CLI::App& app);
+void SetupSonars(CLI::App& app);
 
 }  // namespace sonarcal::commands

@@ -157,7 +157,7 @@ void BindComparedRecordings(py::module_& module) {
       .def(
           "telling_frames",
           [](const ComparedRecordings& compared) {
-            return workflow::TellingFrames(compared.comparison.metrics);
+            return workflow::RepresentativeFrames(compared.comparison.metrics);
           },
           "Frames with the lowest, the middle and the highest intensity error.")
       .def("pair", &ComparedRecordings::Pair, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),

@@ -27,7 +27,7 @@ namespace sonarcal::reproduce {
 // A relative path that does not leave its folder. Throws DataError with file, line and key, as all of these do.
 std::string ReadPathBelow(const data_io::JsonReader& json);
 
-// What `find` returns for the text of `json`. Turns a UsageError for an unknown name into a DataError.
+// Returns `find` of the text of `json`. Turns a UsageError for an unknown name into a DataError.
 template <typename Find>
 auto FindNamed(const data_io::JsonReader& json, Find find) -> decltype(&find(json.String())) {
   try {

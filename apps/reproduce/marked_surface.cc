@@ -34,7 +34,7 @@ Eigen::Vector3d PointAt(double range_m, double azimuth_rad, double elevation_rad
                                    std::cos(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad));
 }
 
-// Where a beam's strip begins and ends in elevation.
+// Lower and upper end of a beam's strip in elevation.
 std::pair<double, double> ElevationsRad(double lean_rad, double half_beam_rad) {
   return {lean_rad > half_beam_rad ? -half_beam_rad : -4.0 * half_beam_rad, 4.0 * half_beam_rad};
 }
@@ -111,7 +111,7 @@ std::vector<std::optional<double>> SmoothedRangesM(const FirstReturn& marks, con
   const int beams = static_cast<int>(marks.size());
   for (int beam = 0; beam < beams; ++beam) {
     if (!marks[beam]) continue;
-    // Of the run of marks that this one belongs to.
+    // Offsets and ranges of the run of marks that contains this one.
     std::vector<double> offset = {0.0};
     std::vector<double> range_m = {axes.range_centre_m(*marks[beam])};
     for (const int step : {-1, 1}) {

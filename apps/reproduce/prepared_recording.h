@@ -34,7 +34,7 @@ struct PreparedRecording {
   bool apart = false;       // held-out frames tell different things, so that they are judged one by one
   bool hold_noise = false;  // the floor of the parameters was found where there is nothing else
   std::vector<std::string> warnings = {};  // a search that ended at the end of its range, a sentence each
-  // What a reader must know, a sentence each: what was assumed, and what a figure does not show.
+  // Assumptions and limits of the figures, one sentence each.
   std::vector<std::string> caveats;
   std::vector<std::filesystem::path> inputs;
 };

@@ -1,5 +1,5 @@
-// What `reproduce` compares, a row a way to simulate: the same rows in the terminal, in the report and in
-// metrics.json.
+// Comparisons of `reproduce`, one row per way to simulate. The terminal, the report and metrics.json have the
+// same rows.
 #pragma once
 
 #include <string>

@@ -59,7 +59,7 @@ Mask Background(const PolarImage& image, const metrics::SegmentationOptions& seg
   return background;
 }
 
-// Of all echoes but the rarest 0.1 % at either end.
+// Range of incidence of the echoes, without the rarest 0.1 % at either end.
 workflow::IncidenceRange IncidenceOf(const sim::EchoList& echoes) {
   if (echoes.incidence_rad.empty()) return {};
   const auto at = [&](double share) {

@@ -1,5 +1,3 @@
-#include "apps/commands/explain_command.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,3 @@
-#include "apps/commands/rays_command.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
