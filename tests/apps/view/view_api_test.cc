@@ -68,7 +68,7 @@ TEST_F(ViewFigures, AreThoseOfCompare) {
 
 TEST_F(ViewFigures, AreThoseOfCompareInTheBoxOfAnObject) {
   commands::ViewOptions options = Options();
-  options.comparison.object.object = "box";
+  options.comparison.object = "box";
   session_ = std::make_unique<ViewSession>(commands::SetUpView(options));
   api_ = std::make_unique<ViewApi>(*session_, options.out);
   ExpectThoseOfCompare("--object box");
