@@ -64,7 +64,7 @@ Json ParametersJson(const ParameterSet& parameters) {
 
 void WriteParameters(const std::filesystem::path& file, const ParameterSet& parameters) {
   const std::string text = JsonText(ParametersJson(parameters));
-  ParseParameters(text, file.string());  // a fit must not leave behind what the next command refuses
+  ParseParameters(text, file.string());  // a fit must not write a file that the next command rejects
   WriteFileWhole(file, text);
 }
 
