@@ -67,7 +67,7 @@ class Builder {
   }
 
  private:
-  // Where a parameter stands: on the page, in the state that the page sends, and in names of fit.json.
+  // Position of a parameter: on the page, in the state that the page sends, and in names of fit.json.
   struct Place {
     std::vector<std::string> path = {};
     std::string name = {};      // prefix
