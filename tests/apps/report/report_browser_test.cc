@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "apps/report/pictures/comparison_viewer.h"
+#include "apps/workflow/compare.h"
 #include "core/types/units.h"
 #include "data_io/open_recording.h"
 #include "tests/apps/tiny_world.h"
