@@ -24,7 +24,8 @@ using Coordinates = Eigen::Matrix<double, kCoordinates, 1>;
 const Coordinates kSteps = {0.02, 0.01, 0.05, 0.05, 0.05, 1.0};
 // Differences must span a few rays, otherwise they show the effect of single rays at edges.
 constexpr double kDifference = 0.3;  // steps
-constexpr double kFirstDamping = 1e-4;
+constexpr double kFirstDamping = 1e-2;
+constexpr double kMaxDamping = 1e4;
 constexpr double kConverged = 1e-5;  // relative fall of the cost
 
 Coordinates CoordinatesOf(const PoseCandidate& candidate) {
@@ -140,7 +141,9 @@ class Matcher {
       const auto trial_at = [&, &low = lower, &high = upper](const Eigen::VectorXd& step) {
         return At((state.x + step).cwiseMax(low).cwiseMin(high));
       };
-      if (DampedStep(normal, trial_at, damping, state) <= kConverged * state.cost) break;
+      double fall = 0.0;
+      while (fall == 0.0 && damping < kMaxDamping) fall = DampedStep(normal, trial_at, damping, state);
+      if (fall <= kConverged * state.cost) break;
     }
     PoseCandidate refined = CandidateAt(state.x);
     refined.cost = state.cost;
