@@ -20,7 +20,7 @@ def main():
         said = warnings.read_text(encoding="utf-8")
         assert not said, said[:5000]
         index = pathlib.Path(folder, "xml", "index.xml").read_text(encoding="utf-8")
-        for name in ("sonarcal::PolarImage", "sonarcal::RayCaster", "sonarcal::ParameterSet"):
+        for name in ("sonarcal::PolarImage", "sonarcal::sim::RayCaster", "sonarcal::workflow::FitOptions", "sonarcal::ParameterSet"):
             assert f"<name>{name}</name>" in index, f"{name} is not in the reference"
         # A comment at a line's end belongs to what stands before it.
         sheet = pathlib.Path(folder, "xml", "structsonarcal_1_1GsabParameters.xml").read_text(encoding="utf-8")

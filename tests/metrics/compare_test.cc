@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
 #include "data_io/open_recording.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/metrics/metrics_testing.h"
 #include "tests/support/recordings.h"
 
@@ -177,7 +179,8 @@ TEST(CompareTest, SamplesThatAreNotValidCountNowhere) {
 TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
   SONARCAL_NEEDS_RECORDING(first_path, "aris3000_uxo/frame_0000_128x780.png");
   SONARCAL_NEEDS_RECORDING(second_path, "aris3000_uxo/frame_0001_128x780.png");
-  const auto recording = data_io::OpenRecording(first_path.parent_path());
+  const auto recording = data_io::OpenRecordingOf(
+      first_path.parent_path(), std::filesystem::path(SONARCAL_SOURCE_DIR) / "cases/bomb");
   const PolarImage first = recording->ReadFrame(0).image;
   const PolarImage second = recording->ReadFrame(1).image;
   const FrameMetrics metrics = CompareFrames(first, second);

@@ -134,9 +134,9 @@ TEST(CameraIo, ReadsPorts) {
   EXPECT_THAT(MessageOf([&] { read("\"thickness_m\": 0.01, \"water_index\": 0.9"); }),
               HasSubstr("water_index"));
   EXPECT_THAT(MessageOf([&] { read("\"thickness_m\": 0.01, \"normal\": [0, 0, -1]"); }),
-              HasSubstr("aside or back"));
+              HasSubstr("sideways or backwards"));
   EXPECT_THAT(MessageOf([&] { read("\"thickness_m\": 0.01, \"normal\": [0, 0, 0]"); }),
-              HasSubstr("aside or back"));
+              HasSubstr("sideways or backwards"));
   EXPECT_THAT(MessageOf([&] { read("\"thickness_m\": 0.01, \"index\": 1.3"); }),
               HasSubstr("unknown key 'index'"));
 }
