@@ -67,7 +67,8 @@ std::string Damaged(std::string input, std::mt19937& random) {
 int main(int argc, char** argv) {
   const Parser parser = argc == 4 ? sonarcal::fuzz::FindParser(argv[1]) : nullptr;
   if (parser == nullptr) {
-    std::fprintf(stderr, "usage: %s TARGET COPIES CORPUS_FOLDER, TARGET a folder of tests/fuzz/corpus\n", argv[0]);
+    std::fprintf(stderr, "usage: %s TARGET COPIES CORPUS_FOLDER, TARGET a folder of tests/fuzz/corpus\n",
+                 argv[0]);
     return 2;
   }
 #if !defined(__SANITIZE_ADDRESS__)  // which reserves terabytes

@@ -146,7 +146,7 @@ TEST_F(SmallTankFrames, DISABLED_PosesComeBackThoughCurvesAreNotKnown) {
 }
 
 // The others end up to five of their sigmas off.
-TEST_F(SmallTankFrames, PlaceAndHeadingComeBackTogetherWithTheNoise) {
+TEST_F(SmallTankFrames, PlaceAndHeadingAreFoundTogetherWithTheNoise) {
   const std::vector<Pose> poses = SmallTankPoses();
   std::vector<AcousticFrame> frames;
   for (int i : {0, 1, 3}) {
@@ -172,7 +172,7 @@ TEST_F(SmallTankFrames, PlaceAndHeadingComeBackTogetherWithTheNoise) {
 // eight draws): the speckle of the coherent model hangs together farther than its grain, and rays come and
 // go at edges. One draw varies by 2 sqrt(2 / 6), so that no limit holds for one; the mean of four by half of
 // that. The start has more than 100.
-TEST_F(SmallTankFrames, PosesAloneComeBackWhereAllElseIsKnown) {
+TEST_F(SmallTankFrames, PosesAreFoundIfAllElseIsKnown) {
   constexpr int kDraws = 4;
   constexpr double kMean = 2.0;
   const Pose pose = SmallTankPoses()[1];
@@ -209,7 +209,7 @@ TEST_F(SmallTankFrames, PosesAloneComeBackWhereAllElseIsKnown) {
 
 // By three draws of speckle: four frames have so few blocks of pixels that a sigma may by chance be half of
 // what it should be, and one error of one draw four of them.
-TEST_F(SmallTankFrames, AMountOffsetIsToldFromAllFrames) {
+TEST_F(SmallTankFrames, AMountOffsetIsDeterminedByAllFramesTogether) {
   const std::vector<Pose> recorded = SmallTankPoses();
   const Pose mount = MovePose({}, SomeStep(1.0));
   const PoseStep was = NamedDifference(Pose{}, mount);
@@ -235,7 +235,7 @@ TEST_F(SmallTankFrames, AMountOffsetIsToldFromAllFrames) {
   EXPECT_LT(std::sqrt(squares / (3 * kPoseSteps)), 1.5);
 }
 
-TEST_F(SmallTankFrames, WhatAFrameCannotTellStaysAndIsNamed) {
+TEST_F(SmallTankFrames, UndeterminedPoseComponentsStayAndAreNamed) {
   // Nothing but a floor: where over it and under which heading is nowhere in the image.
   Scene floor;
   floor.material_names = {"floor"};
@@ -311,7 +311,7 @@ void ExpectErrorsAreRemoved(const std::vector<int>& components) {
   }
 }
 
-TEST(SyntheticTankPoses, ErrorsAreRemoved) {
+TEST(SyntheticTankPoses, PoseErrorsExceptRollAreRemoved) {
   ExpectErrorsAreRemoved({0, 1, 2, 4, 5});
 }
 
