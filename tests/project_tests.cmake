@@ -8,6 +8,7 @@ add_test(NAME layering_self_test
 add_test(NAME english COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/english_test.py ${PROJECT_SOURCE_DIR})
 add_test(NAME english_self_test
   COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/english_test.py --self-test)
+set_tests_properties(layering layering_self_test english english_self_test PROPERTIES LABELS quick)
 
 # Versions of clang-format disagree; this one is Debian 12's.
 find_program(SONARCAL_CLANG_FORMAT clang-format-14)

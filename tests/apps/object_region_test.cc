@@ -79,13 +79,13 @@ class ObjectRegion : public ::testing::Test {
   std::filesystem::path real_;
 };
 
-TEST_F(ObjectRegion, TheFiguresOfAPaperFitComeBackFromItsExpectedImage) {
+TEST_F(ObjectRegion, CompareGivesTheFiguresOfAPaperFitFromItsExpectedImage) {
   MakeRecording(testing::TinyParameters());
   Run(FitArguments());
   ExpectFitScoresAs("metrics_after", "--expected");
 }
 
-TEST_F(ObjectRegion, TheFiguresOfAnAcousticFitComeBackFromItsExpectedImageAndItsSample) {
+TEST_F(ObjectRegion, CompareGivesTheFiguresOfAnAcousticFitFromItsExpectedImageAndSample) {
   MakeRecording(testing::TinyAcousticParameters());
   Run(FitArguments());
   ExpectFitScoresAs("metrics_after", "--expected");
@@ -160,7 +160,7 @@ TEST_F(ObjectRegion, NothingOutsideTheBoxIsObject) {
   }
 }
 
-TEST_F(ObjectRegion, MistakesCostOneSentence) {
+TEST_F(ObjectRegion, InvalidOptionsAreRefusedInOneSentence) {
   MakeRecording(testing::TinyParameters());
   world_.WriteSimulated("sim");
   const auto expect_failure = [&](const std::string& extra, int status, const std::string& part) {

@@ -1,6 +1,7 @@
 // The program as a shell runs it. SONARCAL_BINARY is its path.
 #pragma once
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -28,7 +29,7 @@ inline Outcome RunSonarcal(const std::string& arguments) {
 }
 
 inline std::string Quoted(const std::filesystem::path& path) {
-  return "'" + path.string() + "'";
+  return fmt::format("'{}'", path.string());
 }
 
 }  // namespace sonarcal::testing

@@ -135,7 +135,7 @@ Judgement JudgeSamples(const sim::Simulator& simulator, const TargetFit& fit, co
   return mean;
 }
 
-TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
+TEST(Aris3000BombTest, FitOfOneFramePredictsTheOther) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
   const auto recording = reproduce::OpenTarget(Plan(), folder);
   const PolarImage judged = recording->ReadFrame(1).image;
@@ -161,7 +161,7 @@ TEST(Aris3000BombTest, FitOfOneFrameTellsTheOther) {
   EXPECT_LE(samples.grey_distance, 0.005);
 }
 
-TEST(Aris3000BombTest, ModelOfOneFrameTellsAnotherPose) {
+TEST(Aris3000BombTest, ModelOfOneFramePredictsAnotherPose) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
   const auto recording = reproduce::OpenTarget(Plan(), folder);
   const RecordingInfo& info = recording->info();

@@ -31,7 +31,7 @@ void ExpectCovered(const CoverageTable& table) {
   EXPECT_GE(determined, 10) << "of 13";
 }
 
-TEST(CoverageTest, IndependentPixels) {
+TEST(CoverageTest, IntervalsCoverTheTruthWithIndependentPixels) {
   CoverageOptions options;
   options.data_sets = 40;
   options.fit.starts = 1;
@@ -41,7 +41,7 @@ TEST(CoverageTest, IndependentPixels) {
   EXPECT_NEAR(table.variance_over_bound, 1.0, 0.1 + chance);
 }
 
-TEST(CoverageTest, GrainedPixels) {
+TEST(CoverageTest, IntervalsCoverTheTruthWithSpeckleOfSeveralPixels) {
   CoverageOptions options;
   options.speckle = Speckle::kGrained;
   options.data_sets = 40;

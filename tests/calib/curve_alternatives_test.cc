@@ -91,7 +91,7 @@ TEST(CurveAlternativesTest, FittedParametersAreWhereTheirStandardErrorsSay) {
   EXPECT_LE(coverage.far, 1);
 }
 
-TEST(CurveAlternativesTest, CurvatureAtOneOptimumAloneIsTooSure) {
+TEST(CurveAlternativesTest, IntervalsFromTheCurvatureAtOneOptimumCoverTooLittle) {
   const Coverage without = Cover(false, kDataSets);
   int fitted = 0;
   int covered = 0;
@@ -136,7 +136,7 @@ TEST(CurveAlternativesTest, TheFitGoesToTheBetterOfTwoOptima) {
   }
 }
 
-TEST(CurveAlternativesTest, WhatIsNotDeterminedSeparatelyIsNamedInASentence) {
+TEST(CurveAlternativesTest, ParametersNotDeterminedSeparatelyAreNamedInASentence) {
   // One Gaussian and no second: the two of the model share it in any way.
   const CurveModel model(
       {.truth = {.a = 1e-7, .b_deg = 5.0, .c = 0.01, .d = 1.3, .e = 0.05, .f_deg = 9.0}, .pixels = 24});
@@ -147,7 +147,7 @@ TEST(CurveAlternativesTest, WhatIsNotDeterminedSeparatelyIsNamedInASentence) {
     EXPECT_EQ(parameter.sigma.has_value(), parameter.status == ParameterStatus::kFree) << parameter.name;
 }
 
-TEST(OrderGaussiansTest, ExchangesWhatIsFreeAndStaysWithinBounds) {
+TEST(OrderGaussiansTest, ExchangesOnlyFreeParametersAndStaysWithinBounds) {
   const CurveModel model({.truth = kMockup});
   const std::vector<bool> all(6, true);
   ParameterValues values = {0.1, 12.0, 0.01, 1.0, 0.3, 5.0};

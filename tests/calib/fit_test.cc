@@ -48,7 +48,7 @@ class PaperFitTest : public ::testing::Test {
   std::vector<std::string> materials_ = {"floor", "box"};
 };
 
-TEST_F(PaperFitTest, TheTrueParametersComeBackWithinThreeSigma) {
+TEST_F(PaperFitTest, TheTrueParametersAreFoundWithinThreeStandardErrors) {
   const std::vector<FitFrame> frames = NoisyFrames(7);
   const std::int64_t rays_before = simulator_.caster().rays_cast();
   const FitResult fit = FitPaperModel(frames, geometry_, materials_, FarFromTruth(), {}, {});
@@ -170,7 +170,7 @@ TEST_F(PaperFitTest, PixelsThatDoNotCountDoNotBendTheFit) {
               3.0 * *fit.report.Find("display.db_max")->sigma);
 }
 
-TEST_F(PaperFitTest, WhatCannotBeFittedIsRefused) {
+TEST_F(PaperFitTest, InvalidFitConfigurationsAreRefused) {
   const std::vector<FitFrame> frames = NoisyFrames(11);
   const auto fit = [&](const FitConfig& config, const std::vector<FitFrame>& with) {
     FitPaperModel(with, geometry_, materials_, SmallTankTruth(), config, {});

@@ -149,7 +149,7 @@ TEST_F(SmallTankModels, DerivativesOfGhostsEqualCentralDifferences) {
                                [](const CatalogEntry& entry) { return IsGeometric(entry) ? 1e-2 : 1e-4; });
 }
 
-TEST_F(SmallTankModels, CeresIsToldTheSumsOverAllPixels) {
+TEST_F(SmallTankModels, CeresGetsTheSumsOverAllPixels) {
   const std::vector<AcousticFrame> frames = OddFrames(simulator_);
   const AcousticFrameModel model(simulator_, frames, AcousticTruth());
   const std::vector<CatalogEntry>& catalog = model.catalog();
@@ -198,7 +198,7 @@ TEST_F(SmallTankModels, CeresIsToldTheSumsOverAllPixels) {
 }
 
 // As long as nothing moves speckle stays: a second frame of one pose makes no sigma smaller.
-TEST_F(SmallTankModels, AFrameSeenTwiceTellsNoMoreThanOnce) {
+TEST_F(SmallTankModels, ARepeatedFrameMakesNoStandardErrorSmaller) {
   const std::vector<AcousticFrame> once = {OddFrames(simulator_).front()};
   const std::vector<AcousticFrame> twice = {once[0], once[0]};
   const auto covariance = [&](const std::vector<AcousticFrame>& frames) {

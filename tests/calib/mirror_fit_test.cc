@@ -85,7 +85,7 @@ TEST_F(MirrorFit, MeanPowersAreThoseOfTheImageWithGhosts) {
   EXPECT_GT(ghosts_add, 6.0) << "dB: there is something to agree about";
 }
 
-TEST_F(MirrorFit, LossesComeBackAndNoRayIsCastBeyondOneTrace) {
+TEST_F(MirrorFit, LossesAreFoundWithoutARayBeyondOneTrace) {
   const std::vector<AcousticFrame> frames = Frames(Truth());
   ParameterSet start = Truth();
   start.mirrors["floor"].loss_db = 12.0;
@@ -143,7 +143,7 @@ TEST_F(MirrorFit, HeldMirrorsAreInTheImagesAllTheSame) {
   EXPECT_LT(cost(Truth()), cost(without) - 100.0) << "nats";
 }
 
-TEST_F(MirrorFit, WhatNobodySaysIsStartedFrom) {
+TEST_F(MirrorFit, AbsentMirrorsAndTransmitLimitsGetStartingValues) {
   ParameterSet start = Truth();
   start.beam.transmit_even_deg = 0.0;
   start.beam.transmit_end_deg = 0.0;

@@ -46,7 +46,7 @@ double ShareInBand(const SyntheticTank& tank, const FitReport& report, const std
   return static_cast<double>(in_band) / covered;
 }
 
-TEST(SyntheticTankGhosts, LossesCurvesAndNoiseComeBackTogether) {
+TEST(SyntheticTankGhosts, LossesCurvesAndNoiseAreFoundTogether) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_ghosts");
   const SyntheticTank tank(folder);
   const ParameterSet truth = tank.TrueParameters();

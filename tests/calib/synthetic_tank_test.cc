@@ -34,7 +34,7 @@ void ExpectCurve(const SyntheticTank& tank, const std::string& material, const G
   EXPECT_GT(covered, 0);
 }
 
-TEST(SyntheticTank, CurvesAndNoiseComeBackAndHeldOutFramesAgreeAsSpeckleAllows) {
+TEST(SyntheticTank, CurvesAndNoiseAreFoundAndHeldOutFramesAgreeAsSpeckleAllows) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank");
   const SyntheticTank tank(folder);
   const std::vector<AcousticFrame> frames = tank.Frames({0, 1, 3, 4, 5, 7});

@@ -150,7 +150,7 @@ TEST_F(BagTrajectoryTest, LinksOfAChainAreInterpolated) {
   EXPECT_THAT(testing::MessageOf([&] { ReadBagTrajectory(path, options); }), HasSubstr("gives no pose"));
 }
 
-TEST_F(BagTrajectoryTest, WhatIsNoTrajectoryIsRefused) {
+TEST_F(BagTrajectoryTest, TopicsWithoutPosesAreRefused) {
   const MadeUpMessage image{"/image", "sensor_msgs/Image", 1, "?"};
   EXPECT_THAT(Refusal({image}, {.topic = "/odom"}), HasSubstr("topic '/odom' does not exist"));
   EXPECT_THAT(Refusal({image}, {.topic = "/image"}),

@@ -20,7 +20,7 @@ TEST(OpenRecording, NamesAPathThatDoesNotExist) {
               ThrowsMessage<DataError>("no/such/recording: no such file or folder"));
 }
 
-TEST(OpenRecording, ListsWhatItUnderstandsWhereNothingFits) {
+TEST(OpenRecording, AnUnknownFileIsRefusedWithTheListOfFormats) {
   const testing::TempDir dir;
   testing::WriteFile(dir / "notes.txt", "not a recording");
   testing::WriteFile(dir / "empty", "");

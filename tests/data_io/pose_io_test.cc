@@ -19,7 +19,7 @@ using testing::WriteFile;
 constexpr std::string_view kPose =
     R"("world_from_sonar": {"position_m": [1, 2, 3], "quaternion_wxyz": [0, 0, 0, 1]})";
 
-TEST(PoseIoTest, PosesComeBack) {
+TEST(PoseIoTest, WrittenPosesReadBackExactly) {
   const TempDir dir;
   const std::vector<TimedPose> poses = {{0.5, {RotationFromYawPitchRoll(0.3, -0.2, 0.1), {1.0, -2.0, 3.0}}},
                                         {std::nullopt, Pose()}};
@@ -38,7 +38,7 @@ TEST(PoseIoTest, AListAloneIsEnough) {
   EXPECT_EQ(ReadPoses(dir / "p.json").at(0).world_from_sonar.rotation.z(), 1.0);
 }
 
-TEST(PoseIoTest, MistakesAreNamed) {
+TEST(PoseIoTest, InvalidPosesAreRefusedWithLineAndKey) {
   const TempDir dir;
   const auto refusal_of = [&](const std::string& text) {
     WriteFile(dir / "p.json", text);

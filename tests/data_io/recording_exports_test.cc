@@ -122,7 +122,7 @@ TEST_P(BagOfScale, OurReaderFindsTheSame) {
 }
 INSTANTIATE_TEST_SUITE_P(Scales, BagOfScale, ::testing::Values(255.0, 4095.0, 65535.0, 0.0));
 
-TEST(Ros1BagWriterTest, PosesComeBack) {
+TEST(Ros1BagWriterTest, WrittenPosesReadBackWithinRounding) {
   const TempDir dir;
   const MemoryRecording recording = Recording();
   WriteRos1Bag(recording, dir / "out.bag");
@@ -191,7 +191,7 @@ TEST(Ros1BagWriterTest, RefusesTwoPosesAtOneTime) {
 }
 
 // By the definitions in the bag, which rosbag parses itself.
-TEST(Ros1BagWriterTest, RosReadsIt) {
+TEST(Ros1BagWriterTest, RosbagReadsTheBagByItsOwnDefinitions) {
   const TempDir dir;
   const MemoryRecording recording = Recording(GreyUpTo(4095.0));
   WriteRos1Bag(recording, dir / "out.bag");
@@ -227,7 +227,7 @@ TEST(Ros1BagWriterTest, RosReadsIt) {
   EXPECT_EQ(image_count, 3);
 }
 
-TEST(Ros1BagWriterTest, RefusesWhatABagCannotSay) {
+TEST(Ros1BagWriterTest, RecordingsThatABagCannotHoldAreRefused) {
   const TempDir dir;
   ImageScale level;
   level.quantity = Quantity::kDecibel;
@@ -349,7 +349,7 @@ TEST(FanPicturesTest, OnlyGreyValuesHaveABrightness) {
   EXPECT_THROW(FanPainter(Recording(Power()).info(), {}), DataError);
 }
 
-TEST(FanPicturesTest, AVideoThatCannotBeWrittenIsSaid) {
+TEST(FanPicturesTest, AVideoInAnAbsentFolderIsRefused) {
   const TempDir dir;
   const MemoryRecording recording = Recording();
   const FanPainter painter(recording.info(), {});

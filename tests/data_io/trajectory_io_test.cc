@@ -74,7 +74,7 @@ TEST_F(TrajectoryTest, PosesBetweenTwoAreOnTheLineAndTheTurn) {
   EXPECT_FALSE(PoseAt(trajectory, std::nan(""), 2.5));
 }
 
-TEST_F(TrajectoryTest, WhatCannotBeIsRefusedWithItsLine) {
+TEST_F(TrajectoryTest, InvalidRowsAreRefusedWithTheirLine) {
   EXPECT_THAT(Refusal("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), HasSubstr(":2: time 1.000000 s after"));
   EXPECT_THAT(Refusal("1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"),
               HasSubstr(":2: y is 'nan', expected a finite"));

@@ -32,7 +32,7 @@ std::string RefusalOf(const std::function<void(PolarImage& real, PolarImage& sim
   return "no error";
 }
 
-TEST(CompareTest, AFrameAgainstItselfIsPerfect) {
+TEST(CompareTest, AFrameComparedWithItselfHasNoError) {
   const FrameMetrics metrics = CompareFrames(SpeckledBlock(1), SpeckledBlock(1));
   for (const ViewMetrics* view : {&metrics.polar, &metrics.fan}) {
     EXPECT_GT(view->occupancy.nr, 0);
@@ -89,7 +89,7 @@ TEST(CompareTest, OneComparerServesFramesOfDifferentGeometry) {
   EXPECT_EQ(comparer.Compare(SpeckledBlock(1), SpeckledBlock(2)).fan.occupancy, first.fan.occupancy);
 }
 
-TEST(CompareTest, WhatIsNotAlikeIsRefusedByTheFieldThatDecides) {
+TEST(CompareTest, FramesOfDifferentKindsAreRefusedWithTheFieldThatDiffers) {
   EXPECT_EQ(RefusalOf([](PolarImage&, PolarImage&) {}), "no error");
   EXPECT_EQ(RefusalOf([](PolarImage&, PolarImage& s) { s.scale.quantity = Quantity::kDecibel; }),
             "quantity: the real frame holds grey level, the simulated one decibel; expected the same");

@@ -37,7 +37,7 @@ TEST(FiguresTest, EveryNameStandsInThePageThatDefinesThem) {
   }
 }
 
-TEST(FiguresTest, WhatIsAveragedComesBack) {
+TEST(FiguresTest, FinishingAnUnfinishedValueGivesTheValue) {
   for (const Figure& figure : Figures()) {
     const double value = figure.unit == FigureUnit::kDecibel ? 20.0 : 0.4;
     const std::optional<double> average = figure.Unfinish(value);

@@ -25,7 +25,7 @@ double MeanIou(const std::vector<HumanMask>& pictures, const SegmentationOptions
   return sum / count;
 }
 
-TEST(HumanMasksTest, WhatPeopleOutlinedAgreesWithItself) {
+TEST(HumanMasksTest, EveryOutlineAgreesWithItself) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_watertank");
   const std::vector<HumanMask> pictures = testing::ReadHumanMasks(folder);
   ASSERT_EQ(pictures.size(), 31U);
@@ -44,7 +44,7 @@ TEST(HumanMasksTest, WhatPeopleOutlinedAgreesWithItself) {
 }
 
 // Settings that scripts/segmentation.sh chose on the other half of the pictures.
-TEST(HumanMasksTest, LocalContrastFindsWhatPeopleOutlined) {
+TEST(HumanMasksTest, LocalContrastFindsTheObjectsThatPeopleOutlined) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_watertank");
   const std::vector<HumanMask> pictures = testing::ReadHumanMasks(folder);
   SegmentationOptions options;

@@ -13,7 +13,7 @@ namespace {
 
 using testing::SpeckledBlock;
 
-TEST(SpeckleFloorTest, TheFiguresOfTheModel) {
+TEST(SpeckleFloorTest, SingleLookDifferencesEqualTheirClosedForms) {
   EXPECT_NEAR(SingleLookPairDifferenceDb(), 6.02, 0.005);
   EXPECT_NEAR(SingleLookPairDifferenceDb(), 20.0 * std::log10(2.0), 1e-12);
   EXPECT_NEAR(SingleLookMeanDifferenceDb(), 4.27, 0.005);

@@ -57,7 +57,7 @@ class NoiseOfTheTank : public ::testing::TestWithParam<JitterGrowth> {
 };
 
 // From pose to whole grey levels: frame i of a seed is frame 0 of seed + i, on one thread as on two.
-TEST_P(NoiseOfTheTank, IsTheSeedsAlone) {
+TEST_P(NoiseOfTheTank, DependsOnTheSeedOnly) {
   parameters_.display = {.db_min = 150.0, .db_max = 153.0};
   const Pose pose = MockupTankPoses(1)[0];
   const auto render = [&](std::uint64_t seed, int frame) {

@@ -217,7 +217,7 @@ TEST_P(BothWays, ColumnsCoarserThanTheSceneAliasAndTheErrorFallsWithThem) {
 
 // --- Where the sonar is
 
-TEST_P(BothWays, WhatLiesBehindIsNotSeen) {
+TEST_P(BothWays, ObjectsBehindTheSonarAreNotSeen) {
   const Pose pose = MockupTankPoses(1)[0];
   const Scene tank = MakeMockupTank();
   Scene more = tank;
@@ -295,7 +295,7 @@ TEST_P(BothWays, ASonarInsideAMeshSeesItsInside) {
 
 // 3 cm above a floor that runs to the horizon: incidences from 80 to 89.8 degrees, where the level falls off
 // ever faster; finite, within the display, and the closed form's.
-TEST_P(BothWays, GrazingIncidence) {
+TEST_P(BothWays, GrazingIncidenceStaysFiniteAndEqualsTheReference) {
   const Pose pose = LevelAt(0.0, 0.0, 0.03);
   const Scene floor = MakePatch({-50, -5, 0}, {100, 0, 0}, {0, 100, 0}, kUndivided, "floor");
   ref::World world;

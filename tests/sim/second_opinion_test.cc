@@ -132,13 +132,13 @@ class SecondOpinion : public ::testing::TestWithParam<Case> {
   }
 };
 
-TEST_P(SecondOpinion, OfThePapersTank) {
+TEST_P(SecondOpinion, ImageOfThePapersTankEqualsTheReference) {
   const Pose pose = MockupTankPoses(3)[1];
   ExpectAgreement(MakeMockupTank(), ref::PaperTank(), pose, 10'000);
 }
 
 // Seen from above, turned and rolled, so that top, two sides and the edges between them show, and rays miss.
-TEST_P(SecondOpinion, OfTheMockup) {
+TEST_P(SecondOpinion, ImageOfTheMockupEqualsTheReference) {
   const Pose pose{RotationFromYawPitchRoll(RadFromDeg(-32.0), RadFromDeg(-24.0), RadFromDeg(7.0)),
                   {-1.6, -2.4, 2.3}};
   ExpectAgreement(MakeMockup(), ref::Mockup(), pose, 3'000);
@@ -146,7 +146,7 @@ TEST_P(SecondOpinion, OfTheMockup) {
 
 // A ball, an upright and a lying cylinder and a lying tube over a floor, as meshes whose facets are 0.15 to
 // 0.9 degrees wide. Facets lie up to radius x width^2 / 8 within the body, and lean up to half their width.
-TEST_P(SecondOpinion, OfRoundBodies) {
+TEST_P(SecondOpinion, ImageOfRoundBodiesEqualsTheReference) {
   constexpr int kSectors = 2400;
   constexpr int kBallRings = 400;
   const auto along = [](const Vector3d& axis, const Vector3d& base) {
@@ -205,7 +205,7 @@ TEST(Reference, MeetsATubeByWallBoreAndEnd) {
   EXPECT_NEAR(world.Meet({-0.5, 0, 3}, Vector3d(1, 0, -2).normalized()).range_m, std::sqrt(5.0), 1e-12);
 }
 
-TEST(Reference, PrismsAreInscribed) {
+TEST(Reference, CornersOfAPrismLieOnItsRadius) {
   ref::World world;
   world.solids = {ref::Cylinder({0, 0, 0}, {0, 0, 2}, 1.0, 16, 0)};
   EXPECT_NEAR(world.Meet({-3, 0, 1}, {1, 0, 0}).range_m, 2.0, 1e-12);  // a corner

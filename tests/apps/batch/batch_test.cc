@@ -244,7 +244,7 @@ TEST_F(BatchTest, TwoAtATimeDoEachJobOnce) {
   EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
 }
 
-TEST_F(BatchTest, AJobThatFailsIsSaidAndTriedAgain) {
+TEST_F(BatchTest, AFailedJobIsReportedAndTriedAgain) {
   WritePlan();
   testing::WriteFile(world_ / "bad.json", R"({"format": "sonarcal-batch/1", "entries": [
       {"name": "sim", "command": "simulate", "rows": [{"params": "params.json"}, {"params": "absent.json"}],
@@ -285,7 +285,7 @@ TEST_F(BatchTest, DryRunListsAndDoesNothing) {
   EXPECT_FALSE(fs::exists(world_ / "out"));
 }
 
-TEST_F(BatchTest, MistakesInAPlanAreSaidWithFileAndLine) {
+TEST_F(BatchTest, InvalidPlansAreRefusedWithFileAndLine) {
   WritePlan();
   const auto entry = [](const std::string& rest) {
     return R"({"format": "sonarcal-batch/1",

@@ -72,12 +72,12 @@ TEST(CommandTest, BadDataIsOneSentenceAndStatusOne) {
   EXPECT_THAT(outcome.err, HasSubstr("/nowhere/at/all"));
 }
 
-TEST(CommandTest, AFullDiskIsNotSuccess) {
+TEST(CommandTest, AFullDiskEndsWithAFailureStatus) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   EXPECT_EQ(WEXITSTATUS(std::system((std::string(SONARCAL_BINARY) + " --help >/dev/full 2>&1").c_str())), 1);
 }
 
-TEST(InspectTest, SaysWhatTheRecordingHolds) {
+TEST(InspectTest, ReportsTheContentsOfTheRecording) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "real", false);
   const Outcome outcome = RunSonarcal("inspect " + Quoted(dir / "real"));
@@ -88,7 +88,7 @@ TEST(InspectTest, SaysWhatTheRecordingHolds) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("SYNTHETIC")));
 }
 
-TEST(InspectTest, WhatIsSyntheticIsCalledSo) {
+TEST(InspectTest, ASyntheticRecordingIsCalledSynthetic) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "made", true);
   EXPECT_THAT(RunSonarcal("inspect " + Quoted(dir / "made")).out, HasSubstr("SYNTHETIC"));

@@ -34,7 +34,7 @@ TEST_F(ProgressTest, LessThanASecondShowsNothing) {
   EXPECT_THAT(stream_.str(), IsEmpty());
 }
 
-TEST_F(ProgressTest, LinesComeSeldomAndSayWhatIsLeft) {
+TEST_F(ProgressTest, LinesAreRareAndStateTheRemainingTime) {
   Progress progress("Working", 100, Settings(false));
   for (int i = 0; i < 40; ++i) {
     now_s_ += 0.25;
@@ -62,7 +62,7 @@ TEST_F(ProgressTest, ARateIsOfTheStepsThatTookTime) {
   EXPECT_THAT(stream_.str(), HasSubstr("50 of 100, 2.5 frames/s, 20 s left"));
 }
 
-TEST_F(ProgressTest, QuietShowsNothing) {
+TEST_F(ProgressTest, WithoutAnOutputNothingIsShown) {
   Progress progress("Working", 4, ProgressSettings{});
   progress.Advance();
 }

@@ -55,7 +55,7 @@ TEST(RunOutput, ASecondRunLeavesNothingOfTheFirst) {
   EXPECT_FALSE(fs::exists(dir.path() / "out/more"));
 }
 
-TEST(RunOutput, WhatOthersPutThereStays) {
+TEST(RunOutput, FilesOfOthersStay) {
   const TempDir dir;
   MakeRun(dir / "out", "compare", {"a.json", "pictures/1.png"});
   WriteFile(dir.path() / "out/notes.txt", "mine");

@@ -34,7 +34,7 @@ class CompareCommand : public ::testing::Test {
   std::filesystem::path simulated_ = world_.WriteSimulated("sim");
 };
 
-TEST_F(CompareCommand, WritesWhatTheInterfaceNames) {
+TEST_F(CompareCommand, WritesTheFilesThatTheManualNames) {
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("IoU"));
@@ -65,7 +65,7 @@ TEST_F(CompareCommand, WritesWhatTheInterfaceNames) {
   }
 }
 
-TEST_F(CompareCommand, TheReportOpensOfflineAndSaysWhatIsSynthetic) {
+TEST_F(CompareCommand, TheReportOpensOfflineAndMarksSyntheticData) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
@@ -119,7 +119,7 @@ TEST_F(CompareCommand, OtherDisplaysAreRefusedUnlessAsked) {
   EXPECT_EQ(RunSonarcal(Arguments("--as-displayed")).status, 0);
 }
 
-TEST_F(CompareCommand, SaysWhatGotWorseSinceAnEarlierRun) {
+TEST_F(CompareCommand, ReportsWhatGotWorseSinceAnEarlierRun) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   const std::filesystem::path earlier = world_ / "earlier.json";
   std::filesystem::copy_file(world_ / "out/metrics.json", earlier);
@@ -242,7 +242,7 @@ TEST_F(CompareCommand, ARegionOfInterestHoldsTheObject) {
   EXPECT_EQ(RunSonarcal(Arguments("--region-range 100:200")).status, 1);
 }
 
-TEST(CompareRecordings, LeaveOutWhatEitherDoesNotShow) {
+TEST(CompareRecordings, SamplesInvalidInEitherRecordingAreLeftOut) {
   const PolarImage image = testing::SpeckledBlock(1);
   RecordingInfo info;
   info.sonar.axes = image.axes;

@@ -88,7 +88,7 @@ TEST_P(ConvertBagTest, PosesComeFromTransforms) {
   EXPECT_LT((pose->position_m - Eigen::Vector3d(0.0, 0.25, 0.0)).norm(), 1e-6);
 }
 
-TEST_P(ConvertBagTest, WhatIsMissingIsSaid) {
+TEST_P(ConvertBagTest, MissingTopicsAndFramesAreRefusedByName) {
   const Outcome several = Convert("");
   EXPECT_EQ(several.status, 1);
   EXPECT_THAT(several.err, HasSubstr("2 topics of sonars"));

@@ -46,7 +46,7 @@ class ExplainCommand : public ::testing::Test {
   std::filesystem::path real_;
 };
 
-TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
+TEST_F(ExplainCommand, ReportsTheGainOfEachPartAndTheCausesOfCells) {
   const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("fitting: + ghosts"));
@@ -119,7 +119,7 @@ TEST_F(ExplainCommand, SaysWhatEachPartIsWorthAndWhatCellsComeFrom) {
 }
 
 // Both frames count as many pixels, so that together they say the mean of what each says.
-TEST_F(ExplainCommand, LetsFramesJudgeApart) {
+TEST_F(ExplainCommand, HeldOutFramesAreEvaluatedOneByOneOnRequest) {
   const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3 --apart --hold-noise"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("evaluated on frame 1"));
@@ -161,7 +161,7 @@ TEST_F(ExplainCommand, KnownRecordingsHaveFilesOfTheirOwn) {
   EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
 }
 
-TEST_F(ExplainCommand, MistakesCostOneSentence) {
+TEST_F(ExplainCommand, InvalidOptionsAreRefusedInOneSentence) {
   const auto expect_failure = [&](const std::string& arguments, const std::string& part) {
     const Outcome outcome = RunSonarcal(arguments + " -q");
     EXPECT_EQ(outcome.status, 1) << arguments;

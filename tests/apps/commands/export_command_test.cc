@@ -81,7 +81,7 @@ TEST_F(ExportCommandTest, ARecordingGivesTheSonar) {
   EXPECT_NEAR(config.at("ImagingSonarSensor").at("range_res").get<double>(), 0.05, 1e-12);
 }
 
-TEST_F(ExportCommandTest, RecordingsGoOutAndComeBack) {
+TEST_F(ExportCommandTest, ExportedRecordingsReadBackInEveryFormat) {
   for (const char* name : {"a.bag", "a.npz", "a.mp4", "fans"}) {
     const std::string to = std::string(name) == "a.bag"  ? "rosbag1"
                            : std::string(name) == "fans" ? "png"
@@ -99,7 +99,7 @@ TEST_F(ExportCommandTest, RecordingsGoOutAndComeBack) {
   EXPECT_TRUE(std::filesystem::exists(dir_ / "fans" / "provenance.json"));
 }
 
-TEST_F(ExportCommandTest, WhatDoesNotFitTogetherIsSaidInASentence) {
+TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
   const std::string params = " --params " + Quoted(dir_ / "p.json");
   const std::string recording = " --recording " + Quoted(dir_ / "rec");
   const struct {

@@ -47,7 +47,7 @@ class FitCommand : public ::testing::Test {
   std::filesystem::path real_ = world_.WriteSimulated("real", true);
 };
 
-TEST_F(FitCommand, FindsTheParametersAndJudgesThemOnOtherFrames) {
+TEST_F(FitCommand, FindsTheParametersAndEvaluatesThemOnHeldOutFrames) {
   const Outcome outcome = RunSonarcal(Arguments("--held-out 1,3"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("evaluated on frames 1 and 3"));
@@ -149,7 +149,7 @@ TEST_F(FitCommand, TheCommandLineWinsOverTheConfiguration) {
   EXPECT_EQ(json["free"], (std::vector<std::string>{"display.db_max", "material.*.gsab.C"}));
 }
 
-TEST_F(FitCommand, MistakesCostOneSentence) {
+TEST_F(FitCommand, InvalidOptionsAreRefusedInOneSentence) {
   const auto expect_failure = [&](const std::string& arguments, const std::string& part) {
     const Outcome outcome = RunSonarcal(arguments);
     EXPECT_EQ(outcome.status, 1) << arguments;
@@ -183,7 +183,7 @@ TEST_F(FitCommand, ARecordingWithoutPosesIsRefused) {
   EXPECT_THAT(outcome.err, HasSubstr("world_from_sonar"));
 }
 
-TEST_F(FitCommand, NothingToTellIsStatusThree) {
+TEST_F(FitCommand, ARecordingWithoutEchoesEndsWithStatusThree) {
   // No echo at all: every pixel of every parameter is dark.
   data_io::WriteGltf(Scene{.vertices_m = {{50, 50, 50}, {51, 50, 50}, {50, 51, 50}},
                            .triangles = {{0, 1, 2}},
@@ -324,7 +324,7 @@ TEST(FitRecording, AMisspeltObjectIsFoundBeforeAnythingIsTraced) {
           HasSubstr("no material 'bocks' to be the object, expected one of floor, box")));
 }
 
-TEST(FitRecording, AFrameGivenTwiceDoesNotJudgeTheFit) {
+TEST(FitRecording, AHeldOutFrameThatEqualsAFittedOneIsRefused) {
   const TinyWorld world;
   const auto recording = data_io::OpenRecording(world.WriteSimulated("real", true));
   const auto with = [&](const Frame& last) {
@@ -348,7 +348,7 @@ TEST(FitRecording, AFrameGivenTwiceDoesNotJudgeTheFit) {
   calib::CheckHeldOut(MemoryRecording(recording->info(), {black, recording->ReadFrame(1), black}), split);
 }
 
-TEST(FitRecording, ASingleFrameIsJudgedOnItselfAndThatIsSaid) {
+TEST(FitRecording, ASingleFrameIsEvaluatedOnItselfAndThatIsReported) {
   const TinyWorld world;
   const auto recording = data_io::OpenRecording(world.WriteSimulated("real"));
   const MemoryRecording single(recording->info(), {recording->ReadFrame(0)});

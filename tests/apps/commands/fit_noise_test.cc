@@ -127,7 +127,7 @@ TEST_F(FitNoiseCommand, TheReportShowsTheLawAndWhatItLeaves) {
   EXPECT_THAT(html, Not(HasSubstr("Evaluated on fitted data")));
 }
 
-TEST_F(FitNoiseCommand, OneFrameIsJudgedOnBandsNotFittedAndThatIsSaid) {
+TEST_F(FitNoiseCommand, OneFrameIsEvaluatedOnBandsNotFittedAndThatIsReported) {
   Keep(1);
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -140,7 +140,7 @@ TEST_F(FitNoiseCommand, OneFrameIsJudgedOnBandsNotFittedAndThatIsSaid) {
   EXPECT_NE(json["agreement"]["frames_judged"], json["agreement"]["frames_used"]);
 }
 
-TEST_F(FitNoiseCommand, FewHeldOutFramesChooseAndJudgeAndThatIsSaid) {
+TEST_F(FitNoiseCommand, FewHeldOutFramesBothChooseAndEvaluateAndThatIsReported) {
   Keep(6);
   const Outcome outcome = RunSonarcal(Arguments("--held-out 2,5"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -153,7 +153,7 @@ TEST_F(FitNoiseCommand, FewHeldOutFramesChooseAndJudgeAndThatIsSaid) {
   EXPECT_EQ(agreement["frames_chosen_on"], agreement["frames_judged_on"]);
 }
 
-TEST_F(FitNoiseCommand, TheWindowFoundIsSaid) {
+TEST_F(FitNoiseCommand, TheWindowFoundByRuleIsReported) {
   const Outcome outcome = RunSonarcal(Arguments("--find-background --reject-beyond 3"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("found by rule"));
@@ -163,7 +163,7 @@ TEST_F(FitNoiseCommand, TheWindowFoundIsSaid) {
   EXPECT_LT(window["range_m"][0].get<double>(), window["range_m"][1].get<double>());
 }
 
-TEST_F(FitNoiseCommand, MistakesCostOneSentence) {
+TEST_F(FitNoiseCommand, InvalidOptionsAreRefusedInOneSentence) {
   const auto expect_failure = [&](const std::string& arguments, int status, const std::string& part) {
     const Outcome outcome = RunSonarcal(arguments);
     EXPECT_EQ(outcome.status, status) << arguments;

@@ -50,7 +50,7 @@ class FitStillCommand : public ::testing::Test {
   std::filesystem::path real_ = world_ / "real";
 };
 
-TEST_F(FitStillCommand, TellsNoiseFromFrozenSpeckle) {
+TEST_F(FitStillCommand, SeparatesNoiseFromFrozenSpeckle) {
   Simulate("--frozen-speckle");
   const Outcome outcome = RunSonarcal(Arguments());
   ASSERT_EQ(outcome.status, 0) << outcome.err;

@@ -55,7 +55,7 @@ class PosesCommandTest : public ::testing::Test {
 
 TempDir* PosesCommandTest::field_ = nullptr;
 
-TEST_F(PosesCommandTest, FindsThePosesAndSaysWhatItCouldNot) {
+TEST_F(PosesCommandTest, FindsThePosesAndReportsFramesWithoutOne) {
   PosesOptions options = Options();
   options.pictures = true;
   EXPECT_EQ(RunPoses(options), cli::ExitStatus::kDone);
@@ -121,7 +121,7 @@ std::string FailureOf(const PosesOptions& options) {
   return {};
 }
 
-TEST_F(PosesCommandTest, WhatCannotBeIsOneSentenceAndLeavesNothing) {
+TEST_F(PosesCommandTest, InvalidInputsAreRefusedInOneSentenceAndLeaveNoFile) {
   PosesOptions options = Options();
   options.images = dir_ / "empty";
   fs::create_directories(options.images);

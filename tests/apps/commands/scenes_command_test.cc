@@ -21,7 +21,7 @@ using testing::Outcome;
 using testing::Quoted;
 using testing::RunSonarcal;
 
-TEST(ScenesCommand, WhatItWritesCanBeSimulated) {
+TEST(ScenesCommand, WrittenScenesCanBeSimulated) {
   const testing::TempDir dir;
   const Outcome outcome = RunSonarcal("scenes --surface --out " + Quoted(dir / "scenes"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -52,7 +52,7 @@ TEST(ScenesCommand, TextSizesAreOthers) {
   EXPECT_FLOAT_EQ(length_m(data_io::ReadGltf(dir / "text/tank.gltf")), 15.0F);
 }
 
-TEST(ScenesCommand, ListsWithoutWriting) {
+TEST(ScenesCommand, ListNamesEverySceneAndWritesNothing) {
   const Outcome outcome = RunSonarcal("scenes --list");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Outcome json = RunSonarcal("scenes --list --json --edge 0.5");

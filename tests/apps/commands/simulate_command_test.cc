@@ -29,7 +29,7 @@ using testing::Quoted;
 using testing::RunSonarcal;
 using testing::TinyWorld;
 
-TEST(SimulateCommand, WritesARecordingThatSaysWhatItIs) {
+TEST(SimulateCommand, WritesARecordingThatStatesItsOrigin) {
   const TinyWorld world;
   const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --quiet --out " + Quoted(world / "sim"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -78,7 +78,7 @@ TEST(SimulateCommand, TheSeedAloneDecidesTheNoise) {
   EXPECT_NE(one, run("c", "--seed 6"));
 }
 
-TEST(SimulateCommand, WhatRaysCountIsChosenAndRecorded) {
+TEST(SimulateCommand, TheWeightOfRaysIsAppliedAndRecorded) {
   const TinyWorld world;
   const auto run = [&](const std::string& name, const std::string& extra) {
     const Outcome outcome =
@@ -228,7 +228,7 @@ TEST(SimulateCommand, AnObjOrStlSceneGivesTheSameImagesAsItsGltf) {
   EXPECT_TRUE(testing::IsOneSentence(refused.err)) << refused.err;
 }
 
-TEST(SimulateCommand, WaterOfTheParametersWinsAndIsSaid) {
+TEST(SimulateCommand, WaterOfTheParametersWinsAndIsReported) {
   const TinyWorld world;
   ParameterSet parameters = testing::TinyParameters();
   parameters.water = Water{.temperature_c = 5.0, .salinity_ppt = 35.0, .ph = 8.0, .depth_m = 2.0};
@@ -239,7 +239,7 @@ TEST(SimulateCommand, WaterOfTheParametersWinsAndIsSaid) {
   EXPECT_EQ(testing::ReadJsonFile(world / "sim/recording.json")["water"]["temperature_c"], 5.0);
 }
 
-TEST(SimulateCommand, TakesTheAbsorptionWhoseRangeHoldsUnlessToldOtherwise) {
+TEST(SimulateCommand, AbsorptionIsTheFormulaWhoseRangeHoldsByDefault) {
   const TinyWorld world;
   ParameterSet parameters = testing::TinyParameters();
   parameters.water = Water{};  // fresh
@@ -290,7 +290,7 @@ TEST(SimulateCommand, FewRaysReachAsFarAsManyDo) {
   }
 }
 
-TEST(SimulateCommand, TheCoherentModelIsADrawThatTheSeedDecides) {
+TEST(SimulateCommand, TheCoherentModelGivesASampleThatTheSeedDecides) {
   const TinyWorld world;
   const auto run = [&](const std::string& name, const std::string& extra) {
     const Outcome outcome = RunSonarcal(world.SimulateArguments() + " -q --model coherent " + extra +
@@ -329,7 +329,7 @@ TEST(SimulateCommand, FrozenSpeckleStaysWhileNothingMoves) {
   }
 }
 
-TEST(SimulateCommand, MistakesCostOneSentenceAndWriteNothing) {
+TEST(SimulateCommand, InvalidOptionsAreRefusedInOneSentenceAndWriteNothing) {
   const TinyWorld world;
   const std::string good = world.SimulateArguments() + " -q --out " + Quoted(world / "sim");
   const std::vector<std::pair<std::string, int>> mistakes = {{good + " --model fancy", 2},
@@ -391,7 +391,7 @@ TEST(SimulateCommand, NoiseThatChangesNothingIsRefused) {
   EXPECT_THAT(outcome.err, HasSubstr("--noise has no effect"));
 }
 
-TEST(SimulateCommand, RaysThatAreRoundedUpAreSaid) {
+TEST(SimulateCommand, ARoundedNumberOfRaysIsReported) {
   const TinyWorld world;
   const auto run = [&](const std::string& rays) {
     return RunSonarcal(WithRays(world, rays) + " --out " + Quoted(world / "sim"));
@@ -405,7 +405,7 @@ TEST(SimulateCommand, RaysThatAreRoundedUpAreSaid) {
   EXPECT_THAT(run("10x10 --sampling frustum").out, HasSubstr("10 x 10 rays"));
 }
 
-TEST(SimulateCommand, FramesThatSeeNothingAreSaidWithTheLikelyReason) {
+TEST(SimulateCommand, FramesWithoutEchoesAreReportedWithTheLikelyReason) {
   const TinyWorld world;
   const std::string simulate = world.SimulateArguments() + " --json --out " + Quoted(world / "sim");
   const auto run = [&](const std::vector<Pose>& poses) {
@@ -443,7 +443,7 @@ TEST(SimulateCommand, FramesThatSeeNothingAreSaidWithTheLikelyReason) {
 }
 
 // A thing that few rays miss is no reason for a warning.
-TEST(SimulateCommand, ASmallThingIsSeen) {
+TEST(SimulateCommand, ASmallObjectShowsInTheImage) {
   const TinyWorld world;
   data_io::WriteGltf(Scene{.vertices_m = {{0, 0, 0}, {0.02F, 0, 0}, {0, 0, 0.02F}},
                            .triangles = {{0, 1, 2}},

@@ -169,7 +169,7 @@ TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
   EXPECT_EQ(Contents(world_ / "out"), Uninterrupted());
 }
 
-TEST_F(SimulateResume, WhatAKilledRunLeftIsGoneOnWith) {
+TEST_F(SimulateResume, AKilledRunIsContinued) {
   rays_ = "384x250";  // a depth image takes longer than a frame
   const int status = EndAt(12, SIGKILL, "-q --depth");
   ASSERT_TRUE(WIFSIGNALED(status));

@@ -154,7 +154,7 @@ std::set<std::string> ParameterNames(const ParameterSet& parameters) {
 
 class ExportSimulatorTest : public ::testing::TestWithParam<Simulator> {};
 
-TEST_P(ExportSimulatorTest, SaysOnlyWhatTheSimulatorReadsAndAllItNeeds) {
+TEST_P(ExportSimulatorTest, TheFileHoldsAllAndOnlyTheKeysOfTheSimulator) {
   const Schema schema = GetParam().schema();
   for (const ExportSource& source : {Acoustic(), Paper()}) {
     const Said said = WhatIsSaid(GetParam().write(source, "sonar"), GetParam().is_xml);
@@ -185,7 +185,7 @@ TEST_P(ExportSimulatorTest, AccountsForEveryParameterOnce) {
 }
 
 // Where the account says that a parameter went, something stands.
-TEST_P(ExportSimulatorTest, TargetsAreThere) {
+TEST_P(ExportSimulatorTest, EveryTargetOfTheAccountExistsInTheFile) {
   for (const ExportSource& source : {Acoustic(), Paper()}) {
     const ExportedConfig config = GetParam().write(source, "sonar");
     const Said said = WhatIsSaid(config, GetParam().is_xml);
@@ -205,7 +205,7 @@ TEST_P(ExportSimulatorTest, TargetsAreThere) {
 }
 
 // What is not expressed is read where the configuration itself is: in its comment, if it can have one.
-TEST_P(ExportSimulatorTest, SaysInTheFileWhatItCannot) {
+TEST_P(ExportSimulatorTest, TheFileStatesWhatTheSimulatorCannotExpress) {
   const ExportedConfig config = GetParam().write(Acoustic(), "sonar");
   const std::vector<std::string> sentences = config.account.Sentences();
   EXPECT_THAT(sentences, Contains(HasSubstr("not expressed: receiver.time_varied_gain")));
@@ -286,7 +286,7 @@ TEST(ExportToDaveTest, NamesThatItsTableCannotHoldAreRefused) {
   }
 }
 
-TEST(ExportToHoloOceanTest, FiguresAreOurs) {
+TEST(ExportToHoloOceanTest, FieldOfViewBinsAndNoiseEqualOurs) {
   const ExportSource source = Acoustic();
   const Said said = WhatIsSaid(ExportToHoloOcean(source, "sonar"), false);
   EXPECT_NEAR(NumberOf(said, "configuration/Azimuth"), 45.0, 1e-9);
@@ -303,7 +303,7 @@ TEST(ExportToHoloOceanTest, FiguresAreOurs) {
             0.02);
 }
 
-TEST(ExportToStonefishTest, FiguresAreOurs) {
+TEST(ExportToStonefishTest, FieldOfViewBinsAndNoiseEqualOurs) {
   const ExportSource source = Acoustic();
   const ExportedConfig config = ExportToStonefish(source, "sonar");
   const Said said = WhatIsSaid(config, true);
@@ -318,7 +318,7 @@ TEST(ExportToStonefishTest, FiguresAreOurs) {
 
 // As its code counts bins: numpy.arange(min_range, max_range, range_res), and exp(-attenuation r) on an
 // intensity.
-TEST(ExportToOceanSimTest, FiguresAreOurs) {
+TEST(ExportToOceanSimTest, FieldOfViewBinsAndAttenuationEqualOurs) {
   const ExportSource source = Acoustic();
   const Said said = WhatIsSaid(ExportToOceanSim(source, "sonar"), false);
   const double bins =
@@ -388,7 +388,7 @@ TEST(CosineLawTest, IsExactForAPowerOfTheCosine) {
   EXPECT_NEAR(law.worst_db, 0.0, 1e-9);
 }
 
-TEST(ExportAccountTest, WhatNobodyAccountedForIsNoted) {
+TEST(ExportAccountTest, AParameterWithoutAnAccountIsAProgrammersMistake) {
   EXPECT_THROW(ExportAccount(Acoustic()).Lines(), std::logic_error);
 }
 

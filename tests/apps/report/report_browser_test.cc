@@ -20,7 +20,7 @@ using testing::TinyWorld;
 
 constexpr int kNotHere = 77;
 
-TEST(ReportInBrowser, ShowsReadsAndAsksNothing) {
+TEST(ReportInBrowser, ThePageShowsItsFramesAndLoadsNothingFromOutside) {
   const TinyWorld world;
   const auto real_path = world.WriteSimulated("real", true);
   const auto simulated_path = world.WriteSimulated("sim");

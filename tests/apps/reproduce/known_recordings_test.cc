@@ -127,7 +127,7 @@ TEST(MarkedStrip, SmoothingTakesTheStairAndLeavesTheCurve) {
   EXPECT_FALSE(smoothed[5]);
 }
 
-TEST(MarkedStrip, RefusesWhatIsNoStrip) {
+TEST(MarkedStrip, MarksThatMakeNoStripAreRefused) {
   const PolarAxes axes = DidsonAxes();
   FirstReturn marks(96);
   EXPECT_THROW(MakeMarkedStrip(marks, axes, {}), DataError);
@@ -239,7 +239,7 @@ void ExpectWritten(const PreparedRecording& prepared) {
     EXPECT_THAT(read->info().notes, ::testing::Contains(caveat));
 }
 
-TEST(KnownRecordings, BombIsExplained) {
+TEST(KnownRecordings, SpeckleIsASignificantPartOfTheBomb) {
   SONARCAL_NEEDS_RECORDING(folder, "aris3000_uxo");
   const PreparedRecording prepared = PrepareTarget(FindCase("bomb"), folder, {});
   ExpectWritten(prepared);

@@ -62,11 +62,11 @@ void ViewFigures::ExpectThoseOfCompare(const std::string& extra) {
   }
 }
 
-TEST_F(ViewFigures, AreThoseOfCompare) {
+TEST_F(ViewFigures, FiguresEqualThoseOfTheCompareCommand) {
   ExpectThoseOfCompare("");
 }
 
-TEST_F(ViewFigures, AreThoseOfCompareInTheBoxOfAnObject) {
+TEST_F(ViewFigures, FiguresInTheBoxOfAnObjectEqualThoseOfTheCompareCommand) {
   commands::ViewOptions options = Options();
   options.comparison.object = "box";
   session_ = std::make_unique<ViewSession>(commands::SetUpView(options));
@@ -74,7 +74,7 @@ TEST_F(ViewFigures, AreThoseOfCompareInTheBoxOfAnObject) {
   ExpectThoseOfCompare("--object box");
 }
 
-TEST_F(ViewApiTest, RecordedFramesAsTheyAre) {
+TEST_F(ViewApiTest, RecordedFramesAreShownUnchanged) {
   for (const int frame : {0, 3}) {
     const Framed framed = ReadFramed(Post("/api/recorded", {{"frame", frame}}));
     EXPECT_EQ(framed.json["full_scale"], 4095);
@@ -148,7 +148,7 @@ TEST_F(ViewApiTest, ControlsHaveTheBoundsOfTheCatalogueAndWordsThatFilesHave) {
   EXPECT_GE(of_catalog, 2 * 2 * 6 + 6);
 }
 
-TEST_F(ViewApiTest, RequestsThatAreNoneCostOneSentence) {
+TEST_F(ViewApiTest, InvalidRequestsAreRefusedInOneSentence) {
   const auto refused = [&](const std::string& path, const std::string& body, int status,
                            const std::string& what) {
     const ViewAnswer answer = api_->Answer("POST", path, body);

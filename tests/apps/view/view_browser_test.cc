@@ -13,7 +13,7 @@ using testing::Quoted;
 
 constexpr int kNotHere = 77;
 
-TEST(ViewInBrowser, FollowsTheHand) {
+TEST(ViewInBrowser, MovedControlsChangeTheImagesInTheBrowser) {
   const testing::TinyWorld world;
   const auto made =
       testing::RunSonarcal(world.SimulateArguments() + " --noise --out " + Quoted(world / "real") + " -q");

@@ -55,7 +55,7 @@ TEST_F(ViewApiTest, MovedControlsMakeTheImageThatTheSavedFilesMake) {
   EXPECT_NE(GreyOf(ReadFramed(Post("/api/render", state))), noisy);
 }
 
-TEST_F(ViewApiTest, TheAcousticModelToo) {
+TEST_F(ViewApiTest, AcousticImagesAreWithinALevelOfSimulate) {
   Json state = State();
   state["parameters"]["model"] = "acoustic";
   state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
@@ -69,7 +69,7 @@ TEST_F(ViewApiTest, TheAcousticModelToo) {
 }
 
 // Whoever chooses the rays: simulate's own rule for the acoustic model is the view's.
-TEST_F(ViewApiTest, TheAcousticModelByAnyRays) {
+TEST_F(ViewApiTest, AcousticImagesAreThoseOfSimulateForEveryChoiceOfRays) {
   Json state = State();
   state["parameters"]["model"] = "acoustic";
   state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
@@ -116,7 +116,7 @@ TEST_F(ViewApiTest, GhostsFollowTheBeam) {
   }
 }
 
-TEST_F(ViewApiTest, ASonarThatWasChangedToo) {
+TEST_F(ViewApiTest, AChangedSonarMakesTheImageOfItsSavedFiles) {
   commands::ViewOptions options = Options();
   options.real.clear();
   options.sonar = world_.sonar().string();
@@ -135,7 +135,7 @@ TEST_F(ViewApiTest, ASonarThatWasChangedToo) {
   EXPECT_EQ(GreyOf(framed), Simulated(state, 0));
 }
 
-TEST_F(ViewApiTest, WhatIsUnknownOfASonarStaysSo) {
+TEST_F(ViewApiTest, UnknownFieldsOfASonarStayUnknown) {
   Json sonar = ReadJsonFile(world_.sonar());
   sonar["sonar"].erase("sound_speed_m_per_s");
   sonar["sonar"].erase("azimuth_beam_width_deg");

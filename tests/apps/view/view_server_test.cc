@@ -64,7 +64,7 @@ TEST(ViewGate, TokensAreLongAndDiffer) {
   EXPECT_EQ(tokens.size(), 100U);
 }
 
-TEST(ViewPage, HoldsWhatThePageNames) {
+TEST(ViewPage, EveryFileThatThePageNamesIsServed) {
   const PageFile* page = FindPageFile("/");
   ASSERT_NE(page, nullptr);
   const std::string html(page->bytes);
@@ -107,7 +107,7 @@ class ViewServerTest : public ::testing::Test {
   std::unique_ptr<ViewServer> server_;
 };
 
-TEST_F(ViewServerTest, HandsOutThePageAndAnswersWithTheToken) {
+TEST_F(ViewServerTest, ServesThePageAndAnswersRequestsWithTheToken) {
   auto client = Client();
   const auto page = client.Get("/");
   ASSERT_TRUE(page);
@@ -169,7 +169,7 @@ TEST_F(ViewServerTest, UnknownPathsBadAndLargeBodies) {
   EXPECT_EQ(Client().Get("/")->status, 200);  // it is still there
 }
 
-TEST_F(ViewServerTest, HasItsPortAlone) {
+TEST_F(ViewServerTest, ASecondServerOnThePortIsRefused) {
   EXPECT_THROW(ViewServer(*api_, server_->port()), DataError);
   const int port = server_->port();
   server_->Stop();

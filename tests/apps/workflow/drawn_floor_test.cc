@@ -38,19 +38,19 @@ TEST(SpeckleDrawTest, DrawsScatterAboutTheImageAsTheLawSays) {
   }
 }
 
-TEST(SpeckleDrawTest, TheSameSeedGivesTheSameDrawAndAnotherAnother) {
+TEST(SpeckleDrawTest, TheSeedDecidesTheSample) {
   const SpeckleDraw draw(LogDisplay(1.0), 255.0);
   const Grid<float> mean(20, 20, 120.0F);
   EXPECT_EQ(draw.Draw(mean, 1), draw.Draw(mean, 1));
   EXPECT_NE(draw.Draw(mean, 1), draw.Draw(mean, 2));
 }
 
-TEST(SpeckleDrawTest, BlackStaysBlack) {
+TEST(SpeckleDrawTest, ABlackImageStaysBlack) {
   const Grid<float> drawn = SpeckleDraw(LogDisplay(1.0), 255.0).Draw(Grid<float>(30, 30), 1);
   EXPECT_EQ(drawn, Grid<float>(30, 30));
 }
 
-TEST(SpeckleDrawTest, LooksThatAreNoNumberOfLooksAreRefused) {
+TEST(SpeckleDrawTest, InvalidNumbersOfLooksAreRefused) {
   EXPECT_THROW(SpeckleDraw(LogDisplay(0.0), 255.0), DataError);
 }
 

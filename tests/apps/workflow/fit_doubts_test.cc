@@ -82,7 +82,7 @@ TEST(FitDoubts, AFitFromNearTheTruthIsNotDoubted) {
   EXPECT_THAT(fit.fit.report.warnings, IsEmpty());
 }
 
-TEST(FitDoubts, APoseFarFromWhatWasKnownIsNamed) {
+TEST(FitDoubts, APoseFarFromTheRecordedOneIsNamed) {
   RecordingFit fit;
   const auto add = [&](const char* name, const char* unit, double initial, double value) {
     fit.fit.report.parameters.push_back({.name = name,

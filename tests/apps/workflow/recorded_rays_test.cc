@@ -13,7 +13,7 @@ RecordingInfo SimulatedBy(const std::string& model, const std::string& rays, con
   return info;
 }
 
-TEST(RecordedRays, AreTakenWhereNobodyAsksForOthers) {
+TEST(RecordedRays, RaysOfTheRecordingAreTheDefault) {
   const RaysForFit choice =
       ChooseRays({}, SimulatedBy("paper", "300x240, frustum", "solid_angle"), EchoModel::kPaper);
   EXPECT_EQ(choice.rays.sampling, sim::Sampling::kFrustum);
@@ -34,7 +34,7 @@ TEST(RecordedRays, AnotherSamplingThanTheRecordingsIsWarnedOf) {
   EXPECT_TRUE(ChooseRays(RayOptions(sim::Sampling::kFrustum), info, EchoModel::kPaper).warning.empty());
 }
 
-TEST(RecordedRays, NothingIsTakenFromOtherRecordings) {
+TEST(RecordedRays, RaysOfRecordingsOfAnotherModelAreIgnored) {
   EXPECT_EQ(ChooseRays({}, RecordingInfo(), EchoModel::kPaper).rays.sampling, sim::Sampling::kBeams);
   EXPECT_EQ(
       ChooseRays({}, SimulatedBy("coherent", "1500x1200, frustum", ""), EchoModel::kPaper).rays.sampling,

@@ -79,7 +79,7 @@ TEST(SceneGeometryTest, ResidualsGoToTheirAngleAndMaterial) {
 }
 
 // "wood" is met in beams 20 to 39, from 3 m in the middle to 3 m over the cosine of 20 degrees.
-TEST(SceneGeometryTest, TheBoxOfAnObjectHoldsWhatTheSceneShowsOfItAndItsMargin) {
+TEST(SceneGeometryTest, TheBoxOfAnObjectHoldsItsEchoesAndItsMargin) {
   const SceneGeometry scene(Wall(), FlatSonar());
   const Pose pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}};
   const int first = 200;  // bins of 10 mm from 1 m

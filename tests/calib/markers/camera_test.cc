@@ -84,7 +84,7 @@ TEST(FlatPort, ThePathIsTheFastest) {
   }
 }
 
-TEST(FlatPort, ThereAndBack) {
+TEST(FlatPort, DirectionAndRayThroughThePortAreInverse) {
   const FlatPort port = TiltedPort();
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -100,7 +100,7 @@ TEST(FlatPort, ThereAndBack) {
   }
 }
 
-TEST(FlatPort, WhatCannotBeSeenIsRefused) {
+TEST(FlatPort, PointsBehindThePortAndBeyondTotalReflectionAreRefused) {
   const FlatPort port = TiltedPort();
   Vector3d direction;
   EXPECT_FALSE(DirectionThroughPort<double>(port, {0.0, 0.0, 0.04}, direction));
@@ -164,7 +164,7 @@ TEST(Camera, JetsCarryTheDerivative) {
   }
 }
 
-TEST(Camera, StraightCoordinatesThereAndBack) {
+TEST(Camera, StraightCoordinatesAndPixelsAreInverse) {
   const Camera camera = FullCamera();
   const FlatPort port = TiltedPort();
   for (const FlatPort* window : {static_cast<const FlatPort*>(nullptr), &port}) {

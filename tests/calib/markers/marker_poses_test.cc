@@ -103,7 +103,7 @@ TEST(MarkerPoses, WithoutNoiseThePoseIsExact) {
 
 // 100 frames, corners twice as noisy as their covariance says: the factor is found, and the errors are as
 // large as the covariance scaled by it.
-TEST(MarkerPoses, TheCovarianceHolds) {
+TEST(MarkerPoses, ErrorsAreAsLargeAsTheScaledCovariance) {
   const MarkerMap map = MarkerField();
   const FlatPort port = SomePort();
   CameraMount mount;
@@ -236,7 +236,7 @@ TEST(MarkerPoses, FramesThatFitNoPoseAndEmptyOnesAreRefused) {
 
 // One small marker straight below: seen from two sides it looks the same to within the noise. Whichever pose
 // is kept, the other is named; where it is seen slantwise and large, none is.
-TEST(MarkerPoses, AnAmbiguousFrameIsSaidToBe) {
+TEST(MarkerPoses, AnAmbiguousFrameIsMarked) {
   MarkerMap map = MarkerField({.rows = 1, .cols = 1, .size_m = 0.1});
   const Camera camera = FieldCamera();
   std::mt19937 random(17);

@@ -30,7 +30,7 @@ TEST(CellWeightsTest, SpeckleAboutTheMeanCountsInFull) {
   EXPECT_LT(low, kBins * kBeams / 1000);
 }
 
-TEST(CellWeightsTest, ABrightThingAndAShadowAreFound) {
+TEST(CellWeightsTest, ABrightObjectAndAShadowAreFound) {
   const std::vector<double> model(kBins * kBeams, 3.0);
   std::vector<double> truth = model;
   const auto within = [](int bin, int beam, int first_bin, int first_beam) {

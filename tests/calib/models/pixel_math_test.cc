@@ -126,7 +126,7 @@ TEST(PixelMathTest, InformationOverItsWholeDomain) {
   }
 }
 
-TEST(PixelMathTest, ADisplayWithoutEndsTellsOneLook) {
+TEST(PixelMathTest, ADisplayWithoutEndsKeepsTheInformationOfOneLook) {
   const std::vector<double> means = EveryMean();
   std::vector<double> information(means.size());
   pixel_math::SingleLookInformation(0.0, std::numeric_limits<double>::infinity(), means.data(),

@@ -31,7 +31,7 @@ std::vector<int> Every(int stride, int frames) {
   return list;
 }
 
-TEST(NoiseFitRecordingsTest, DidsonFortyPingsTellTheOthers) {
+TEST(NoiseFitRecordingsTest, FortyDidsonPingsPredictTheOthers) {
   SONARCAL_NEEDS_RECORDING(folder, "didson_hull/background");
   const auto recording = data_io::OpenRecording(folder);
   NoiseFitOptions options;

@@ -322,7 +322,7 @@ TEST(NoiseFitTest, FindsTheLawThatSyntheticPingsWereDrawnFrom) {
   EXPECT_EQ(chosen, 1);
 }
 
-TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
+TEST(NoiseFitTest, LooksAreDeterminedIfTheSpanIsKnown) {
   Source source(Logarithm(1.35));
   source.info.scale.db_span = 80.0;
   const NoiseFit fit = FitNoise(source.Draw(66, 2), {});  // judged on 11: KS of 0.015 by chance, at most
@@ -336,7 +336,7 @@ TEST(NoiseFitTest, TellsLooksWhereTheSpanIsKnown) {
   EXPECT_LT(std::abs(looks->value - 1.35), 4.0 * *looks->sigma);
 }
 
-TEST(NoiseFitTest, SaysWhatAShortWindowLeavesOpen) {
+TEST(NoiseFitTest, ParametersNotDeterminedByAShortWindowAreNamed) {
   Source source(Logarithm(1.0));
   source.info.scale.db_span = 80.0;
   const MemoryRecording recording = source.Draw(9, 4);
@@ -371,7 +371,7 @@ TEST(NoiseFitTest, SaysWhatAShortWindowLeavesOpen) {
   }
 }
 
-TEST(NoiseFitTest, SomeHeldOutPingsChooseAndOthersJudge) {
+TEST(NoiseFitTest, SomeHeldOutPingsChooseAndOthersEvaluate) {
   Source source(Logarithm(1.0));
   source.info.scale.db_span = 80.0;
   const NoiseFit twelve = FitNoise(source.Draw(12, 5), {});
@@ -514,7 +514,7 @@ TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
   EXPECT_NEAR(static_cast<double>(within_two) / counted, 0.95, 0.03);
 }
 
-TEST(NoiseFitTest, RefusesWhatItCannotUse) {
+TEST(NoiseFitTest, InvalidHeldOutPingsAndRecordingsAreRefused) {
   const Source source(Logarithm(1.0));
   NoiseFitOptions options;
   options.held_out = {0, 1, 2};

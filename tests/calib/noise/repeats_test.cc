@@ -49,7 +49,7 @@ class Repeats : public ::testing::Test {
 
 // Far above the noise all repeats are one frame: the same values, sigmas, curves and findings, priors and
 // all. One small frame determines the curves, not their parts.
-TEST_F(Repeats, FrozenSpeckleTellsNoMoreThanOnce) {
+TEST_F(Repeats, RepeatsOfFrozenSpeckleDetermineNoMoreThanOneFrame) {
   const ParameterSet truth = Truth(-200.0);
   FitConfig config;
   config.free = {"materials"};
@@ -88,7 +88,7 @@ TEST_F(Repeats, FrozenSpeckleTellsNoMoreThanOnce) {
   EXPECT_NEAR(of_many.report.whitened.spread, of_one.report.whitened.spread, 1e-3);
 }
 
-TEST_F(Repeats, NoiseTellsEveryTime) {
+TEST_F(Repeats, RepeatsOfIndependentNoiseAllCount) {
   const ParameterSet truth = Truth(250.0);
   const std::vector<AcousticFrame> frames = Draw(truth, kRepeats, true);
   AcousticFrameModel model(simulator_, frames, truth);

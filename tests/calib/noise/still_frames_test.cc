@@ -158,15 +158,15 @@ TEST(FrozenPowerCdf, HasMeanAndVarianceOfTheLaw) {
   }
 }
 
-TEST(StillFrames, TellsNoiseAndSpeckleOfOneLook) {
+TEST(StillFrames, NoiseAndSpeckleOfOneLookAreSeparated) {
   ExpectLevels({});
 }
 
-TEST(StillFrames, TellsNoiseAndSpeckleOfThreeLooks) {
+TEST(StillFrames, NoiseAndSpeckleOfThreeLooksAreSeparated) {
   ExpectLevels({.looks = 3, .seed = 2});
 }
 
-TEST(StillFrames, TwoFramesAreEnough) {
+TEST(StillFrames, TwoFramesSufficeToSeparateNoise) {
   ExpectLevels({.frames = 2, .seed = 3});
 }
 
@@ -181,7 +181,7 @@ TEST(StillFrames, ClippingAtBothEndsIsCarriedThrough) {
 
 // The deviations of many small recordings, in sigmas, are those of a normal law: no speckle is counted once
 // a frame, no block twice.
-TEST(StillFrames, SigmasAreHonest) {
+TEST(StillFrames, ErrorsScatterAsTheStandardErrorsState) {
   constexpr int kDraws = 24;
   double noise = 0.0;
   double echo = 0.0;

@@ -120,9 +120,10 @@ TEST(OtherPoses, AFrameGoesToTheBestThatIsBetterByMoreThanAsked) {
   EXPECT_EQ(TakeBetterPoses({}, 0.0, values), 0);
 }
 
-// Measured: pitch ends 2.2 +- 0.3 deg off in two of the frames, and the sonar of one 27 +- 7 mm aside. Three
-// frames of a box on a bare floor leave pitch and the slope of a curve over range to one another.
-TEST_F(SmallTankFrames, DISABLED_PosesComeBackThoughCurvesAreNotKnown) {
+// Bounds of today, not of the theory: three frames of a box on a bare floor do not separate pitch from the slope
+// of a backscatter curve over range. Measured: pitch ends 2.2 +- 0.3 deg off in two of the frames, and the sonar
+// of one 27 +- 7 mm to the side.
+TEST_F(SmallTankFrames, PosesWithUnknownCurvesEndWithin4CmAnd3Degrees) {
   const std::vector<Pose> poses = SmallTankPoses();
   std::vector<AcousticFrame> frames;
   for (int i : {0, 1, 3}) {
@@ -138,15 +139,15 @@ TEST_F(SmallTankFrames, DISABLED_PosesComeBackThoughCurvesAreNotKnown) {
   ASSERT_TRUE(fit.usable);
   EXPECT_TRUE(fit.moved_poses);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Pose& truth = poses[frames[i].index];
-    ExpectMostIsGone(truth, frames[i].world_from_sonar, fit.world_from_sonar[i], fit.report,
-                     std::to_string(frames[i].index));
+    const PoseStep error = NamedDifference(fit.world_from_sonar[i], poses[frames[i].index]);
+    EXPECT_LT(error.head<3>().cwiseAbs().maxCoeff(), 0.04) << "frame " << frames[i].index << ", m";
+    EXPECT_LT(error.tail<3>().cwiseAbs().maxCoeff(), 3.0) << "frame " << frames[i].index << ", degrees";
   }
-  EXPECT_EQ(fit.report.Find("pose.mount.yaw_deg"), nullptr) << "nobody freed it";
+  EXPECT_EQ(fit.report.Find("pose.mount.yaw_deg"), nullptr) << "not free";
 }
 
 // The others end up to five of their sigmas off.
-TEST_F(SmallTankFrames, PlaceAndHeadingComeBackTogetherWithTheNoise) {
+TEST_F(SmallTankFrames, PlaceAndHeadingAreFoundTogetherWithTheNoise) {
   const std::vector<Pose> poses = SmallTankPoses();
   std::vector<AcousticFrame> frames;
   for (int i : {0, 1, 3}) {
@@ -172,7 +173,7 @@ TEST_F(SmallTankFrames, PlaceAndHeadingComeBackTogetherWithTheNoise) {
 // eight draws): the speckle of the coherent model hangs together farther than its grain, and rays come and
 // go at edges. One draw varies by 2 sqrt(2 / 6), so that no limit holds for one; the mean of four by half of
 // that. The start has more than 100.
-TEST_F(SmallTankFrames, PosesAloneComeBackWhereAllElseIsKnown) {
+TEST_F(SmallTankFrames, PosesAreFoundIfAllElseIsKnown) {
   constexpr int kDraws = 4;
   constexpr double kMean = 2.0;
   const Pose pose = SmallTankPoses()[1];
@@ -209,7 +210,7 @@ TEST_F(SmallTankFrames, PosesAloneComeBackWhereAllElseIsKnown) {
 
 // By three draws of speckle: four frames have so few blocks of pixels that a sigma may by chance be half of
 // what it should be, and one error of one draw four of them.
-TEST_F(SmallTankFrames, AMountOffsetIsToldFromAllFrames) {
+TEST_F(SmallTankFrames, AMountOffsetIsDeterminedByAllFramesTogether) {
   const std::vector<Pose> recorded = SmallTankPoses();
   const Pose mount = MovePose({}, SomeStep(1.0));
   const PoseStep was = NamedDifference(Pose{}, mount);
@@ -235,7 +236,7 @@ TEST_F(SmallTankFrames, AMountOffsetIsToldFromAllFrames) {
   EXPECT_LT(std::sqrt(squares / (3 * kPoseSteps)), 1.5);
 }
 
-TEST_F(SmallTankFrames, WhatAFrameCannotTellStaysAndIsNamed) {
+TEST_F(SmallTankFrames, UndeterminedPoseComponentsStayAndAreNamed) {
   // Nothing but a floor: where over it and under which heading is nowhere in the image.
   Scene floor;
   floor.material_names = {"floor"};
@@ -292,7 +293,10 @@ TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
 }
 
 // A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.
-void ExpectErrorsAreRemoved(const std::vector<int>& components) {
+//
+// Roll has a bound of today. Measured: frame 1 keeps -0.24 +- 0.047 deg, five standard errors. At the true curves
+// the poses that explain these frames best are rolled by -0.05 to -0.10 deg, so the model is a little off there.
+TEST(SyntheticTankPoses, ErrorsAreRemovedAndRollStaysWithinItsBound) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
   const testing::SyntheticTank tank(folder);
   const std::vector<AcousticFrame> frames = tank.Frames({0, 1});
@@ -303,23 +307,14 @@ void ExpectErrorsAreRemoved(const std::vector<int>& components) {
   const FitConfig config{.free = std::vector<std::string>{"materials", "noise", "pose"}};
   const AcousticFit fit = FitAcousticModel(tank.simulator, frames, initial, config, options);
   ASSERT_TRUE(fit.usable);
+  constexpr int kRoll = 3;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Pose true_pose = tank.TruePose(frames[i].index);
     ExpectMostIsGone(true_pose, frames[i].world_from_sonar, fit.world_from_sonar[i], fit.report,
-                     std::to_string(frames[i].index), components);
+                     std::to_string(frames[i].index), {0, 1, 2, 4, 5});
     EXPECT_LT(Left(true_pose, frames[i].world_from_sonar, fit.world_from_sonar[i]), 0.3);
+    EXPECT_LT(std::abs(NamedDifference(fit.world_from_sonar[i], true_pose)(kRoll)), 0.3);
   }
-}
-
-TEST(SyntheticTankPoses, ErrorsAreRemoved) {
-  ExpectErrorsAreRemoved({0, 1, 2, 4, 5});
-}
-
-// Measured: frame 1 keeps -0.24 +- 0.047 deg, five of its sigmas. At the true curves the poses that explain
-// these frames best are rolled by -0.05 to -0.10 deg (about the sonar's own axis), so that the model, not the
-// search, is a little off there.
-TEST(SyntheticTankPoses, DISABLED_RollErrorsAreRemoved) {
-  ExpectErrorsAreRemoved({3});
 }
 
 }  // namespace

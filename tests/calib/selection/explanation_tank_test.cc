@@ -75,7 +75,7 @@ class SyntheticTankExplained : public ::testing::Test {
   Explanation explanation_;
 };
 
-TEST_F(SyntheticTankExplained, GhostsThatAreThereAreWorthIt) {
+TEST_F(SyntheticTankExplained, GhostsAreSignificantIfTheTankHasThem) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_ghosts");
   Explained(folder);
   const auto ghosts = StepOf(ExplainedPart::kGhosts);
@@ -83,7 +83,7 @@ TEST_F(SyntheticTankExplained, GhostsThatAreThereAreWorthIt) {
   EXPECT_LT(ErrorOf(*ghosts), ErrorOf(*(ghosts - 1)));
 }
 
-TEST_F(SyntheticTankExplained, GhostsThatAreNotThereAreNotPraised) {
+TEST_F(SyntheticTankExplained, GhostsAreNotSignificantIfTheTankHasNone) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank");
   Explained(folder);
   EXPECT_NE(StepOf(ExplainedPart::kGhosts)->verdict, Verdict::kWorthIt);

@@ -92,7 +92,7 @@ class ExplanationTest : public ::testing::Test {
   }
 };
 
-TEST_F(ExplanationTest, GhostsThatAreThereAreWorthIt) {
+TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   const Frames frames = MakeFrames(Truth(true));
   const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
                                           frames.held_out, Given(), Explaining());
@@ -130,7 +130,7 @@ TEST_F(ExplanationTest, GhostsThatAreThereAreWorthIt) {
   EXPECT_NEAR(ghosts.bic_change, values * std::log(cells) - 2.0 * nats, 1e-9);
 }
 
-TEST_F(ExplanationTest, GhostsThatAreNotThereAreNotPraised) {
+TEST_F(ExplanationTest, GhostsAreNotSignificantIfTheTankHasNone) {
   const Frames frames = MakeFrames(Truth(false));
   const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
                                           frames.held_out, Given(), Explaining());
@@ -186,7 +186,7 @@ TEST_F(ExplanationTest, ASingleMaterialMakesNoStep) {
   EXPECT_TRUE(explanation.steps.back().parameters.materials.contains("wall"));
 }
 
-TEST(VerdictOnAStep, IsPraiseOnlyWhereLikelihoodAndErrorAgree) {
+TEST(VerdictOnAStep, AStepIsSignificantOnlyIfLikelihoodAndErrorAgree) {
   const auto verdict = [](double gain, double bic, double error) {
     return VerdictOn({.mean = gain, .sigma = 0.1}, bic, {.mean = error, .sigma = 0.01}, 2.0);
   };

@@ -189,7 +189,7 @@ TEST_F(ModelChoiceTest, ASoftenedDisplayIsFound) {
 }
 
 // An array of elements with a Hann taper, which knows nothing of the model that is chosen.
-TEST_F(ModelChoiceTest, AnArrayOfElementsIsTold) {
+TEST_F(ModelChoiceTest, TheTaperOfAnArrayOfElementsIsFound) {
   ParameterSet truth = Truth();
   truth.model = EchoModel::kCoherent;
   ParameterSet start = Truth();
@@ -204,7 +204,7 @@ TEST_F(ModelChoiceTest, AnArrayOfElementsIsTold) {
   EXPECT_TRUE(Find(choice.axes[2], "none").chosen);
 }
 
-TEST_F(ModelChoiceTest, WhatCannotBeChosenIsRefused) {
+TEST_F(ModelChoiceTest, AxesThatDoNotApplyAreRefused) {
   const std::vector<GreyFrame> frames = Record(Truth(), false);
   EXPECT_THROW(ChooseModel(simulator_, frames, {}, Truth(), {}, {.axes = {ChoiceAxis::kLooks}}), DataError);
   ParameterSet power = Truth();
@@ -277,7 +277,7 @@ TEST(LikelihoodDifferenceTest, StandardErrorIsThatOfAMeanOfBlocks) {
   EXPECT_NEAR(Difference(b, a).mean, -2.0, 1e-12);
 }
 
-TEST_F(ModelChoiceTest, TheBestNumberOfLooksIsTheOneDrawnWith) {
+TEST_F(ModelChoiceTest, TheChosenNumberOfLooksIsThatOfTheSamples) {
   ParameterSet truth = Truth();
   for (const double looks : {1.0, 4.0}) {
     truth.receiver.looks = looks;

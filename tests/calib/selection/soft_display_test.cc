@@ -45,7 +45,7 @@ class SoftDisplayTest : public ::testing::Test {
 
 // The information of one look is counted by the fast path, that of any other number of looks by the slow one
 // (calib/models/pixel_math.h): a hair beside one look it must be the same.
-TEST_F(SoftDisplayTest, TheFastPathTellsTheSameStandardErrorsAsTheSlowOne) {
+TEST_F(SoftDisplayTest, TheFastPathGivesTheStandardErrorsOfTheSlowOne) {
   for (const DisplayLaw law : {DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude}) {
     const ParameterSet truth = Truth(law);
     ASSERT_EQ(sim::PowerFromDisplay(truth.display, 0.0), 0.0);

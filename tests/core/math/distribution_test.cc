@@ -37,7 +37,7 @@ TEST(DistributionTest, EqualOnesAreAtNoDistanceAndSwappingChangesNothing) {
   }
 }
 
-TEST(DistributionTest, ComputedByHand) {
+TEST(DistributionTest, DistancesEqualThoseByHand) {
   const Shares p = {0.5, 0.5, 0.0, 0.0};
   const Shares q = {0.25, 0.25, 0.25, 0.25};  // F - G = .25, .5, .25, 0
   EXPECT_DOUBLE_EQ(HistogramL1Half(p, q), 0.5);

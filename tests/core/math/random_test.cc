@@ -11,7 +11,7 @@ namespace {
 using Counter = std::array<std::uint32_t, 4>;
 
 // Known answers of the authors' own library, Random123 (kat_vectors, philox4x32 with 10 rounds).
-TEST(Philox, KnownAnswers) {
+TEST(Philox, FourWordsEqualTheKnownAnswersOfRandom123) {
   EXPECT_EQ(Philox({0, 0, 0, 0}, {0, 0}), (Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
   EXPECT_EQ(Philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
             (Counter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
@@ -20,7 +20,7 @@ TEST(Philox, KnownAnswers) {
 }
 
 // Likewise, philox2x32 with 10 rounds.
-TEST(Philox2, KnownAnswers) {
+TEST(Philox2, TwoWordsEqualTheKnownAnswersOfRandom123) {
   using Words = std::array<std::uint32_t, 2>;
   EXPECT_EQ(Philox2({0, 0}, 0), (Words{0xff1dae59, 0x6cd10df2}));
   EXPECT_EQ(Philox2({0xffffffff, 0xffffffff}, 0xffffffff), (Words{0x2c3f628b, 0xab4fd7ad}));
@@ -79,7 +79,7 @@ void ExpectNormalPairs(const Pair& pair) {
   EXPECT_LT(std::abs(product_of_squares), 4.9 * 2.0 * std::sqrt(kCount));
 }
 
-TEST(CounterRandom, UniformAndNormal) {
+TEST(CounterRandom, DrawsFollowTheUniformAndTheNormalLaw) {
   const CounterRandom random(42);
   std::vector<double> uniform;
   for (int i = 0; i < kCount; ++i) {

@@ -18,7 +18,7 @@ TEST(PoseTest, InverseUndoesThePose) {
   EXPECT_TRUE((world_from_sonar.Inverse() * (world_from_sonar * point_m)).isApprox(point_m, 1e-12));
 }
 
-TEST(PoseTest, YawPitchRollComeBack) {
+TEST(PoseTest, YawPitchAndRollOfARotationAreThoseItWasMadeOf) {
   const Eigen::Vector3d angles = YawPitchRollFromRotation(RotationFromYawPitchRoll(2.8, -1.2, 0.4));
   EXPECT_TRUE(angles.isApprox(Eigen::Vector3d(2.8, -1.2, 0.4), 1e-12)) << angles.transpose();
 }
@@ -113,7 +113,7 @@ TEST(UnitsTest, DecibelsAndPowerAreInverse) {
   EXPECT_NEAR(kNeperPerDb * kDbPerNeper, 1.0, 1e-15);
 }
 
-TEST(SonarSettings, TheFirstFieldThatBothTellAndThatDiffersIsNamed) {
+TEST(SonarSettings, TheFirstFieldKnownToBothThatDiffersIsNamed) {
   const SonarSettings unknown;
   const SonarSettings known{.gain_db = 18.0,
                             .pulse_length_us = 15.0,

@@ -101,7 +101,7 @@ TEST(OutputDirectoryTest, AFileIsNoOutputDirectory) {
   EXPECT_THAT(MessageOf([&] { OutputDirectory(dir / "a" / "b"); }), HasSubstr("cannot be written"));
 }
 
-TEST(OutputDirectoryTest, ALaterRunFindsWhatWasKeptAside) {
+TEST(OutputDirectoryTest, ALaterRunFindsTheFilesKeptAside) {
   const TempDir dir;
   const fs::path out = dir / "deep" / "out";
   {
@@ -125,7 +125,7 @@ TEST(OutputDirectoryTest, ALaterRunFindsWhatWasKeptAside) {
   EXPECT_EQ(EntryCount(out.parent_path()), 1u);
 }
 
-TEST(OutputDirectoryTest, WhatIsNotKeptIsRemovedAndToStartAnewForgetsWhatWas) {
+TEST(OutputDirectoryTest, FilesNotKeptAreRemovedAndANewStartForgetsKeptOnes) {
   const TempDir dir;
   const fs::path out = dir / "out";
   { WriteFile(OutputDirectory(out, Aside::kAnew) / "a", "1"); }
@@ -139,7 +139,7 @@ TEST(OutputDirectoryTest, WhatIsNotKeptIsRemovedAndToStartAnewForgetsWhatWas) {
   }
 }
 
-TEST(OutputDirectoryTest, OneRunAtATimeHoldsWhatIsAside) {
+TEST(OutputDirectoryTest, ASecondRunAtTheSameTimeIsRefused) {
   const TempDir dir;
   OutputDirectory output(dir / "out", Aside::kAnew);
   WriteFile(output / "a", "1");

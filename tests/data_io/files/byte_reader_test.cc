@@ -70,7 +70,7 @@ TEST(LittleEndian, PutsOneToFourBytesTogether) {
   EXPECT_EQ(LittleEndian(AsBytes(bytes)), 0x84030201u);
 }
 
-TEST(ReadFileRange, ReadsAPartAndRefusesWhatIsNotThere) {
+TEST(ReadFileRange, ReadsAPartAndRefusesRangesBeyondTheFile) {
   const testing::TempDir dir;
   testing::WriteFile(dir / "f", "0123456789");
   EXPECT_EQ(RegularFileSize(dir / "f"), 10u);

@@ -87,7 +87,7 @@ TEST_F(CameraImageFolderTest, NumbersInNamesCountAsNumbers) {
   EXPECT_THAT(MessageOf([&] { Names(NameTimes::kSeconds); }), HasSubstr("not a plain number"));
 }
 
-TEST_F(CameraImageFolderTest, NamesTellTimesByTheirDigits) {
+TEST_F(CameraImageFolderTest, TheNumberOfDigitsInANameDecidesTheUnitOfTime) {
   Touch("1700000000200000.png");
   Touch("1700000000100000.jpg");
   const auto folder = ListCameraImages(dir_.path());
@@ -99,7 +99,7 @@ TEST_F(CameraImageFolderTest, NamesTellTimesByTheirDigits) {
   EXPECT_EQ(ListCameraImages(dir_.path()).times, NameTimes::kNone);
 }
 
-TEST_F(CameraImageFolderTest, WhatCannotBeIsOneSentence) {
+TEST_F(CameraImageFolderTest, EmptyFoldersAndEqualTimesAreRefusedInOneSentence) {
   EXPECT_THAT(MessageOf([&] { Names(); }), HasSubstr("expected images"));
   Touch("12.50.png");
   Touch("12.5.png");

@@ -149,12 +149,12 @@ TEST(ImageIoTest, AHeaderThatClaimsTooMuchIsRefusedBeforeDecoding) {
       StartsWith("x: announces 8-bit grey, 8000 x 8000 pixels (rows x columns) but has only 45 bytes"));
 }
 
-TEST(ImageIoTest, DamagedPngIsSurvived) {
+TEST(ImageIoTest, DamagedPngIsReadOrRefused) {
   ExpectSurvivesDamage(Text(EncodePng(RandomGrid<std::uint8_t>(16, 16, 255))), 100, 3000, Decode);
   ExpectSurvivesDamage(Text(EncodePng(RgbImage(8, 8, {1, 2, 3}))), 100, 3000, Decode);
 }
 
-TEST(ImageIoTest, DamagedTiffIsSurvived) {
+TEST(ImageIoTest, DamagedTiffIsReadOrRefused) {
   const TempDir dir;
   WriteTiff(dir / "a.tiff", Grid<float>(6, 5, 2.5F));
   ExpectSurvivesDamage(ReadFile(dir / "a.tiff"), 1000, 20'000, Decode);

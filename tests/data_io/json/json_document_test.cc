@@ -67,7 +67,7 @@ TEST(JsonDocumentTest, AKeyGivenTwiceIsRefusedWithBothLines) {
             "x.json:3: key 'b' is given twice, first in line 1; expected it once");
 }
 
-TEST(JsonDocumentTest, NestingIsLimited) {
+TEST(JsonDocumentTest, NestingDeeperThan64LevelsIsRefused) {
   const std::string deep(200'000, '[');
   EXPECT_EQ(RefusalOf(deep), "x.json:1: nested 65 levels deep, expected at most 64");
   EXPECT_NO_THROW(ParseJson(std::string(64, '[') + std::string(64, ']'), "x.json"));
@@ -95,7 +95,7 @@ TEST(JsonDocumentTest, AbsentFilesAndFoldersAreRefused) {
   EXPECT_THAT(MessageOf([&] { LoadJson(dir.path()); }), HasSubstr("not a file"));
 }
 
-TEST(JsonDocumentTest, DamageIsSurvived) {
+TEST(JsonDocumentTest, DamagedTextIsReadOrRefused) {
   const std::string text = R"({"a": [1, 2.5e3, {"b": null}], "c": "d\u00e9", "e": true, "f": -0.0})";
   testing::ExpectSurvivesDamage(text, text.size(), 3000, [](const std::string& t) { ParseJson(t, "x"); });
 }

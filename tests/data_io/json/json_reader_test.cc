@@ -44,7 +44,7 @@ TEST(JsonReaderTest, AValueOfTheWrongKindIsDescribed) {
   EXPECT_EQ(MessageOf([&] { Parse("\n3").At("a"); }), "x.json:2: the document is 3, expected an object");
 }
 
-TEST(JsonReaderTest, RangesAreKept) {
+TEST(JsonReaderTest, NumbersOutsideTheirRangeAreRefusedWithTheLimit) {
   const JsonReader zero = Parse("{\"a\": 0}").At("a");
   EXPECT_EQ(zero.Number(NumberRange::AtLeast(0.0)), 0.0);
   EXPECT_EQ(MessageOf([&] { zero.Number(NumberRange::Above(0.0)); }),
@@ -102,7 +102,7 @@ TEST(JsonReaderTest, UnknownKeysComeInTheOrderOfTheFile) {
   EXPECT_EQ(unknown[1].line, 3);
 }
 
-TEST(JsonReaderTest, FreeNamesAreNotUnknownButWhatIsInThemMayBe) {
+TEST(JsonReaderTest, MembersWithFreeNamesAreKnownAndTheirUnknownKeysRefused) {
   const JsonReader json = Parse(R"({"materials": {"floor": {"A": 1}, "wall": {"B": 2}}})");
   const JsonReader materials = json.At("materials");
   for (const auto& [name, material] : materials.Members()) material.Find("A");

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-TEST(JsonWriterTest, WhatFitsInALineStandsInOne) {
+TEST(JsonWriterTest, ValuesThatFitOneLineStandInOne) {
   EXPECT_EQ(JsonText({{"b", 1}, {"a", {1.5, 2}}}), "{\"b\": 1, \"a\": [1.5, 2]}\n");
   EXPECT_EQ(JsonText(Json::object()), "{}\n");
   EXPECT_EQ(JsonText(Json::array({Json::object(), Json::array()})), "[{}, []]\n");
@@ -32,12 +32,12 @@ TEST(JsonWriterTest, NumbersReadBackToTheLastBit) {
   }
 }
 
-TEST(JsonWriterTest, WhatJsonCannotHoldIsReplaced) {
+TEST(JsonWriterTest, NanAndInvalidUtf8AreReplaced) {
   EXPECT_EQ(JsonText(std::nan("")), "null\n");
   EXPECT_EQ(JsonText(std::string("\xff")), "\"\xEF\xBF\xBD\"\n");
 }
 
-TEST(JsonWriterTest, WritesAFile) {
+TEST(JsonWriterTest, AWrittenFileHoldsTheValueAndEndsInANewline) {
   const testing::TempDir dir;
   WriteJson(dir / "a.json", {{"a", 1}});
   EXPECT_EQ(testing::ReadFile(dir / "a.json"), "{\"a\": 1}\n");

@@ -43,7 +43,7 @@ std::string Refusal(const std::string& text) {
   return MessageOf([&] { CameraFromText(text, "cam.yaml"); });
 }
 
-TEST(CameraIo, ReadsWhatOpenCvAndRosWrite) {
+TEST(CameraIo, FilesOfOpenCvAndRosAreRead) {
   const Camera camera = CameraFromText(kOpenCv, "cam.yaml");
   EXPECT_EQ(camera.cols, 1280);
   EXPECT_EQ(camera.rows, 960);
@@ -89,7 +89,7 @@ TEST(CameraIo, ReadsTheXmlThatOpenCvWrites) {
                                 [](const std::string& text) { CameraFromText(text, "cam.xml"); });
 }
 
-TEST(CameraIo, WhatCannotBeIsOneSentence) {
+TEST(CameraIo, InvalidCamerasAreRefusedInOneSentence) {
   EXPECT_THAT(Refusal(""), HasSubstr("no 'image_width'"));
   EXPECT_THAT(Refusal(Changed(kOpenCv, "1280", "1280.5")),
               HasSubstr("cam.yaml:5: image_width is 1280.5, expected"));
@@ -111,14 +111,14 @@ TEST(CameraIo, WhatCannotBeIsOneSentence) {
   EXPECT_THAT(Refusal("<camera/>"), HasSubstr("XML without 'opencv_storage'"));
 }
 
-TEST(CameraIo, SurvivesDamage) {
+TEST(CameraIo, DamagedFilesAreReadOrRefused) {
   testing::ExpectSurvivesDamage(kOpenCv, 200, 500,
                                 [](const std::string& text) { CameraFromText(text, "cam.yaml"); });
   testing::ExpectSurvivesDamage(std::string(100'000, '['), 5, 0,
                                 [](const std::string& text) { CameraFromText("data: " + text, "cam.yaml"); });
 }
 
-TEST(CameraIo, ReadsPorts) {
+TEST(CameraIo, APortFileGivesDistanceThicknessAndNormal) {
   const TempDir dir;
   const auto file = dir / "port.json";
   const auto read = [&](const std::string& rest) {
@@ -141,7 +141,7 @@ TEST(CameraIo, ReadsPorts) {
               HasSubstr("unknown key 'index'"));
 }
 
-TEST(CameraIo, ReadsMounts) {
+TEST(CameraIo, AMountFileGivesThePoseAndItsUncertainty) {
   const TempDir dir;
   const auto file = dir / "mount.json";
   const auto read = [&](const std::string& pose) {

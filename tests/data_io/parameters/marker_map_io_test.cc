@@ -38,7 +38,7 @@ class MarkerMapTest : public ::testing::Test {
   std::filesystem::path file_ = dir_ / "map.json";
 };
 
-TEST_F(MarkerMapTest, ReadsWhatItWrites) {
+TEST_F(MarkerMapTest, AWrittenMapReadsBackExactly) {
   const MarkerMap map = Read("DICT_APRILTAG_36h11", Marker("586", "0.15") + "," + Marker("3", "0.3"),
                              ", \"sigma\": {\"position_m\": 0.002, \"angle_deg\": 0.5}");
   ASSERT_EQ(map.markers.size(), 2U);
@@ -54,7 +54,7 @@ TEST_F(MarkerMapTest, ReadsWhatItWrites) {
   EXPECT_DOUBLE_EQ(again.sigma->angle_rad, map.sigma->angle_rad);
 }
 
-TEST_F(MarkerMapTest, WhatCannotBeIsOneSentence) {
+TEST_F(MarkerMapTest, InvalidMapsAreRefusedInOneSentence) {
   EXPECT_THAT(Refusal("DICT_9X9_50", Marker("0", "0.1")),
               HasSubstr("'dictionary' is 'DICT_9X9_50', expected one of"));
   EXPECT_THAT(Refusal("DICT_4X4_50", ""), HasSubstr("has 0 markers"));
@@ -77,7 +77,7 @@ TEST_F(MarkerMapTest, WhatCannotBeIsOneSentence) {
 }
 
 // The names, numbers of ids and cells are OpenCV's.
-TEST(MarkerDictionaries, AreOpenCvs) {
+TEST(MarkerDictionaries, NamesIdsAndCellsEqualThoseOfOpenCv) {
   EXPECT_EQ(MarkerDictionaries().size(), static_cast<std::size_t>(cv::aruco::DICT_APRILTAG_36h11) + 1);
   for (const MarkerDictionary& dictionary : MarkerDictionaries()) {
     const auto opencv = cv::aruco::getPredefinedDictionary(dictionary.opencv_code);

@@ -211,7 +211,7 @@ TEST(ParametersIoTest, MirrorsAreNamedByMaterialAndLoseWhatTheyReflect) {
               HasSubstr("unknown key 'mirror.floor.order'"));
 }
 
-TEST(ParametersIoTest, WhatIsRequiredIsMissed) {
+TEST(ParametersIoTest, MissingRequiredKeysAreRefusedByName) {
   EXPECT_THAT(RefusalOf("{}"), HasSubstr("p.json:1: required key 'format' is missing"));
   EXPECT_THAT(RefusalOf(Changed("sonar-parameters/1", "sonar-parameters/9")),
               HasSubstr("p.json:1: 'format' is \"sonar-parameters/9\", expected one of sonar-parameters/1"));
@@ -221,7 +221,7 @@ TEST(ParametersIoTest, WhatIsRequiredIsMissed) {
               HasSubstr("p.json:1: 'materials' is empty, expected at least one material"));
 }
 
-TEST(ParametersIoTest, WhatCouldNotBeReadBackIsNotWritten) {
+TEST(ParametersIoTest, ParametersThatCannotBeReadBackAreNotWritten) {
   const testing::TempDir dir;
   ParameterSet set = UnlikeTheDefaults();
   set.materials["floor"].gsab.b_deg = -1.0;
@@ -232,7 +232,7 @@ TEST(ParametersIoTest, WhatCouldNotBeReadBackIsNotWritten) {
   EXPECT_FALSE(std::filesystem::exists(dir / "p.json"));
 }
 
-TEST(ParametersIoTest, DamageIsSurvived) {
+TEST(ParametersIoTest, DamagedFilesAreReadOrRefused) {
   const std::string text = JsonText(ParametersJson(UnlikeTheDefaults()));
   testing::ExpectSurvivesDamage(text, text.size(), 2000,
                                 [](const std::string& t) { ParseParameters(t, "p"); });

@@ -110,7 +110,7 @@ TEST(FanGeometry, DarkPlacesAreNoOtherFan) {
   EXPECT_FALSE(ShowsAnotherFan(Mask(drawn.rows, drawn.cols), drawn.fan));
 }
 
-TEST(FanGeometry, WhatIsNoFanIsNone) {
+TEST(FanGeometry, MasksThatAreNoFanHaveNoGeometry) {
   EXPECT_FALSE(FindFanGeometry(Mask(100, 100)));
   EXPECT_FALSE(FindFanGeometry(Mask(100, 100, 1)));  // a square has upright sides
   Mask few(100, 100);
@@ -178,7 +178,7 @@ TEST(SampleFan, RefusesAPictureThatDoesNotHoldTheFan) {
 // Published pictures whose geometry was found by another program (recordings/README.md): window ratio and
 // where the arcs cross the middle, to the 2 pixels to which it is known (of the first picture the far arc is
 // said to cross in row 3; the first lit pixel is in row 1). x_scale is said there as rows a column.
-TEST(FanGeometryOfRecordings, AgreesWithWhatIsKnown) {
+TEST(FanGeometryOfRecordings, GeometryOfRealPicturesEqualsTheKnownOne) {
   struct Known {
     const char* file;
     double apex_y_px;

@@ -74,7 +74,7 @@ double WorstDifference(const Frame& frame, int number = 0) {
   return worst;
 }
 
-TEST(Pictures, ComeBackAsRangeAndAzimuth) {
+TEST(Pictures, PixelsAreSampledByRangeAndAzimuth) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());
   testing::WriteFile(
@@ -178,7 +178,7 @@ TEST(Pictures, AGeometryFromElsewhereNeedsNoFileBesideThem) {
 }
 
 // A picture of ranges and beams, as some recorders keep them.
-TEST(Pictures, PolarOnesAreTurnedAsIsSaid) {
+TEST(Pictures, PolarPicturesAreTurnedAsTheirGeometryFileStates) {
   const TempDir dir;
   Grid<std::uint8_t> picture(2, 3);
   for (int i = 0; i < 6; ++i) picture.values()[i] = static_cast<std::uint8_t>(10 * i);
@@ -192,7 +192,7 @@ TEST(Pictures, PolarOnesAreTurnedAsIsSaid) {
 }
 
 // What is cut off stays 0 and does not count, and the share of it is said.
-TEST(Pictures, WhatLiesOutsideThePictureIsNotValid) {
+TEST(Pictures, SamplesOutsideThePictureAreInvalid) {
   const TempDir dir;
   WritePng(dir / "fan.png", Grid<std::uint8_t>(200, 100, 50));
   testing::WriteFile(dir / "fan.png.geometry.json",

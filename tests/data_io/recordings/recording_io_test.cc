@@ -106,7 +106,7 @@ class RecordingFolderTest : public ::testing::Test {
   TempDir dir_;
 };
 
-TEST_F(RecordingFolderTest, ReadsEveryField) {
+TEST_F(RecordingFolderTest, EveryFieldOfTheFileIsRead) {
   const auto recording = Open();
   const RecordingInfo& info = recording->info();
   EXPECT_EQ(info.format, "sonar-recording/1");
@@ -147,7 +147,7 @@ TEST_F(RecordingFolderTest, TheFileItselfMayBeNamed) {
   EXPECT_EQ(OpenRecordingFolder(dir_ / "recording.json")->ReadFrame(0).image.value(0, 0), 7.0F);
 }
 
-TEST_F(RecordingFolderTest, WhatIsUnknownIsNoted) {
+TEST_F(RecordingFolderTest, UnknownFieldsAreNoted) {
   const auto recording = Open(R"("frequency_hz": 900000,)", "");
   EXPECT_EQ(recording->info().sonar.frequency_hz, 0.0);
   EXPECT_THAT(recording->info().notes, Contains("recording.json has no 'sonar.frequency_hz': unknown"));
@@ -271,7 +271,7 @@ TEST_F(RecordingFolderTest, ValuesMustFitTheScale) {
               HasSubstr("the pixel in row 2, column 1 is nan, expected a finite number"));
 }
 
-TEST_F(RecordingFolderTest, DamageIsSurvived) {
+TEST_F(RecordingFolderTest, DamagedHeadersAreReadOrRefused) {
   testing::ExpectSurvivesDamage(Text(), 100, 400, [&](const std::string& text) {
     WriteFile(dir_ / "recording.json", text);
     const auto recording = OpenRecordingFolder(dir_.path());
@@ -297,7 +297,7 @@ TEST(WriteRecordingTest, FramesKeepTheirOwnSettings) {
   EXPECT_EQ(read->frame_info(1).settings.compression, std::nullopt);
 }
 
-TEST(WriteRecordingTest, ComesBackWhole) {
+TEST(WriteRecordingTest, AWrittenRecordingReadsBackWithEveryField) {
   const TempDir dir;
   RecordingInfo info = SmallInfo();
   info.scale = {Quantity::kGrey, 255.0, -3.5, 76.5, 80.0};
@@ -394,7 +394,7 @@ TEST(WriteRecordingTest, BitsFollowTheScale) {
   EXPECT_EQ(power->ReadFrame(0).image.value(0, 0), -0.5F);
 }
 
-TEST(WriteRecordingTest, WhatCannotBeReadBackIsNotWritten) {
+TEST(WriteRecordingTest, RecordingsThatCannotBeReadBackAreNotWritten) {
   const TempDir dir;
   const RecordingInfo info = SmallInfo();
   EXPECT_THAT(MessageOf([&] { WriteRecording(SmallRecording(info, 0), dir / "x"); }),

@@ -28,7 +28,7 @@ void WriteSmallRecording(const std::filesystem::path& folder, int frames) {
   WriteRecording(MemoryRecording(info, all), folder);
 }
 
-TEST(SalvagedRecording, KeepsWhatCanBeRead) {
+TEST(SalvagedRecording, ReadableFramesAreKept) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "rec", 4);
   testing::WriteFile(dir / "rec/frame_0001.png", "not a picture");
@@ -45,7 +45,7 @@ TEST(SalvagedRecording, KeepsWhatCanBeRead) {
   EXPECT_THAT(salvaged.info().notes, Contains("2 of 4 frames could not be read and were omitted."));
 }
 
-TEST(SalvagedRecording, OfAWholeOneNothingIsSaid) {
+TEST(SalvagedRecording, AnUndamagedRecordingGetsNoNote) {
   const testing::TempDir dir;
   WriteSmallRecording(dir / "rec", 2);
   const SalvagedRecording salvaged(OpenRecording(dir / "rec"));

@@ -87,7 +87,7 @@ TEST_F(BagHostileTest, DamagedRos2BagsEndInOneSentence) {
 }
 
 // Every byte of every message in turn, so that each count and length lies once.
-TEST_F(BagHostileTest, MessagesThatLieEndInOneSentence) {
+TEST_F(BagHostileTest, MessagesWithAnyByteDamagedEndInOneSentence) {
   for (const Wire wire : testing::kWires) {
     for (const auto& [type, whole] :
          {std::pair<std::string, std::string>{kProjectedType, MadeUpProjected{}.Write(wire)},
@@ -168,7 +168,7 @@ TEST_F(BagHostileTest, AnIndexThatPointsIntoAMessageIsRefused) {
   EXPECT_THAT(testing::RefusalOf(dir_ / "lies.bag"), HasSubstr("lies.bag: byte "));
 }
 
-TEST_F(BagHostileTest, WhatASchemaCouldSetGoingIsRefused) {
+TEST_F(BagHostileTest, ViewsVirtualTablesAndWrongTypesAreRefused) {
   Ros2(
       "DROP TABLE messages; CREATE VIEW messages AS SELECT 1 AS id, 1 AS topic_id, 1 AS timestamp, x'00' AS "
       "data");

@@ -123,7 +123,7 @@ TEST_F(BagPicturesTest, AFanPictureIsSampledFromItsApex) {
       HasSubstr("neither 'polar' nor the position of the fan"));
 }
 
-TEST_F(BagPicturesTest, WithoutAGeometryItIsSaidWhatIsMissing) {
+TEST_F(BagPicturesTest, AMissingGeometryIsRefusedWithWhatToWrite) {
   const auto path = Write("sensor_msgs/Image", Picture(Wire::kRos1, false));
   EXPECT_THAT(testing::RefusalOf(path), HasSubstr("with --picture-geometry"));
   EXPECT_THAT(testing::MessageOf([&] { OpenBagRecording(path, {.topic = "/image"}); }),

@@ -97,7 +97,7 @@ TEST_F(BagRecordingTest, SamplesOfEveryTypeAndByteOrder) {
   }
 }
 
-TEST_F(BagRecordingTest, TheOrderOfSamplesIsAsAskedForAndTheFirstFrameSpeaks) {
+TEST_F(BagRecordingTest, SampleOrderIsThatOfTheOptionOrOfTheFirstFrame) {
   MadeUpProjected message;
   message.blob = true;
   message.azimuth_deg.clear();

@@ -48,7 +48,7 @@ std::string StlRefusal(const std::string& bytes) {
 
 constexpr const char* kThree = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-TEST(ObjHostileTest, LiesAreRefusedWithTheirLine) {
+TEST(ObjHostileTest, InvalidLinesAreRefusedWithTheirNumber) {
   EXPECT_EQ(ObjRefusal(std::string(kThree) + "f 1 2 3\n"), "");
   EXPECT_THAT(ObjRefusal(""), HasSubstr("no faces"));
   EXPECT_THAT(ObjRefusal(kThree), HasSubstr("no faces"));
@@ -82,7 +82,7 @@ TEST(ObjHostileTest, LiesAreRefusedWithTheirLine) {
   EXPECT_THAT(ObjRefusal(BinaryStl(CubeFacets())), HasSubstr("scene.obj:1"));
 }
 
-TEST(ObjHostileTest, SizesAreLimited) {
+TEST(ObjHostileTest, FacesAndMaterialsBeyondTheLimitsAreRefused) {
   std::string polygon = kThree;
   polygon += "f";
   for (std::size_t i = 0; i <= kMaxObjFaceCorners; ++i) polygon += " 1";
@@ -115,7 +115,7 @@ TEST(ObjHostileTest, FacesThatCannotBeDividedAreRefusedRatherThanLeftOut) {
   }
 }
 
-TEST(StlHostileTest, CountsThatLieAreRefused) {
+TEST(StlHostileTest, CountsBeyondTheFileAreRefused) {
   const std::string whole = BinaryStl(CubeFacets());
   EXPECT_EQ(StlRefusal(whole), "");
   for (const std::uint32_t count : {0U, 11U, 13U, 20'000'001U, 0xFFFFFFFFU}) {

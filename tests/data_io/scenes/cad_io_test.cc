@@ -65,7 +65,7 @@ TEST(CadIoTest, EachFormatHasItsUsualUpwardAxis) {
   EXPECT_EQ(Bounds(stl).max(), Bounds(obj).max());
 }
 
-TEST(CadIoTest, UnitsScale) {
+TEST(CadIoTest, MetresPerUnitScalesTheScene) {
   ExpectBox(ParseObj(CubeObj(), "box.obj", {.metres_per_unit = 0.001, .up = kZ}), {0.001, 0.002, 0.003});
   ExpectBox(ParseStl(TextStl(CubeFacets()), "box.stl", {.metres_per_unit = 0.3048}),
             {0.3048, 0.6096, 0.9144});
@@ -158,7 +158,7 @@ TEST(CadIoTest, StarsOfAnyShapeKeepTheirArea) {
   }
 }
 
-TEST(CadIoTest, WhatSaysNothingOfShapeIsPassedOver) {
+TEST(CadIoTest, LinesWithoutShapeAreIgnored) {
   const std::string obj =
       "\xEF\xBB\xBF# made by hand\r\nmtllib not_there.mtl ../../etc/passwd\r\no box\r\ng a b c\r\ns off\r\n"
       "v 0 0 0 0.5 0.5 0.5\r\nv 1 0 0 1.0\r\n\r\nv 0 1e0 -0.0\r\nvt 0 0\r\nvn 0 0 1\r\nusemtl rock\r\nl 1 "
@@ -169,7 +169,7 @@ TEST(CadIoTest, WhatSaysNothingOfShapeIsPassedOver) {
   EXPECT_EQ(scene.material_names, std::vector<std::string>{"rock"});
 }
 
-TEST(CadIoTest, CoordinatesComeBackAsTheyWere) {
+TEST(CadIoTest, CoordinatesReadBackExactly) {
   const std::string obj =
       "v 1.23456789 -7.7e-5 33333.332\nv 0.1 16777217 0.333333343\nv +2.5 1e-30 -4\nf 1 2 3\n";
   const Scene scene = ParseObj(obj, "digits.obj", {.up = kZ});
@@ -181,7 +181,7 @@ TEST(CadIoTest, CoordinatesComeBackAsTheyWere) {
   }
 }
 
-TEST(CadIoTest, TheNameTellsTheFormat) {
+TEST(CadIoTest, TheFileNameDecidesTheFormat) {
   const TempDir dir;
   WriteFile(dir / "box.OBJ", CubeObj());
   WriteFile(dir / "box.Stl", TextStl(CubeFacets()));

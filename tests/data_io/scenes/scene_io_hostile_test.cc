@@ -50,7 +50,7 @@ class SceneIoHostileTest : public ::testing::Test {
   TempDir dir_;
 };
 
-TEST_F(SceneIoHostileTest, WhatIsNoGltfIsRefused) {
+TEST_F(SceneIoHostileTest, FilesThatAreNoGltfAreRefused) {
   EXPECT_THROW(ReadGltf(dir_ / "absent.gltf"), DataError);
   EXPECT_THROW(ReadGltf(dir_.path()), DataError);
   EXPECT_THAT(RefusalOf(""), HasSubstr("JSON"));
@@ -62,7 +62,7 @@ TEST_F(SceneIoHostileTest, WhatIsNoGltfIsRefused) {
   EXPECT_THAT(RefusalOf("{\"asset\": {\"version\": \"2.0\"}, \"\xff\": 1}"), HasSubstr("JSON"));
 }
 
-TEST_F(SceneIoHostileTest, AccessorsThatLieAreRefused) {
+TEST_F(SceneIoHostileTest, AccessorsBeyondTheirBuffersAreRefused) {
   ExpectRefusal("claims 5 elements", [](auto& gltf) { gltf.root["accessors"][0]["count"] = 5; });
   ExpectRefusal("claims 2000000000", [](auto& gltf) { gltf.root["accessors"][0]["count"] = 2'000'000'000; });
   ExpectRefusal("whole number", [](auto& gltf) { gltf.root["accessors"][0]["count"] = 1ULL << 63; });
@@ -84,7 +84,7 @@ TEST_F(SceneIoHostileTest, AccessorsThatLieAreRefused) {
   ExpectRefusal("unsigned scalar", [](auto& gltf) { gltf.root["accessors"][1]["componentType"] = 5120; });
 }
 
-TEST_F(SceneIoHostileTest, NamesOfThingsThatAreNotThereAreRefused) {
+TEST_F(SceneIoHostileTest, ReferencesToAbsentObjectsAreRefused) {
   const auto primitive = [](GltfBuilder& gltf) -> json& { return gltf.root["meshes"][0]["primitives"][0]; };
   ExpectRefusal("accessor 7", [&](auto& gltf) { primitive(gltf)["attributes"]["POSITION"] = 7; });
   ExpectRefusal("accessor", [&](auto& gltf) { primitive(gltf)["indices"] = 7; });
@@ -145,7 +145,7 @@ TEST_F(SceneIoHostileTest, BuffersOutsideTheDirectoryAreRefused) {
   }
 }
 
-TEST_F(SceneIoHostileTest, BuffersThatAreNotWhatTheyClaimAreRefused) {
+TEST_F(SceneIoHostileTest, BuffersOfAnotherLengthOrEncodingAreRefused) {
   const GltfBuilder gltf = Tetrahedron();
   EXPECT_THAT(RefusalOf(gltf.WithUri("absent.bin")), HasSubstr("no such file"));
   EXPECT_THAT(RefusalOf(gltf.WithUri(".")), HasSubstr("not a file"));

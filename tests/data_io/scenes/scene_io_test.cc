@@ -75,7 +75,7 @@ TEST_F(SceneIoTest, WritesYUpWithItsNameAndNothingBesideTheFile) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(dir_.path()), {}), 1);
 }
 
-TEST_F(SceneIoTest, WhatCannotBeWrittenIsRefusedAndLeavesNoFile) {
+TEST_F(SceneIoTest, InvalidScenesAndPathsAreRefusedAndLeaveNoFile) {
   EXPECT_THROW(WriteGltf(TwoMaterials(), dir_ / "scene.obj"), DataError);
   EXPECT_THROW(WriteGltf(TwoMaterials(), dir_ / "absent/scene.gltf"), DataError);
   EXPECT_THROW(WriteGltf(Scene{}, dir_ / "scene.gltf"), DataError);
@@ -217,7 +217,7 @@ TEST_F(SceneIoTest, SeveralPrimitivesOfAMeshShareTheirVertices) {
   EXPECT_EQ(scene.triangles.size(), 2u);
 }
 
-TEST_F(SceneIoTest, PicturesAndOtherThingsWithoutAShapeDoNotMatter) {
+TEST_F(SceneIoTest, PicturesAndOtherPartsWithoutShapeAreIgnored) {
   GltfBuilder gltf = OneTriangle();
   gltf.root["images"] = {{{"uri", "absent.png"}},
                          {{"uri", "../../etc/passwd"}},

@@ -86,7 +86,7 @@ class ArisTest : public testing::RecordingFileTest {
   std::string Refusal(const SyntheticAris& aris) { return RecordingFileTest::Refusal(aris.Write().bytes()); }
 };
 
-TEST(ArisSample, HoldsWhatTheMakersFileHolds) {
+TEST(ArisSample, FieldsEqualThoseOfTheMakersFile) {
   SONARCAL_NEEDS_RECORDING(path, "aris1200_telephoto/sample.aris");
   const auto recording = OpenRecording(path);
   const RecordingInfo& info = recording->info();

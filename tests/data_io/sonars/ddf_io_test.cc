@@ -139,7 +139,7 @@ TEST_F(DdfTest, TimesComeFromTheClockFields) {
   EXPECT_THAT(undated->info().notes, Contains(HasSubstr("no valid date")));
 }
 
-TEST_F(DdfTest, SaysWhatItDoesNotKnow) {
+TEST_F(DdfTest, UntestedFormatsAndContradictoryCountsAreNoted) {
   const auto recording = Open({.header_frames = 7});
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("tried on no file of a real DIDSON")));
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("gives 7 frames; the file's size gives 2")));
@@ -155,7 +155,7 @@ TEST_F(DdfTest, AFrameThatIsCutShortIsLeftOut) {
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("no whole frame")));
 }
 
-TEST_F(DdfTest, WhatCannotBeIsRefusedByName) {
+TEST_F(DdfTest, FieldsOutsideTheirDomainAreRefusedByName) {
   EXPECT_THAT(Refusal({.beams = 64}), HasSubstr("byte 16: beams: 64, expected 48 or 96"));
   EXPECT_THAT(Refusal({.samples = 400}), HasSubstr("samples a beam: 400, expected 512..512"));
   EXPECT_THAT(Refusal({.start_code = 32}), HasSubstr("window start code: 32, expected 0..31"));

@@ -160,7 +160,7 @@ TEST_F(DfkiUxoTest, ThePublishedPosesLookAtTheirTarget) {
               Contains(Pair("target", HasSubstr("100lbs at (1.25108, 1.5927, -1.48983)"))));
 }
 
-TEST_F(DfkiUxoTest, WhatIsMissingOrDisagreesIsNoted) {
+TEST_F(DfkiUxoTest, MissingAndContradictoryFilesAreNoted) {
   testing::WriteFile(recording_ / "gantry.csv", "aris_frame_idx,x,y,z\n622,0.165015,0.999479,-0.7\n");
   std::filesystem::remove(recording_ / "aris_raw" / "1340.pgm");
   const auto recording = OpenRecording(recording_);
@@ -209,7 +209,7 @@ TEST_F(DfkiUxoTest, DamagedFilesEndInOneSentence) {
     testing::ExpectOnlyDataErrors(recording_, file, testing::ReadFile(file), 400);
 }
 
-TEST_F(DfkiUxoTest, ChainsOfFrames) {
+TEST_F(DfkiUxoTest, FramesAreFoundThroughChainsButNotThroughCircles) {
   const FrameTree tree(dir_ / "calibration" / "transforms.yaml");
   // A half turn about Y: the housing's 0.1 m behind lie 0.1 m ahead of the crane.
   const auto pose = tree.Find("setup/portal_crane", "setup/sonar");

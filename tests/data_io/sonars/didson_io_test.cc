@@ -98,7 +98,7 @@ TEST(DidsonSample, EveryTargetFreePingOpens) {
   EXPECT_TRUE(testing::OpensWholly(folder));
 }
 
-TEST(DidsonAzimuths, InvertThePolynomial) {
+TEST(DidsonAzimuths, AzimuthsInvertThePolynomialOfTheMaker) {
   const std::vector<double> azimuth_rad = DidsonAzimuthsRad();
   ASSERT_EQ(azimuth_rad.size(), 96u);
   for (int beam = 0; beam < 96; ++beam) {

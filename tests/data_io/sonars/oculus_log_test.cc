@@ -87,14 +87,14 @@ TEST_F(OculusLogTest, GivesThePingsOfItsItems) {
   }
 }
 
-TEST_F(OculusLogTest, WhatFollowsDamageIsLeftOut) {
+TEST_F(OculusLogTest, ItemsAfterADamagedOneAreLeftOut) {
   const std::string whole = Head() + MadeUpItem{}.Write(ping_) + MadeUpItem{.compression = 1}.Write(ping_);
   const auto cut = Open(whole.substr(0, whole.size() - 3));
   EXPECT_EQ(cut->frame_count(), 1);
   EXPECT_THAT(cut->info().notes, Contains(HasSubstr("no whole item")));
 }
 
-TEST_F(OculusLogTest, WhatCannotBeIsRefusedByName) {
+TEST_F(OculusLogTest, EncryptedEmptyAndOversizedLogsAreRefusedByName) {
   EXPECT_THAT(Refusal(Head(1) + MadeUpItem{}.Write(ping_)), HasSubstr("encrypted logs cannot be read"));
   EXPECT_THAT(Refusal(Head()), HasSubstr("no whole simple ping result"));
   EXPECT_THAT(Refusal(Head() + MadeUpItem{}.Write("no message of an Oculus")),

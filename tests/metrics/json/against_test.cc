@@ -56,7 +56,7 @@ TEST(AgainstTest, AnEqualRunIsTheSameByEveryFigure) {
 }
 
 // The step is a tenth of the spread over frames: their intervals overlap, and pairing alone tells it.
-TEST(AgainstTest, PairedFramesTellASmallStepInEitherDirection) {
+TEST(AgainstTest, PairedFramesDetectASmallStepInEitherDirection) {
   const MetricsReport before = RunOf(16, 0.0, 1);
   const MetricsReport after = RunOf(16, 0.02, 2);
   const Against worse = CompareAgainst(after, MetricsJson(before), "earlier.json");
@@ -79,7 +79,7 @@ TEST(AgainstTest, PairedFramesTellASmallStepInEitherDirection) {
 }
 
 // The truth does not change; 95 % intervals may miss it in one run of twenty.
-TEST(AgainstTest, ChangesWithinTheNoiseAreNotTold) {
+TEST(AgainstTest, ChangesWithinTheNoiseAreNotReported) {
   int told = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const Against against =
@@ -99,12 +99,12 @@ TEST(AgainstTest, WithoutCommonFramesTheIntervalsDecide) {
   EXPECT_EQ(ChangeOf(far, kError).verdict, ChangeVerdict::kWorse);
 }
 
-TEST(AgainstTest, OneFrameOnlyTellsNothing) {
+TEST(AgainstTest, OneFrameGivesNoVerdict) {
   const Against against = CompareAgainst(RunOf(1, 0.3, 1), MetricsJson(RunOf(1, 0.0, 1)), "earlier.json");
   EXPECT_EQ(ChangeOf(against, kError).verdict, ChangeVerdict::kNotTold);
 }
 
-TEST(AgainstTest, WhatMakesTheTwoHardToCompareIsNoted) {
+TEST(AgainstTest, DifferencesThatHinderAComparisonAreNoted) {
   const MetricsReport before = RunOf(5, 0.0, 1);
   MetricsReport after = before;
   after.real = "harbour";

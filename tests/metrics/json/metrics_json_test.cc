@@ -76,7 +76,7 @@ TEST(MetricsJsonTest, MacroAndMicroCarryTheSameNamesAndIntervals) {
               1e-12);
 }
 
-TEST(MetricsJsonTest, WhatIsUndefinedIsNullWithItsReason) {
+TEST(MetricsJsonTest, UndefinedFiguresAreNullWithTheirReason) {
   MetricsReport report;
   report.frames.resize(1);
   report.aggregate = AggregateFrames(report.frames);

@@ -16,7 +16,7 @@ using testing::MaskOf;
 const Grid<float> kReal = GridOf({{10.0f, 40.0f, 0.0f, 20.0f}});
 const Grid<float> kSimulated = GridOf({{20.0f, 20.0f, 30.0f, 60.0f}});
 
-TEST(IntensityTest, ComputedByHandOverEachDomain) {
+TEST(IntensityTest, ErrorsOverEachDomainEqualThoseByHand) {
   const IntensityError error =
       MeasureIntensityError(kReal, kSimulated, 100.0, MaskOf({"##.."}), MaskOf({".##."}));
   EXPECT_EQ(error.whole.pixels, 4);
@@ -69,7 +69,7 @@ TEST(IntensityTest, PoolingTwoFramesIsMeasuringThemAsOne) {
   EXPECT_NEAR(pooled.union_region.bias().value(), 0.0, 1e-12);
 }
 
-TEST(IntensityTest, FurtherReadingsOfTheErrorComputedByHand) {
+TEST(IntensityTest, DerivedErrorsEqualThoseByHand) {
   const IntensityError error =
       MeasureIntensityError(kReal, kSimulated, 100.0, MaskOf({"##.."}), MaskOf({".##."}));
   EXPECT_NEAR(error.whole.relative().value(), 1.0 / 0.7, 1e-12);
@@ -108,7 +108,7 @@ TEST(IntensityTest, ObjectsOfDifferentPlacesCompareByTheirMeans) {
                    .objects.mean_difference());
 }
 
-TEST(IntensityTest, DomainsAreNamed) {
+TEST(IntensityTest, EachDomainSelectsItsOwnError) {
   IntensityError error;
   error.whole.pixels = 1;
   error.overlap.pixels = 2;

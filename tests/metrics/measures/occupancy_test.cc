@@ -18,7 +18,7 @@ const Mask& Simulated() {
   return mask;
 }
 
-TEST(OccupancyTest, CountedByHand) {
+TEST(OccupancyTest, CountsAndRatiosEqualThoseByHand) {
   const Occupancy counts = CountOccupancy(Real(), Simulated());
   EXPECT_EQ(counts, (Occupancy{.ns = 4, .nr = 6, .na = 3}));
   EXPECT_EQ(counts.union_count(), 7);
@@ -58,7 +58,7 @@ TEST(OccupancyTest, ARatioOverNothingHasNoValue) {
   EXPECT_EQ(CountOccupancy(empty, empty).dice(), std::nullopt);
 }
 
-TEST(OccupancyTest, PoolingAddsCounts) {
+TEST(OccupancyTest, PooledFramesAddTheirCounts) {
   Occupancy pooled = CountOccupancy(Real(), Simulated());
   pooled += {.ns = 10, .nr = 20, .na = 5};
   EXPECT_EQ(pooled, (Occupancy{.ns = 14, .nr = 26, .na = 8}));

@@ -130,7 +130,7 @@ TEST(CfarTest, AgreesWithTheWindowGatheredPixelByPixel) {
   }
 }
 
-TEST(CfarTest, AnotherObjectAmongTheTrainingCellsHidesFromTheMeanAloneWhatIsWeak) {
+TEST(CfarTest, ASecondObjectHidesAWeakOneFromCellAveragingOnly) {
   Grid<float> power = Noise(5, 1.0, 60, 40);
   power(30, 20) = 2e5F;
   for (int row = 34; row < 38; ++row) {
@@ -209,7 +209,7 @@ TEST(CfarTest, ANoiseFreeImageHasItsEchoesAndAConstantOneNone) {
   }
 }
 
-TEST(CfarTest, RefusesWhatItCannotTest) {
+TEST(CfarTest, OptionsThatLeaveNoTestAreRefused) {
   PolarImage image = testing::SpeckledBlock(1);
   SegmentationOptions options = Options(SegmentationMethod::kCaCfar);
   options.cfar_domain = CfarDomain::kPower;

@@ -46,7 +46,7 @@ TEST(LocalContrastTest, WithoutARingThereIsNoContrast) {
 }
 
 // A block on a ground that rises as much, over the image, as the block stands out.
-TEST(LocalContrastTest, FindsABlockOnASlopeThatNoOneThresholdCanTell) {
+TEST(LocalContrastTest, FindsABlockOnASlopeWhereNoSingleThresholdDoes) {
   Grid<float> value(120, 60);
   Mask block(120, 60);
   for (int row = 0; row < 120; ++row) {

@@ -265,7 +265,7 @@ TEST(SegmentationOptionsTest, AnInvalidOptionIsNamedWithValueAndLimit) {
               HasSubstr("has no law of the background"));
 }
 
-TEST(SegmentationOptionsTest, MethodNamesComeBack) {
+TEST(SegmentationOptionsTest, EveryMethodIsFoundByItsName) {
   for (const auto& [word, method] : WordsOf(std::type_identity<SegmentationMethod>{}))
     EXPECT_EQ(FromWord<SegmentationMethod>(ToString(method)), method) << word;
   EXPECT_FALSE(FromWord<SegmentationMethod>("magic"));

@@ -102,7 +102,7 @@ TEST(TriangleTest, TheCornerOfAnLIsFoundOneClassFurtherOut) {
   EXPECT_NEAR(TriangleThreshold(values, 255.0), 12.0, 1e-9);
 }
 
-TEST(BackgroundTest, RobustStatisticsOfAHandfulOfValues) {
+TEST(BackgroundTest, RobustStatisticsOfFewValuesEqualThoseByHand) {
   const Background odd = RobustBackground({1.0f, 2.0f, 3.0f, 4.0f, 1000.0f});
   EXPECT_EQ(odd.centre, 3.0);
   EXPECT_NEAR(odd.spread, 1.4826 * 1.0, 1e-9);  // deviations 2, 1, 0, 1, 997

@@ -139,7 +139,7 @@ TEST(ExpectedPower, FloorLevelIsThatOfTheResolutionCell) {
 // run from D on only, so that the pulse is seen at its full slope: power shared between two fine rows a
 // quarter of a bin apart interpolates the pulse linearly, off by up to 0.25^2 / 8 x 8 ln 2 (bin / pulse)^2 of
 // its peak, 4.3 % for a pulse of one bin.
-TEST(ExpectedPower, PlateByQuadrature) {
+TEST(ExpectedPower, AFacingPlateEqualsTheQuadratureOverDirections) {
   constexpr double kDistance = 3.33;
   Scene plate;
   AddQuad(plate, {-5, kDistance, -5}, {10, 0, 0}, {0, 0, 10}, "plate");

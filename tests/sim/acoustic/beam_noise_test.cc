@@ -131,7 +131,7 @@ TEST(BeamNoise, OtherPatternsHaveTheGrainOfTheirBeams) {
 }
 
 // The acoustic model's draws show it: noise alone, no echo.
-TEST(BeamNoise, IsWhatSamplesShow) {
+TEST(BeamNoise, CovarianceEqualsThatOfSamples) {
   for (const BeamForming forming : {BeamForming::kArray, BeamForming::kUnknown, BeamForming::kLens}) {
     SonarModel sonar = FindSonarPreset("p900-45").sonar;
     sonar.beam_forming = forming;

@@ -102,7 +102,7 @@ double DistanceFromExponential(std::vector<double> ratios) {
 //
 // Left out: four bins at either end, as the acoustic model drops what lies beyond the window while its pulse
 // still reaches in.
-TEST_F(CoherentImage, MeanOfManyDrawsIsTheAcousticExpectation) {
+TEST_F(CoherentImage, MeanOfManySamplesIsTheExpectedImage) {
   constexpr int kDraws = 250;
   const Grid<float> expected = Expected();
   Grid<double> sum(kBins, kBeams);
@@ -301,7 +301,7 @@ TEST_F(CoherentImage, FrozenSpeckleIsFrozen) {
 }
 
 // The paper model has no beams that reach into a margin, and no coherent image comes from echoes.
-TEST_F(CoherentImage, MisuseIsRefused) {
+TEST_F(CoherentImage, EchoListsAndThePaperModelAreRefused) {
   SimulationOptions options;
   options.fan = Fan(kBeams, 20);
   const Simulator simulator(TestScene(), sonar_, options);

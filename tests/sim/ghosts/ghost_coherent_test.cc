@@ -56,7 +56,7 @@ SimulationOptions Options(int cols, int rows) {
 // As in coherent_image_test.cc: at one look a pixel's power has the standard deviation of its mean, so that
 // z = (mean / expected - 1) sqrt(n) has a mean square of 1; a bias of 10 % (0.4 dB) adds 2.5 at 250 draws.
 // Were the two ways of a pair to add in power, the floor's ghosts would be 3 dB down.
-TEST(CoherentGhosts, MeanOfManyDrawsIsTheAcousticExpectation) {
+TEST(CoherentGhosts, MeanOfManySamplesIsTheExpectedImage) {
   constexpr int kDraws = 250;
   SonarModel sonar = MakeSonar(EvenAzimuthsDeg(kBeams, 1.0), 22.0, 2.8, 4.0, kBins);
   sonar.azimuth_beam_width_deg = 2.0;

@@ -71,7 +71,7 @@ class SyntheticTankWithGhosts : public SyntheticTruth {
 // wall, whose pairs arrive apart, how a surface scatters from one direction to another.
 //
 // Cells, where ghosts or not are smooth: mean displayed values with and without ghosts beside the recorded.
-TEST_F(SyntheticTankWithGhosts, GhostsExplainWhatTheDirectImageDoesNot) {
+TEST_F(SyntheticTankWithGhosts, GhostsExplainTheEchoesThatTheDirectImageLacks) {
   std::array<MeanRatio, 2> of_mirror;
   const std::array<std::string, 2> names = {"floor", "wall"};
   double without = 0.0;

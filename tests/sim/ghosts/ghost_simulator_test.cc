@@ -76,7 +76,7 @@ TEST_F(TankWithMirrors, NoMirrorNoGhosts) {
 }
 
 // Expected and sampled images show the ghosts; a mirror that loses everything is none.
-TEST_F(TankWithMirrors, ImagesShowThem) {
+TEST_F(TankWithMirrors, GhostsBrightenTheExpectedImageAndNeverDarkenIt) {
   parameters_.display = {.db_min = 60.0, .db_max = 160.0};
   const EchoList echoes = simulator_.TraceEchoes(pose_);
   const Grid<float> without = simulator_.RenderExpected(echoes, parameters_).value;
@@ -97,7 +97,7 @@ TEST_F(TankWithMirrors, ImagesShowThem) {
 }
 
 // What is sent at 30 degrees is outside of beams that end at 25.6, and comes back into them by a wall.
-TEST(Ghosts, WhatIsSentAsideComesBack) {
+TEST(Ghosts, EnergySentAsideReturnsByTheMirror) {
   Scene scene;
   AddQuad(scene, {1.0, 0.5, -1}, {0, 6, 0}, {0, 0, 2}, "mirror");
   AddQuad(scene, {-0.1, 3.4, -0.1}, {0.2, 0, 0}, {0, 0, 0.2}, "plate");

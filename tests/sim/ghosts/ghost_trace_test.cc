@@ -65,7 +65,7 @@ TEST_F(OnePlate, AMirrorEndsWhereItsSurfaceDoes) {
   EXPECT_EQ(Counts(Make(1.9, 3.4)), std::make_pair(0, 0));
 }
 
-TEST_F(OnePlate, LegsAreBlocked) {
+TEST_F(OnePlate, AScreenOnEitherLegRemovesItsEchoes) {
   const auto [single, both] = Counts(Make(0.5, 3.4));
   Scene straight_blocked = Make(0.5, 3.4);
   AddQuad(straight_blocked, {-0.1, 2.5, -0.1}, {0.2, 0, 0}, {0, 0, 0.2}, "screen");

@@ -48,7 +48,7 @@ TEST(MirrorSurface, SphereSpreadsAsCoddingtonSays) {
   }
 }
 
-TEST(MirrorSurface, FlatStaysFlat) {
+TEST(MirrorSurface, AFlatMirrorKeepsTheSpreadingOfTheBundle) {
   Scene scene;
   AddBox(scene, {-1, -1, -1}, {1, 1, 1}, "mirror");
   const MirrorSurface mirrors(scene, {1});

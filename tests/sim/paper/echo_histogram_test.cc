@@ -33,7 +33,7 @@ EchoList TankEchoes() {
 }
 
 // Everything the histogram keeps, counted again echo by echo.
-TEST(EchoHistogram, EqualsARecount) {
+TEST(EchoHistogram, EveryCellEqualsARecountEchoByEcho) {
   const EchoList echoes = TankEchoes();
   const PolarAxes axes = TestSonar().axes;
   const EchoHistogram histogram = GatherEchoes(echoes, axes);

@@ -146,7 +146,7 @@ TEST(ExpectedPaperImage, SameOnAnyNumberOfThreads) {
   EXPECT_EQ(WithThreads(4, render), one);
 }
 
-TEST(ExpectedPaperImage, ClampsTheMean) {
+TEST(ExpectedPaperImage, TheMeanIsClampedToTheDisplaysEnds) {
   const SonarModel sonar = EvenSonar();
   const EchoHistogram histogram = GatherEchoes(EvenlySpreadEchoes(sonar), sonar.axes);
   auto p = TwoMaterials(0.05, 0.7, JitterGrowth::kRoot);
@@ -314,7 +314,7 @@ class ExpectedPaperImageDerivatives : public ::testing::TestWithParam<bool> {
 
 // Levels, display and materials: against differences of the same function, whose blurs do not change. Steps
 // of 1e-4 p; the image's third derivatives (p^3 f''' <= 10) leave 1e-8 x 10 / 6.
-TEST_P(ExpectedPaperImageDerivatives, EqualCentralDifferences) {
+TEST_P(ExpectedPaperImageDerivatives, DerivativesEqualCentralDifferences) {
   const Vector at = ExampleVector();
   const std::vector<Jet> jets = Jets(at);
   const std::vector<double> values = Values(at);

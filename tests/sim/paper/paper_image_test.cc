@@ -259,7 +259,7 @@ TEST(PaperImage, ClampsTheSumAndNotTheRay) {
 }
 
 // Levels far beyond the display: huge sums must neither wrap around nor lose their sign.
-TEST(PaperImage, NarrowDisplaySaturates) {
+TEST(PaperImage, LevelsFarBeyondANarrowDisplaySaturate) {
   const SonarModel sonar = MakeSonar({-1.0, 0.0, 1.0}, 20.0, 0.5, 2.5, 2);
   std::vector<Ray> rays;
   for (int i = 0; i < 40; ++i) {

@@ -104,7 +104,7 @@ TEST(ElevationResponse, IsAHalfAtHalfTheWidth) {
   EXPECT_NEAR(response.Power(RadFromDeg(35.0)), std::pow(one_way, 4), 1e-7);
 }
 
-TEST(AzimuthPower, HighestSideLobe) {
+TEST(AzimuthPower, HighestSideLobeHasTheTextbookLevel) {
   const struct {
     double taper;
     double level_db;
@@ -206,7 +206,7 @@ TEST(AzimuthPower, TablesAreLinearInDecibelsAndEnd) {
 }
 
 // Beams that are not even: the table counts beams, whatever lies between them.
-TEST(AzimuthPower, TablesCountBeams) {
+TEST(AzimuthPower, ATableIsIndexedByBeamEvenWhereBeamsAreUneven) {
   const std::vector<double> table_db = {-40.0, -10.0, 0.0, -20.0, -30.0};
   const std::vector<double> centres = {0.0, 0.01, 0.03, 0.035, 0.1};
   AzimuthShape<double> shape = Table(table_db, 0.02);
@@ -219,7 +219,7 @@ TEST(AzimuthPower, TablesCountBeams) {
 }
 
 // By the trapezoid rule, over everything in front of the array.
-TEST(AzimuthEquivalentWidth, IsTheIntegral) {
+TEST(AzimuthEquivalentWidth, WidthEqualsTheIntegralOfThePattern) {
   const std::vector<double> table_db = {-30.0, -12.0, 0.0, -12.0, -9.0};
   const AzimuthShape<double> shapes[] = {
       Aperture(1.0, 1.0), Aperture(1.0, 0.3), Table(table_db, 0.01), {.width_rad = 0.02}};

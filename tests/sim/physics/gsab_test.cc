@@ -32,7 +32,7 @@ GsabParameters<T> FromValues(const std::array<T, 6>& v) {
   return {v[0], v[1], v[2], v[3], v[4], v[5]};
 }
 
-TEST(Gsab, MeetsTheTable) {
+TEST(Gsab, LevelsEqualThePublishedTable) {
   const double table[][2] = {{0, -7.488},   {3, -9.376},   {5, -12.366},  {10, -18.048}, {20, -21.268},
                              {30, -24.339}, {45, -26.980}, {60, -30.020}, {75, -35.740}, {85, -45.194}};
   for (const auto& [incidence_deg, level_db] : table) {
@@ -40,7 +40,7 @@ TEST(Gsab, MeetsTheTable) {
   }
 }
 
-TEST(Gsab, LambertAlone) {
+TEST(Gsab, WithoutFacetsTheCurveIsLambertsLaw) {
   const GsabParameters<double> lambert{
       .a = 0.0, .b_deg = 4.0, .c = std::pow(10.0, -2.7), .d = 2.0, .e = 0.0, .f_deg = 8.0};
   EXPECT_NEAR(GsabDb(lambert, 0.0), -27.0, 1e-9);
@@ -56,7 +56,7 @@ TEST(Gsab, WidthsAreStandardDeviations) {
 }
 
 // Between two directions: backscatter where they are one, the same either way round, a facet's peak midway.
-TEST(Gsab, BetweenTwoDirections) {
+TEST(Gsab, TwoDirectionsAreReciprocalAndBackscatterWhereTheyAgree) {
   const GsabParameters<double> p = Tabulated();
   for (const double incidence_deg : {0.0, 3.0, 20.0, 60.0, 89.0}) {
     EXPECT_NEAR(

@@ -40,7 +40,7 @@ TEST(Jitter, FallsWithTheRootOfFrequency) {
   }
 }
 
-TEST(BlurWeight, SharesOutEverything) {
+TEST(BlurWeight, WeightsOfAllBinsAddUpToOne) {
   for (const double sigma : {1e-9, 0.01, 0.3, 1.0, 20.0}) {
     double sum = 0.0;
     const double step = std::max(0.25, sigma / 4.0);
@@ -50,7 +50,7 @@ TEST(BlurWeight, SharesOutEverything) {
   }
 }
 
-TEST(BlurWeight, NoErrorNoBlur) {
+TEST(BlurWeight, ZeroErrorGivesNoBlur) {
   EXPECT_NEAR(GaussianBlurWeight(1.0, 3.0, 1.0, 3.0, 1e-9).value, 1.0, 1e-8);
   EXPECT_NEAR(GaussianBlurWeight(1.0, 3.0, 3.0, 4.0, 1e-9).value, 0.0, 1e-8);
   EXPECT_NEAR(GaussianBlurWeight(1.0, 3.0, 0.0, 1.5, 1e-9).value, 0.25, 1e-8);  // the share that overlaps
@@ -63,7 +63,7 @@ double NormalCdf(double x) {
 
 // The midpoint rule over n steps errs by at most (width / n)^2 / 24 max |f''|; f is a difference of two
 // normal distributions, |f''| <= 2 x 0.242 / sigma^2.
-TEST(BlurWeight, EqualsNumericalIntegration) {
+TEST(BlurWeight, WeightEqualsNumericalIntegration) {
   constexpr int kSteps = 4000;
   const struct {
     double from_low, from_high, to_low, to_high, sigma;
@@ -82,7 +82,7 @@ TEST(BlurWeight, EqualsNumericalIntegration) {
   }
 }
 
-TEST(BlurWeight, EqualsMonteCarlo) {
+TEST(BlurWeight, WeightEqualsTheShareOfRandomDraws) {
   std::mt19937_64 random(20241207);
   std::uniform_real_distribution<double> uniform(0.4, 0.9);
   std::normal_distribution<double> normal(0.0, 0.6);

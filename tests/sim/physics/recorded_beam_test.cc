@@ -31,7 +31,7 @@ TEST(AzimuthTableDb, AnEvenResponseIsCompletedFromItsOtherEnd) {
   EXPECT_EQ(table.front(), table.back());
 }
 
-TEST(AzimuthTableDb, NonsenseIsRefused) {
+TEST(AzimuthTableDb, EmptyUnpeakedAndNegativeResponsesAreRefused) {
   EXPECT_THROW(AzimuthTableDb({}, {}, "test"), DataError);
   EXPECT_THROW(AzimuthTableDb({0.1, 0.0, 0.1}, {}, "test"), DataError);
   EXPECT_THROW(AzimuthTableDb({0.3, 0.2, 0.1}, {}, "test"), DataError) << "peak not in the middle";

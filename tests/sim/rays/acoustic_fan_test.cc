@@ -64,7 +64,7 @@ double Roughness(RayFanOptions options, const Eigen::Vector3d& axis) {
   return largest;
 }
 
-TEST(AcousticFan, IsStaggered) {
+TEST(AcousticFan, DefaultFanStaggersColumnsAndRows) {
   const RayFanOptions options = AcousticFanOptions(Sonar(), Parameters());
   EXPECT_TRUE(options.stagger);
   EXPECT_TRUE(options.stagger_rows);

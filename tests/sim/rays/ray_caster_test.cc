@@ -116,7 +116,7 @@ TEST(RayCaster, EqualsBruteForceOverRandomTriangles) {
   EXPECT_LT(doubtful, (hits + misses) / 100);
 }
 
-TEST(RayCaster, CountsItsRays) {
+TEST(RayCaster, EveryCastRayIsCountedMissesIncluded) {
   Scene scene;
   AddQuad(scene, {-9, 5, -9}, {18, 0, 0}, {0, 0, 18}, "wall");
   const RayCaster caster(scene);
@@ -146,7 +146,7 @@ TEST(RayCaster, NothingIsMetBeyondTheLimit) {
   EXPECT_LT(within, fan.size() - 50);
 }
 
-TEST(RayCaster, WhatIsBehindIsNotSeen) {
+TEST(RayCaster, SurfacesBehindTheSonarAreNotSeen) {
   Scene scene;
   AddQuad(scene, {-90, -5, -90}, {180, 0, 0}, {0, 0, 180}, "wall");
   const RayCaster caster(scene);

@@ -302,7 +302,7 @@ std::vector<std::vector<float>> WeightsOf(const RayFan& fan) {
   return weights;
 }
 
-TEST_P(BothSamplings, WeighAlikeUnlessToldOtherwise) {
+TEST_P(BothSamplings, AllRaysWeighOneByDefault) {
   const RayFan fan(UnevenSonar(), Options(GetParam(), 50, 41));
   EXPECT_TRUE(fan.weighs_evenly());
   EXPECT_EQ(fan.largest_weight(), 1.0);
@@ -384,7 +384,7 @@ void ExpectRefused(const Make& make, const std::string& words) {
   EXPECT_THAT(make, ThrowsMessage<DataError>(HasSubstr(words)));
 }
 
-TEST(RayFanRefusals, NameTheField) {
+TEST(RayFanRefusals, OptionsOutsideTheirLimitsAreRefusedByName) {
   const SonarModel sonar = UnevenSonar();
   const auto with = [&](int cols, int rows, double span_deg) {
     return [=] { RayFan(sonar, {Sampling::kFrustum, cols, rows, span_deg}); };

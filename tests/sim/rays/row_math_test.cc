@@ -164,7 +164,7 @@ std::vector<float> Row(float value) {
   return std::vector<float>(17, value);
 }
 
-TEST(RowMath, BinsOfWhatIsNoPlaceInTheImage) {
+TEST(RowMath, ValuesOutsideTheImageHaveNoBin) {
   for (const float value : {kNoNumber, kEnd, -kEnd, kLargest, -kLargest, -kLeast, 8.0F}) {
     std::vector<std::int32_t> bin(17);
     row_math::Bins(Row(value).data(), 0.0F, 1.0F, 8, 17, bin.data());

@@ -76,7 +76,7 @@ TEST(Trace, TiltedPlaneInClosedForm) {
   }
 }
 
-TEST(Trace, KnowsMaterials) {
+TEST(Trace, EveryEchoHasTheMaterialThatItsRayMeets) {
   const SonarModel sonar = TestSonar(0.1, 60.0);
   const RayFan fan = TestFan(sonar);
   Scene scene;
@@ -219,7 +219,7 @@ TEST(Trace, KeepsTheRangeWindow) {
   ASSERT_LT(expected.size(), static_cast<std::size_t>(fan.size()) - 500U);
 }
 
-TEST(Trace, WhatIsTooNearShadowsAndGivesNoEcho) {
+TEST(Trace, ASurfaceNearerThanTheWindowShadowsAndGivesNoEcho) {
   Scene scene;
   AddQuad(scene, {-90, 4, -90}, {180, 0, 0}, {0, 0, 180}, "wall");
   AddQuad(scene, {0, 0.5, -9}, {9, 0, 0}, {0, 0, 18}, "screen");
@@ -271,7 +271,7 @@ TEST(Trace, SameListOnAnyNumberOfThreads) {
   }
 }
 
-TEST(TraceOptions, RefuseWhatCannotWork) {
+TEST(TraceOptions, OptionsOutsideTheirLimitsAreRefused) {
   EXPECT_THROW((TraceOptions{.step = 0}.Check()), DataError);
   EXPECT_THROW((TraceOptions{.step = 17}.Check()), DataError);
   EXPECT_THROW((TraceOptions{.jump_ratio = 0.0}.Check()), DataError);

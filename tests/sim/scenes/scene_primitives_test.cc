@@ -107,7 +107,7 @@ TEST(ScenePrimitivesTest, NoQuadrilateralSideIsLongerThanAllowed) {
   }
 }
 
-TEST(ScenePrimitivesTest, WhatCannotBeBuiltIsRefused) {
+TEST(ScenePrimitivesTest, DegenerateShapesAreRefused) {
   EXPECT_THROW(MakeBox({0, 0, 0}, {1, 0, 1}, kUndivided, "box"), DataError);
   EXPECT_THROW(MakeBox({0, 0, 0}, {1, 1, 1}, 0.0, "box"), DataError);
   EXPECT_THROW(MakeBox({0, 0, 0}, {1, 1, 1}, 1e-5, "box"), DataError);

@@ -150,7 +150,7 @@ TEST(HtmlReportTest, NoPictureIsShownTwice) {
   EXPECT_EQ(with.find("What the colours mean."), with.rfind("What the colours mean."));
 }
 
-TEST(HtmlReportTest, APictureOfOneColourIsSaidNotShown) {
+TEST(HtmlReportTest, APictureOfOneColourIsDescribedAndNotShown) {
   HtmlReport report("Title");
   const std::vector<std::uint8_t> black = SmallPng(90);
   // A fan has a surrounding of its own.
@@ -194,7 +194,7 @@ const Table kTable = {.caption = "Error & bias_1",
                                {{"mean", "–", "x|y"}, RowStyle::kStrong}},
                       .notes = {"100 % synthetic"}};
 
-TEST(TableText, Latex) {
+TEST(TableText, LatexTableEscapesTextAndAlignsNumbers) {
   EXPECT_EQ(LatexTable(kTable),
             "\\begin{table}\n\\centering\n\\caption{Error \\& bias\\_1}\n\\begin{tabular}{lrl}\n\\toprule\n"
             "Frame & Error (dB) & What \\\\\n\\midrule\n\\addlinespace\n"
@@ -203,14 +203,14 @@ TEST(TableText, Latex) {
             "\\par\\footnotesize 100 \\% synthetic\n\\end{table}\n");
 }
 
-TEST(TableText, Markdown) {
+TEST(TableText, MarkdownTableEscapesTextAndAlignsNumbers) {
   EXPECT_EQ(
       MarkdownTable(kTable),
       "**Error & bias\\_1**\n\n| Frame | Error (dB) | What |\n|---|---:|---|\n| **first half** |  |  |\n"
       "| 0 | −1.5 | a \"b\", c |\n| **mean** | **–** | **x\\|y** |\n\n100 % synthetic\n\n");
 }
 
-TEST(TableText, Csv) {
+TEST(TableText, CsvTableQuotesCellsAndLeavesAbsentValuesEmpty) {
   EXPECT_EQ(CsvTable(kTable),
             "Frame,Error (dB),What\r\nfirst half\r\n0,-1.5,\"a \"\"b\"\", c\"\r\nmean,,x|y\r\n");
 }

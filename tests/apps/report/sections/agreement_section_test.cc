@@ -41,7 +41,7 @@ TEST(FindWorstBand, IsWhereTheMeanAbsoluteDifferenceIsLargest) {
   EXPECT_FALSE(FindWorstBand({}, 2));
 }
 
-TEST(FindWorstBand, AHandfulOfPixelsAtAnEdgeSaysNothing) {
+TEST(FindWorstBand, ABandOfFewPixelsIsIgnored) {
   const std::vector<double> many(100, 0.1);
   const auto worst = FindWorstBand(ByMetre({many, many, {0.9}}), 3);
   ASSERT_TRUE(worst);
@@ -71,7 +71,7 @@ metrics::MetricsReport Compared(int frames) {
   return report;
 }
 
-TEST(SummaryInWords, SaysWhatTheTablesSay) {
+TEST(SummaryInWords, AgreesWithTheTables) {
   const metrics::MetricsReport metrics = Compared(4);
   const std::vector<std::string> sentences = SummaryInWords(metrics);
   ASSERT_EQ(sentences.size(), 3U);  // no object region holds residuals: nothing to be furthest off
