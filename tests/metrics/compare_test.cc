@@ -179,8 +179,8 @@ TEST(CompareTest, SamplesThatAreNotValidCountNowhere) {
 TEST(CompareTest, TwoFramesOfARealStillSceneAgree) {
   SONARCAL_NEEDS_RECORDING(first_path, "aris3000_uxo/frame_0000_128x780.png");
   SONARCAL_NEEDS_RECORDING(second_path, "aris3000_uxo/frame_0001_128x780.png");
-  const auto recording = data_io::OpenRecordingOf(
-      first_path.parent_path(), std::filesystem::path(SONARCAL_SOURCE_DIR) / "cases/bomb");
+  const auto recording = data_io::OpenRecordingOf(first_path.parent_path(),
+                                                  std::filesystem::path(SONARCAL_SOURCE_DIR) / "cases/bomb");
   const PolarImage first = recording->ReadFrame(0).image;
   const PolarImage second = recording->ReadFrame(1).image;
   const FrameMetrics metrics = CompareFrames(first, second);
