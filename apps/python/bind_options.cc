@@ -85,10 +85,9 @@ std::string WithKeywords(const std::string& sentence) {
 }
 
 void BindAllOptions(py::module_& module) {
-  BindOptions<workflow::RayOptions>(module, "RayOptions", "Options of rays, as residual_view() takes them.");
+  BindOptions<workflow::RayOptions>(module, "RayOptions", "Options of residual_view(): rays.");
   BindOptions<workflow::ComparisonOptions>(
-      module, "ComparisonOptions",
-      "How an object is found and which pixels are compared, as segment() takes it.");
+      module, "ComparisonOptions", "Options of segment(): how the object is found, which pixels count.");
   BindOptions<workflow::SimulateOptions>(module, "SimulateOptions", "Options of simulate().");
   BindOptions<workflow::CompareOptions>(module, "CompareOptions",
                                         "Options of compare() and compare_images().");

@@ -138,7 +138,7 @@ struct OptionObject<RayGridSize> {
   static pybind11::object To(const RayGridSize& value) {
     return pybind11::make_tuple(value.cols, value.rows);
   }
-  static std::string Type() { return "(columns, rows), both above 0"; }
+  static std::string Type() { return "(columns, rows)"; }
   static std::string Input() { return "_Size"; }
   static std::string Output() { return "tuple[int, int]"; }
 };
@@ -149,7 +149,7 @@ struct OptionObject<Interval> {
     return internal::ReadPair(object, value.low, value.high) && value.low < value.high;
   }
   static pybind11::object To(const Interval& value) { return pybind11::make_tuple(value.low, value.high); }
-  static std::string Type() { return "(low, high), low below high"; }
+  static std::string Type() { return "(low, high)"; }
   static std::string Input() { return "_Interval"; }
   static std::string Output() { return "tuple[float, float]"; }
 };
@@ -252,6 +252,10 @@ std::string ExpectedObject() {
     return "True or False";
   } else if constexpr (std::is_arithmetic_v<T> || HasWords<T> || std::is_same_v<T, std::string>) {
     return OptionText<T>::kExpected;
+  } else if constexpr (std::is_same_v<T, RayGridSize>) {
+    return OptionObject<T>::Type() + ", both above 0";
+  } else if constexpr (std::is_same_v<T, Interval>) {
+    return OptionObject<T>::Type() + ", low below high";
   } else {
     return OptionObject<T>::Type();
   }

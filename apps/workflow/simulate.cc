@@ -222,6 +222,8 @@ bool IsRandom(const SimulateOptions& options, EchoModel model) {
 PreparedSimulation PrepareSimulation(const SimulateOptions& options, const SonarChoice& sonar,
                                      ParameterSet parameters) {
   if (options.model) parameters.model = *options.model;
+  if (options.bits != 8 && options.bits != 12 && options.bits != 16)
+    throw UsageError("--bits {}, expected 8, 12 or 16", options.bits);
   if (options.expected && options.noise)
     throw UsageError("--expected contradicts --noise: an expected image is the mean over noise and speckle");
   CheckFrozenSpeckle(options, parameters.model);

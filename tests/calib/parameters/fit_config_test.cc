@@ -77,6 +77,16 @@ TEST(FitConfigTest, AnUnknownKeyIsRefusedWithItsLine) {
   }
 }
 
+TEST(FitConfigTest, TextIsReadAsTheFileAndNamedInMessages) {
+  const TempDir dir;
+  const std::string text = R"({"format": "sonar-fit-config/1", "free": ["materials"],
+    "bounds": {"material.floor.gsab.D": [0.5, 3]}, "pose_prior": {"angle_deg": 1}, "held_out": [2]})";
+  WriteFile(dir / "fit.json", text);
+  EXPECT_EQ(ParseFitConfig(text, "config"), ReadFitConfig(dir / "fit.json"));
+  EXPECT_THAT([&] { ParseFitConfig("{\"format\": \"sonar-fit-config/1\", \"fre\": []}", "config"); },
+              ::testing::ThrowsMessage<DataError>(::testing::AllOf(HasSubstr("config"), HasSubstr("fre"))));
+}
+
 TEST(FitConfigTest, ByDefaultTheLastThirdIsHeldOut) {
   EXPECT_THAT(SplitFrames({}, 1).held_out, ElementsAre());
   EXPECT_THAT(SplitFrames({}, 2).held_out, ElementsAre(1));

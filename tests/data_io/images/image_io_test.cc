@@ -65,6 +65,19 @@ TEST(ImageIoTest, GreyPngComesBack) {
   EXPECT_EQ(value(4, 8), static_cast<float>(grey16(4, 8)));
 }
 
+TEST(ImageIoTest, AMaskIsOneWhereAGreyImageIsAboveZero) {
+  const TempDir dir;
+  Grid<std::uint16_t> grey(2, 2);
+  grey(0, 1) = 1;
+  grey(1, 0) = 0xffff;
+  WritePng(dir / "mask.png", grey);
+  const Mask mask = ReadMask(dir / "mask.png");
+  EXPECT_EQ(mask(0, 0), 0);
+  EXPECT_EQ(mask(0, 1), 1);
+  EXPECT_EQ(mask(1, 0), 1);
+  EXPECT_EQ(mask(1, 1), 0);
+}
+
 TEST(ImageIoTest, FloatTiffComesBack) {
   const TempDir dir;
   Grid<float> value(3, 2);
