@@ -8,6 +8,7 @@ docs/reference/sonars.md is what `sonarcal sonars` lists. The tables and the sch
 that the program makes from its table of parameters.
 """
 
+import functools
 import json
 import os
 import pathlib
@@ -25,6 +26,7 @@ def output_of(*command, **more):
     return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, **more).stdout
 
 
+@functools.cache
 def options_of_help(*command):
     """Names that stand at the beginning of lines of --help."""
     names = []

@@ -43,7 +43,8 @@ if(SONARCAL_BUILD_APPS)
       $<TARGET_FILE:sonarcal>)
   set_tests_properties(guide PROPERTIES TIMEOUT 1200)
   add_test(NAME schema
-    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>)
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>
+      $<TARGET_FILE:sonarcal_read_documents>)
   set_tests_properties(schema PROPERTIES TIMEOUT 600)
   add_test(NAME make_aris3000_recording
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/make_aris3000_recording_test.py

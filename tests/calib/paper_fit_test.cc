@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "calib/fit.h"
 #include "sim/paper/paper_values.h"
@@ -52,6 +53,16 @@ class PaperFitToItself : public ::testing::Test {
     return FitPaperModel(frames, geometry_, materials_, start, {}, {});
   }
 
+  // Fits to kDraws independent recordings, computed once for all tests.
+  const std::vector<FitResult>& Fits() const {
+    static const std::vector<FitResult> fits = [this] {
+      std::vector<FitResult> made;
+      for (int draw = 0; draw < kDraws; ++draw) made.push_back(FitFrom(Start(), Frames(10 + draw)));
+      return made;
+    }();
+    return fits;
+  }
+
   sim::Simulator simulator_{SmallTank(), SmallSonar(), Options(1)};
   sim::ImageGeometry geometry_{simulator_.sonar(), simulator_.absorption_db_per_m()};
   std::vector<std::string> materials_ = {"floor", "box"};
@@ -64,8 +75,7 @@ TEST_F(PaperFitToItself, TheTruthLiesWithinTheStatedErrors) {
   int angles = 0;
   int angles_within_two = 0;
   double largest = 0.0;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const FitResult fit = FitFrom(Start(), Frames(10 + draw));
+  for (const FitResult& fit : Fits()) {
     ASSERT_TRUE(fit.usable) << fit.report.termination;
     EXPECT_THAT(fit.report.warnings, ::testing::IsEmpty());
     for (const CatalogEntry& entry : BuildCatalog(materials_)) {
@@ -114,8 +124,7 @@ TEST_F(PaperFitToItself, AnotherStartEndsAtTheSamePlace) {
 // On average over draws: standard errors alone would hide a bias that all draws share.
 TEST_F(PaperFitToItself, TheFloorsCurveHasNoBias) {
   double mean_off_db = 0.0;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const FitResult fit = FitFrom(Start(), Frames(30 + draw));
+  for (const FitResult& fit : Fits()) {
     ASSERT_TRUE(fit.usable);
     mean_off_db += (sim::GsabDb(fit.parameters.Material("floor").gsab, 60.0) -
                     sim::GsabDb(Truth().Material("floor").gsab, 60.0)) /
