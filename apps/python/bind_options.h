@@ -150,7 +150,8 @@ template <typename Options>
 void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
   namespace py = pybind11;
   const std::string class_name = name;
-  const std::string made = "\n\nMade from keywords, a dict of them, or other options. None stands for the default.";
+  const std::string made =
+      "\n\nMade from keywords, a dict of them, or other options. None stands for the default.";
   py::class_<Options> options(module, name, (doc + made).c_str());
   options.def(py::init([class_name](const py::object& source, const py::kwargs& changes) {
                 return MakeOptions<Options>(source, changes, class_name);
