@@ -20,8 +20,8 @@ MarkersSeen MarkerDetector::Detect(const Grid<std::uint8_t>&) const {
   Refuse();
 }
 
-std::vector<PoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>&, const MarkerMap&,
-                                              const Camera&, const FlatPort*) {
+std::vector<MarkerPoseCandidate> FindPoseCandidates(const std::vector<MarkerObservation>&, const MarkerMap&,
+                                                    const Camera&, const FlatPort*) {
   Refuse();
 }
 
