@@ -62,7 +62,7 @@ struct RangeWindow {
   int bins;
 };
 
-// The window of the recorded frames of data_io/sonars/aris3000_frames_io.h.
+// Window of the published ARIS 3000 frames of dfki-ric/uxo-dataset2024.
 constexpr RangeWindow kAris3000Window = {0.690, 2.998, 780};
 
 // Without a width, the beam width is the beam spacing.
