@@ -36,8 +36,12 @@ std::optional<Mask> RegionOf(const ComparisonOptions& options, const PolarAxes& 
   if (options.region_range || options.region_azimuth) {
     region = Both(region, InsideIntervals(axes, options.region_range, options.region_azimuth));
   }
-  if (!options.region_polygon.empty())
+  if (!options.region_polygon.empty()) {
+    if (options.region_polygon.size() < 3) {
+      throw UsageError("--region-polygon has {} corners, expected 3 or more", options.region_polygon.size());
+    }
     region = Both(region, metrics::InsidePolygon(options.region_polygon, axes));
+  }
   if (region && CountSet(*region) == 0) throw DataError("the region of interest holds no pixel of the image");
   return region;
 }
