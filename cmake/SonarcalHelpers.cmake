@@ -51,7 +51,7 @@ endfunction()
 # sonarcal_add_test(NAME SOURCES ... LINKS ... [LABEL quick|slow]): one GoogleTest program for one folder of tests.
 #
 # LABEL quick: part of `scripts/test.sh --quick`, so libraries above metrics are not allowed in LINKS.
-# LABEL slow: the program takes more than ten seconds. The time limit ends only tests that hang.
+# LABEL slow: the program takes more than 40 seconds. The time limit ends only tests that hang.
 function(sonarcal_add_test name)
   cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs missing packages, builds, and runs the tests.
 #
-#   scripts/test.sh [--quick] [ARGUMENTS OF CTEST]     such as: scripts/test.sh -R Gsab
+#   scripts/test.sh [--quick] [ARGUMENTS OF CTEST]     such as: scripts/test.sh -R Gsab, or -LE slow
 #     --quick   only core, data_io and metrics with their tests: an answer within five minutes on two cores,
 #               from an empty build folder
 
