@@ -25,11 +25,10 @@ TEST(OpenRecording, AnUnknownFileIsRefusedWithTheListOfFormats) {
   testing::WriteFile(dir / "notes.txt", "not a recording");
   testing::WriteFile(dir / "empty", "");
   for (const auto& path : {dir.path(), dir / "notes.txt", dir / "empty"}) {
-    EXPECT_THAT(
-        [&] { OpenRecording(path); },
-        ThrowsMessage<DataError>(AllOf(HasSubstr("not a recording of a known format"),
-                                       HasSubstr("recording.json"), HasSubstr(".aris"), HasSubstr("Oculus"),
-                                       HasSubstr("DIDSON"), HasSubstr("frame_NNNN_128x780.png"))))
+    EXPECT_THAT([&] { OpenRecording(path); },
+                ThrowsMessage<DataError>(AllOf(HasSubstr("not a recording of a known format"),
+                                               HasSubstr("recording.json"), HasSubstr(".aris"),
+                                               HasSubstr("Oculus"), HasSubstr("DIDSON"))))
         << path;
   }
 }

@@ -168,7 +168,7 @@ TEST_F(ArisTest, CountsFramesByTheFilesSize) {
 
   recording = Open(bytes.substr(0, bytes.size() - 1));
   EXPECT_EQ(recording->frame_count(), 1);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("2303 bytes are no whole frame")));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("2303 bytes are not a whole frame")));
   recording->ReadFrame(0);
   EXPECT_THROW(recording->ReadFrame(1), std::logic_error);
 }

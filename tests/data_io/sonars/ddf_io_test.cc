@@ -152,7 +152,7 @@ TEST_F(DdfTest, AFrameThatIsCutShortIsLeftOut) {
   testing::WriteFile(path_, bytes.substr(0, bytes.size() - 1));
   const auto recording = OpenRecording(path_);
   EXPECT_EQ(recording->frame_count(), 1);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("no whole frame")));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("not a whole frame")));
 }
 
 TEST_F(DdfTest, FieldsOutsideTheirDomainAreRefusedByName) {

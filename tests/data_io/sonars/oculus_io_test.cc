@@ -123,12 +123,12 @@ TEST_F(OculusTest, WalksThroughMessagesAndKeepsTheWholePings) {
   auto recording = Open(ping + status.bytes() + ping + ping.substr(0, ping.size() - 1));
   EXPECT_EQ(recording->frame_count(), 2);
   EXPECT_EQ(recording->ReadFrame(1).image.value(4, 3), 43.0f);
-  EXPECT_THAT(recording->info().notes, AllOf(Contains(HasSubstr("1 messages that are no pings")),
+  EXPECT_THAT(recording->info().notes, AllOf(Contains(HasSubstr("1 messages that are not pings")),
                                              Contains(HasSubstr("is truncated"))));
 
   recording = Open(ping + "and then some text that is no message");
   EXPECT_EQ(recording->frame_count(), 1);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("are no Oculus message")));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("are not an Oculus message")));
 
   EXPECT_THAT(Refusal(status.bytes()), HasSubstr("no whole simple ping result"));
 }

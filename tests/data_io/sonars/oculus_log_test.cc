@@ -91,7 +91,7 @@ TEST_F(OculusLogTest, ItemsAfterADamagedOneAreLeftOut) {
   const std::string whole = Head() + MadeUpItem{}.Write(ping_) + MadeUpItem{.compression = 1}.Write(ping_);
   const auto cut = Open(whole.substr(0, whole.size() - 3));
   EXPECT_EQ(cut->frame_count(), 1);
-  EXPECT_THAT(cut->info().notes, Contains(HasSubstr("no whole item")));
+  EXPECT_THAT(cut->info().notes, Contains(HasSubstr("not a whole item")));
 }
 
 TEST_F(OculusLogTest, EncryptedEmptyAndOversizedLogsAreRefusedByName) {
