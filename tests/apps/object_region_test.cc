@@ -171,7 +171,7 @@ TEST_F(ObjectRegion, InvalidOptionsAreRefusedInOneSentence) {
   };
   expect_failure("--object lighthouse", 1,
                  "no material 'lighthouse' to be the object, expected one of floor, box");
-  expect_failure("--object-margin 3x3", 2, "--object-margin needs --object");
+  expect_failure("--object-margin 3x3", 2, "--object-margin has no effect without --object");
   expect_failure("--object box --object-margin 3", 2, "--object-margin '3'");
   expect_failure("--all-components --largest-component", 2, "--all-components");
   auto json = ReadJsonFile(world_ / "sim/recording.json");
