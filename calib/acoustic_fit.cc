@@ -11,6 +11,8 @@
 
 #include "calib/joint_steps.h"
 #include "calib/mirror_start.h"
+#include "calib/parameters/axis_move.h"
+#include "calib/poses/geometry_ambiguity.h"
 #include "calib/poses/pose_ambiguity.h"
 #include "calib/poses/pose_refinement.h"
 #include "calib/problem_builder.h"
@@ -42,15 +44,14 @@ constexpr double kBetterNats = 1.0;
 // Rounds of reducing the weight of pixels that do not match the scene.
 constexpr int kWeightRounds = 2;
 
-// Reach of a geometric parameter in one round: for poses a quarter of a speckle cell, otherwise a fifth of
+// Reach of a geometric parameter in one round: for placements a quarter of a speckle cell, otherwise a fifth of
 // its value.
 double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& model) {
   constexpr double kOfWidth = 0.2;
   constexpr double kOfCell = 0.25;
-  if (entry.group != ParameterGroup::kPose) return kOfWidth * value;
-  const PolarAxes& axes = model.sonar().axes;
-  return entry.index < 3 ? kOfCell * model.speckle_cell().bins * axes.range_bin_m()
-                         : kOfCell * model.speckle_cell().beams * DegFromRad(axes.beam_spacing_rad());
+  if (!IsPlacement(entry)) return kOfWidth * value;
+  const double step = 2.0 * PlacementDifference(model.sonar().axes, entry);
+  return kOfCell * step * (entry.unit == "m" ? model.speckle_cell().bins : 0.5 * model.speckle_cell().beams);
 }
 
 // Configuration with a trust region for geometric parameters, in which the model is nearly linear.
@@ -79,20 +80,22 @@ class AcousticFitter {
       : options_(options),
         config_(WithDefaults(given, initial, simulator.caster().material_names())),
         model_(simulator, frames,
-               WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar())),
+               WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
+               ObjectsNamed(config_)),
         catalog_(model_.catalog()) {
     free_ = ApplyFitConfigWithPriors(model_.initial_values(), config_, catalog_);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       if (!free_[i]) continue;
       (IsGeometric(catalog_[i]) ? geometric_ : radiometric_).push_back(static_cast<int>(i));
     }
-    poses_ = FreePoseEntries(catalog_, free_);
+    poses_ = FreePlacements(catalog_, free_);
     near_ = config_;
     again_ = options;
     again_.starts = 1;
     again_.search_level = false;
     again_.rough = true;
-    fit_ = {.values = model_.initial_values(), .report = {}, .usable = true};
+    fit_ = {.values = StartValues(config_, catalog_, model_.initial_values()), .report = {}, .usable = true};
+    if (fit_.values != model_.initial_values()) model_.Linearise(fit_.values, {});
   }
 
   AcousticFit Run() {
@@ -136,7 +139,7 @@ class AcousticFitter {
   // are discarded.
   void ShareRepeats() {
     if (!model_.has_repeats()) return;
-    ParameterValues values = model_.initial_values();
+    ParameterValues values = fit_.values;
     if (!radiometric_.empty()) {
       FitOptions look = options_;
       look.starts = 1;
@@ -166,7 +169,9 @@ class AcousticFitter {
   void RefinePosesWithRadiometry() {
     if (poses_.empty()) return;
     const std::vector<PoseStage> stages = PoseStages(model_.speckle_cell());
-    for (const PoseStage& stage : stages) RefineStage(stage);
+    if (!options_.near_start) {
+      for (const PoseStage& stage : stages) RefineStage(stage);
+    }
     for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
       if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
     }
@@ -287,8 +292,10 @@ class AcousticFitter {
   AcousticFit Result() {
     AcousticFit result{.parameters = model_.Parameters(fit_.values),
                        .world_from_sonar = {},
-                       .moved_poses = !poses_.empty(),
+                       .moved_poses = MovedPoses(),
                        .mount = model_.MountOf(fit_.values),
+                       .geometry = GeometryOf(catalog_, fit_.values),
+                       .simulator = model_.SimulatorAt(fit_.values),
                        .weights = {},
                        .report = std::move(fit_.report),
                        .usable = fit_.usable};
@@ -303,10 +310,13 @@ class AcousticFitter {
       report.parameters[i].lower = catalog_[i].lower;
       report.parameters[i].upper = catalog_[i].upper;
     }
-    // Poses that are not free are data, not parameters.
+    // Placements that are not free are data, not parameters.
     std::erase_if(report.parameters, [](const FittedParameter& parameter) {
-      return parameter.name.starts_with("pose.") && parameter.status == ParameterStatus::kFixed;
+      const bool placement = parameter.name.starts_with("pose.") || parameter.name.starts_with("geometry.") ||
+                             parameter.name.starts_with("object.");
+      return placement && parameter.status == ParameterStatus::kFixed;
     });
+    report.ambiguities = GeometryAmbiguities(report, model_.distinct_poses());
     if (!start_costs_.empty()) report.start_costs = start_costs_;
     if (cost_initial_) report.cost_initial = *cost_initial_;
     report.iterations = iterations_;
@@ -315,6 +325,12 @@ class AcousticFitter {
                                         poses_.empty() ? kRounds : JointStepOptions{}.steps);
     }
     return result;
+  }
+
+  bool MovedPoses() const {
+    return std::ranges::any_of(poses_, [&](int entry) {
+      return catalog_[entry].group == ParameterGroup::kPose || catalog_[entry].name == "geometry.tilt_deg";
+    });
   }
 
   // Share of the used pixels that have a weight below 0.5.
@@ -339,7 +355,7 @@ class AcousticFitter {
   std::vector<bool> free_;
   std::vector<int> radiometric_;  // free entries
   std::vector<int> geometric_;
-  std::vector<int> poses_;  // pose entries of `geometric_`
+  std::vector<int> poses_;  // placements of `geometric_`
   FitOptions again_;
   ModelFit fit_;
   std::vector<double> start_costs_;
@@ -389,7 +405,7 @@ std::vector<Pose> FitPosesOnly(const sim::Simulator& simulator, const std::vecto
   const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
   ParameterValues values = model.initial_values();
   for (const PoseStage& stage : PoseStages(model.speckle_cell())) {
-    RefinePoses(model, catalog, FreePoseEntries(catalog, free), stage, values, progress);
+    RefinePoses(model, catalog, FreePlacements(catalog, free), stage, values, progress);
   }
   std::vector<Pose> poses;
   for (int frame = 0; frame < model.frame_count(); ++frame) poses.push_back(model.PoseOf(frame, values));

@@ -7,6 +7,7 @@
 // 1. Curves and receiver. Casts the rays of each frame once.
 // 2. Free poses, from large to small moves (calib/poses/pose_refinement.h), with curves refitted after each
 //    stage.
+//    Geometry of the sonar and placement of objects, if free, are refined with the poses.
 // 3. If beam, pulse or poses are free: all parameters together, in rounds about a new point. Each round
 //    traces again.
 // 4. On request (FitOptions::down_weight): all again with reduced weight of pixels that do not match the
@@ -17,6 +18,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -39,7 +41,10 @@ struct AcousticFit {
   ParameterSet parameters;
   std::vector<Pose> world_from_sonar;  // per frame; as given if poses were not free
   bool moved_poses = false;
-  Pose mount;                               // offset behind every recorded pose; identity if not free
+  Pose mount;              // offset behind every recorded pose, with the tilt; identity if neither is free
+  SonarGeometry geometry;  // as declared if not free
+  // Traces with the fitted geometry and placement of objects. The given one if neither is free, and then not owned.
+  std::shared_ptr<const sim::Simulator> simulator;
   std::vector<std::vector<float>> weights;  // per frame and pixel; empty: all are 1
   FitReport report;
   bool usable = false;

@@ -49,6 +49,7 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
   json["gauge"] = report.gauge;
   json["unidentifiable_directions"] = report.unidentifiable_directions;
   json["other_poses"] = report.other_poses;
+  json["ambiguities"] = report.ambiguities;
   Json matrix = Json::array();
   for (Eigen::Index row = 0; row < report.correlation.rows(); ++row) {
     Json values = Json::array();

@@ -44,7 +44,9 @@ struct FitReport {
   std::vector<std::string> gauge;                      // what was fixed and why, one sentence each
   std::vector<std::string> unidentifiable_directions;  // one sentence each
   std::vector<std::string> other_poses;                // poses that fit equally well, one sentence each
-  std::vector<std::string> correlation_names;          // free parameters
+  // Errors of other things that would explain a fitted value as well, one sentence each.
+  std::vector<std::string> ambiguities;
+  std::vector<std::string> correlation_names;  // free parameters
   Eigen::MatrixXd correlation;
   std::vector<FittedCurve> curves;
   std::optional<ResidualSummary> raw;         // grey levels, full scale 1; absent for a likelihood

@@ -89,6 +89,7 @@ class Simulator {
   const SimulationOptions& options() const { return options_; }
   const RayFan& fan() const { return fan_; }
   const RayCaster& caster() const { return *caster_; }
+  const std::shared_ptr<const RayCaster>& shared_caster() const { return caster_; }
   double absorption_db_per_m() const { return absorption_db_per_m_; }
 
  private:

@@ -48,6 +48,7 @@ FOLDERS = [
     "calib/selection",
     "calib/markers",
     "apps/workflow",
+    "apps/workflow/calibration",
     "apps/report/html",
     "apps/report/pictures",
     "apps/report/sections",

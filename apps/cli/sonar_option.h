@@ -16,4 +16,10 @@ inline CLI::Option* AddSonar(CLI::App& command, std::string& sonar, const std::s
       ->type_name("NAME|FILE");
 }
 
+// Adds --sonar of a command that reads a recording.
+inline CLI::Option* AddSonarOfRecording(CLI::App& command, std::string& sonar) {
+  return AddSonar(command, sonar,
+                  ", such as the calibrated one, in place of that of the recording (default: as recorded)");
+}
+
 }  // namespace sonarcal::cli

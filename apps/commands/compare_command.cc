@@ -15,6 +15,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
+#include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
 #include "apps/report/html/html_text.h"
 #include "apps/report/html/paper_files.h"
@@ -28,6 +29,7 @@
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/frame_gatherer.h"
+#include "apps/workflow/simulate.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
 #include "data_io/recordings/frame_range.h"
@@ -41,6 +43,7 @@ using Json = nlohmann::ordered_json;
 
 Json ConfigurationJson(const CompareCommandOptions& options, const std::vector<int>& frames) {
   Json json = {{"real", options.real.string()},
+               {"sonar", options.sonar},
                {"simulated", options.simulated.string()},
                {"out", options.out.string()},
                {"frames", frames},
@@ -139,7 +142,7 @@ std::optional<Scene> SceneOf(const CompareCommandOptions& options, const Recordi
 
 cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   const std::vector<metrics::Threshold> thresholds = metrics::ParseThresholds(options.fail_above);
-  const auto real = data_io::OpenRecording(options.real);
+  const auto real = workflow::OpenRecordingWith(options.real, options.sonar);
   const auto simulated = data_io::OpenRecording(options.simulated);
   if (options.sweep_csv && options.compare.sweep_steps == 0)
     throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
@@ -210,6 +213,7 @@ namespace {
 
 void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
   command->add_option("--real", options->real, "Recording of the sonar")->type_name("REC")->required();
+  cli::AddSonarOfRecording(*command, options->sonar);
   command->add_option("--sim", options->simulated, "Recording of the simulation, frames in the same order")
       ->type_name("REC")
       ->required();

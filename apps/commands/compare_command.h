@@ -23,6 +23,7 @@ namespace sonarcal::commands {
 struct CompareCommandOptions {
   cli::CommonOptions common;
   std::filesystem::path real;
+  std::string sonar;  // in place of that of `real`; empty: as recorded
   std::filesystem::path simulated;
   std::filesystem::path out;
   std::string frames;  // "A:B,..." for both recordings, see data_io/recordings/frame_range.h; empty: all

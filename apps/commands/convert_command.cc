@@ -17,11 +17,14 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
+#include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
+#include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "data_io/bag_trajectory.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recordings/frame_range.h"
+#include "data_io/recordings/recalibrated_recording.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/recordings/salvaged_recording.h"
 #include "data_io/trajectory_io.h"
@@ -36,6 +39,7 @@ struct ConvertOptions {
   std::string frames;                // "A:B", see data_io/recordings/frame_range.h; empty: all
   std::filesystem::path trajectory;  // empty: poses as recorded
   std::optional<data_io::TrajectoryFormat> trajectory_format;  // absent: determined from its first lines
+  std::string sonar;  // in place of that of the file; empty: as recorded
   cli::BagArguments bag;
   std::string pose_topic;       // topic of a ROS bag, in place of a trajectory
   std::string pose_frames;      // "WORLD:BODY", for a topic of transforms
@@ -107,6 +111,11 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
     recording = std::move(with_poses);
   }
 
+  if (!options.sonar.empty()) {
+    recording = std::make_unique<data_io::RecalibratedRecording>(std::move(recording),
+                                                                 workflow::ChooseSonar(options.sonar).sonar);
+  }
+
   cli::RunOutput output(options.out, "convert", options.common.force);
   const int count = recording->frame_count();
   cli::Progress progress("Converting", count, options.common);
@@ -119,6 +128,7 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
   cli::WriteProvenance(output.staging(),
                        {.command = "convert",
                         .configuration = {{"file", options.file.string()},
+                                          {"sonar", options.sonar},
                                           {"out", options.out.string()},
                                           {"trajectory", options.trajectory.string()},
                                           {"topic", options.bag.bag.topic},
@@ -169,6 +179,7 @@ void SetupConvert(CLI::App& app) {
       ->type_name("FILE");
   cli::AddChoice(*command, "--trajectory-format", options->trajectory_format,
                  "Format of the trajectory (default: determined from its first lines)");
+  cli::AddSonarOfRecording(*command, options->sonar);
   cli::AddBagOptions(*command, options->bag);
   command
       ->add_option("--pose-topic", options->pose_topic,

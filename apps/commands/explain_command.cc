@@ -33,6 +33,7 @@
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
 #include "apps/cli/scene_option.h"
+#include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
 #include "apps/report/html/paper_files.h"
 #include "apps/report/html/report_end.h"
@@ -41,11 +42,11 @@
 #include "apps/report/sections/explain_section.h"
 #include "apps/reproduce/prepared_recording.h"
 #include "apps/workflow/explain.h"
+#include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/images/image_io.h"
 #include "data_io/json/json_writer.h"
-#include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/recordings/recording_catalogue.h"
 
@@ -57,6 +58,7 @@ struct ExplainCommandOptions {
   std::string known;                 // name of a case, instead of real, scene and params
   std::filesystem::path recordings;  // folder of the recordings; empty: DefaultRecordingsFolder()
   std::filesystem::path real;
+  std::string sonar;  // in place of that of `real`; empty: as recorded
   std::filesystem::path scene;
   cli::SceneFormat scene_format;
   std::filesystem::path params;
@@ -69,7 +71,7 @@ using Json = nlohmann::ordered_json;
 
 // Input of the study, from files or one of the known recordings.
 struct Subject {
-  std::unique_ptr<RecordingSource> recording;
+  std::shared_ptr<const RecordingSource> recording;
   Scene scene;
   ParameterSet given;
   workflow::ExplainOptions options;  // as stored in provenance
@@ -82,6 +84,8 @@ void CheckSubject(const ExplainCommandOptions& options) {
   const std::pair<const char*, bool> files[] = {{"--real", !options.real.empty()},
                                                 {"--scene", !options.scene.empty()},
                                                 {"--params", !options.params.empty()}};
+  if (!options.sonar.empty() && !options.known.empty())
+    throw UsageError("--sonar does not go with --known, which has its own");
   for (const auto& [name, is_given] : files) {
     if (is_given && !options.known.empty())
       throw UsageError("{} does not go with --known, which has its own", name);
@@ -91,7 +95,7 @@ void CheckSubject(const ExplainCommandOptions& options) {
 
 Subject OpenFiles(const ExplainCommandOptions& options) {
   ParameterSet given = data_io::ReadParameters(options.params);
-  auto recording = data_io::OpenRecording(options.real);
+  auto recording = workflow::OpenRecordingWith(options.real, options.sonar);
   const PolarAxes axes = recording->info().sonar.axes;
   return {.recording = std::move(recording),
           .scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common),
@@ -140,6 +144,7 @@ Json ConfigurationJson(const ExplainCommandOptions& options, const Subject& subj
                        const workflow::ExplainedRecording& explained) {
   Json json = {{"known", options.known.empty() ? Json(nullptr) : Json(options.known)},
                {"real", options.real.string()},
+               {"sonar", options.sonar},
                {"scene", options.scene.string()},
                {"params", options.params.string()},
                {"out", options.out.string()},
@@ -240,6 +245,7 @@ void SetupExplain(CLI::App& app) {
                    "Recording with at least two frames, each with a pose; required without --known, like "
                    "--scene and --params")
       ->type_name("REC");
+  cli::AddSonarOfRecording(*command, options->sonar);
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/false);
   command

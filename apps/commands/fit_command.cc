@@ -15,6 +15,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
+#include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/fit_noise.h"
 #include "apps/report/html/paper_files.h"
@@ -29,8 +30,9 @@
 #include "calib/acoustic_fit.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/json/json_writer.h"
-#include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
 
 namespace sonarcal::commands {
 namespace {
@@ -49,6 +51,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const calib::FitConfig&
                {"scene", options.scene.string()},
                {"params", options.params.string()},
                {"out", options.out.string()},
+               {"sonar", options.sonar},
                {"model", ToString(fit.initial.model)}};
   json.update(cli::SceneFormatJson(options.scene_format));
   workflow::FitOptions resolved = options.fit;
@@ -138,6 +141,7 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
   };
   add_list("not identifiable", report.unidentifiable_directions);
   add_list("other poses that fit equally well", report.other_poses);
+  add_list("other explanations of the geometry", report.ambiguities);
 
   const metrics::IntensityDomain domain = fit.after.options.intensity_domain;
   text += fmt::format("  {:<{}}  {:>9}  {:>9}\n", fit.judged_on_held_out ? "held-out frames" : "frames used",
@@ -207,6 +211,15 @@ report::HtmlReport MakeReport(const workflow::RecordingFit& fit, const Recording
   return report;
 }
 
+// Sonar and scene, if the fit changed them, for the other commands.
+void WriteCalibratedSonar(const cli::RunOutput& output, RecordingInfo info,
+                          const workflow::RecordingFit& fit) {
+  if (fit.scene) data_io::WriteGltf(*fit.scene, output / "scene.gltf");
+  if (fit.geometry == SonarGeometry()) return;
+  info.sonar.axes = Corrected(info.sonar.axes, fit.geometry);
+  data_io::WriteSonarFile(output / "sonar.json", info);
+}
+
 }  // namespace
 
 std::string FitJson(const workflow::RecordingFit& fit) {
@@ -235,7 +248,7 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only or --still");
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
   const ParameterSet initial = data_io::ReadParameters(options.params);
-  const auto recording = data_io::OpenRecording(options.real);
+  const auto recording = workflow::OpenRecordingWith(options.real, options.sonar);
   const Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
   const calib::FitConfig config = workflow::ResolveFitConfig(options.fit, initial, scene);
   cli::RunOutput output(options.out, "fit", options.common.force);
@@ -263,6 +276,7 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   }
   data_io::WriteParameters(output / "params.json", fit.fit.parameters);
   if (!fit.poses.empty()) data_io::WritePoses(output / "poses.json", fit.poses);
+  WriteCalibratedSonar(output, recording->info(), fit);
   report::WriteReport(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)),
                       output.staging());
   output.Commit();
@@ -283,6 +297,7 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
                    "Recording to fit to; each frame needs a pose, except with --noise-only or --still")
       ->type_name("REC")
       ->required();
+  cli::AddSonarOfRecording(*command, options->sonar);
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/false);
   command

@@ -19,6 +19,7 @@ namespace sonarcal::commands {
 struct FitCommandOptions {
   cli::CommonOptions common;
   std::filesystem::path real;
+  std::string sonar;  // in place of that of `real`; empty: as recorded
   std::filesystem::path scene;
   cli::SceneFormat scene_format;
   std::filesystem::path params;

@@ -53,11 +53,7 @@ ResidualView::ResidualView(std::shared_ptr<const RecordingSource> recording, con
       scene, info.sonar,
       workflow::ChooseRays(options.rays, info, EchoModel::kPaper).rays.For(info.sonar, water.water));
   geometry_.emplace(info.sonar, simulator_->absorption_db_per_m());
-  std::vector<data_io::TimedPose> of_frames;
-  for (const int frame : frames_) of_frames.push_back(poses[frame]);
-  std::vector<sim::EchoHistogram> echoes = workflow::TraceFrames(*simulator_, of_frames, options);
-  echoes_.resize(poses.size());
-  for (std::size_t i = 0; i < frames_.size(); ++i) echoes_[frames_[i]] = std::move(echoes[i]);
+  echoes_ = workflow::TraceFrames(*simulator_, poses, frames_, options);
   paper_frames_ = workflow::PaperFrames(*recording_, echoes_, frames_, options);
   paper_ = std::make_unique<calib::PaperFrameModel>(paper_frames_, *geometry_,
                                                     simulator_->caster().material_names(), initial_);

@@ -57,6 +57,7 @@ class ExpectedRecording final : public RecordingSource {
     for (float& value : frame.image.value.values()) value = static_cast<float>(value * factor);
     sim::QuantiseImage(frame.image);
     frame.image.scale = info_.scale;
+    frame.image.axes = info_.sonar.axes;  // as declared: a fitted geometry says where echoes are recorded
     return frame;
   }
 
@@ -140,6 +141,12 @@ std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, co
   return fitted;
 }
 
+std::vector<int> FramesOf(const calib::FrameSplit& split) {
+  std::vector<int> frames = split.used;
+  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
+  return frames;
+}
+
 // Mean power of the echoes at a pose, without noise. One value per pixel, beams fastest.
 std::vector<double> EchoesExpected(const sim::Simulator& simulator, const ParameterSet& parameters,
                                    const Pose& world_from_sonar) {
@@ -153,8 +160,7 @@ std::vector<double> EchoesExpected(const sim::Simulator& simulator, const Parame
 }  // namespace
 
 void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& split) {
-  std::vector<int> frames = split.used;
-  frames.insert(frames.end(), split.held_out.begin(), split.held_out.end());
+  const std::vector<int> frames = FramesOf(split);
   const FrameInfo first = recording.frame_info(frames.front());
   for (const int index : frames) {
     const FrameInfo frame = recording.frame_info(index);
@@ -229,7 +235,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   }
 
   const auto trace_start = std::chrono::steady_clock::now();
-  const std::vector<sim::EchoHistogram> echoes = TraceFrames(simulator, poses, options);
+  const std::vector<sim::EchoHistogram> echoes = TraceFrames(simulator, poses, FramesOf(split), options);
   const double trace_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - trace_start).count();
 
@@ -243,7 +249,10 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                       .before = {},
                       .after = {}};
   // Makes the expected images of given parameters and poses.
-  std::function<RenderFrame(const ParameterSet&, const std::vector<data_io::TimedPose>&)> expected_by;
+  using Poses = std::vector<data_io::TimedPose>;
+  std::function<RenderFrame(const sim::Simulator&, const ParameterSet&, const Poses&)> expected_by;
+  // With the fitted geometry and placement of objects.
+  std::shared_ptr<const sim::Simulator> fitted_simulator(std::shared_ptr<const sim::Simulator>(), &simulator);
   const sim::ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {
     if (!options.choose.empty()) result.choice = Choose(recording, simulator, poses, split, options, start);
@@ -256,8 +265,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     calib::AcousticFit fit =
         calib::FitAcousticModel(simulator, frames, result.choice ? form : result.initial,
                                 result.choice ? result.choice->config : options.config, options.fit);
+    fitted_simulator = fit.simulator;
+    result.geometry = fit.geometry;
+    if (fit.simulator->shared_caster() != simulator.shared_caster())
+      result.scene = fit.simulator->caster().scene();
     if (fit.usable && fit.moved_poses) {
-      result.poses = FittedPoses(recording, simulator, poses, split, options, fit);
+      result.poses = FittedPoses(recording, *fitted_simulator, poses, split, options, fit);
     }
     result.fit = {
         .parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
@@ -265,16 +278,15 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
       result.weights.emplace_back(sonar.axes.range_bins, sonar.axes.beam_count());
       std::copy(weights.begin(), weights.end(), result.weights.back().values().begin());
     }
-    expected_by = [&](const ParameterSet& parameters, const std::vector<data_io::TimedPose>& from) {
+    expected_by = [](const sim::Simulator& with, const ParameterSet& parameters, const Poses& from) {
       return [&](int frame) {
         const Pose& pose = from[frame].world_from_sonar;
-        return simulator.RenderExpected(simulator.TraceEchoes(pose), parameters,
-                                        simulator.TraceGhosts(pose, parameters));
+        return with.RenderExpected(with.TraceEchoes(pose), parameters, with.TraceGhosts(pose, parameters));
       };
     };
   } else {
     result.fit = FitPaper(recording, echoes, geometry, materials, split.used, options, start);
-    expected_by = [&](const ParameterSet& parameters, const std::vector<data_io::TimedPose>&) {
+    expected_by = [&](const sim::Simulator&, const ParameterSet& parameters, const Poses&) {
       return [&, paper = sim::PaperParametersFor(parameters, materials)](int frame) {
         return PaperImage(echoes.at(frame), geometry, paper);
       };
@@ -291,12 +303,14 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   if (!result.fit.usable) return result;
 
   const std::vector<data_io::TimedPose>& fitted_poses = result.poses.empty() ? poses : result.poses;
-  const ExpectedRecording before(recording, expected_by(result.initial, poses), "initial parameters");
-  const ExpectedRecording after(recording, expected_by(result.fit.parameters, fitted_poses),
-                                "fitted parameters");
+  const ExpectedRecording before(recording, expected_by(simulator, result.initial, poses),
+                                 "initial parameters");
+  const ExpectedRecording after(
+      recording, expected_by(*fitted_simulator, result.fit.parameters, fitted_poses), "fitted parameters");
   CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
   if (const std::optional<metrics::ObjectSearch>& object = options.comparison.object) {
-    judge.boxes = SceneGeometry(simulator.caster(), sonar).ObjectBoxes(fitted_poses, *object);
+    judge.boxes = SceneGeometry(fitted_simulator->caster(), fitted_simulator->sonar())
+                      .ObjectBoxes(fitted_poses, *object);
   }
   judge.frames = result.judged_on_held_out ? split.held_out : split.used;
   result.after = CompareRecordings(recording, after, judge);
@@ -304,29 +318,31 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   result.before = CompareRecordings(recording, before, judge);
   result.before.noise_floor = result.after.noise_floor;
   if (acoustic) {
-    const auto sample_by = [&](const ParameterSet& parameters, const std::vector<data_io::TimedPose>& from,
+    const auto sample_by = [&](const sim::Simulator& with, const ParameterSet& parameters, const Poses& from,
                                int draw = 0) {
       return ExpectedRecording(
           recording,
           [&, draw](int frame) {
             const Pose& pose = from[frame].world_from_sonar;
-            return simulator.RenderEchoes(simulator.TraceEchoes(pose), parameters,
-                                          frame + draw * recording.frame_count(),
-                                          simulator.TraceGhosts(pose, parameters));
+            return with.RenderEchoes(with.TraceEchoes(pose), parameters,
+                                     frame + draw * recording.frame_count(),
+                                     with.TraceGhosts(pose, parameters));
           },
           "a speckled sample");
     };
-    result.sample_before = CompareRecordings(recording, sample_by(result.initial, poses), judge);
-    result.sample_after = CompareRecordings(recording, sample_by(result.fit.parameters, fitted_poses), judge);
+    result.sample_before = CompareRecordings(recording, sample_by(simulator, result.initial, poses), judge);
+    result.sample_after = CompareRecordings(
+        recording, sample_by(*fitted_simulator, result.fit.parameters, fitted_poses), judge);
     const ParameterSet& fitted = result.fit.parameters;
     CompareRecordingsOptions judge_pair = judge;
     judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
-    result.sample_pair =
-        CompareRecordings(sample_by(fitted, fitted_poses, 1), sample_by(fitted, fitted_poses), judge_pair);
-    result.still = MeasureStillPoses(
-        recording, fitted, simulator.absorption_db_per_m(), ValidPixels(recording.info(), options.pixels),
-        &report,
-        [&](int frame) { return EchoesExpected(simulator, fitted, fitted_poses[frame].world_from_sonar); });
+    result.sample_pair = CompareRecordings(sample_by(*fitted_simulator, fitted, fitted_poses, 1),
+                                           sample_by(*fitted_simulator, fitted, fitted_poses), judge_pair);
+    result.still = MeasureStillPoses(recording, fitted, simulator.absorption_db_per_m(),
+                                     ValidPixels(recording.info(), options.pixels), &report, [&](int frame) {
+                                       return EchoesExpected(*fitted_simulator, fitted,
+                                                             fitted_poses[frame].world_from_sonar);
+                                     });
   }
   std::vector<std::string> doubts = DoubtsAbout(result, options.config);
   const std::vector<std::string> worse = WorseFigures(result);

@@ -22,6 +22,7 @@
 #include "calib/fit.h"
 #include "calib/parameters/fit_config.h"
 #include "calib/selection/model_choice.h"
+#include "core/sonars/sonar_geometry.h"
 #include "core/types/option.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
@@ -61,6 +62,8 @@ struct RecordingFit {
   ParameterSet initial;
   // Poses of all frames of the recording if the fit moved poses. Empty: as recorded.
   std::vector<data_io::TimedPose> poses = {};
+  SonarGeometry geometry = {};                 // as declared if not free
+  std::optional<Scene> scene = {};             // with objects where they were found; absent if none was free
   std::map<std::string, IncidenceRange> seen;  // per material; absent: not seen
   // Metrics of the expected images with the initial and the fitted parameters, on the held-out frames. If no
   // frame is held out, on the frames used.
@@ -131,8 +134,8 @@ struct FitOptions {
           self.held_out);
     visit(
         OptionInfo{.name = "free",
-                   .help = "Parameters to fit: materials, noise, psf, mirrors, pose, mount, display, jitter, "
-                           "source_level, or names with *",
+                   .help = "Parameters to fit: materials, noise, psf, mirrors, pose, mount, geometry, "
+                           "object:NODE, display, jitter, source_level, or names with *",
                    .by_default = "materials; with the paper's model display.db_max and the range and azimuth "
                                  "errors; with the acoustic model receiver.noise_db, mirrors and, if not "
                                  "given, pulse.length_m and with mirrors beam.transmit_end_deg"},

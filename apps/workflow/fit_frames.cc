@@ -36,11 +36,14 @@ void CheckFittable(const RecordingSource& recording, const ParameterSet& initial
 
 std::vector<sim::EchoHistogram> TraceFrames(const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
+                                            const std::vector<int>& frames,
                                             const FitRecordingOptions& options) {
-  std::vector<sim::EchoHistogram> echoes;
-  for (const data_io::TimedPose& pose : poses) {
-    echoes.push_back(sim::GatherEchoes(simulator.TraceEchoes(pose.world_from_sonar), simulator.sonar().axes));
-    if (options.on_trace) options.on_trace(static_cast<int>(echoes.size()), static_cast<int>(poses.size()));
+  std::vector<sim::EchoHistogram> echoes(poses.size());
+  int done = 0;
+  for (const int frame : frames) {
+    echoes[frame] =
+        sim::GatherEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), simulator.sonar().axes);
+    if (options.on_trace) options.on_trace(++done, static_cast<int>(frames.size()));
   }
   return echoes;
 }

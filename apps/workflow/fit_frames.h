@@ -14,9 +14,10 @@ namespace sonarcal::workflow {
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options);
 
-// Returns the echoes behind each pixel, one histogram per pose.
+// Returns the echoes behind each pixel, one histogram per pose; empty ones for poses that are not in `frames`.
 std::vector<sim::EchoHistogram> TraceFrames(const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
+                                            const std::vector<int>& frames,
                                             const FitRecordingOptions& options);
 
 // Return the frames with these indices. `echoes` and `poses` are those of the whole recording.

@@ -84,7 +84,7 @@ std::vector<NamedValue> AcousticValues(ParameterSet truth, const std::vector<std
   for (const std::string& name : materials) mirrors.push_back(truth.mirrors.contains(name) ? 1 : 0);
   std::vector<NamedValue> values;
   for (const calib::CatalogEntry& entry : calib::BuildAcousticCatalog(materials, sonar, {}, mirrors)) {
-    if (entry.group == calib::ParameterGroup::kPose) continue;
+    if (calib::IsPlacement(entry)) continue;
     if (entry.group == calib::ParameterGroup::kReceiver && entry.index > 0 && !has_noise) continue;
     if (entry.group == calib::ParameterGroup::kTransmit && !(truth.beam.transmit_end_deg > 0.0)) continue;
     values.push_back({entry.name, calib::AcousticSlot(truth, materials, entry)});

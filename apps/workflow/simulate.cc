@@ -9,18 +9,19 @@
 #include "core/types/error.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recalibrated_recording.h"
 #include "data_io/recordings/recording_io.h"
 #include "sim/gathered/empty_frames.h"
 #include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal::workflow {
 
-namespace {
-
 std::string WaterText(const Water& water) {
   return fmt::format("{:g} C, {:g} ppt, pH {:g}, {:g} m deep", water.temperature_c, water.salinity_ppt,
                      water.ph, water.depth_m);
 }
+
+namespace {
 
 // Meaning of the random numbers of a model.
 std::string NoiseText(const sim::Simulator& simulator, const ParameterSet& parameters, bool expected) {
@@ -51,6 +52,14 @@ SonarChoice ChooseSonar(const std::string& name_or_file) {
   const bool sonar_only = path.extension() == ".json" && !data_io::IsRecordingFolder(path);
   const RecordingInfo info = sonar_only ? data_io::ReadSonarFile(path) : data_io::OpenRecording(path)->info();
   return {info.sonar, info.water, path};
+}
+
+std::shared_ptr<const RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
+                                                         const std::string& sonar) {
+  std::shared_ptr<const RecordingSource> recording = data_io::OpenRecording(path);
+  if (sonar.empty()) return recording;
+  return std::make_shared<const data_io::RecalibratedRecording>(std::move(recording),
+                                                                ChooseSonar(sonar).sonar);
 }
 
 WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Water>& of_sonar) {

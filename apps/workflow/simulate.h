@@ -41,6 +41,14 @@ struct SonarChoice {
 // damaged.
 SonarChoice ChooseSonar(const std::string& name_or_file);
 
+// Water in words, such as "15 C, 0 ppt, pH 7, 1 m deep".
+std::string WaterText(const Water& water);
+
+// Opens a recording. `sonar`: replaces its description of the sonar, as in ChooseSonar; empty: as recorded. Throws
+// DataError if the sonar has another number of range bins or beams.
+std::shared_ptr<const RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
+                                                         const std::string& sonar);
+
 struct WaterChoice {
   Water water;
   std::string note;  // a sentence if the user should know of the choice; else empty

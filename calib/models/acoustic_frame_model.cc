@@ -9,6 +9,7 @@
 
 #include "calib/models/coarse_frame_model.h"
 #include "calib/models/down_weight.h"
+#include "calib/parameters/axis_move.h"
 #include "calib/parameters/pose_step.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -23,7 +24,11 @@ namespace {
 // Half the step of the central differences of echoes.
 double DifferenceStep(const CatalogEntry& entry, double value, const PolarAxes& axes) {
   constexpr double kOfWidth = 0.03;
-  return entry.group == ParameterGroup::kPose ? PoseDifference(axes, entry.index) : kOfWidth * value;
+  return IsPlacement(entry) ? PlacementDifference(axes, entry) : kOfWidth * value;
+}
+
+sim::AcousticGeometry GeometryWith(const sim::Simulator& simulator) {
+  return {simulator.sonar(), simulator.absorption_db_per_m()};
 }
 
 // Ghosts are traced this factor beyond the angle of the transmitter, so that a larger angle needs no new
@@ -59,8 +64,10 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
 }
 
 AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
-                                       const std::vector<AcousticFrame>& frames, const ParameterSet& initial)
+                                       const std::vector<AcousticFrame>& frames, const ParameterSet& initial,
+                                       const std::vector<std::string>& objects)
     : simulator_(simulator),
+      placed_(simulator, objects),
       frames_(frames),
       material_names_(simulator.caster().material_names()),
       initial_(sim::WithResponse(simulator.sonar(), initial)),
@@ -80,10 +87,14 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
     }
   }
   catalog_ = BuildAcousticCatalog(material_names_, simulator.sonar(), indices,
-                                  sim::ReflectingMaterials(material_names_, initial_));
+                                  sim::ReflectingMaterials(material_names_, initial_), objects);
   for (const CatalogEntry& entry : catalog_) {
-    if (entry.group != ParameterGroup::kPose) {
+    if (!IsPlacement(entry)) {
       initial_values_.push_back(AcousticSlot(initial_, material_names_, entry));
+      continue;
+    }
+    if (entry.group != ParameterGroup::kPose) {
+      initial_values_.push_back(DeclaredValue(entry));
       continue;
     }
     const PoseStep named = entry.frame == kMountFrame ? PoseStep(PoseStep::Zero())
@@ -120,14 +131,14 @@ int AcousticFrameModel::first_of_pose(int frame) const {
 ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const {
   ParameterSet parameters = initial_;
   for (std::size_t i = 0; i < catalog_.size(); ++i) {
-    if (catalog_[i].group == ParameterGroup::kPose) continue;
+    if (IsPlacement(catalog_[i])) continue;
     AcousticSlot(parameters, material_names_, catalog_[i]) = values[i];
   }
   return parameters;
 }
 
 Pose AcousticFrameModel::PoseOf(int frame, const ParameterValues& values) const {
-  return PoseEntries(frame, values) * PoseEntries(kMountFrame, values);
+  return PoseEntries(frame, values) * MountOf(values);
 }
 
 Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) const {
@@ -139,25 +150,37 @@ Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) c
   return PoseFromNamedValues(named);
 }
 
+AcousticFrameModel::Rays AcousticFrameModel::RaysAt(const ParameterValues& values, int decimation) const {
+  std::shared_ptr<const sim::Simulator> simulator = SimulatorAt(values);
+  sim::RayFanOptions options = simulator->options().fan;
+  options.cols = std::max(1, options.cols / decimation);
+  options.rows = std::max(1, options.rows / decimation);
+  sim::RayFan fan(simulator->sonar(), options);
+  return {std::move(simulator), std::move(fan)};
+}
+
 Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                               const sim::RayFan& fan) const {
-  sim::ScatterMap scatter = sim::ScatterFrom(simulator_.caster(), fan, world_from_sonar, geometry(),
-                                             parameters, simulator_.options().trace);
-  const int decimation =
-      std::max(1, static_cast<int>(std::lround(static_cast<double>(simulator_.fan().rows()) / fan.rows())));
-  const sim::GhostList ghosts = simulator_.TraceGhosts(world_from_sonar, parameters, decimation);
-  sim::AddGhosts(ghosts, geometry(), parameters, scatter);
-  return sim::EchoPowerImage(scatter, geometry(), parameters);
+                                               const Rays& rays) const {
+  const sim::Simulator& simulator = *rays.simulator;
+  const sim::AcousticGeometry geometry = GeometryWith(simulator);
+  sim::ScatterMap scatter = sim::ScatterFrom(simulator.caster(), rays.fan, world_from_sonar, geometry,
+                                             parameters, simulator.options().trace);
+  const int decimation = std::max(
+      1, static_cast<int>(std::lround(static_cast<double>(simulator.fan().rows()) / rays.fan.rows())));
+  const sim::GhostList ghosts = simulator.TraceGhosts(world_from_sonar, parameters, decimation);
+  sim::AddGhosts(ghosts, geometry, parameters, scatter);
+  return sim::EchoPowerImage(scatter, geometry, parameters);
 }
 
 PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                                 const sim::RayFan& fan) const {
-  Grid<double> power = EchoPowerFrom(world_from_sonar, parameters, fan);
-  sim::AddNoiseFloor(geometry(), parameters, power);
-  return sim::PowerImage(sonar().axes, power);
+                                                 const Rays& rays) const {
+  Grid<double> power = EchoPowerFrom(world_from_sonar, parameters, rays);
+  sim::AddNoiseFloor(GeometryWith(*rays.simulator), parameters, power);
+  return sim::PowerImage(rays.simulator->sonar().axes, power);
 }
 
-sim::GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& values,
+sim::GhostList AcousticFrameModel::GhostsOf(const sim::Simulator& simulator, int frame,
+                                            const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
   ParameterSet parameters = Parameters(values);
   const bool transmit_moves = std::any_of(geometric.begin(), geometric.end(), [&](int entry) {
@@ -165,38 +188,51 @@ sim::GhostList AcousticFrameModel::GhostsOf(int frame, const ParameterValues& va
   });
   double& end_deg = parameters.beam.transmit_end_deg;
   if (transmit_moves) end_deg = kTransmitGridDeg * std::ceil(kTransmitReach * end_deg / kTransmitGridDeg);
-  return simulator_.TraceGhosts(PoseOf(frame, values), parameters);
+  return simulator.TraceGhosts(PoseOf(frame, values), parameters);
 }
 
-sim::RayFan AcousticFrameModel::DecimatedFan(int factor) const {
-  sim::RayFanOptions options = simulator_.options().fan;
-  options.cols = std::max(1, options.cols / factor);
-  options.rows = std::max(1, options.rows / factor);
-  return {sonar(), options};
-}
-
-FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& values,
+FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
-  const sim::EchoPower at_pose = sim::EchoesOfPose(simulator_, PoseOf(frame, values), Parameters(values));
-  FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator_, at_pose, Parameters(values))};
-  const sim::GhostList ghosts = GhostsOf(frame, values, geometric);
-  if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator_, ghosts, Parameters(values));
+  const sim::Simulator& simulator = *rays.simulator;
+  const sim::EchoPower at_pose = sim::EchoesOfPose(simulator, PoseOf(frame, values), Parameters(values));
+  FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(values))};
+  const sim::GhostList ghosts = GhostsOf(simulator, frame, values, geometric);
+  if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator, ghosts, Parameters(values));
+  Grid<double> at_point;  // echoes, for the slopes of the sonar's geometry
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
+    if (entry.group == ParameterGroup::kObject) continue;  // Linearise adds them
+    if (entry.group == ParameterGroup::kPose && entry.frame != frame && entry.frame != kMountFrame) continue;
     const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
     above[index] += step;
     below[index] -= step;
-    if (entry.group == ParameterGroup::kPose) {
-      if (entry.frame != frame && entry.frame != kMountFrame) continue;
-      echoes.slopes.push_back({.entry = index, .logarithm = LogarithmSlope(frame, above, below, 2.0 * step)});
+    if (ChangesAxes(entry)) {
+      const ParameterSet parameters = Parameters(values);
+      if (at_point.empty()) at_point = EchoPowerFrom(PoseOf(frame, values), parameters, rays);
+      const auto moved = [&](const ParameterValues& to) {
+        return WithAxesMoved(at_point, simulator_.sonar().axes, GeometryOf(catalog_, values),
+                             GeometryOf(catalog_, to));
+      };
+      echoes.slopes.push_back(
+          {.entry = index,
+           .logarithm = LogarithmSlope({moved(above), moved(below), 2.0 * step}, parameters)});
+      continue;
+    }
+    if (IsPlacement(entry)) {
+      const ParameterSet parameters = Parameters(values);
+      const auto from = [&](const ParameterValues& to) {
+        return EchoPowerFrom(PoseOf(frame, to), parameters, rays);
+      };
+      echoes.slopes.push_back(
+          {.entry = index, .logarithm = LogarithmSlope({from(above), from(below), 2.0 * step}, parameters)});
       continue;
     }
     echoes.slopes.push_back({.entry = index});
     if (!ghosts.echoes.empty()) {
       const auto gather = [&](const ParameterValues& at) {
-        return sim::GatherGhostEchoes(simulator_, ghosts, Parameters(at)).pixels;
+        return sim::GatherGhostEchoes(simulator, ghosts, Parameters(at)).pixels;
       };
       echoes.slopes.back().ghosts = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
     }
@@ -204,37 +240,55 @@ FrameEchoes AcousticFrameModel::EchoesAbout(int frame, const ParameterValues& va
     // Azimuth beam pattern and pulse do not change the echoes that arrive, only the pixels where they appear.
     const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
     const auto gather = [&](const ParameterValues& at) {
-      return arrives_alike ? sim::ThroughBeamAndPulse(simulator_, at_pose, Parameters(at))
-                           : sim::GatherPixelEchoes(simulator_, PoseOf(frame, at), Parameters(at));
+      return arrives_alike ? sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(at))
+                           : sim::GatherPixelEchoes(simulator, PoseOf(frame, at), Parameters(at));
     };
     echoes.slopes.back().echoes = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
   }
   return echoes;
 }
 
-std::vector<float> AcousticFrameModel::LogarithmSlope(int frame, const ParameterValues& above,
-                                                      const ParameterValues& below, double difference) const {
+std::vector<float> AcousticFrameModel::LogarithmSlope(const EchoPair& echoes,
+                                                      const ParameterSet& parameters) const {
   // Echoes far below the noise have no effect. A floor keeps their logarithm constant.
   constexpr double kOfNoise = 1e-3;
-  const ParameterSet parameters = Parameters(above);
-  const Grid<double> high = EchoPowerFrom(PoseOf(frame, above), parameters, simulator_.fan());
-  const Grid<double> low = EchoPowerFrom(PoseOf(frame, below), parameters, simulator_.fan());
-  const Grid<double> noise = sim::NoiseFloorPower(geometry(), parameters);
+  const Grid<double> noise = sim::NoiseFloorPower(GeometryWith(simulator_), parameters);
   std::vector<float> slope;
   slope.reserve(pixel_count());
   for (std::size_t i = 0; i < pixel_count(); ++i) {
     const double rest = kOfNoise * noise.values()[i];
-    slope.push_back(
-        static_cast<float>(std::log((high.values()[i] + rest) / (low.values()[i] + rest)) / difference));
+    slope.push_back(static_cast<float>(
+        std::log((echoes.above.values()[i] + rest) / (echoes.below.values()[i] + rest)) / echoes.difference));
   }
   return slope;
 }
 
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
   point_ = values;
+  const Rays rays = RaysAt(values, 1);
+  at_point_ = rays.simulator;
   std::vector<FrameEchoes> echoes(frames_.size());
   tbb::parallel_for(0, frame_count(),
-                    [&](int frame) { echoes[frame] = EchoesAbout(frame, values, geometric); });
+                    [&](int frame) { echoes[frame] = EchoesAbout(rays, frame, values, geometric); });
+  for (const int index : geometric) {
+    if (catalog_[index].group != ParameterGroup::kObject) continue;
+    const double step = DifferenceStep(catalog_[index], values[index], sonar().axes);
+    ParameterValues above = values;
+    ParameterValues below = values;
+    above[index] += step;
+    below[index] -= step;
+    const ParameterSet parameters = Parameters(values);
+    const Rays rays_above = RaysAt(above, 1);
+    const Rays rays_below = RaysAt(below, 1);
+    tbb::parallel_for(0, frame_count(), [&](int frame) {
+      const Pose pose = PoseOf(frame, values);
+      echoes[frame].slopes.push_back(
+          {.entry = index,
+           .logarithm = LogarithmSlope({EchoPowerFrom(pose, parameters, rays_above),
+                                        EchoPowerFrom(pose, parameters, rays_below), 2.0 * step},
+                                       parameters)});
+    });
+  }
   echoes_ = std::move(echoes);
 }
 
@@ -247,17 +301,16 @@ void AcousticFrameModel::DownWeight(const ParameterValues& values) {
   }
 }
 
-bool AcousticFrameModel::has_repeats() const {
-  for (int frame = 0; frame < frame_count(); ++frame) {
-    if (first_of_pose(frame) != frame) return true;
-  }
-  return false;
+int AcousticFrameModel::distinct_poses() const {
+  int count = 0;
+  for (int frame = 0; frame < frame_count(); ++frame) count += first_of_pose(frame) == frame ? 1 : 0;
+  return count;
 }
 
 void AcousticFrameModel::ShareRepeats(const ParameterValues& values) {
   std::vector<int> count(frames_.size(), 0);
   for (int frame = 0; frame < frame_count(); ++frame) ++count[first_of_pose(frame)];
-  const sim::ReceiverNoise noise(Parameters(values).receiver, simulator_.sonar().axes,
+  const sim::ReceiverNoise noise(Parameters(values).receiver, sonar_at_point().axes,
                                  simulator_.absorption_db_per_m());
   for (int frame = 0; frame < frame_count(); ++frame) {
     const int others = count[first_of_pose(frame)] - 1;
@@ -277,7 +330,7 @@ AcousticState AcousticFrameModel::StateAt(const ParameterSet& parameters,
                                           const ParameterValues& values) const {
   return {.catalog = catalog_,
           .material_names = material_names_,
-          .sonar = simulator_.sonar(),
+          .sonar = sonar_at_point(),
           .absorption_db_per_m = simulator_.absorption_db_per_m(),
           .parameters = parameters,
           .values = values,

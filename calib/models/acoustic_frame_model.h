@@ -19,6 +19,7 @@
 
 #include "calib/models/acoustic_evaluation.h"
 #include "calib/models/frame_model.h"
+#include "calib/models/placed_simulators.h"
 #include "calib/models/power_likelihood.h"
 #include "core/types/image.h"
 #include "core/types/parameters.h"
@@ -41,9 +42,10 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
 class AcousticFrameModel final : public FrameModel {
  public:
   // Simulator and frames must outlive the model. Traces every frame. Throws DataError if a frame does not fit
-  // the sonar, a material of the scene has no parameters, or there is no noise level.
+  // the sonar, a material of the scene has no parameters, or there is no noise level. `objects`: names of the
+  // parts of the scene that may stand elsewhere.
   AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                     const ParameterSet& initial);
+                     const ParameterSet& initial, const std::vector<std::string>& objects = {});
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
@@ -63,24 +65,41 @@ class AcousticFrameModel final : public FrameModel {
                                       Terms wanted) const override;
 
   const sim::Simulator& simulator() const { return simulator_; }
-  const SonarModel& sonar() const { return simulator_.sonar(); }
+  const SonarModel& sonar() const { return simulator_.sonar(); }           // as declared
+  const SonarModel& sonar_at_point() const { return at_point_->sonar(); }  // of the last Linearise
   const AcousticFrame& frame(int frame) const { return frames_[frame]; }
-  // Mean power of the echoes from a pose, without noise. Traces the rays of `fan`, and ghosts with the same
-  // decimation. Not linearised.
+
+  // Simulator with the sonar's geometry and the objects at these values. Not for use in a parallel loop.
+  std::shared_ptr<const sim::Simulator> SimulatorAt(const ParameterValues& values) const {
+    return placed_.At(catalog_, values);
+  }
+  // A simulator and rays to trace with it.
+  struct Rays {
+    std::shared_ptr<const sim::Simulator> simulator;
+    sim::RayFan fan;
+  };
+  // Returns the rays at these values with rows and columns divided by this factor.
+  Rays RaysAt(const ParameterValues& values, int decimation) const;
+  // Mean power of the echoes from a pose, without noise. Ghosts have the same decimation as the rays. Not
+  // linearised.
   Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                             const sim::RayFan& fan) const;
+                             const Rays& rays) const;
   // Mean power including the noise floor.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                               const sim::RayFan& fan) const;
-  // Returns the fan of the simulator with rows and columns divided by this factor.
-  sim::RayFan DecimatedFan(int factor) const;
+                               const Rays& rays) const;
 
   const ParameterValues& initial_values() const { return initial_values_; }
   // Returns the parameters with these values. Those without a catalog entry keep their initial value.
   ParameterSet Parameters(const ParameterValues& values) const;
-  // Pose of the frame, followed by the mount offset that all frames share.
+  // Pose of the array: that of the frame, followed by the mount offset and the tilt that all frames share.
   Pose PoseOf(int frame, const ParameterValues& values) const;
-  Pose MountOf(const ParameterValues& values) const { return PoseEntries(kMountFrame, values); }
+  // Offset of the mount, with the tilt.
+  Pose MountOf(const ParameterValues& values) const {
+    return Tilted(PoseEntries(kMountFrame, values), GeometryOf(catalog_, values));
+  }
+
+  // Number of different poses among the frames, as given.
+  int distinct_poses() const;
 
   // Moves the point about which geometry is linear. `geometric`: the catalog entries that will be active.
   void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
@@ -90,7 +109,7 @@ class AcousticFrameModel final : public FrameModel {
   const std::vector<float>& weights(int frame) const { return weights_[frame]; }  // empty: all are 1
 
   // Returns true if any pose has several frames.
-  bool has_repeats() const;
+  bool has_repeats() const { return distinct_poses() < frame_count(); }
 
   // Weights frames of one pose by the information that they have together at these values. While nothing
   // moves, the powers of two such frames have the correlation rho = (S / mu)^2, with S the echoes' part of
@@ -114,16 +133,24 @@ class AcousticFrameModel final : public FrameModel {
 
  private:
   Pose PoseEntries(int frame, const ParameterValues& values) const;
-  sim::AcousticGeometry geometry() const { return {simulator_.sonar(), simulator_.absorption_db_per_m()}; }
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
-  // Difference of the logarithms of the echoes at two values of the frame's pose, divided by `difference`.
-  std::vector<float> LogarithmSlope(int frame, const ParameterValues& above, const ParameterValues& below,
-                                    double difference) const;
+  // Echoes of a frame at two sets of values, and the difference of these values.
+  struct EchoPair {
+    Grid<double> above;
+    Grid<double> below;
+    double difference;
+  };
+  // Difference of the logarithms of the echoes, divided by that of the values.
+  std::vector<float> LogarithmSlope(const EchoPair& echoes, const ParameterSet& parameters) const;
   // Ghosts in a frame, as far beside the beams as a free transmitter angle may reach.
-  sim::GhostList GhostsOf(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
-  FrameEchoes EchoesAbout(int frame, const ParameterValues& values, const std::vector<int>& geometric) const;
+  sim::GhostList GhostsOf(const sim::Simulator& simulator, int frame, const ParameterValues& values,
+                          const std::vector<int>& geometric) const;
+  FrameEchoes EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
+                          const std::vector<int>& geometric) const;
 
   const sim::Simulator& simulator_;
+  PlacedSimulators placed_;
+  std::shared_ptr<const sim::Simulator> at_point_;
   const std::vector<AcousticFrame>& frames_;
   std::vector<std::string> material_names_;
   ParameterSet initial_;

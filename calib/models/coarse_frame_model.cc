@@ -41,13 +41,13 @@ std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_on
 }  // namespace
 
 CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block)
-    : fine_(fine), block_(block), sonar_(fine.sonar()) {
-  sonar_.axes = CoarseAxes(fine.sonar().axes, block);
+    : fine_(fine), block_(block), sonar_(fine.sonar_at_point()) {
+  sonar_.axes = CoarseAxes(fine.sonar_at_point().axes, block);
   const TimeVariedGain law = fine.Parameters(fine.initial_values()).receiver.time_varied_gain;
   const double absorption_db_per_m = fine.simulator().absorption_db_per_m();
   for (int bin = 0; bin < fine.range_bins(); ++bin) {
     gain_of_centre_.push_back(PowerFromDb(
-        sim::TimeVariedGainDb(law, fine.sonar().axes.range_centre_m(bin), absorption_db_per_m) -
+        sim::TimeVariedGainDb(law, fine.sonar_at_point().axes.range_centre_m(bin), absorption_db_per_m) -
         sim::TimeVariedGainDb(law, sonar_.axes.range_centre_m(bin / block.bins), absorption_db_per_m)));
   }
   frames_.resize(fine.frame_count());

@@ -4,13 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
+#include <nlohmann/json.hpp>
+
+#include "calib/parameters/pose_step.h"
 #include "core/types/error.h"
 #include "data_io/json/json_reader.h"
 
 namespace sonarcal::calib {
 namespace {
+
+constexpr std::string_view kObjectPrefix = "object:";
+
+// Name of the object in "object.NAME.x_m", where NAME may contain dots.
+std::string ObjectOf(const std::string& entry_name) {
+  const std::size_t first = entry_name.find('.') + 1;
+  const std::size_t last = entry_name.rfind('.');
+  return last > first ? entry_name.substr(first, last - first) : std::string();
+}
 
 bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == "materials") return entry.group == ParameterGroup::kGsab;
@@ -22,6 +36,11 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == "mirrors") return entry.group == ParameterGroup::kMirror;
   if (pattern == "pose") return entry.group == ParameterGroup::kPose && entry.frame != kMountFrame;
   if (pattern == "mount") return entry.group == ParameterGroup::kPose && entry.frame == kMountFrame;
+  if (pattern == "geometry") return entry.group == ParameterGroup::kGeometry;
+  if (pattern.starts_with(kObjectPrefix)) {
+    return entry.group == ParameterGroup::kObject && entry.index < kPoseSteps &&
+           ObjectOf(entry.name) == pattern.substr(kObjectPrefix.size());
+  }
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
 }
 
@@ -39,10 +58,11 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
   for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
   throw DataError(
       "fit: no parameter is called '{}'; expected a group (materials, noise, psf, mirrors, pose, mount, "
-      "display, "
-      "jitter, source_level), or a name or pattern among {}",
+      "geometry, object:NODE, display, jitter, source_level), or a name or pattern among {}",
       pattern, names);
 }
+
+}  // namespace
 
 FitConfig FitConfigFrom(const data_io::JsonReader& root) {
   if (const auto format = root.At("format"); format.String() != "sonar-fit-config/1") {
@@ -91,24 +111,63 @@ FitConfig FitConfigFrom(const data_io::JsonReader& root) {
     read("position_m", config.pose_prior.position_m);
     read("angle_deg", config.pose_prior.angle_deg);
   }
-  if (const auto held_out = root.Find("held_out")) {
-    config.held_out.emplace();
-    for (const data_io::JsonReader& item : held_out->Items()) {
-      config.held_out->push_back(static_cast<int>(item.Integer(0, std::numeric_limits<int>::max())));
-    }
+  if (const auto start = root.Find("start")) {
+    for (const auto& [name, value] : start->Members()) config.start[name] = value.Number();
   }
+  const auto read_frames = [&](const char* key) {
+    std::vector<int> frames;
+    for (const data_io::JsonReader& item : root.At(key).Items())
+      frames.push_back(static_cast<int>(item.Integer(0, std::numeric_limits<int>::max())));
+    return frames;
+  };
+  if (root.Find("held_out")) config.held_out = read_frames("held_out");
+  if (root.Find("used")) config.used = read_frames("used");
+  return config;
+}
+
+nlohmann::ordered_json FitConfigJson(const FitConfig& config) {
+  using Json = nlohmann::ordered_json;
+  Json json = {{"format", "sonar-fit-config/1"}};
+  if (config.free) json["free"] = *config.free;
+  json["fixed"] = config.fixed;
+  json["bounds"] = Json::object();
+  for (const auto& [name, limits] : config.bounds) json["bounds"][name] = {limits.first, limits.second};
+  json["priors"] = Json::object();
+  for (const auto& [name, prior] : config.priors)
+    json["priors"][name] = prior ? Json::array({prior->first, prior->second}) : Json("none");
+  json["pose_prior"] = {{"position_m", config.pose_prior.position_m},
+                        {"angle_deg", config.pose_prior.angle_deg}};
+  json["start"] = Json::object();
+  for (const auto& [name, value] : config.start) json["start"][name] = value;
+  if (config.held_out) json["held_out"] = *config.held_out;
+  if (config.used) json["used"] = *config.used;
+  return json;
+}
+
+std::vector<std::string> ObjectsNamed(const FitConfig& config) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+  };
+  for (const std::string& pattern : config.free.value_or(std::vector<std::string>())) {
+    if (pattern.starts_with(kObjectPrefix)) add(pattern.substr(kObjectPrefix.size()));
+    if (pattern.starts_with("object.")) add(ObjectOf(pattern));
+  }
+  return names;
+}
+
+FitConfig ReadFitConfig(const std::filesystem::path& path) {
+  const auto root = data_io::JsonReader::FromFile(path);
+  FitConfig config = FitConfigFrom(root);
   root.Finish();
   return config;
 }
 
-}  // namespace
-
-FitConfig ReadFitConfig(const std::filesystem::path& path) {
-  return FitConfigFrom(data_io::JsonReader::FromFile(path));
-}
-
 FitConfig ParseFitConfig(std::string_view text, const std::string& name) {
-  return FitConfigFrom(data_io::JsonReader::FromText(text, name));
+  const auto root = data_io::JsonReader::FromText(text, name);
+  FitConfig config = FitConfigFrom(root);
+  root.Finish();
+  return config;
 }
 
 std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEntry>& catalog) {
@@ -175,26 +234,46 @@ std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitCo
   return free;
 }
 
+ParameterValues StartValues(const FitConfig& config, const std::vector<CatalogEntry>& catalog,
+                            ParameterValues initial) {
+  for (const auto& [name, value] : config.start) {
+    const auto entry = std::ranges::find(catalog, name, &CatalogEntry::name);
+    if (entry == catalog.end()) throw DataError("fit: start value of '{}', which is no parameter", name);
+    initial[static_cast<std::size_t>(entry - catalog.begin())] =
+        std::clamp(value, entry->lower, entry->upper);
+  }
+  return initial;
+}
+
+namespace {
+
+// Frames in ascending order, each once.
+std::vector<int> Checked(std::vector<int> frames, int frame_count, const char* kind) {
+  for (const int frame : frames) {
+    if (frame >= 0 && frame < frame_count) continue;
+    throw DataError("fit: {} frame {} of a recording of {} frames (0 .. {})", kind, frame, frame_count,
+                    frame_count - 1);
+  }
+  std::ranges::sort(frames);
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
+}  // namespace
+
 FrameSplit SplitFrames(const FitConfig& config, int frame_count) {
   FrameSplit split;
   if (config.held_out) {
-    for (const int frame : *config.held_out) {
-      if (frame < 0 || frame >= frame_count) {
-        throw DataError("fit: held-out frame {} of a recording of {} frames (0 .. {})", frame, frame_count,
-                        frame_count - 1);
-      }
-      split.held_out.push_back(frame);
-    }
-    std::sort(split.held_out.begin(), split.held_out.end());
-    split.held_out.erase(std::unique(split.held_out.begin(), split.held_out.end()), split.held_out.end());
+    split.held_out = Checked(*config.held_out, frame_count, "held-out");
   } else if (frame_count >= 2) {
     for (int frame = frame_count - std::max(1, frame_count / 3); frame < frame_count; ++frame) {
       split.held_out.push_back(frame);
     }
   }
-  for (int frame = 0; frame < frame_count; ++frame) {
-    if (!std::binary_search(split.held_out.begin(), split.held_out.end(), frame)) split.used.push_back(frame);
-  }
+  std::vector<int> candidates(static_cast<std::size_t>(frame_count));
+  std::iota(candidates.begin(), candidates.end(), 0);
+  if (config.used) candidates = Checked(*config.used, frame_count, "used");
+  std::ranges::set_difference(candidates, split.held_out, std::back_inserter(split.used));
   if (split.used.empty())
     throw DataError("fit: all {} frames are held out, none is left to fit", frame_count);
   return split;

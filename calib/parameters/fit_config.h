@@ -9,12 +9,14 @@
 //    "bounds": {"material.floor.gsab.D": [0.5, 3.0]},
 //    "priors": {"beam.azimuth_width_deg": [1.0, 0.05], "receiver.noise_db": "none"},
 //    "pose_prior": {"position_m": 0.02, "angle_deg": 1.0},
-//    "held_out": [2, 5]}
+//    "start": {"geometry.range_scale": 0.99},
+//    "held_out": [2, 5], "used": [0, 1, 3, 4]}
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
-// noise, psf (beam and pulse), mirrors (every loss), pose (of each frame), mount, display, jitter,
-// source_level. `fixed` takes precedence over `free`. A prior is a value and its sigma, in the unit of the
-// parameter, or "none". Priors have an effect only in a fit by likelihood. There every parameter has a
+// noise, psf (beam and pulse), mirrors (every loss), pose (of each frame), mount, geometry, object:NODE (its
+// position and angles), display, jitter, source_level. `fixed` takes precedence over `free`. A prior is a value and its sigma, in the unit of the
+// parameter, or "none". `start` gives values at which the fit starts, in place of those of the parameters, the
+// recorded poses and the declared geometry; priors stay about the latter. Priors have an effect only in a fit by likelihood. There every parameter has a
 // default prior (parameter_catalog.h).
 #pragma once
 
@@ -26,7 +28,13 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "calib/parameters/parameter_catalog.h"
+
+namespace sonarcal::data_io {
+class JsonReader;
+}
 
 namespace sonarcal::calib {
 
@@ -45,8 +53,10 @@ struct FitConfig {
   std::map<std::string, std::pair<double, double>> trust_regions = {};
   std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: no prior
   PosePrior pose_prior = {};
+  std::map<std::string, double> start = {};  // by name
   // Held-out frames. Absent: the last third, at least one if there are two.
   std::optional<std::vector<int>> held_out = {};
+  std::optional<std::vector<int>> used = {};  // absent: all that are not held out
 
   bool operator==(const FitConfig&) const = default;
 };
@@ -55,6 +65,14 @@ struct FitConfig {
 FitConfig ReadFitConfig(const std::filesystem::path& path);
 // As ReadFitConfig; `name` is the name for messages.
 FitConfig ParseFitConfig(std::string_view text, const std::string& name);
+
+// Reads the members of an object. Leaves unknown keys to the reader's Finish.
+FitConfig FitConfigFrom(const data_io::JsonReader& root);
+
+nlohmann::ordered_json FitConfigJson(const FitConfig& config);
+
+// Names of the parts of the scene whose placement the configuration frees: "object:NODE" or "object.NODE.x_m".
+std::vector<std::string> ObjectsNamed(const FitConfig& config);
 
 // Returns which entries of a catalog are free (config.free must be given), and narrows the bounds of the
 // entries. Throws DataError for a name or pattern that matches nothing.
@@ -68,6 +86,11 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
 // Does both: returns which entries are free, and gives each a prior in the configuration and in the catalog.
 std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitConfig& config,
                                            std::vector<CatalogEntry>& catalog);
+
+// Returns the initial values with those of config.start, within the bounds. Throws DataError for a name that is not
+// in the catalog.
+ParameterValues StartValues(const FitConfig& config, const std::vector<CatalogEntry>& catalog,
+                            ParameterValues initial);
 
 struct FrameSplit {
   std::vector<int> used;

@@ -22,7 +22,8 @@ struct FitOptions {
   int block_beams = 16;              // eight of their widths
   bool search_level = true;          // searches a start level and dB range before the first solve
   bool test_curves = true;           // tests if other curves fit equally well (calib/curve_alternatives.h)
-  bool rough = false;                // ends after the starts, with values but no sigmas, for a fit in rounds
+  bool near_start = false;   // poses start near their best values: leaves out the search on smoothed images
+  bool rough = false;        // ends after the starts, with values but no sigmas, for a fit in rounds
   bool down_weight = false;  // reduces the weight of pixels that do not match the scene (acoustic model)
   std::function<void(const std::string&)> progress;  // receives messages, one line each
   // Called after each step of a solver. If it returns true, the fit throws FitStopped.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <type_traits>
@@ -158,7 +159,87 @@ void AddPoses(const std::vector<int>& frames, std::vector<CatalogEntry>& catalog
   }
 }
 
+// Priors from what data sheets and tape measures leave open: `step` is their standard deviation. The tilt and the
+// offset of the azimuth are as well known as a mount is built.
+struct GeometryEntry {
+  const char* name;
+  const char* unit;
+  double SonarGeometry::*member;
+  double lower;
+  double upper;
+  double step;
+};
+constexpr std::array kGeometryEntries = {
+    GeometryEntry{"range_offset_m", "m", &SonarGeometry::range_offset_m, -1.0, 1.0, 0.05},
+    GeometryEntry{"range_scale", "1", &SonarGeometry::range_scale, 0.8, 1.25, 0.02},
+    GeometryEntry{"azimuth_offset_deg", "deg", &SonarGeometry::azimuth_offset_deg, -20.0, 20.0, 1.0},
+    GeometryEntry{"azimuth_scale", "1", &SonarGeometry::azimuth_scale, 0.8, 1.25, 0.02},
+    GeometryEntry{"azimuth_cubic", "1", &SonarGeometry::azimuth_cubic, -0.2, 0.2, 0.01},
+    GeometryEntry{"tilt_deg", "deg", &SonarGeometry::tilt_deg, -45.0, 45.0, 2.0}};
+
+void AddGeometry(const SonarModel& sonar, std::vector<CatalogEntry>& catalog) {
+  // The corrected window begins ahead of the sonar.
+  constexpr double kOfWindowStart = 0.7;
+  for (std::size_t i = 0; i < kGeometryEntries.size(); ++i) {
+    const GeometryEntry& of = kGeometryEntries[i];
+    const bool offset = of.member == &SonarGeometry::range_offset_m;
+    const double lower = offset ? std::max(of.lower, -kOfWindowStart * sonar.axes.range_min_m) : of.lower;
+    catalog.push_back({.name = fmt::format("geometry.{}", of.name),
+                       .unit = of.unit,
+                       .group = ParameterGroup::kGeometry,
+                       .index = static_cast<int>(i),
+                       .lower = lower,
+                       .upper = of.upper,
+                       .typical_step = of.step});
+  }
+}
+
+void AddObject(const std::string& name, int object, std::vector<CatalogEntry>& catalog) {
+  constexpr std::array kScales = {"scale_x", "scale_y", "scale_z"};
+  for (int index = 0; index < kPoseSteps + 3; ++index) {
+    const bool scale = index >= kPoseSteps;
+    const bool angle = index >= 3 && !scale;
+    catalog.push_back(
+        {.name = fmt::format("object.{}.{}", name, scale ? kScales[index - kPoseSteps] : kPoseNames[index]),
+         .unit = scale   ? "1"
+                 : angle ? "deg"
+                         : "m",
+         .group = ParameterGroup::kObject,
+         .index = index,
+         .object = object,
+         .lower = scale   ? 0.5
+                  : angle ? -180.0
+                          : -100.0,
+         .upper = scale   ? 2.0
+                  : angle ? 180.0
+                          : 100.0,
+         .typical_step = scale   ? 0.02
+                         : angle ? 3.0
+                                 : 0.05});
+  }
+}
+
 }  // namespace
+
+double DeclaredValue(const CatalogEntry& entry) {
+  if (entry.group == ParameterGroup::kGeometry) return SonarGeometry().*kGeometryEntries[entry.index].member;
+  return entry.group == ParameterGroup::kObject && entry.index >= kPoseSteps ? 1.0 : 0.0;
+}
+
+void SetGeometry(std::string_view entry_name, double value, SonarGeometry& geometry) {
+  for (const GeometryEntry& of : kGeometryEntries) {
+    if (entry_name.substr(entry_name.rfind('.') + 1) == of.name) geometry.*of.member = value;
+  }
+}
+
+SonarGeometry GeometryOf(const std::vector<CatalogEntry>& catalog, const ParameterValues& values) {
+  SonarGeometry geometry;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (catalog[i].group == ParameterGroup::kGeometry)
+      geometry.*kGeometryEntries[catalog[i].index].member = values[i];
+  }
+  return geometry;
+}
 
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names) {
   return CatalogBuilder(EchoModel::kPaper, SonarModel(), material_names, {}).Build();
@@ -175,10 +256,13 @@ void NarrowToRealCurves(CatalogEntry& gsab_entry) {
 
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
-                                               const std::vector<char>& mirrors) {
+                                               const std::vector<char>& mirrors,
+                                               const std::vector<std::string>& objects) {
   std::vector<CatalogEntry> catalog =
       CatalogBuilder(EchoModel::kAcoustic, sonar, material_names, mirrors).Build();
   AddPoses(frames, catalog);
+  AddGeometry(sonar, catalog);
+  for (std::size_t i = 0; i < objects.size(); ++i) AddObject(objects[i], static_cast<int>(i), catalog);
   return catalog;
 }
 

@@ -2,8 +2,10 @@
 // table of all parameters (core/types/parameter_table.h); poses are added.
 //
 // Names are those of `fit.json`: the path in params.json, such as receiver.gain_db, with material.<name> in
-// place of materials.<name>; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}; and pose.mount.* for an
-// offset behind every recorded pose, in the sonar's frame (none is zero).
+// place of materials.<name>; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}; pose.mount.* for an
+// offset behind every recorded pose, in the sonar's frame (none is zero); geometry.* for corrections of the
+// sonar's axes (core/sonars/sonar_geometry.h); and object.<node>.* for a part of the scene that stands
+// elsewhere (calib/parameters/object_placement.h): the components of a pose, and scale_{x,y,z}.
 //
 // A solver moves the coordinate of a value: the logarithm of a value that must stay positive, otherwise the
 // value itself. `typical_step` is a surprising change of the coordinate. A parameter that the data leave freer
@@ -18,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/sonars/sonar_geometry.h"
 #include "core/types/parameter_table.h"
 #include "sim/physics/paper_echo.h"
 
@@ -35,6 +38,8 @@ enum class ParameterGroup {
   kTransmit,
   kMirror,
   kPose,
+  kGeometry,
+  kObject,
 };
 
 // Frame of the pose entries of the mount offset, which all frames share.
@@ -55,6 +60,7 @@ struct CatalogEntry {
   int mirror = -1;    // as above, kMirror only
   int index = 0;      // member of its group
   int frame = -1;     // position among the fit's frames, or kMountFrame; kPose only
+  int object = -1;    // index into the names of the objects, kObject only
   double lower = 0.0;
   double upper = 0.0;
   // Trust region of one solve, in which the model is nearly linear. A value that ends at it is not at a
@@ -93,10 +99,12 @@ using ParameterValues = std::vector<double>;
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
 // Returns every parameter of the acoustic model that a fit may move. `frames`: their indices in the
-// recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects.
+// recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects. `objects`: names
+// of the parts of the scene that may stand elsewhere.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
-                                               const std::vector<char>& mirrors = {});
+                                               const std::vector<char>& mirrors = {},
+                                               const std::vector<std::string>& objects = {});
 
 // Narrows the bounds of a curve's entry to the curves of real surfaces: widths and exponent, and amplitudes
 // as backscatter per unit area.
@@ -107,14 +115,34 @@ inline bool IsAmplitude(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;
 }
 
-// Returns true for beam, pulse and pose, which decide where an echo arrives, and for the transmitter's end,
+// Returns true for poses, the sonar's geometry and the placement of objects: those that are not in params.json.
+inline bool IsPlacement(const CatalogEntry& entry) {
+  return entry.group == ParameterGroup::kPose || entry.group == ParameterGroup::kGeometry ||
+         entry.group == ParameterGroup::kObject;
+}
+
+// Returns true for a placement that all frames share.
+inline bool IsSharedPlacement(const CatalogEntry& entry) {
+  return IsPlacement(entry) && (entry.group != ParameterGroup::kPose || entry.frame == kMountFrame);
+}
+
+// Returns true for beam, pulse and placement, which decide where an echo arrives, and for the transmitter's end,
 // which decides if it arrives. A change of these needs new tracing or gathering.
 inline bool IsGeometric(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse ||
-         entry.group == ParameterGroup::kTransmit || entry.group == ParameterGroup::kPose;
+         entry.group == ParameterGroup::kTransmit || IsPlacement(entry);
 }
 
-// Reference to a parameter of the acoustic model, except poses. Materials and mirrors must have entries of
+// Value of a geometry's or an object's entry that changes nothing: 1 for a scale, else 0.
+double DeclaredValue(const CatalogEntry& entry);
+
+// Sets the member of a geometry that the name of an entry means.
+void SetGeometry(std::string_view entry_name, double value, SonarGeometry& geometry);
+
+// Sonar geometry with the entries of a catalog at these values.
+SonarGeometry GeometryOf(const std::vector<CatalogEntry>& catalog, const ParameterValues& values);
+
+// Reference to a parameter of the acoustic model, except placements. Materials and mirrors must have entries of
 // their own, and the receiver a noise level.
 double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
                      const CatalogEntry& entry);

@@ -59,11 +59,12 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
 }
 
 // Min and max height of the first intersections of a pose's rays, m; nullopt if they meet nothing.
-std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model, const Pose& pose) {
+std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model,
+                                                     const ParameterValues& values, const Pose& pose) {
   constexpr int kDecimation = 8;
-  const sim::RayFan fan = model.DecimatedFan(kDecimation);
-  const sim::EchoList echoes = sim::Trace(model.simulator().caster(), fan, pose, model.sonar().axes,
-                                          model.simulator().options().trace);
+  const auto [simulator, fan] = model.RaysAt(values, kDecimation);
+  const sim::EchoList echoes =
+      sim::Trace(simulator->caster(), fan, pose, simulator->sonar().axes, simulator->options().trace);
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
@@ -112,7 +113,7 @@ std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::
   for (const double sigmas : {-1.5, -0.5, 0.5, 1.5})
     follow(problem.MovedEntries(values, sigmas * ridge), "another pose along the least determined direction");
   const Pose pose = model.PoseOf(frame, values);
-  if (const auto heights = HeightsSeen(model, pose)) {
+  if (const auto heights = HeightsSeen(model, values, pose)) {
     const auto mirrored =
         WithPose(ReflectedPose(pose, heights->first, heights->second), catalog, entries, values);
     if (mirrored) follow(*mirrored, "its mirror image");
@@ -133,7 +134,9 @@ Pose ReflectedPose(const Pose& world_from_sonar, double lowest_m, double highest
 std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                                   const std::vector<int>& entries, const ParameterValues& values) {
   std::map<int, std::vector<int>> by_frame;
-  for (const int entry : entries) by_frame[catalog[entry].frame].push_back(entry);
+  for (const int entry : entries) {
+    if (catalog[entry].group == ParameterGroup::kPose) by_frame[catalog[entry].frame].push_back(entry);
+  }
   std::vector<OtherPose> others;
   if (by_frame.count(kMountFrame) != 0) return others;
   for (const auto& [frame, of] : by_frame) {

@@ -24,7 +24,7 @@ struct OtherPose {
 
 // Returns other poses that fit better, or worse by less than 4 nats, in the order of frames. Tests frames
 // with all components of the pose free, and without a free mount offset. `entries` are those of
-// FreePoseEntries.
+// FreePlacements.
 std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                                   const std::vector<int>& entries, const ParameterValues& values);
 

@@ -5,7 +5,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
+
+#include "calib/parameters/axis_move.h"
 
 namespace sonarcal::calib {
 
@@ -16,16 +19,20 @@ PoseProblem::PoseProblem(const AcousticFrameModel& model, const std::vector<Cata
       catalog_(catalog),
       entries_(std::move(entries)),
       frames_(std::move(frames)),
-      fan_(model.DecimatedFan(decimation)) {
+      decimation_(decimation) {
+  std::ranges::copy_if(entries_, std::back_inserter(common_),
+                       [&](int entry) { return catalog[entry].group != ParameterGroup::kPose; });
   const ParameterSet parameters = model.Parameters(values);
+  const PoseView::Rays rays = model.RaysAt(values, decimation);
   for (const int frame : frames_)
-    views_.emplace_back(model, frame, parameters, smoothing, fan_, model.PoseOf(frame, values));
+    views_.emplace_back(model, frame, parameters, smoothing, rays, model.PoseOf(frame, values));
 }
 
 PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
   State state{.values = values, .evaluated = std::vector<PoseView::Evaluation>(frames_.size()), .cost = 0.0};
+  const PoseView::Rays rays = model_.RaysAt(values, decimation_);
   tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
-    state.evaluated[i] = views_[i].Evaluate(views_[i].Expected(model_.PoseOf(frames_[i], values)));
+    state.evaluated[i] = views_[i].Evaluate(views_[i].Expected(model_.PoseOf(frames_[i], values), rays));
   });
   for (const PoseView::Evaluation& evaluated : state.evaluated) state.cost += evaluated.cost;
   for (const int entry : entries_) state.cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
@@ -34,7 +41,9 @@ PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
 
 PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
   const auto pixels = static_cast<Eigen::Index>(model_.pixel_count());
-  Slopes slopes(frames_.size(), Eigen::MatrixXf(pixels, kPoseSteps));
+  const auto columns = static_cast<Eigen::Index>(kPoseSteps + common_.size());
+  Slopes slopes(frames_.size(), Eigen::MatrixXf(pixels, columns));
+  const PoseView::Rays rays = model_.RaysAt(values, decimation_);
   tbb::parallel_for(std::size_t{0}, frames_.size() * kPoseSteps, [&](std::size_t task) {
     const std::size_t i = task / kPoseSteps;
     const auto k = static_cast<Eigen::Index>(task % kPoseSteps);
@@ -42,10 +51,40 @@ PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
     PoseStep move = PoseStep::Zero();
     move(k) = PoseDifference(model_.sonar().axes, static_cast<int>(k));
     slopes[i].col(k) =
-        (views_[i].Expected(MovePose(pose, move)) - views_[i].Expected(MovePose(pose, -move))) /
+        (views_[i].Expected(MovePose(pose, move), rays) - views_[i].Expected(MovePose(pose, -move), rays)) /
         static_cast<float>(2.0 * move(k));
   });
+  AddCommonSlopes(values, slopes);
   return slopes;
+}
+
+void PoseProblem::AddCommonSlopes(const ParameterValues& values, Slopes& slopes) const {
+  if (common_.empty()) return;
+  const PoseView::Rays rays = model_.RaysAt(values, decimation_);
+  std::vector<Grid<float>> power(frames_.size());
+  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
+    power[i] = views_[i].PowerFrom(model_.PoseOf(frames_[i], values), rays);
+  });
+  for (std::size_t k = 0; k < common_.size(); ++k) {
+    const CatalogEntry& entry = catalog_[common_[k]];
+    const double step = PlacementDifference(model_.sonar().axes, entry);
+    ParameterValues above = values;
+    ParameterValues below = values;
+    above[common_[k]] += step;
+    below[common_[k]] -= step;
+    const PoseView::Rays rays_above = model_.RaysAt(above, decimation_);
+    const PoseView::Rays rays_below = model_.RaysAt(below, decimation_);
+    tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
+      const auto at = [&](const ParameterValues& moved, const PoseView::Rays& with) {
+        if (!ChangesAxes(entry)) return views_[i].PowerFrom(model_.PoseOf(frames_[i], moved), with);
+        return WithAxesMoved(power[i], model_.sonar().axes, GeometryOf(catalog_, values),
+                             GeometryOf(catalog_, moved));
+      };
+      slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k)) =
+          (views_[i].Expected(at(above, rays_above)) - views_[i].Expected(at(below, rays_below))) /
+          static_cast<float>(2.0 * step);
+    });
+  }
 }
 
 NormalEquations PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
@@ -108,15 +147,21 @@ int PoseProblem::EntryOf(int component) const {
   return -1;
 }
 
-// d move of the sonar / d value of each entry.
 Eigen::MatrixXd PoseProblem::MovesOfEntries(int frame, const ParameterValues& values) const {
   constexpr double kDifference = 1e-5;
   const Pose pose = model_.PoseOf(frame, values);
-  Eigen::MatrixXd moves(kPoseSteps, static_cast<Eigen::Index>(entries_.size()));
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(kPoseSteps + common_.size()),
+                                                static_cast<Eigen::Index>(entries_.size()));
+  std::size_t common = 0;
   for (std::size_t k = 0; k < entries_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    if (catalog_[entries_[k]].group != ParameterGroup::kPose) {
+      moves(static_cast<Eigen::Index>(kPoseSteps + common++), column) = 1.0;
+      continue;
+    }
     ParameterValues at = values;
     at[entries_[k]] += kDifference;
-    moves.col(static_cast<Eigen::Index>(k)) = StepBetween(pose, model_.PoseOf(frame, at)) / kDifference;
+    moves.col(column).head<kPoseSteps>() = StepBetween(pose, model_.PoseOf(frame, at)) / kDifference;
   }
   return moves;
 }

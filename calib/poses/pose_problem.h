@@ -1,4 +1,5 @@
-// Pose problem of frames with common parameters: cost, derivatives and steps, with the radiometry fixed.
+// Pose problem of frames with common parameters: cost, derivatives and steps, with the radiometry fixed. The
+// sonar's geometry and the placement of objects may be among the parameters.
 // pose_refinement.h and pose_ambiguity.h contain the strategies that use it.
 #pragma once
 
@@ -15,7 +16,7 @@ namespace sonarcal::calib {
 class PoseProblem {
  public:
   // Model and catalog must outlive the problem. `catalog` is that of the model, with bounds and priors. All
-  // `entries` are of poses. `thin`: decimation of the rows and columns of rays.
+  // `entries` are placements. `decimation`: of the rows and columns of rays.
   PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
               const PoseSmoothing& smoothing, int decimation, std::vector<int> frames,
               std::vector<int> entries, const ParameterValues& values);
@@ -29,7 +30,8 @@ class PoseProblem {
   };
   State At(const ParameterValues& values) const;
 
-  // Changes per small move of the sonar, one matrix per frame: pixels x kPoseSteps.
+  // Changes per small move of the sonar, then per unit of each entry of geometry and objects. One matrix per
+  // frame: pixels x (kPoseSteps + number of those entries).
   using Slopes = std::vector<Eigen::MatrixXf>;
   Slopes SlopesAt(const ParameterValues& values) const;
 
@@ -53,14 +55,17 @@ class PoseProblem {
   const CatalogEntry& entry(int index) const { return catalog_[index]; }
 
  private:
+  // d column of the slopes / d value of each entry.
   Eigen::MatrixXd MovesOfEntries(int frame, const ParameterValues& values) const;
+  void AddCommonSlopes(const ParameterValues& values, Slopes& slopes) const;
   void Set(int entry, double value, ParameterValues& values) const;
 
   const AcousticFrameModel& model_;
   const std::vector<CatalogEntry>& catalog_;
   std::vector<int> entries_;
   std::vector<int> frames_;
-  sim::RayFan fan_;
+  std::vector<int> common_;  // entries of geometry and objects
+  int decimation_;
   std::vector<PoseView> views_;
 };
 

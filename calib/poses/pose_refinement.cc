@@ -88,10 +88,10 @@ std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell) {
       {.smoothing = {}, .slopes = 3, .along_ridge = true}};
 }
 
-std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
+std::vector<int> FreePlacements(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
   std::vector<int> entries;
   for (std::size_t i = 0; i < catalog.size(); ++i) {
-    if (free[i] && catalog[i].group == ParameterGroup::kPose) entries.push_back(static_cast<int>(i));
+    if (free[i] && IsPlacement(catalog[i])) entries.push_back(static_cast<int>(i));
   }
   return entries;
 }
@@ -101,7 +101,11 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
                    const std::function<void(const std::string&)>& progress) {
   double falls = 0.0;
   std::set<int> moved;
-  for (const int entry : entries) moved.insert(catalog[entry].frame);
+  bool common = false;
+  for (const int entry : entries) {
+    common = common || IsSharedPlacement(catalog[entry]);
+    if (!IsSharedPlacement(catalog[entry])) moved.insert(catalog[entry].frame);
+  }
   const double step_m = stage.smoothing.bins * model.sonar().axes.range_bin_m();
   const double step_deg = stage.smoothing.beams * DegFromRad(model.sonar().axes.beam_spacing_rad());
   const auto refine = [&](std::vector<int> frames, std::vector<int> of, const std::string& name) {
@@ -112,10 +116,10 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
     falls += fall;
     if (progress) progress(fmt::format("{}: cost down by {:.4g}", name, fall));
   };
-  if (moved.count(kMountFrame) != 0) {
+  if (common) {
     std::vector<int> all;
     for (int frame = 0; frame < model.frame_count(); ++frame) all.push_back(frame);
-    refine(all, entries, moved.size() > 1 ? "mount and poses" : "mount");
+    refine(all, entries, moved.empty() ? "placement common to all frames" : "common placement and poses");
     return falls;
   }
   for (const int frame : moved) {

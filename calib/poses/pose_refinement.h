@@ -1,11 +1,11 @@
 // Refines the poses of frames of a known scene, with the radiometry fixed, from slightly wrong recorded
-// poses.
+// poses. Refines the sonar's geometry and the placement of objects too, if they are free.
 //
 // Gauss-Newton with damping (Levenberg, Marquardt) on the cost of calib/poses/pose_view.h and the priors of
 // the catalog. Every step traces the scene again and is accepted only if the cost falls. Derivatives are
 // central differences of traced images for small moves of the sonar (calib/parameters/pose_step.h), and are
-// used for up to three steps. Frames are refined one by one, or all together if a mount offset that they
-// share is free.
+// used for up to three steps. Frames are refined one by one, or all together if a placement that they share
+// is free.
 #pragma once
 
 #include <functional>
@@ -28,10 +28,10 @@ struct PoseStage {
 // Returns the stages: smoothing over about four speckle cells, over one, and the likelihood.
 std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell);
 
-// Returns the free pose entries of the catalog.
-std::vector<int> FreePoseEntries(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free);
+// Returns the free placements of the catalog.
+std::vector<int> FreePlacements(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free);
 
-// Moves the pose `entries` of `values`. `catalog` is that of the model, with bounds and priors. Returns the
+// Moves the placements `entries` of `values`. `catalog` is that of the model, with bounds and priors. Returns the
 // fall of their cost, without the part of a sweep.
 double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                    const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,

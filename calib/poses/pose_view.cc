@@ -11,12 +11,11 @@
 namespace sonarcal::calib {
 
 PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
-                   const PoseSmoothing& smoothing, const sim::RayFan& fan, const Pose& about)
+                   const PoseSmoothing& smoothing, const Rays& rays, const Pose& about)
     : model_(model),
       frame_(frame),
       parameters_(parameters),
       smoothing_(smoothing),
-      fan_(fan),
       pixels_per_cell_(model.speckle_cell().bins * model.speckle_cell().beams),
       lowest_(sim::PowerFromDisplay(parameters.display, 0.0)),
       highest_(sim::PowerFromDisplay(parameters.display, 1.0)) {
@@ -27,7 +26,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
     shown_.values()[i] =
         static_cast<float>(std::clamp(sim::DisplayValue(parameters.display, recorded[i].power), 0.0, 1.0));
   }
-  const Grid<float> expected = ExpectedShown(model.ExpectedPowerFrom(about, parameters, fan));
+  const Grid<float> expected = ExpectedShown(PowerFrom(about, rays));
   double squares = 0.0;
   double count = 0.0;
   for (std::size_t i = 0; i < shown_.size(); ++i) {
@@ -38,15 +37,21 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
   weight_ = squares > 0.0 ? count / (squares * pixels_per_cell_) : 0.0;
 }
 
-Grid<float> PoseView::ExpectedShown(const PolarImage& power) const {
-  return sim::ExpectedDisplay(power, parameters_, 1.0).value;
+Grid<float> PoseView::PowerFrom(const Pose& world_from_sonar, const Rays& rays) const {
+  return model_.ExpectedPowerFrom(world_from_sonar, parameters_, rays).value;
 }
 
-Eigen::VectorXf PoseView::Expected(const Pose& world_from_sonar) const {
-  const PolarImage power = model_.ExpectedPowerFrom(world_from_sonar, parameters_, fan_);
+Grid<float> PoseView::ExpectedShown(const Grid<float>& power) const {
+  const PolarImage image{
+      model_.sonar().axes,
+      {.quantity = Quantity::kPower, .full_scale = 1.0, .db_min = {}, .db_max = {}, .db_span = {}},
+      power};
+  return sim::ExpectedDisplay(image, parameters_, 1.0).value;
+}
+
+Eigen::VectorXf PoseView::Expected(const Grid<float>& power) const {
   if (smoothing_.none()) {
-    return Eigen::Map<const Eigen::ArrayXf>(power.value.values().data(),
-                                            static_cast<Eigen::Index>(power.value.size()))
+    return Eigen::Map<const Eigen::ArrayXf>(power.values().data(), static_cast<Eigen::Index>(power.size()))
         .max(std::numeric_limits<float>::min())
         .log()
         .matrix();

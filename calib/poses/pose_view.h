@@ -24,13 +24,21 @@ struct PoseSmoothing {
 
 class PoseView {
  public:
-  // Model and fan must outlive the view. For a smoothed view, the size of speckle comes from the difference
-  // of the frame and its expected image at `about`.
-  PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
-           const PoseSmoothing& smoothing, const sim::RayFan& fan, const Pose& about);
+  using Rays = AcousticFrameModel::Rays;
 
-  // Returns the expected value of each pixel at a pose. Traces.
-  Eigen::VectorXf Expected(const Pose& world_from_sonar) const;
+  // The model must outlive the view. For a smoothed view, the size of speckle comes from the difference of the
+  // frame and its expected image at `about`.
+  PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
+           const PoseSmoothing& smoothing, const Rays& rays, const Pose& about);
+
+  // Mean power at a pose. Traces.
+  Grid<float> PowerFrom(const Pose& world_from_sonar, const Rays& rays) const;
+
+  // Returns the expected value of each pixel.
+  Eigen::VectorXf Expected(const Grid<float>& power) const;
+  Eigen::VectorXf Expected(const Pose& world_from_sonar, const Rays& rays) const {
+    return Expected(PowerFrom(world_from_sonar, rays));
+  }
 
   struct Evaluation {
     double cost = 0.0;            // half of -2 log likelihood, up to a constant
@@ -40,14 +48,13 @@ class PoseView {
   Evaluation Evaluate(const Eigen::VectorXf& expected) const;
 
  private:
-  Grid<float> ExpectedShown(const PolarImage& power) const;
+  Grid<float> ExpectedShown(const Grid<float>& power) const;
   bool Counts(std::size_t pixel) const { return model_.Counts(frame_, pixel); }
 
   const AcousticFrameModel& model_;
   int frame_;
   ParameterSet parameters_;
   PoseSmoothing smoothing_;
-  const sim::RayFan& fan_;
   double pixels_per_cell_;
   double lowest_;  // power at the bottom of the display; below, at its top
   double highest_;

@@ -73,30 +73,31 @@ class Chooser {
     return few;
   }
 
-  std::vector<CatalogEntry> Catalog() const {
+  std::vector<CatalogEntry> Catalog(const FitConfig& config) const {
     std::vector<int> indices;
     for (const GreyFrame& frame : used_) indices.push_back(frame.index);
-    return BuildAcousticCatalog(simulator_.caster().material_names(), simulator_.sonar(), indices, mirrors_);
+    return BuildAcousticCatalog(simulator_.caster().material_names(), simulator_.sonar(), indices, mirrors_,
+                                ObjectsNamed(config));
   }
 
   bool IsFree(const FitConfig& config, const std::string& name) const {
-    std::vector<CatalogEntry> catalog = Catalog();
+    std::vector<CatalogEntry> catalog = Catalog(config);
     const std::vector<bool> free = ApplyFitConfig(config, catalog);
     return free.at(static_cast<std::size_t>(FindEntry(catalog, name)));
   }
 
-  // Configuration with the same priors for any start. Poses have priors about their recorded values only.
+  // Configuration with the same priors for any start. Placements have priors about their declared values only.
   FitConfig WithPriorsAbout(const ParameterSet& initial, const FitConfig& config) const {
     const std::vector<std::string>& materials = simulator_.caster().material_names();
     ParameterSet complete = sim::WithResponse(simulator_.sonar(), initial);
     for (const std::string& name : materials) complete.materials[name] = initial.Material(name);
-    std::vector<CatalogEntry> catalog = Catalog();
+    std::vector<CatalogEntry> catalog = Catalog(config);
     std::vector<bool> free = ApplyFitConfig(config, catalog);
     ParameterValues values(catalog.size());
     for (std::size_t i = 0; i < catalog.size(); ++i) {
-      const bool pose = catalog[i].group == ParameterGroup::kPose;
-      if (pose) free[i] = false;
-      if (!pose) values[i] = AcousticSlot(complete, materials, catalog[i]);
+      const bool placement = IsPlacement(catalog[i]);
+      if (placement) free[i] = false;
+      if (!placement) values[i] = AcousticSlot(complete, materials, catalog[i]);
     }
     FitConfig result = config;
     GivePriors(values, free, catalog, result);
@@ -114,11 +115,11 @@ class Chooser {
     if (!fit.usable) return std::nullopt;
     for (std::size_t f = 0; f < frames.size(); ++f) frames[f].world_from_sonar = fit.world_from_sonar[f];
     candidate.fitted = std::move(fit.parameters);
-    const AcousticFrameModel seen(simulator_, frames, candidate.fitted);
+    const AcousticFrameModel seen(*fit.simulator, frames, candidate.fitted);
     candidate.mean_used = MeanPowers(seen);
     std::vector<AcousticFrame> judged = FramesFor(held_out_, start.display);
     for (AcousticFrame& frame : judged) frame.world_from_sonar = frame.world_from_sonar * fit.mount;
-    const AcousticFrameModel model(simulator_, judged, candidate.fitted);
+    const AcousticFrameModel model(*fit.simulator, judged, candidate.fitted);
     // Uses the same blocks for all candidates, whatever beam they have.
     if (!block_) block_ = BlockSize(model, options_.fit);
     candidate.likelihood =

@@ -22,6 +22,8 @@ void Scene::Append(const Scene& other) {
   std::vector<std::uint16_t> material_map;
   for (const std::string& name : other.material_names) material_map.push_back(MaterialIndex(name));
   vertices_m.insert(vertices_m.end(), other.vertices_m.begin(), other.vertices_m.end());
+  for (const SceneObject& object : other.objects)
+    objects.push_back({object.name, object.first_vertex + first_vertex, object.vertex_count});
   for (const Eigen::Vector3i& triangle : other.triangles) {
     triangles.emplace_back(triangle.array() + first_vertex);
   }

@@ -35,14 +35,23 @@ void CheckBeam(const JsonReader& json, const BeamParameters& beam) {
   }
 }
 
-ParameterSet Read(const JsonReader& json) {
+}  // namespace
+
+ParameterSet ParametersFrom(const JsonReader& json) {
   json.CheckFormat(kParametersFormat);
   ParameterSet parameters;
   ReadGroup(json, parameters);
   if (const auto display = json.Find("display")) CheckDisplay(*display, parameters.display);
   if (const auto beam = json.Find("beam")) CheckBeam(*beam, parameters.beam);
-  json.Finish();
   if (parameters.materials.empty()) json.At("materials").Fail("is empty, expected at least one material");
+  return parameters;
+}
+
+namespace {
+
+ParameterSet Read(const JsonReader& json) {
+  ParameterSet parameters = ParametersFrom(json);
+  json.Finish();
   return parameters;
 }
 

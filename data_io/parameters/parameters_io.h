@@ -19,12 +19,17 @@
 
 namespace sonarcal::data_io {
 
+class JsonReader;
+
 inline constexpr std::string_view kParametersFormat = "sonar-parameters/1";
 
 ParameterSet ReadParameters(const std::filesystem::path& file);
 
 // As ReadParameters; `file` is the name used in messages.
 ParameterSet ParseParameters(std::string_view text, const std::string& file);
+
+// Reads the members of an object in another file. Leaves unknown keys to the reader's Finish.
+ParameterSet ParametersFrom(const JsonReader& json);
 
 // Reads back as the same set, exactly. Writes all groups, including those with default values, so the file is
 // self-explanatory.

@@ -58,6 +58,9 @@ std::unique_ptr<RecordingSource> OpenRecordingOf(const std::filesystem::path& im
 // recording.json; `water` may be absent. Fills these two, source and notes; rejects other keys.
 RecordingInfo ReadSonarFile(const std::filesystem::path& file);
 
+// Writes such a file. It appears completely or not at all.
+void WriteSonarFile(const std::filesystem::path& file, const RecordingInfo& info);
+
 struct WriteRecordingOptions {
   // Bits of the images: 8, 16, 32 (float). 0: the fewest that hold the integers 0 .. full_scale for grey
   // values, which are rounded, and 32 for other quantities.

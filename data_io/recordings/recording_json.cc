@@ -308,6 +308,12 @@ RecordingInfo ReadSonarFile(const fs::path& file) {
   return info;
 }
 
+void WriteSonarFile(const fs::path& file, const RecordingInfo& info) {
+  Json json = {{"sonar", SonarOfRecordingJson(info)}};
+  if (info.water) json["water"] = WaterJson(*info.water);
+  WriteFileWhole(file, json.dump(2) + "\n");
+}
+
 Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {
   const RecordingInfo& info = header.info;
   Json json = {{"format", kFormat}, {"sonar", SonarOfRecordingJson(info)}};

@@ -3,7 +3,7 @@
 //
 // tinygltf recurses as deep as the JSON's "extras", opens every image, copies the binary chunk for each
 // buffer that uses it, and silently ignores members of the wrong type. The reduction avoids this. It removes
-// images, textures, animations, skins, cameras, extensions and extras, and keeps only the names of materials.
+// images, textures, animations, skins, cameras, extensions and extras, and keeps of materials only the names.
 // It limits lengths and checks indices and numbers.
 #pragma once
 

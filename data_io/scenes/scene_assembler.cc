@@ -67,6 +67,11 @@ void SceneAssembler::AddTriangles(TriangleMode mode, const std::vector<std::uint
   }
 }
 
+void SceneAssembler::NameObject(const std::string& name, std::size_t first_vertex) {
+  const std::size_t count = vertex_count() - first_vertex;
+  if (!name.empty() && count > 0) scene_.objects.push_back({name, first_vertex, count});
+}
+
 Scene SceneAssembler::Finish(const std::vector<std::string>& names) {
   const std::size_t none = names.size();
   const auto slot = [&](int material) { return material < 0 ? none : static_cast<std::size_t>(material); };

@@ -106,6 +106,12 @@ class SceneBuilder {
         pending.push_back({*node, transform, depth});
       }
     };
+    // Named nodes whose children are not yet complete. Vertices of a node and its children are consecutive.
+    std::vector<OpenNode> open;
+    const auto close_to = [&](int depth) {
+      for (; !open.empty() && open.back().depth >= depth; open.pop_back())
+        scene_.NameObject(open.back().name, open.back().first_vertex);
+    };
     std::vector<bool> visited(model_.nodes.size(), false);
     push(RootNodes(), WorldFromGltf(), 1);
     while (!pending.empty()) {
@@ -120,10 +126,13 @@ class SceneBuilder {
       if (visit.depth > kMaxSceneNodeDepth) {
         throw DataError("{}: nodes nested deeper than {} levels", file_, kMaxSceneNodeDepth);
       }
+      close_to(visit.depth);
+      open.push_back({node.name, scene_.vertex_count(), visit.depth});
       const Eigen::Affine3d world_from_node = visit.world_from_parent * ParentFromNode(node, visit.node);
       if (node.mesh >= 0) AddMesh(At(model_.meshes, node.mesh, "mesh"), world_from_node);
       push(node.children, world_from_node, visit.depth + 1);
     }
+    close_to(0);
     std::vector<std::string> names;
     for (const tinygltf::Material& material : model_.materials) names.push_back(material.name);
     return scene_.Finish(names);
@@ -133,6 +142,11 @@ class SceneBuilder {
   struct Visit {
     int node;
     Eigen::Affine3d world_from_parent;
+    int depth;
+  };
+  struct OpenNode {
+    std::string name;
+    std::size_t first_vertex;
     int depth;
   };
 

@@ -4,7 +4,7 @@
 //
 //   Read:      The default scene (otherwise the first; otherwise all nodes without a parent), with node
 //              transforms applied. A mirroring transform reverses its triangles, so they keep facing
-//              outwards. Triangles, strips and fans; indices of 8, 16 or 32 bits or none. Only the names of
+//              outwards. Triangles, strips and fans; indices of 8, 16 or 32 bits or none. Names of nodes. Only the names of
 //              materials: primitives without one get "default", an unnamed material at position N
 //              "material_N", and materials with one name are merged. Names without triangles are dropped; the
 //              others keep the order of the file, with "default" last.

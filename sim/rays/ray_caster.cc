@@ -91,7 +91,7 @@ class HitsOfRow {
 struct RayCaster::Embree {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  std::atomic<std::int64_t> rays_cast{0};
+  std::shared_ptr<std::atomic<std::int64_t>> rays_cast = std::make_shared<std::atomic<std::int64_t>>(0);
 
   ~Embree() {
     if (scene != nullptr) rtcReleaseScene(scene);
@@ -137,10 +137,14 @@ RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_
   }
 }
 
+RayCaster::RayCaster(Scene scene, const RayCaster& counted_with) : RayCaster(std::move(scene)) {
+  embree_->rays_cast = counted_with.embree_->rays_cast;
+}
+
 RayCaster::~RayCaster() = default;
 
 std::int64_t RayCaster::rays_cast() const {
-  return embree_->rays_cast.load();
+  return embree_->rays_cast->load();
 }
 
 // Data shared by the rays of some columns of a fan.
@@ -227,7 +231,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
       });
     }
   });
-  embree_->rays_cast += fan.size();
+  *embree_->rays_cast += fan.size();
   return hits;
 }
 
@@ -254,7 +258,7 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
                          const std::function<void(const RowHits&)>& take) const {
   const Casting casting(fan, world_from_sonar, max_range_m);
   ForRows(fan, [&](int begin, int end) { CastRowsOf(casting, begin, end, take); });
-  embree_->rays_cast += fan.size();
+  *embree_->rays_cast += fan.size();
 }
 
 void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
@@ -268,7 +272,7 @@ void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, dou
     casting.cols = std::min(kBlockCols, fan.cols() - casting.first_col);
     CastRowsOf(casting, 0, fan.rows(), take);
   });
-  embree_->rays_cast += fan.size();
+  *embree_->rays_cast += fan.size();
 }
 
 void FreeRays::Clear() {
@@ -330,7 +334,7 @@ FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
       hits.triangle[first + i] = static_cast<std::int32_t>(packet.hit.primID[i]);
     }
   }
-  embree_->rays_cast += static_cast<std::int64_t>(rays.size());
+  *embree_->rays_cast += static_cast<std::int64_t>(rays.size());
   return hits;
 }
 
@@ -348,7 +352,7 @@ std::vector<char> RayCaster::IsOccluded(const FreeRays& rays) const {
       occluded[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;
     }
   }
-  embree_->rays_cast += static_cast<std::int64_t>(rays.size());
+  *embree_->rays_cast += static_cast<std::int64_t>(rays.size());
   return occluded;
 }
 

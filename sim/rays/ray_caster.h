@@ -59,6 +59,8 @@ class RayCaster {
   // Keeps the scene; Embree reads the mesh in place. Pass a large scene with std::move. Throws DataError for
   // an invalid scene, std::runtime_error if Embree cannot start.
   explicit RayCaster(Scene scene);
+  // Another scene, whose rays count as those of `counted_with`.
+  RayCaster(Scene scene, const RayCaster& counted_with);
   ~RayCaster();
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;

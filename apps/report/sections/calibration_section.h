@@ -1,0 +1,18 @@
+// A calibration (apps/workflow/calibration/calibrate.h) as sections of a report and as text for the terminal.
+#pragma once
+
+#include <string>
+
+#include "apps/report/html/html_report.h"
+#include "apps/workflow/calibration/calibrate.h"
+
+namespace sonarcal::report {
+
+// Adds agreement, decisions, geometry and values. The first sentence says how far the simulator is from the
+// recording, beside the lowest error possible, and what the recording could not determine.
+void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration);
+
+// The same in short.
+std::string CalibrationText(const workflow::Calibration& calibration);
+
+}  // namespace sonarcal::report

@@ -1,0 +1,584 @@
+#include "apps/workflow/calibration/calibrate.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "apps/workflow/calibration/held_out_trial.h"
+#include "apps/workflow/fit_frames.h"
+#include "apps/workflow/simulate.h"
+#include "calib/noise/noise_fit.h"
+#include "calib/parameters/object_placement.h"
+#include "core/types/error.h"
+
+namespace sonarcal::workflow {
+namespace {
+
+using calib::FitConfig;
+using calib::FittedParameter;
+using calib::ParameterStatus;
+
+// A value that is closer to what is declared than this many standard errors stays as declared.
+constexpr double kSigmasToMove = 2.0;
+
+// Looks that a noise law without a stated dB scale may have before it is refused.
+constexpr double kLargestKs = 0.05;
+
+// A mirror that loses more than this shows no ghosts.
+constexpr double kNoMirrorDb = 40.0;
+
+// Curve of a surface that is neither a mirror nor black: the start of every material.
+constexpr GsabParameters<double> kStartCurve = {
+    .a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
+
+std::vector<int> EvenlySpreadFrames(int count, int wanted) {
+  std::vector<int> frames;
+  const int chosen = std::min(count, wanted);
+  for (int i = 0; i < chosen; ++i) frames.push_back(static_cast<int>(static_cast<long>(i) * count / chosen));
+  return frames;
+}
+
+std::string Names(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Words for the gain of a trial.
+std::string GainText(const calib::LikelihoodDifference& gain) {
+  return fmt::format("held-out frames {:+.4f} +- {:.4f} nats a pixel", gain.mean, gain.sigma);
+}
+
+bool IsPlacementName(const std::string& name) {
+  return name.starts_with("pose.") || name.starts_with("geometry.") || name.starts_with("object.");
+}
+
+// Part of a parameter's name after the last dot.
+std::string_view Component(const std::string& name) {
+  return std::string_view(name).substr(name.rfind('.') + 1);
+}
+
+bool IsAngle(const std::string& name) {
+  return name.ends_with("_deg");
+}
+
+double Moved(const FittedParameter& parameter) {
+  const double moved = parameter.value - parameter.initial;
+  return IsAngle(parameter.name) ? std::remainder(moved, 360.0) : moved;
+}
+
+// Scatter of the corrections of the recorded poses about the correction that all have in common, which belongs to a
+// mount or to the geometry.
+calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
+  struct Sums {
+    double squares = 0.0;
+    int freedom = 0;
+  };
+  Sums position;
+  Sums angle;
+  for (const char* component : calib::kPoseNames) {
+    std::vector<double> moves;
+    for (const FittedParameter& parameter : report.parameters) {
+      if (parameter.name.starts_with("pose.") && Component(parameter.name) == component && parameter.sigma)
+        moves.push_back(Moved(parameter));
+    }
+    if (moves.size() < 2) continue;
+    double mean = 0.0;
+    for (const double move : moves) mean += move / static_cast<double>(moves.size());
+    Sums& of = IsAngle(component) ? angle : position;
+    for (const double move : moves) of.squares += (move - mean) * (move - mean);
+    of.freedom += static_cast<int>(moves.size()) - 1;
+  }
+  calib::PosePrior prior;
+  constexpr double kMinPositionM = 1e-3;
+  constexpr double kMinAngleDeg = 0.05;
+  if (position.freedom > 0)
+    prior.position_m = std::max(kMinPositionM, std::sqrt(position.squares / position.freedom));
+  if (angle.freedom > 0) prior.angle_deg = std::max(kMinAngleDeg, std::sqrt(angle.squares / angle.freedom));
+  return prior;
+}
+
+// Root mean square of the corrections of the poses, in standard errors.
+double PosesMovedBySigmas(const calib::FitReport& report) {
+  double squares = 0.0;
+  int count = 0;
+  for (const FittedParameter& parameter : report.parameters) {
+    if (!parameter.name.starts_with("pose.") || !parameter.sigma) continue;
+    squares += std::pow(Moved(parameter) / *parameter.sigma, 2);
+    ++count;
+  }
+  return count == 0 ? 0.0 : std::sqrt(squares / count);
+}
+
+class Calibrator {
+ public:
+  Calibrator(const RecordingSource& recording, const Scene& scene, const CalibrateOptions& options,
+             const CalibrationInput& input, const Listener& listener,
+             const std::function<void(const CalibrationPlan&)>& on_stage)
+      : recording_(recording),
+        scene_(scene),
+        options_(options),
+        background_(input.background),
+        listener_(listener),
+        on_stage_(on_stage),
+        plan_(input.plan) {
+    solver_.threads = options.rays.threads;
+    solver_.progress = listener.message;
+    solver_.stop = listener.stop;
+    solver_.starts = 2;
+    solver_.test_curves = false;
+  }
+
+  Calibration Run() {
+    const ThreadLimit threads(options_.rays.threads);
+    PrepareStart();
+    Stage(CalibrationStage::kFrames, [&] { return ChooseFrames(); });
+    Stage(CalibrationStage::kWater, [&] { return ChooseWaterAndAbsorption(); });
+    Stage(CalibrationStage::kNoise, [&] { return ChooseNoise(); });
+    Stage(CalibrationStage::kPlacement, [&] { return ChoosePlacement(); });
+    Stage(CalibrationStage::kBeam, [&] { return ChooseBeam(); });
+    Stage(CalibrationStage::kMirrors, [&] { return ChooseMirrors(); });
+    return LastFits();
+  }
+
+ private:
+  using Decided = std::pair<std::string, std::string>;  // choice, reason
+
+  template <typename Decide>
+  void Stage(CalibrationStage stage, const Decide& decide) {
+    if (!plan_.Has(stage)) {
+      auto [choice, reason] = decide();
+      plan_.decided.push_back({stage, std::move(choice), std::move(reason)});
+      if (on_stage_) on_stage_(plan_);
+    }
+    const auto& of = *std::ranges::find(plan_.decided, stage, &CalibrationDecision::stage);
+    listener_.Message(fmt::format("{}: {}{}{}", ToString(stage), of.choice, of.reason.empty() ? "" : ", because ",
+                                  of.reason));
+  }
+
+  // Fills in what a plan leaves open.
+  void PrepareStart() {
+    ParameterSet& start = plan_.parameters;
+    start.model = EchoModel::kAcoustic;
+    if (plan_.decided.empty() && recording_.info().source_level_db)
+      start.source_level_db = *recording_.info().source_level_db;
+    if (start.materials.empty()) start.materials["default"].gsab = kStartCurve;
+    if (!plan_.fit.free) plan_.fit.free = std::vector<std::string>{"materials"};
+  }
+
+  Decided ChooseFrames() {
+    const int count = recording_.frame_count();
+    const std::vector<int> frames = EvenlySpreadFrames(count, options_.max_frames);
+    std::vector<int> used;
+    std::vector<int> held_out;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const bool last_of_two = frames.size() == 2 && i == 1;
+      (i % 3 == 2 || last_of_two ? held_out : used).push_back(frames[i]);
+    }
+    plan_.fit.used = used;
+    plan_.fit.held_out = held_out;
+    if (held_out.empty()) {
+      return {"the only frame is fitted", "nothing else is there, so that no choice can be tried on another frame"};
+    }
+    return {fmt::format("{} of {} frames are fitted, {} are held out", used.size(), count, held_out.size()),
+            "the held-out ones decide the choices below"};
+  }
+
+  Decided ChooseWaterAndAbsorption() {
+    plan_.absorption = options_.rays.absorption;
+    const WaterChoice water = ChooseWater(plan_.parameters, recording_.info().water);
+    const std::string caveat =
+        sim::AbsorptionCaveat(plan_.absorption, recording_.info().sonar.frequency_hz, water.water);
+    const bool known = plan_.parameters.water || recording_.info().water;
+    return {fmt::format("{}, absorption '{}'", WaterText(water.water), ToString(plan_.absorption)),
+            known ? (caveat.empty() ? "the recording states the water" : caveat)
+                  : "nothing states a water, so fresh water is assumed; the levels of the curves absorb the rest"};
+  }
+
+  // Display and noise law. The level of the noise is fitted with the curves unless pings without targets gave it.
+  Decided ChooseNoise() {
+    ParameterSet& start = plan_.parameters;
+    const ImageScale& scale = recording_.info().scale;
+    const bool scaled = scale.db_min && scale.db_max;
+    if (background_ != nullptr) {
+      const calib::NoiseFit noise = calib::FitNoise(*background_, NoiseOptions());
+      if (!noise.usable) throw DataError("calibrate: the noise law of the background has no usable solution");
+      start.display = noise.law.display;
+      start.receiver = noise.law.receiver;
+      return {fmt::format("display '{}' and noise law of {} pings without targets",
+                          ToString(start.display.law), background_->frame_count()),
+              fmt::format("they are given, and the law agrees with them to a KS distance of {:.4f}",
+                          noise.judged.ks)};
+    }
+    plan_.fit.free->push_back("receiver.noise_db");
+    if (scaled) {
+      TakeDisplay(scale, start);
+      return {fmt::format("logarithm from {:g} to {:g} dB, noise level fitted", *scale.db_min, *scale.db_max),
+              "the recording states its scale"};
+    }
+    calib::NoiseFitOptions options = NoiseOptions();
+    options.find_background = true;
+    options.hold_out_bands = recording_.frame_count() < 4;
+    std::string why = "no law fits the darkest window of the frames";
+    try {
+      const calib::NoiseFit noise = calib::FitNoise(recording_, options);
+      if (noise.usable && noise.judged.ks < kLargestKs) {
+        start.display = noise.law.display;
+        start.receiver = noise.law.receiver;
+        const auto [near_m, far_m] = std::pair{noise.cells.axes.range_edge_m(noise.cells.first_bin),
+                                               noise.cells.axes.range_edge_m(noise.cells.last_bin)};
+        return {fmt::format("display '{}', {:.3g} looks", ToString(start.display.law), start.receiver.looks),
+                fmt::format("it describes the background of the frames, from {:.2f} to {:.2f} m, to a KS "
+                            "distance of {:.4f}",
+                            near_m, far_m, noise.judged.ks)};
+      }
+    } catch (const DataError& error) {
+      why = error.what();
+    }
+    constexpr double kAssumedSpanDb = 60.0;
+    start.display = {.db_min = 0.0, .db_max = scale.db_span.value_or(kAssumedSpanDb)};
+    open_.push_back(fmt::format("the display: a logarithm over {:g} dB is assumed, and levels are relative to it",
+                                start.display.db_max));
+    return {fmt::format("logarithm over {:g} dB", start.display.db_max),
+            fmt::format("{}{}", why, scale.db_span ? "; the recording states the span" : "; the span is assumed")};
+  }
+
+  calib::NoiseFitOptions NoiseOptions() const {
+    calib::NoiseFitOptions options;
+    options.progress = listener_.message;
+    return options;
+  }
+
+  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames do not move by two
+  // standard errors stay as declared.
+  Decided ChoosePlacement() {
+    std::vector<std::string> objects = MovableObjects(scene_);
+    if (!options_.target.empty()) objects = {options_.target};
+    if (!(plan_.parameters.pulse.length_m > 0.0)) plan_.fit.free->push_back("pulse.length_m");
+    const sim::Simulator simulator = MakeSimulator(plan_.parameters);
+    HeldOutTrials trials(simulator, GreyFrames(recording_, *plan_.fit.used),
+                         GreyFrames(recording_, *plan_.fit.held_out), solver_);
+    FitConfig config = Radiometry();
+    listener_.Message("placement: fitting curves at the recorded poses");
+    const Trial as_recorded = trials.Try(plan_.parameters, config);
+    KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
+
+    config = Radiometry();
+    config.start = plan_.fit.start;
+    for (const char* name : {"pose", "geometry.range_*", "geometry.azimuth_offset_deg", "geometry.azimuth_scale",
+                             "geometry.azimuth_cubic"})
+      config.free->push_back(name);
+    for (const std::string& object : objects) config.free->push_back("object:" + object);
+    listener_.Message("placement: fitting poses, geometry of the sonar and objects");
+    Trial moved = trials.Try(plan_.parameters, config);
+    // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from the
+    // geometry.
+    const bool scatter_known = plan_.fit.used->size() > 1;
+    if (scatter_known) {
+      config.pose_prior = ScatterOfPoses(moved.fit.report);
+      KeepStart(moved.fit.report, [](const FittedParameter&) { return true; });
+      config.start = plan_.fit.start;
+      listener_.Message(fmt::format("placement: again, with poses that scatter by {:.3g} m and {:.2g} degrees",
+                                    config.pose_prior.position_m, config.pose_prior.angle_deg));
+      calib::FitOptions near = solver_;
+      near.near_start = true;
+      near.starts = 1;
+      HeldOutTrials again(simulator, trials.used(), trials.held_out(), near);
+      moved = again.Try(plan_.parameters, config);
+    }
+    const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
+    if (!trials.held_out().empty() && !IsSignificant(gain)) {
+      return {"poses, geometry and objects as declared", "moving them does not raise the likelihood: " + GainText(gain)};
+    }
+    return TakePlacement(moved, config, gain);
+  }
+
+  // Frees what moved, and starts the last fit there.
+  Decided TakePlacement(const Trial& moved, const FitConfig& config, const calib::LikelihoodDifference& gain) {
+    std::vector<std::string> kept;
+    std::vector<std::string> left;
+    const bool poses = PosesMovedBySigmas(moved.fit.report) > kSigmasToMove;
+    if (poses) {
+      plan_.fit.free->push_back("pose");
+      plan_.fit.pose_prior = config.pose_prior;
+    }
+    for (const FittedParameter& parameter : moved.fit.report.parameters) {
+      if (!parameter.name.starts_with("geometry.") && !parameter.name.starts_with("object.")) continue;
+      const bool moves = parameter.sigma && std::abs(Moved(parameter)) > kSigmasToMove * *parameter.sigma;
+      (moves ? kept : left).push_back(parameter.name);
+      if (moves) plan_.fit.free->push_back(parameter.name);
+    }
+    plan_.fit.start.clear();
+    KeepStart(moved.fit.report, [&](const FittedParameter& parameter) {
+      if (parameter.name.starts_with("pose.")) return poses;
+      return !IsPlacementName(parameter.name) || std::ranges::find(kept, parameter.name) != kept.end();
+    });
+    if (poses) {
+      for (std::size_t i = 0; i < moved.held_out_poses.size(); ++i) {
+        const calib::PoseStep named = calib::NamedValues(moved.held_out_poses[i]);
+        for (int k = 0; k < calib::kPoseSteps; ++k)
+          plan_.fit.start[fmt::format("pose.{}.{}", plan_.fit.held_out->at(i), calib::kPoseNames[k])] = named(k);
+      }
+    }
+    if (!left.empty())
+      open_.push_back(fmt::format("{}: within two standard errors of what is declared", Names(left)));
+    std::string choice = poses ? fmt::format("poses fitted, recorded ones scatter by {:.3g} m and {:.2g} degrees; ",
+                                             config.pose_prior.position_m, config.pose_prior.angle_deg)
+                               : "poses as recorded; ";
+    return {choice + "moved: " + Names(kept), GainText(gain)};
+  }
+
+  // Stages after the placement keep it fixed: what a beam looks like does not move a wall.
+  struct Placed {
+    std::shared_ptr<const sim::Simulator> simulator;
+    std::vector<calib::GreyFrame> used;
+    std::vector<calib::GreyFrame> held_out;
+  };
+
+  Placed PlacedFrames(const ParameterSet& parameters) const {
+    Placed placed{.simulator = {},
+                  .used = GreyFrames(recording_, *plan_.fit.used),
+                  .held_out = GreyFrames(recording_, *plan_.fit.held_out)};
+    SonarModel sonar = recording_.info().sonar;
+    SonarGeometry geometry;
+    std::map<std::string, calib::ObjectPlacement> objects;
+    for (const auto& [name, value] : plan_.fit.start) {
+      if (name.starts_with("geometry.")) calib::SetGeometry(name, value, geometry);
+      if (!name.starts_with("object.")) continue;
+      const std::string object = name.substr(7, name.rfind('.') - 7);
+      const auto component = std::ranges::find(calib::kPoseNames, Component(name));
+      objects[object].step(component - calib::kPoseNames.begin()) = value;
+    }
+    sonar.axes = Corrected(sonar.axes, geometry);
+    Scene scene = scene_;
+    for (const auto& [name, placement] : objects) calib::PlaceableObject(scene, name).Place(placement, scene);
+    for (std::vector<calib::GreyFrame>* frames : {&placed.used, &placed.held_out}) {
+      for (calib::GreyFrame& frame : *frames) {
+        calib::PoseStep named = calib::NamedValues(frame.world_from_sonar);
+        for (int k = 0; k < calib::kPoseSteps; ++k) {
+          const auto found = plan_.fit.start.find(fmt::format("pose.{}.{}", frame.index, calib::kPoseNames[k]));
+          if (found != plan_.fit.start.end()) named(k) = found->second;
+        }
+        frame.world_from_sonar = Tilted(calib::PoseFromNamedValues(named), geometry);
+      }
+    }
+    placed.simulator = std::make_shared<const sim::Simulator>(
+        std::move(scene), sonar, AcousticSimulation(Rays(), sonar, WaterOf(), parameters));
+    return placed;
+  }
+
+  Decided ChooseBeam() {
+    if (plan_.fit.held_out->empty()) {
+      open_.emplace_back("the pattern of the beams and the looks: a second frame decides them");
+      return {"as the sonar states them", "no frame is held out"};
+    }
+    ParameterSet with_lobes = plan_.parameters;
+    with_lobes.beam.elevation_pattern = ElevationPattern::kCosine;
+    const Placed placed = PlacedFrames(with_lobes);
+    calib::ModelChoiceOptions choice{.axes = {calib::ChoiceAxis::kPattern, calib::ChoiceAxis::kElevation,
+                                              calib::ChoiceAxis::kLooks, calib::ChoiceAxis::kTrend},
+                                     .fit = solver_};
+    const FitConfig radiometry = Radiometry();
+    const calib::ModelChoice chosen = calib::ChooseModel(*placed.simulator, placed.used, placed.held_out,
+                                                         WithNoiseLevel(placed.used), radiometry, choice);
+    std::vector<std::string> words;
+    for (const calib::JudgedAxis& axis : chosen.axes) {
+      for (const calib::JudgedVariant& variant : axis.variants) {
+        if (variant.chosen) words.push_back(fmt::format("{} {}", ToString(axis.axis), variant.name));
+      }
+    }
+    const bool had_level = plan_.parameters.receiver.noise_db.has_value();
+    plan_.parameters = chosen.parameters;
+    if (!had_level) plan_.parameters.receiver.noise_db.reset();
+    for (const std::string& name : chosen.config.free.value_or(std::vector<std::string>())) {
+      if (std::ranges::find(*plan_.fit.free, name) == plan_.fit.free->end()) plan_.fit.free->push_back(name);
+    }
+    return {Names(words), "the likelihood of the held-out frames is the best, or as good with fewer values"};
+  }
+
+  // Every material is tried as a mirror; those without ghosts drop out.
+  Decided ChooseMirrors() {
+    if (plan_.fit.held_out->empty()) {
+      open_.emplace_back("mirrors: a second frame decides them");
+      return {"none", "no frame is held out"};
+    }
+    std::vector<std::string> mirrors;
+    for (const std::string& material : scene_.material_names) {
+      if (material != options_.target) mirrors.push_back(material);
+    }
+    const Placed placed = PlacedFrames(plan_.parameters);
+    HeldOutTrials trials(*placed.simulator, placed.used, placed.held_out, solver_);
+    const FitConfig radiometry = Radiometry();
+    const Trial without = trials.Try(WithNoiseLevel(placed.used), radiometry);
+    calib::LikelihoodDifference gain;
+    while (!mirrors.empty()) {
+      FitConfig config = radiometry;
+      for (const std::string& name : mirrors) config.free->push_back(fmt::format("mirror.{}.loss_db", name));
+      config.free->push_back("beam.transmit_end_deg");
+      const Trial with = trials.Try(WithNoiseLevel(placed.used), config);
+      gain = HeldOutTrials::Gain(with, without);
+      const std::size_t before = mirrors.size();
+      std::erase_if(mirrors, [&](const std::string& name) {
+        const FittedParameter* loss = with.fit.report.Find(fmt::format("mirror.{}.loss_db", name));
+        return loss == nullptr || loss->status != ParameterStatus::kFree || loss->value > kNoMirrorDb;
+      });
+      if (!IsSignificant(gain)) mirrors.clear();
+      if (mirrors.size() == before) break;
+    }
+    if (mirrors.empty()) return {"none", "ghosts do not raise the likelihood: " + GainText(gain)};
+    for (const std::string& name : mirrors) plan_.fit.free->push_back(fmt::format("mirror.{}.loss_db", name));
+    plan_.fit.free->push_back("beam.transmit_end_deg");
+    return {Names(mirrors), "their ghosts raise the likelihood: " + GainText(gain)};
+  }
+
+  Calibration LastFits() {
+    Calibration calibration;
+    if (plan_.fit.held_out->empty()) {
+      calibration.fit = LastFit(plan_.fit);
+      calibration.evaluation = calibration.fit;
+    } else {
+      listener_.Message("last fit without the held-out frames, for the figures");
+      calibration.evaluation = LastFit(plan_.fit);
+      FitConfig all = plan_.fit;
+      all.used->insert(all.used->end(), all.held_out->begin(), all.held_out->end());
+      std::ranges::sort(*all.used);
+      all.held_out->clear();
+      listener_.Message("last fit to all frames, for the values");
+      calibration.fit = LastFit(all);
+    }
+    for (const FittedParameter& parameter : calibration.fit.fit.report.parameters) {
+      if (parameter.status == ParameterStatus::kUnidentifiable)
+        unidentified_.push_back(parameter.name);
+    }
+    if (!unidentified_.empty())
+      open_.push_back(fmt::format("{}: priors decide", Names(unidentified_)));
+    calibration.plan = plan_;
+    calibration.open = open_;
+    return calibration;
+  }
+
+  RecordingFit LastFit(FitConfig config) {
+    // Start values of poses that are not among the frames of this fit have no parameter.
+    std::erase_if(config.start, [&](const auto& start) {
+      if (!start.first.starts_with("pose.")) return false;
+      const int frame = std::stoi(start.first.substr(5));
+      return std::ranges::find(*config.used, frame) == config.used->end();
+    });
+    FitRecordingOptions fit;
+    fit.rays = Rays();
+    fit.config = std::move(config);
+    ComparisonOptions comparison;
+    comparison.object = ScoredMaterial();
+    fit.comparison = comparison.For(recording_.info().sonar.axes);
+    fit.fit = solver_;
+    fit.fit.starts = 1;
+    fit.fit.near_start = true;
+    fit.fit.test_curves = true;
+    fit.on_note = listener_.message;
+    fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
+    return FitRecording(recording_, scene_, plan_.parameters, fit);
+  }
+
+  // Material of the target; a node without a material of its name is scored as the whole image is.
+  std::string ScoredMaterial() const {
+    const bool material = std::ranges::find(scene_.material_names, options_.target) != scene_.material_names.end();
+    return material ? options_.target : std::string();
+  }
+
+  // Configuration of a fit with the placement fixed.
+  FitConfig Radiometry() const {
+    FitConfig config = plan_.fit;
+    std::erase_if(*config.free, [](const std::string& name) {
+      return name == "pose" || IsPlacementName(name) || name.starts_with("object:");
+    });
+    std::erase_if(config.start, [](const auto& start) { return IsPlacementName(start.first); });
+    return config;
+  }
+
+  template <typename Keep>
+  void KeepStart(const calib::FitReport& report, const Keep& keep) {
+    for (const FittedParameter& parameter : report.parameters) {
+      if (parameter.status != ParameterStatus::kFixed && keep(parameter))
+        plan_.fit.start[parameter.name] = parameter.value;
+    }
+  }
+
+  RayOptions Rays() const {
+    RayOptions rays = options_.rays;
+    rays.absorption = plan_.absorption;
+    return rays;
+  }
+
+  Water WaterOf() const { return ChooseWater(plan_.parameters, recording_.info().water).water; }
+
+  sim::Simulator MakeSimulator(const ParameterSet& parameters) const {
+    const SonarModel& sonar = recording_.info().sonar;
+    return {scene_, sonar, AcousticSimulation(Rays(), sonar, WaterOf(), parameters)};
+  }
+
+  ParameterSet WithNoiseLevel(const std::vector<calib::GreyFrame>& frames) const {
+    ParameterSet parameters = plan_.parameters;
+    if (!parameters.receiver.noise_db) {
+      parameters.receiver.noise_db = calib::NoiseStartDb(calib::FramesFor(frames, parameters.display),
+                                                         parameters.receiver.looks);
+    }
+    return parameters;
+  }
+
+  const RecordingSource& recording_;
+  const Scene& scene_;
+  const CalibrateOptions& options_;
+  const RecordingSource* background_;
+  const Listener& listener_;
+  const std::function<void(const CalibrationPlan&)>& on_stage_;
+  CalibrationPlan plan_;
+  calib::FitOptions solver_;
+  std::vector<std::string> open_;
+  std::vector<std::string> unidentified_;
+};
+
+}  // namespace
+
+std::vector<std::string> MovableObjects(const Scene& scene) {
+  constexpr std::size_t kMax = 3;
+  constexpr double kOfScene = 0.5;
+  constexpr double kFlat = 0.02;  // of the longest side
+  Eigen::AlignedBox3f whole;
+  for (const Eigen::Vector3f& vertex : scene.vertices_m) whole.extend(vertex);
+  std::vector<std::pair<double, std::string>> found;  // by volume of the box
+  const auto add = [&](const std::string& name, const Eigen::AlignedBox3f& box) {
+    const Eigen::Vector3f size = box.sizes();
+    const Eigen::Vector3f of_scene = whole.sizes();
+    const bool inside = size.x() <= kOfScene * of_scene.x() && size.y() <= kOfScene * of_scene.y();
+    if (inside && size.minCoeff() > kFlat * size.maxCoeff()) found.emplace_back(-box.volume(), name);
+  };
+  for (const SceneObject& object : scene.objects) {
+    Eigen::AlignedBox3f box;
+    for (std::size_t i = 0; i < object.vertex_count; ++i) box.extend(scene.vertices_m[object.first_vertex + i]);
+    add(object.name, box);
+  }
+  if (scene.objects.empty()) {
+    std::vector<Eigen::AlignedBox3f> boxes(scene.material_names.size());
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+      for (const int vertex : scene.triangles[i]) boxes[scene.triangle_material[i]].extend(scene.vertices_m[vertex]);
+    }
+    for (std::size_t i = 0; i < boxes.size(); ++i) add(scene.material_names[i], boxes[i]);
+  }
+  std::ranges::sort(found);
+  std::vector<std::string> names;
+  for (const auto& [volume, name] : found) {
+    if (names.size() < kMax && std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+Calibration Calibrate(const RecordingSource& recording, const Scene& scene, const CalibrateOptions& options,
+                      const CalibrationInput& input, const Listener& listener,
+                      const std::function<void(const CalibrationPlan&)>& on_stage) {
+  return Calibrator(recording, scene, options, input, listener, on_stage).Run();
+}
+
+}  // namespace sonarcal::workflow

@@ -1,0 +1,60 @@
+// Decisions of a calibration (calibrate.h), as a file: a run with the plan of another one repeats its last fit
+// exactly, and a plan with some of the stages decides the others anew.
+//
+//   {"format": "sonar-calibration-plan/1",
+//    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it"}, ...],
+//    "absorption": "auto",
+//    "parameters": {...},     // params.json: start values of the last fit, with display, beam forms and mirrors
+//    "fit": {...}}            // configuration of the last fit (calib/parameters/fit_config.h)
+//
+// Stages that `decided` does not name are decided anew. Then `parameters` and `fit` need hold only what the named
+// stages decide.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "calib/parameters/fit_config.h"
+#include "core/types/parameters.h"
+#include "core/types/words.h"
+#include "sim/physics/absorption.h"
+
+namespace sonarcal::workflow {
+
+// Stages, in their order.
+enum class CalibrationStage { kFrames, kWater, kNoise, kPlacement, kBeam, kMirrors };
+constexpr auto WordsOf(std::type_identity<CalibrationStage>) {
+  return Words<CalibrationStage, 6>{{{"frames", CalibrationStage::kFrames},
+                                     {"water", CalibrationStage::kWater},
+                                     {"noise", CalibrationStage::kNoise},
+                                     {"placement", CalibrationStage::kPlacement},
+                                     {"beam", CalibrationStage::kBeam},
+                                     {"mirrors", CalibrationStage::kMirrors}}};
+}
+
+// Choice and reason are phrases without a full stop.
+struct CalibrationDecision {
+  CalibrationStage stage = CalibrationStage::kFrames;
+  std::string choice;
+  std::string reason;
+};
+
+struct CalibrationPlan {
+  std::vector<CalibrationDecision> decided;
+  sim::AbsorptionFormula absorption = sim::AbsorptionFormula::kAuto;
+  ParameterSet parameters;
+  calib::FitConfig fit;
+
+  bool Has(CalibrationStage stage) const;
+};
+
+// Throws DataError with file, line and key.
+CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file);
+
+nlohmann::ordered_json CalibrationPlanJson(const CalibrationPlan& plan);
+
+}  // namespace sonarcal::workflow

@@ -1,0 +1,58 @@
+#include "apps/workflow/calibration/held_out_trial.h"
+
+#include <algorithm>
+
+#include "core/types/error.h"
+#include "data_io/pose_io.h"
+
+namespace sonarcal::workflow {
+
+std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording, const std::vector<int>& indices) {
+  const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording);
+  std::vector<calib::GreyFrame> frames;
+  frames.reserve(indices.size());
+  for (const int index : indices) {
+    frames.push_back({.index = index,
+                      .world_from_sonar = poses.at(index).world_from_sonar,
+                      .image = recording.ReadFrame(index).image,
+                      .use = ValidPixels(recording.info())});
+  }
+  return frames;
+}
+
+Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig& config) {
+  Trial trial;
+  const std::vector<calib::AcousticFrame> frames = calib::FramesFor(used_, parameters.display);
+  trial.fit = calib::FitAcousticModel(simulator_, frames, parameters, config, options_);
+  if (!trial.fit.usable) {
+    throw DataError("calibrate: the fit to frames has no usable solution ({})",
+                    trial.fit.report.termination.empty() ? "the frames determine nothing"
+                                                         : trial.fit.report.termination);
+  }
+  if (held_out_.empty()) return trial;
+  std::vector<calib::AcousticFrame> judged = calib::FramesFor(held_out_, parameters.display);
+  for (calib::AcousticFrame& frame : judged) frame.world_from_sonar = frame.world_from_sonar * trial.fit.mount;
+  if (std::ranges::find(*config.free, "pose") != config.free->end()) {
+    const std::vector<Pose> poses = calib::FitPosesOnly(*trial.fit.simulator, judged, trial.fit.parameters,
+                                                        config.pose_prior, options_.progress);
+    for (std::size_t i = 0; i < judged.size(); ++i) judged[i].world_from_sonar = poses[i];
+  }
+  for (const calib::AcousticFrame& frame : judged) trial.held_out_poses.push_back(frame.world_from_sonar);
+  const calib::AcousticFrameModel model(*trial.fit.simulator, judged, trial.fit.parameters);
+  if (!block_) block_ = calib::BlockSize(model, options_);
+  trial.likelihood = calib::GreyLikelihood(held_out_, calib::MeanPowers(model), trial.fit.parameters,
+                                           block_->bins, block_->beams);
+  return trial;
+}
+
+calib::LikelihoodDifference HeldOutTrials::Gain(const Trial& a, const Trial& b) {
+  if (a.likelihood.nats.empty()) return {};
+  return calib::Difference(a.likelihood, b.likelihood);
+}
+
+bool IsSignificant(const calib::LikelihoodDifference& gain) {
+  constexpr double kSigmas = 2.0;
+  return gain.mean > kSigmas * gain.sigma && gain.mean > 0.0;
+}
+
+}  // namespace sonarcal::workflow

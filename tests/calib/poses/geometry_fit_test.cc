@@ -1,0 +1,154 @@
+// Geometry of the sonar and placement of objects, found from small SYNTHETIC recordings of the coherent model,
+// which is not the one fitted.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calib/acoustic_fit.h"
+#include "calib/models/acoustic_frame_model.h"
+#include "calib/parameters/object_placement.h"
+#include "core/types/error.h"
+#include "sim/rays/acoustic_fan.h"
+#include "tests/calib/small_tank.h"
+
+namespace sonarcal::calib {
+namespace {
+
+using testing::SmallSonar;
+using testing::SmallTank;
+using testing::SmallTankPoses;
+
+constexpr SonarGeometry kTrue = {.range_offset_m = -0.03,
+                                 .range_scale = 1.012,
+                                 .azimuth_offset_deg = 0.7,
+                                 .azimuth_scale = 0.98,
+                                 .azimuth_cubic = 0.0};
+
+class GeometryFit : public ::testing::Test {
+ protected:
+  GeometryFit() : simulator_(SmallTank(), SmallSonar(), Options()) {
+    truth_ = testing::SmallTankAcousticTruth();
+    truth_.display = {.db_min = 110.0, .db_max = 190.0};
+  }
+
+  static sim::SimulationOptions Options() {
+    sim::SimulationOptions options = testing::SmallTankOptions();
+    options.fan = sim::AcousticFanOptions(SmallSonar(), {});
+    options.bits = 8;
+    return options;
+  }
+
+  // Recorded by a sonar whose axes are those of `geometry`, in a scene of its own.
+  std::vector<AcousticFrame> Recorded(const Scene& scene, const SonarGeometry& geometry) const {
+    SonarModel sonar = SmallSonar();
+    sonar.axes = Corrected(sonar.axes, geometry);
+    const sim::Simulator simulator(scene, sonar, Options());
+    ParameterSet coherent = truth_;
+    coherent.model = EchoModel::kCoherent;
+    std::vector<AcousticFrame> frames;
+    const std::vector<Pose> poses = SmallTankPoses();
+    for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
+      frames.push_back({.index = i,
+                        .world_from_sonar = poses[i],
+                        .recorded = RecordedPowers(simulator.Render(poses[i], coherent, i), truth_.display)});
+    }
+    return frames;
+  }
+
+  static void ExpectFound(const FitReport& report, const std::string& name, double truth, double largest_sigma) {
+    const FittedParameter* parameter = report.Find(name);
+    ASSERT_NE(parameter, nullptr) << name;
+    ASSERT_TRUE(parameter->sigma) << name;
+    EXPECT_LT(std::abs(parameter->value - truth), 4.0 * *parameter->sigma)
+        << name << " " << parameter->value << " +- " << *parameter->sigma << ", truth " << truth;
+    EXPECT_LT(*parameter->sigma, largest_sigma) << name;
+  }
+
+  sim::Simulator simulator_;
+  ParameterSet truth_;
+};
+
+TEST_F(GeometryFit, RangeAndAzimuthAreFoundWithTheNoise) {
+  ParameterSet initial = truth_;
+  initial.receiver.noise_db = *truth_.receiver.noise_db + 3.0;
+  const FitConfig config{
+      .free = std::vector<std::string>{"receiver.noise_db", "geometry.range_*", "geometry.azimuth_*"}};
+  const AcousticFit fit = FitAcousticModel(simulator_, Recorded(SmallTank(), kTrue), initial, config);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_FALSE(fit.moved_poses);
+  ExpectFound(fit.report, "geometry.range_offset_m", kTrue.range_offset_m, 0.01);
+  ExpectFound(fit.report, "geometry.range_scale", kTrue.range_scale, 0.005);
+  ExpectFound(fit.report, "geometry.azimuth_offset_deg", kTrue.azimuth_offset_deg, 0.2);
+  ExpectFound(fit.report, "geometry.azimuth_scale", kTrue.azimuth_scale, 0.02);
+  EXPECT_EQ(fit.report.Find("geometry.tilt_deg"), nullptr) << "not free";
+  // The fitted simulator has the fitted axes; a scene of another size and a turned mount are named.
+  EXPECT_TRUE(fit.simulator->sonar().axes.Matches(Corrected(SmallSonar().axes, fit.geometry)));
+  ASSERT_EQ(fit.report.ambiguities.size(), 2U);
+  EXPECT_NE(fit.report.ambiguities[0].find("smaller"), std::string::npos) << fit.report.ambiguities[0];
+  EXPECT_NE(fit.report.ambiguities[1].find("to the right"), std::string::npos) << fit.report.ambiguities[1];
+}
+
+TEST_F(GeometryFit, AnObjectIsFoundWhereItStood) {
+  Scene moved = SmallTank();
+  ObjectPlacement placement;
+  placement.step << 0.06, -0.04, 0.0, 0.0, 0.0, 4.0;
+  PlaceableObject(moved, "box").Place(placement, moved);
+  const FitConfig config{.free = std::vector<std::string>{"object.box.x_m", "object.box.y_m",
+                                                          "object.box.yaw_deg"}};
+  const AcousticFit fit = FitAcousticModel(simulator_, Recorded(moved, {}), truth_, config);
+  ASSERT_TRUE(fit.usable);
+  ExpectFound(fit.report, "object.box.x_m", 0.06, 0.02);
+  ExpectFound(fit.report, "object.box.y_m", -0.04, 0.02);
+  ExpectFound(fit.report, "object.box.yaw_deg", 4.0, 1.5);
+  // The top of the box, one metre up, lies where the fit says.
+  const Scene& fitted = fit.simulator->caster().scene();
+  EXPECT_NEAR(fitted.vertices_m.back().z(), 1.0, 1e-6);
+}
+
+TEST_F(GeometryFit, AnUnknownObjectIsRefused) {
+  const FitConfig config{.free = std::vector<std::string>{"object:lighthouse"}};
+  EXPECT_THROW(FitAcousticModel(simulator_, Recorded(SmallTank(), {}), truth_, config), DataError);
+}
+
+// The slopes of the axes come from one traced image. Check: two traces with moved axes.
+TEST_F(GeometryFit, SlopesOfTheAxesAreThoseOfTracedImages) {
+  std::vector<AcousticFrame> frames = Recorded(SmallTank(), {});
+  frames.resize(1);
+  AcousticFrameModel model(simulator_, frames, truth_);
+  std::vector<int> geometric;
+  for (std::size_t i = 0; i < model.catalog().size(); ++i) {
+    if (model.catalog()[i].name == "geometry.range_offset_m" ||
+        model.catalog()[i].name == "geometry.azimuth_offset_deg")
+      geometric.push_back(static_cast<int>(i));
+  }
+  const ParameterValues values = model.initial_values();
+  model.Linearise(values, geometric);
+  ASSERT_EQ(model.echoes(0).slopes.size(), 2U);
+  for (const EchoSlope& slope : model.echoes(0).slopes) {
+    const bool range = model.catalog()[slope.entry].unit == "m";
+    const double step = range ? 0.5 * SmallSonar().axes.range_bin_m() : 0.3;
+    const auto traced = [&](double by) {
+      ParameterValues moved = values;
+      moved[slope.entry] += by;
+      return model.EchoPowerFrom(frames[0].world_from_sonar, truth_, model.RaysAt(moved, 1));
+    };
+    const Grid<double> above = traced(step);
+    const Grid<double> below = traced(-step);
+    double product = 0.0;
+    double of_slope = 0.0;
+    double of_traced = 0.0;
+    for (std::size_t i = 0; i < above.size(); ++i) {
+      if (!(above.values()[i] > 1e6 && below.values()[i] > 1e6)) continue;  // far above the noise
+      const double expected = std::log(above.values()[i] / below.values()[i]) / (2.0 * step);
+      product += expected * slope.logarithm[i];
+      of_slope += std::pow(slope.logarithm[i], 2);
+      of_traced += expected * expected;
+    }
+    ASSERT_GT(of_traced, 0.0);
+    EXPECT_GT(product / std::sqrt(of_slope * of_traced), 0.97) << model.catalog()[slope.entry].name;
+    EXPECT_NEAR(of_slope / of_traced, 1.0, 0.1) << model.catalog()[slope.entry].name;
+  }
+}
+
+}  // namespace
+}  // namespace sonarcal::calib
