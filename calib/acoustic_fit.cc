@@ -9,10 +9,10 @@
 #include <optional>
 #include <utility>
 
+#include "calib/geometry_ambiguity.h"
 #include "calib/joint_steps.h"
 #include "calib/mirror_start.h"
 #include "calib/parameters/axis_move.h"
-#include "calib/poses/geometry_ambiguity.h"
 #include "calib/poses/pose_ambiguity.h"
 #include "calib/poses/pose_refinement.h"
 #include "calib/problem_builder.h"

@@ -74,7 +74,8 @@ workflow::CalibrationPlan PlanOf(const CalibrateCommandOptions& options, const c
     if (!output.found() || !std::filesystem::exists(output / kStarted)) {
       cli::PrintNote(options.common, "nothing to resume: the calibration begins anew");
     } else if (data_io::ReadFileBytes(output / kStarted, 1 << 24) != configuration.dump(2)) {
-      throw DataError("{}: cannot be resumed: it was started with other inputs or options", options.out.string());
+      throw DataError("{}: cannot be resumed: it was started with other inputs or options",
+                      options.out.string());
     } else if (std::filesystem::exists(output / kPlan)) {
       return workflow::ReadCalibrationPlan(output / kPlan);
     }
@@ -149,19 +150,23 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
 void SetupCalibrate(CLI::App& app) {
   auto options = std::make_shared<CalibrateCommandOptions>();
   CLI::App* command = cli::AddCommand(
-      app, "calibrate", "Calibrates a simulator to a recording and a scene, and says each decision and its reason");
+      app, "calibrate",
+      "Calibrates a simulator to a recording and a scene, and says each decision and its reason");
   command->add_option("--real", options->real, "Recording to calibrate to; each frame needs a rough pose")
       ->type_name("REC")
       ->required();
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
-  command->add_option("--background", options->background, "Recording of pings without targets, for the noise law")
+  command
+      ->add_option("--background", options->background,
+                   "Recording of pings without targets, for the noise law")
       ->type_name("REC");
   command
       ->add_option("--plan", options->plan,
                    "Decisions to take as they are: plan.json of an earlier run, whole or in part")
       ->type_name("JSON");
-  command->add_flag("--resume", options->resume, "Go on where an interrupted run of the same command stopped");
+  command->add_flag("--resume", options->resume,
+                    "Go on where an interrupted run of the same command stopped");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for parameters, sonar, poses and report")
       ->required();
   cli::AddOptions(*command, options->calibrate);

@@ -25,9 +25,9 @@ PolarAxes Corrected(const PolarAxes& declared, const SonarGeometry& geometry) {
 
 Pose Tilted(const Pose& world_from_mount, const SonarGeometry& geometry) {
   if (geometry.tilt_deg == 0.0) return world_from_mount;
-  return {world_from_mount.rotation *
-              Eigen::AngleAxisd(RadFromDeg(geometry.tilt_deg), Eigen::Vector3d::UnitX()),
-          world_from_mount.position_m};
+  return {
+      world_from_mount.rotation * Eigen::AngleAxisd(RadFromDeg(geometry.tilt_deg), Eigen::Vector3d::UnitX()),
+      world_from_mount.position_m};
 }
 
 }  // namespace sonarcal

@@ -20,7 +20,8 @@ std::string AgreementSentence(const workflow::Calibration& calibration) {
   const workflow::RecordingFit& of = calibration.evaluation;
   if (!of.sample_after || !of.sample_pair) return "The agreement could not be measured.";
   return fmt::format(
-      "A simulated frame differs from the recorded one by {} of full scale, mean over {}; two simulated frames of one "
+      "A simulated frame differs from the recorded one by {} of full scale, mean over {}; two simulated "
+      "frames of one "
       "pose differ by {}, which is the lowest error possible.",
       ErrorPercent(*of.sample_after), of.judged_on_held_out ? "the held-out frames" : "the frames used",
       ErrorPercent(*of.sample_pair));
@@ -30,21 +31,24 @@ std::string AgreementSentence(const workflow::Calibration& calibration) {
 
 void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration) {
   std::string open = "The recording determines every value that was fitted.";
-  if (!calibration.open.empty()) open = "It could not determine: " + fmt::format("{}.", fmt::join(calibration.open, "; "));
+  if (!calibration.open.empty())
+    open = "It could not determine: " + fmt::format("{}.", fmt::join(calibration.open, "; "));
   report.Paragraph(AgreementSentence(calibration) + " " + open);
   AddFitWarnings(report, calibration.evaluation.fit.report);
   AddFitKeyFigures(report, calibration.evaluation);
   report.Section("Decisions");
-  Table table{.caption = "Decisions, in their order",
-              .columns = {{"Stage"}, {"Choice", "", false}, {"Reason", "", false}},
-              .rows = {},
-              .notes = {"Gains are those of the log-likelihood of the held-out frames, with standard errors."}};
+  Table table{
+      .caption = "Decisions, in their order",
+      .columns = {{"Stage"}, {"Choice", "", false}, {"Reason", "", false}},
+      .rows = {},
+      .notes = {"Gains are those of the log-likelihood of the held-out frames, with standard errors."}};
   for (const workflow::CalibrationDecision& decision : calibration.plan.decided)
     table.rows.push_back({{std::string(ToString(decision.stage)), decision.choice, decision.reason}});
   report.Add(table);
   if (!calibration.fit.fit.report.ambiguities.empty()) {
     report.Section("Other explanations");
-    report.Paragraph("The geometry of a sonar is known relative to its scene. These errors would look the same:");
+    report.Paragraph(
+        "The geometry of a sonar is known relative to its scene. These errors would look the same:");
     report.List(calibration.fit.fit.report.ambiguities);
   }
   report.Section("Before and after");
@@ -62,7 +66,8 @@ std::string CalibrationText(const workflow::Calibration& calibration) {
   for (const workflow::CalibrationDecision& decision : calibration.plan.decided)
     text += fmt::format("  {:<10} {} ({})\n", ToString(decision.stage), decision.choice, decision.reason);
   for (const calib::FittedParameter& parameter : calibration.fit.fit.report.parameters) {
-    if (!parameter.sigma || !(parameter.name.starts_with("geometry.") || parameter.name.starts_with("object.")))
+    if (!parameter.sigma ||
+        !(parameter.name.starts_with("geometry.") || parameter.name.starts_with("object.")))
       continue;
     text += fmt::format("  {:<32} {:>9.4f} +- {:.4f} {}\n", parameter.name, parameter.value, *parameter.sigma,
                         parameter.unit);

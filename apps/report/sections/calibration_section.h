@@ -12,7 +12,7 @@ namespace sonarcal::report {
 // recording, beside the lowest error possible, and what the recording could not determine.
 void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration);
 
-// The same in short.
+// Short form of these sections.
 std::string CalibrationText(const workflow::Calibration& calibration);
 
 }  // namespace sonarcal::report

@@ -155,8 +155,8 @@ class Calibrator {
       if (on_stage_) on_stage_(plan_);
     }
     const auto& of = *std::ranges::find(plan_.decided, stage, &CalibrationDecision::stage);
-    listener_.Message(fmt::format("{}: {}{}{}", ToString(stage), of.choice, of.reason.empty() ? "" : ", because ",
-                                  of.reason));
+    listener_.Message(fmt::format("{}: {}{}{}", ToString(stage), of.choice,
+                                  of.reason.empty() ? "" : ", because ", of.reason));
   }
 
   // Fills in what a plan leaves open.
@@ -181,7 +181,8 @@ class Calibrator {
     plan_.fit.used = used;
     plan_.fit.held_out = held_out;
     if (held_out.empty()) {
-      return {"the only frame is fitted", "nothing else is there, so that no choice can be tried on another frame"};
+      return {"the only frame is fitted",
+              "nothing else is there, so that no choice can be tried on another frame"};
     }
     return {fmt::format("{} of {} frames are fitted, {} are held out", used.size(), count, held_out.size()),
             "the held-out ones decide the choices below"};
@@ -193,9 +194,11 @@ class Calibrator {
     const std::string caveat =
         sim::AbsorptionCaveat(plan_.absorption, recording_.info().sonar.frequency_hz, water.water);
     const bool known = plan_.parameters.water || recording_.info().water;
-    return {fmt::format("{}, absorption '{}'", WaterText(water.water), ToString(plan_.absorption)),
-            known ? (caveat.empty() ? "the recording states the water" : caveat)
-                  : "nothing states a water, so fresh water is assumed; the levels of the curves absorb the rest"};
+    return {
+        fmt::format("{}, absorption '{}'", WaterText(water.water), ToString(plan_.absorption)),
+        known
+            ? (caveat.empty() ? "the recording states the water" : caveat)
+            : "nothing states a water, so fresh water is assumed; the levels of the curves absorb the rest"};
   }
 
   // Display and noise law. The level of the noise is fitted with the curves unless pings without targets gave it.
@@ -240,10 +243,12 @@ class Calibrator {
     }
     constexpr double kAssumedSpanDb = 60.0;
     start.display = {.db_min = 0.0, .db_max = scale.db_span.value_or(kAssumedSpanDb)};
-    open_.push_back(fmt::format("the display: a logarithm over {:g} dB is assumed, and levels are relative to it",
-                                start.display.db_max));
+    open_.push_back(
+        fmt::format("the display: a logarithm over {:g} dB is assumed, and levels are relative to it",
+                    start.display.db_max));
     return {fmt::format("logarithm over {:g} dB", start.display.db_max),
-            fmt::format("{}{}", why, scale.db_span ? "; the recording states the span" : "; the span is assumed")};
+            fmt::format("{}{}", why,
+                        scale.db_span ? "; the recording states the span" : "; the span is assumed")};
   }
 
   calib::NoiseFitOptions NoiseOptions() const {
@@ -268,8 +273,8 @@ class Calibrator {
 
     config = Radiometry();
     config.start = plan_.fit.start;
-    for (const char* name : {"pose", "geometry.range_*", "geometry.azimuth_offset_deg", "geometry.azimuth_scale",
-                             "geometry.azimuth_cubic"})
+    for (const char* name : {"pose", "geometry.range_*", "geometry.azimuth_offset_deg",
+                             "geometry.azimuth_scale", "geometry.azimuth_cubic"})
       config.free->push_back(name);
     for (const std::string& object : objects) config.free->push_back("object:" + object);
     listener_.Message("placement: fitting poses, geometry of the sonar and objects");
@@ -281,8 +286,9 @@ class Calibrator {
       config.pose_prior = ScatterOfPoses(moved.fit.report);
       KeepStart(moved.fit.report, [](const FittedParameter&) { return true; });
       config.start = plan_.fit.start;
-      listener_.Message(fmt::format("placement: again, with poses that scatter by {:.3g} m and {:.2g} degrees",
-                                    config.pose_prior.position_m, config.pose_prior.angle_deg));
+      listener_.Message(
+          fmt::format("placement: again, with poses that scatter by {:.3g} m and {:.2g} degrees",
+                      config.pose_prior.position_m, config.pose_prior.angle_deg));
       calib::FitOptions near = solver_;
       near.near_start = true;
       near.starts = 1;
@@ -291,13 +297,15 @@ class Calibrator {
     }
     const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
     if (!trials.held_out().empty() && !IsSignificant(gain)) {
-      return {"poses, geometry and objects as declared", "moving them does not raise the likelihood: " + GainText(gain)};
+      return {"poses, geometry and objects as declared",
+              "moving them does not raise the likelihood: " + GainText(gain)};
     }
     return TakePlacement(moved, config, gain);
   }
 
   // Frees what moved, and starts the last fit there.
-  Decided TakePlacement(const Trial& moved, const FitConfig& config, const calib::LikelihoodDifference& gain) {
+  Decided TakePlacement(const Trial& moved, const FitConfig& config,
+                        const calib::LikelihoodDifference& gain) {
     std::vector<std::string> kept;
     std::vector<std::string> left;
     const bool poses = PosesMovedBySigmas(moved.fit.report) > kSigmasToMove;
@@ -320,14 +328,16 @@ class Calibrator {
       for (std::size_t i = 0; i < moved.held_out_poses.size(); ++i) {
         const calib::PoseStep named = calib::NamedValues(moved.held_out_poses[i]);
         for (int k = 0; k < calib::kPoseSteps; ++k)
-          plan_.fit.start[fmt::format("pose.{}.{}", plan_.fit.held_out->at(i), calib::kPoseNames[k])] = named(k);
+          plan_.fit.start[fmt::format("pose.{}.{}", plan_.fit.held_out->at(i), calib::kPoseNames[k])] =
+              named(k);
       }
     }
     if (!left.empty())
       open_.push_back(fmt::format("{}: within two standard errors of what is declared", Names(left)));
-    std::string choice = poses ? fmt::format("poses fitted, recorded ones scatter by {:.3g} m and {:.2g} degrees; ",
-                                             config.pose_prior.position_m, config.pose_prior.angle_deg)
-                               : "poses as recorded; ";
+    std::string choice =
+        poses ? fmt::format("poses fitted, recorded ones scatter by {:.3g} m and {:.2g} degrees; ",
+                            config.pose_prior.position_m, config.pose_prior.angle_deg)
+              : "poses as recorded; ";
     return {choice + "moved: " + Names(kept), GainText(gain)};
   }
 
@@ -359,7 +369,8 @@ class Calibrator {
       for (calib::GreyFrame& frame : *frames) {
         calib::PoseStep named = calib::NamedValues(frame.world_from_sonar);
         for (int k = 0; k < calib::kPoseSteps; ++k) {
-          const auto found = plan_.fit.start.find(fmt::format("pose.{}.{}", frame.index, calib::kPoseNames[k]));
+          const auto found =
+              plan_.fit.start.find(fmt::format("pose.{}.{}", frame.index, calib::kPoseNames[k]));
           if (found != plan_.fit.start.end()) named(k) = found->second;
         }
         frame.world_from_sonar = Tilted(calib::PoseFromNamedValues(named), geometry);
@@ -450,11 +461,9 @@ class Calibrator {
       calibration.fit = LastFit(all);
     }
     for (const FittedParameter& parameter : calibration.fit.fit.report.parameters) {
-      if (parameter.status == ParameterStatus::kUnidentifiable)
-        unidentified_.push_back(parameter.name);
+      if (parameter.status == ParameterStatus::kUnidentifiable) unidentified_.push_back(parameter.name);
     }
-    if (!unidentified_.empty())
-      open_.push_back(fmt::format("{}: priors decide", Names(unidentified_)));
+    if (!unidentified_.empty()) open_.push_back(fmt::format("{}: priors decide", Names(unidentified_)));
     calibration.plan = plan_;
     calibration.open = open_;
     return calibration;
@@ -484,7 +493,8 @@ class Calibrator {
 
   // Material of the target; a node without a material of its name is scored as the whole image is.
   std::string ScoredMaterial() const {
-    const bool material = std::ranges::find(scene_.material_names, options_.target) != scene_.material_names.end();
+    const bool material =
+        std::ranges::find(scene_.material_names, options_.target) != scene_.material_names.end();
     return material ? options_.target : std::string();
   }
 
@@ -522,8 +532,8 @@ class Calibrator {
   ParameterSet WithNoiseLevel(const std::vector<calib::GreyFrame>& frames) const {
     ParameterSet parameters = plan_.parameters;
     if (!parameters.receiver.noise_db) {
-      parameters.receiver.noise_db = calib::NoiseStartDb(calib::FramesFor(frames, parameters.display),
-                                                         parameters.receiver.looks);
+      parameters.receiver.noise_db =
+          calib::NoiseStartDb(calib::FramesFor(frames, parameters.display), parameters.receiver.looks);
     }
     return parameters;
   }
@@ -557,13 +567,15 @@ std::vector<std::string> MovableObjects(const Scene& scene) {
   };
   for (const SceneObject& object : scene.objects) {
     Eigen::AlignedBox3f box;
-    for (std::size_t i = 0; i < object.vertex_count; ++i) box.extend(scene.vertices_m[object.first_vertex + i]);
+    for (std::size_t i = 0; i < object.vertex_count; ++i)
+      box.extend(scene.vertices_m[object.first_vertex + i]);
     add(object.name, box);
   }
   if (scene.objects.empty()) {
     std::vector<Eigen::AlignedBox3f> boxes(scene.material_names.size());
     for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-      for (const int vertex : scene.triangles[i]) boxes[scene.triangle_material[i]].extend(scene.vertices_m[vertex]);
+      for (const int vertex : scene.triangles[i])
+        boxes[scene.triangle_material[i]].extend(scene.vertices_m[vertex]);
     }
     for (std::size_t i = 0; i < boxes.size(); ++i) add(scene.material_names[i], boxes[i]);
   }

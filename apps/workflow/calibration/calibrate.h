@@ -42,9 +42,9 @@ struct CalibrateOptions {
 };
 
 struct Calibration {
-  CalibrationPlan plan;      // complete
-  RecordingFit evaluation;   // did not see the held-out frames; the same as `fit` if none is held out
-  RecordingFit fit;          // to all frames used
+  CalibrationPlan plan;           // complete
+  RecordingFit evaluation;        // did not see the held-out frames; the same as `fit` if none is held out
+  RecordingFit fit;               // to all frames used
   std::vector<std::string> open;  // what the recording could not determine, one sentence each
 };
 
@@ -57,8 +57,9 @@ struct CalibrationInput {
 // `on_stage` gets the plan after each stage, for a run that goes on where it stopped. Each frame needs a rough pose.
 // Throws DataError if the recording or the scene cannot be used, or if a fit has no usable solution; and
 // calib::FitStopped if the listener stops it.
-Calibration Calibrate(const RecordingSource& recording, const Scene& scene, const CalibrateOptions& options = {},
-                      const CalibrationInput& input = {}, const Listener& listener = {},
+Calibration Calibrate(const RecordingSource& recording, const Scene& scene,
+                      const CalibrateOptions& options = {}, const CalibrationInput& input = {},
+                      const Listener& listener = {},
                       const std::function<void(const CalibrationPlan&)>& on_stage = {});
 
 // Names of the parts of a scene that may stand elsewhere: nodes, or else materials, that stand inside it, no wider

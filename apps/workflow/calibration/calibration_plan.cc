@@ -29,8 +29,7 @@ CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file) {
                             .reason = text("reason")});
   }
   if (const auto word = json.Find("absorption")) plan.absorption = word->Word<sim::AbsorptionFormula>();
-  if (const auto parameters = json.Find("parameters"))
-    plan.parameters = data_io::ParametersFrom(*parameters);
+  if (const auto parameters = json.Find("parameters")) plan.parameters = data_io::ParametersFrom(*parameters);
   if (const auto fit = json.Find("fit")) plan.fit = calib::FitConfigFrom(*fit);
   json.Finish();
   return plan;
@@ -40,9 +39,8 @@ nlohmann::ordered_json CalibrationPlanJson(const CalibrationPlan& plan) {
   using Json = nlohmann::ordered_json;
   Json json = {{"format", kPlanFormat}, {"decided", Json::array()}};
   for (const CalibrationDecision& decision : plan.decided) {
-    json["decided"].push_back({{"stage", ToString(decision.stage)},
-                               {"choice", decision.choice},
-                               {"reason", decision.reason}});
+    json["decided"].push_back(
+        {{"stage", ToString(decision.stage)}, {"choice", decision.choice}, {"reason", decision.reason}});
   }
   json["absorption"] = ToString(plan.absorption);
   json["parameters"] = data_io::ParametersJson(plan.parameters);

@@ -25,13 +25,14 @@ Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig&
   const std::vector<calib::AcousticFrame> frames = calib::FramesFor(used_, parameters.display);
   trial.fit = calib::FitAcousticModel(simulator_, frames, parameters, config, options_);
   if (!trial.fit.usable) {
-    throw DataError("calibrate: the fit to frames has no usable solution ({})",
-                    trial.fit.report.termination.empty() ? "the frames determine nothing"
-                                                         : trial.fit.report.termination);
+    throw DataError(
+        "calibrate: the fit to frames has no usable solution ({})",
+        trial.fit.report.termination.empty() ? "the frames determine nothing" : trial.fit.report.termination);
   }
   if (held_out_.empty()) return trial;
   std::vector<calib::AcousticFrame> judged = calib::FramesFor(held_out_, parameters.display);
-  for (calib::AcousticFrame& frame : judged) frame.world_from_sonar = frame.world_from_sonar * trial.fit.mount;
+  for (calib::AcousticFrame& frame : judged)
+    frame.world_from_sonar = frame.world_from_sonar * trial.fit.mount;
   if (std::ranges::find(*config.free, "pose") != config.free->end()) {
     const std::vector<Pose> poses = calib::FitPosesOnly(*trial.fit.simulator, judged, trial.fit.parameters,
                                                         config.pose_prior, options_.progress);

@@ -55,7 +55,8 @@ class GeometryFit : public ::testing::Test {
     return frames;
   }
 
-  static void ExpectFound(const FitReport& report, const std::string& name, double truth, double largest_sigma) {
+  static void ExpectFound(const FitReport& report, const std::string& name, double truth,
+                          double largest_sigma) {
     const FittedParameter* parameter = report.Find(name);
     ASSERT_NE(parameter, nullptr) << name;
     ASSERT_TRUE(parameter->sigma) << name;
@@ -93,8 +94,8 @@ TEST_F(GeometryFit, AnObjectIsFoundWhereItStood) {
   ObjectPlacement placement;
   placement.step << 0.06, -0.04, 0.0, 0.0, 0.0, 4.0;
   PlaceableObject(moved, "box").Place(placement, moved);
-  const FitConfig config{.free = std::vector<std::string>{"object.box.x_m", "object.box.y_m",
-                                                          "object.box.yaw_deg"}};
+  const FitConfig config{
+      .free = std::vector<std::string>{"object.box.x_m", "object.box.y_m", "object.box.yaw_deg"}};
   const AcousticFit fit = FitAcousticModel(simulator_, Recorded(moved, {}), truth_, config);
   ASSERT_TRUE(fit.usable);
   ExpectFound(fit.report, "object.box.x_m", 0.06, 0.02);

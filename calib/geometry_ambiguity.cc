@@ -1,4 +1,4 @@
-#include "calib/poses/geometry_ambiguity.h"
+#include "calib/geometry_ambiguity.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// What else would explain the fitted geometry of a sonar: a data sheet that is wrong looks like a scene, a mount or a
+// Other explanations of the fitted geometry of a sonar: a data sheet that is wrong looks like a scene, a mount or a
 // position that is wrong.
 #pragma once
 
