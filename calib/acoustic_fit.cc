@@ -12,7 +12,7 @@
 #include "calib/geometry_ambiguity.h"
 #include "calib/joint_steps.h"
 #include "calib/mirror_start.h"
-#include "calib/parameters/axis_move.h"
+#include "calib/parameters/placement_steps.h"
 #include "calib/poses/pose_ambiguity.h"
 #include "calib/poses/pose_refinement.h"
 #include "calib/problem_builder.h"

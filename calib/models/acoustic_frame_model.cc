@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "calib/models/coarse_frame_model.h"
 #include "calib/models/down_weight.h"
-#include "calib/parameters/axis_move.h"
+#include "calib/parameters/placement_steps.h"
 #include "calib/parameters/pose_step.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -198,28 +199,15 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
   FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(values))};
   const sim::GhostList ghosts = GhostsOf(simulator, frame, values, geometric);
   if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator, ghosts, Parameters(values));
-  Grid<double> at_point;  // echoes, for the slopes of the sonar's geometry
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
-    if (entry.group == ParameterGroup::kObject) continue;  // Linearise adds them
+    if (entry.group == ParameterGroup::kObject || ChangesAxes(entry)) continue;  // Linearise adds them
     if (entry.group == ParameterGroup::kPose && entry.frame != frame && entry.frame != kMountFrame) continue;
     const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
     above[index] += step;
     below[index] -= step;
-    if (ChangesAxes(entry)) {
-      const ParameterSet parameters = Parameters(values);
-      if (at_point.empty()) at_point = EchoPowerFrom(PoseOf(frame, values), parameters, rays);
-      const auto moved = [&](const ParameterValues& to) {
-        return WithAxesMoved(at_point, simulator_.sonar().axes, GeometryOf(catalog_, values),
-                             GeometryOf(catalog_, to));
-      };
-      echoes.slopes.push_back(
-          {.entry = index,
-           .logarithm = LogarithmSlope({moved(above), moved(below), 2.0 * step}, parameters)});
-      continue;
-    }
     if (IsPlacement(entry)) {
       const ParameterSet parameters = Parameters(values);
       const auto from = [&](const ParameterValues& to) {
@@ -270,26 +258,48 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
   std::vector<FrameEchoes> echoes(frames_.size());
   tbb::parallel_for(0, frame_count(),
                     [&](int frame) { echoes[frame] = EchoesAbout(rays, frame, values, geometric); });
-  for (const int index : geometric) {
-    if (catalog_[index].group != ParameterGroup::kObject) continue;
+  AddCommonSlopes(values, geometric, echoes);
+  echoes_ = std::move(echoes);
+}
+
+// Slopes along placements that need another simulator: objects and axes.
+void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const std::vector<int>& geometric,
+                                         std::vector<FrameEchoes>& echoes) const {
+  const ParameterSet parameters = Parameters(values);
+  std::map<int, std::vector<std::vector<float>>> traced;  // per entry and frame
+  const auto trace = [&](int index) -> const std::vector<std::vector<float>>& {
+    const auto [found, added] = traced.try_emplace(index, frames_.size());
+    if (!added) return found->second;
     const double step = DifferenceStep(catalog_[index], values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
     above[index] += step;
     below[index] -= step;
-    const ParameterSet parameters = Parameters(values);
     const Rays rays_above = RaysAt(above, 1);
     const Rays rays_below = RaysAt(below, 1);
-    tbb::parallel_for(0, frame_count(), [&](int frame) {
+    tbb::parallel_for(0, frame_count(), [&, &slopes = found->second](int frame) {
       const Pose pose = PoseOf(frame, values);
-      echoes[frame].slopes.push_back(
-          {.entry = index,
-           .logarithm = LogarithmSlope({EchoPowerFrom(pose, parameters, rays_above),
-                                        EchoPowerFrom(pose, parameters, rays_below), 2.0 * step},
-                                       parameters)});
+      slopes[frame] = LogarithmSlope({EchoPowerFrom(pose, parameters, rays_above),
+                                      EchoPowerFrom(pose, parameters, rays_below), 2.0 * step},
+                                     parameters);
     });
+    return found->second;
+  };
+  for (const int index : geometric) {
+    const CatalogEntry& entry = catalog_[index];
+    const bool axes = ChangesAxes(entry);
+    if (!axes && entry.group != ParameterGroup::kObject) continue;
+    const std::vector<std::vector<float>>& slopes = trace(axes ? OffsetOfAxis(catalog_, entry) : index);
+    for (int frame = 0; frame < frame_count(); ++frame) {
+      echoes[frame].slopes.push_back({.entry = index, .logarithm = slopes[frame]});
+      if (!axes) continue;
+      std::vector<float>& scaled = echoes[frame].slopes.back().logarithm;
+      for (std::size_t pixel = 0; pixel < scaled.size(); ++pixel) {
+        scaled[pixel] *= static_cast<float>(AxisChange(sonar().axes, entry, static_cast<int>(pixel) / beams(),
+                                                       static_cast<int>(pixel) % beams()));
+      }
+    }
   }
-  echoes_ = std::move(echoes);
 }
 
 void AcousticFrameModel::DownWeight(const ParameterValues& values) {

@@ -148,6 +148,9 @@ class AcousticFrameModel final : public FrameModel {
   FrameEchoes EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
 
+  void AddCommonSlopes(const ParameterValues& values, const std::vector<int>& geometric,
+                       std::vector<FrameEchoes>& echoes) const;
+
   const sim::Simulator& simulator_;
   PlacedSimulators placed_;
   std::shared_ptr<const sim::Simulator> at_point_;

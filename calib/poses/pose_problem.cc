@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <utility>
 
-#include "calib/parameters/axis_move.h"
+#include "calib/parameters/placement_steps.h"
 
 namespace sonarcal::calib {
 
@@ -59,31 +60,38 @@ PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
 }
 
 void PoseProblem::AddCommonSlopes(const ParameterValues& values, Slopes& slopes) const {
-  if (common_.empty()) return;
-  const PoseView::Rays rays = model_.RaysAt(values, decimation_);
-  std::vector<Grid<float>> power(frames_.size());
-  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
-    power[i] = views_[i].PowerFrom(model_.PoseOf(frames_[i], values), rays);
-  });
-  for (std::size_t k = 0; k < common_.size(); ++k) {
-    const CatalogEntry& entry = catalog_[common_[k]];
-    const double step = PlacementDifference(model_.sonar().axes, entry);
+  const PolarAxes& axes = model_.sonar().axes;
+  std::map<int, std::vector<Eigen::VectorXf>> traced;  // per entry and frame
+  const auto trace = [&](int index) -> const std::vector<Eigen::VectorXf>& {
+    const auto [found, added] = traced.try_emplace(index, frames_.size());
+    if (!added) return found->second;
+    const double step = PlacementDifference(axes, catalog_[index]);
     ParameterValues above = values;
     ParameterValues below = values;
-    above[common_[k]] += step;
-    below[common_[k]] -= step;
+    above[index] += step;
+    below[index] -= step;
     const PoseView::Rays rays_above = model_.RaysAt(above, decimation_);
     const PoseView::Rays rays_below = model_.RaysAt(below, decimation_);
-    tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
-      const auto at = [&](const ParameterValues& moved, const PoseView::Rays& with) {
-        if (!ChangesAxes(entry)) return views_[i].PowerFrom(model_.PoseOf(frames_[i], moved), with);
-        return WithAxesMoved(power[i], model_.sonar().axes, GeometryOf(catalog_, values),
-                             GeometryOf(catalog_, moved));
-      };
-      slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k)) =
-          (views_[i].Expected(at(above, rays_above)) - views_[i].Expected(at(below, rays_below))) /
-          static_cast<float>(2.0 * step);
+    tbb::parallel_for(std::size_t{0}, frames_.size(), [&, &of_frames = found->second](std::size_t i) {
+      of_frames[i] = (views_[i].Expected(model_.PoseOf(frames_[i], above), rays_above) -
+                      views_[i].Expected(model_.PoseOf(frames_[i], below), rays_below)) /
+                     static_cast<float>(2.0 * step);
     });
+    return found->second;
+  };
+  for (std::size_t k = 0; k < common_.size(); ++k) {
+    const CatalogEntry& entry = catalog_[common_[k]];
+    const std::vector<Eigen::VectorXf>& of_frames =
+        trace(ChangesAxes(entry) ? OffsetOfAxis(catalog_, entry) : common_[k]);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      auto column = slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k));
+      column = of_frames[i];
+      if (!ChangesAxes(entry)) continue;
+      for (Eigen::Index pixel = 0; pixel < column.size(); ++pixel) {
+        column[pixel] *= static_cast<float>(AxisChange(axes, entry, static_cast<int>(pixel) / model_.beams(),
+                                                       static_cast<int>(pixel) % model_.beams()));
+      }
+    }
   }
 }
 

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "core/types/error.h"
 #include "tests/support/temp_dir.h"
 
@@ -91,6 +93,34 @@ TEST(FitConfigTest, ByDefaultTheLastThirdIsHeldOut) {
   EXPECT_THAT(SplitFrames({}, 1).held_out, ElementsAre());
   EXPECT_THAT(SplitFrames({}, 2).held_out, ElementsAre(1));
   EXPECT_THAT(SplitFrames({}, 6).held_out, ElementsAre(4, 5));
+}
+
+TEST(FitConfigTest, UsedFramesAreThoseGivenWithoutTheHeldOutOnes) {
+  FitConfig config;
+  config.used = {5, 1, 1, 3};
+  config.held_out = {3};
+  const FrameSplit split = SplitFrames(config, 6);
+  EXPECT_THAT(split.used, ElementsAre(1, 5));
+  EXPECT_THAT(split.held_out, ElementsAre(3));
+  config.used = {6};
+  EXPECT_THROW(SplitFrames(config, 6), DataError);
+}
+
+TEST(FitConfigTest, IsWrittenAsItIsRead) {
+  FitConfig config;
+  config.free = {"materials", "object:mockup"};
+  config.fixed = {"material.wall.*"};
+  config.bounds["material.floor.gsab.D"] = {0.5, 3.0};
+  config.priors["receiver.noise_db"] = std::nullopt;
+  config.priors["beam.azimuth_width_deg"] = std::pair{1.0, 0.05};
+  config.pose_prior = {.position_m = 0.0123456789012345, .angle_deg = 0.7};
+  config.start["geometry.range_scale"] = 0.99;
+  config.held_out = std::vector<int>{};
+  config.used = {0, 2};
+  EXPECT_EQ(ParseFitConfig(FitConfigJson(config).dump(), "written"), config);
+  EXPECT_THAT(ObjectsNamed(config), ElementsAre("mockup"));
+  config.free = {"object.a.b.x_m", "object:a.b", "pose"};
+  EXPECT_THAT(ObjectsNamed(config), ElementsAre("a.b"));
 }
 
 TEST(FitConfigTest, FramesThatDoNotExistOrLeaveNoneAreRefused) {

@@ -18,7 +18,7 @@ using ::testing::ElementsAreArray;
 std::vector<std::string> NamesOf(const std::vector<CatalogEntry>& catalog) {
   std::vector<std::string> names;
   for (const CatalogEntry& entry : catalog) {
-    if (entry.group != ParameterGroup::kPose) names.push_back(entry.name);
+    if (!IsPlacement(entry)) names.push_back(entry.name);
   }
   return names;
 }
@@ -63,6 +63,27 @@ TEST(ParameterCatalog, HasTheParametersOfTheAcousticModelInTheirOrder) {
   std::vector<std::string> with_mirror = expected;
   with_mirror.insert(with_mirror.end(), {"beam.transmit_end_deg", "mirror.floor.loss_db"});
   EXPECT_THAT(NamesOf(BuildAcousticCatalog({"floor"}, Sonar(), {}, {1})), ElementsAreArray(with_mirror));
+}
+
+TEST(ParameterCatalog, PlacementsAreTheGeometryAndEachObjectAsDeclared) {
+  const std::vector<CatalogEntry> catalog = BuildAcousticCatalog({"floor"}, Sonar(), {}, {}, {"mock.up"});
+  SonarGeometry geometry;
+  int geometry_count = 0;
+  int object_count = 0;
+  for (const CatalogEntry& entry : catalog) {
+    if (entry.group == ParameterGroup::kGeometry) {
+      ++geometry_count;
+      SetGeometry(entry.name, DeclaredValue(entry), geometry);
+    }
+    object_count += entry.group == ParameterGroup::kObject ? 1 : 0;
+  }
+  EXPECT_EQ(geometry_count, 6);
+  EXPECT_EQ(object_count, 9);
+  EXPECT_EQ(geometry, SonarGeometry());
+  EXPECT_EQ(DeclaredValue(Find(catalog, "object.mock.up.scale_z")), 1.0);
+  EXPECT_EQ(DeclaredValue(Find(catalog, "object.mock.up.yaw_deg")), 0.0);
+  // The corrected window begins ahead of the sonar, which is 1 m from it.
+  EXPECT_EQ(Find(catalog, "geometry.range_offset_m").lower, -0.7);
 }
 
 TEST(ParameterCatalog, LimitsFollowTheSonar) {

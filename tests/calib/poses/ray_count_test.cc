@@ -27,8 +27,9 @@ TEST(RayCount, StaggeredColumnsBringAFrameNearToVeryMany) {
   for (const int frame : {0, 3, 7}) {
     const AcousticFrameModel model(tank.simulator, tank.Frames({frame}), truth);
     const auto power = [&](const sim::RayFanOptions& rays) {
-      return model.ExpectedPowerFrom(tank.TruePose(frame), truth, sim::RayFan(tank.simulator.sonar(), rays))
-          .value;
+      const AcousticFrameModel::Rays traced{model.SimulatorAt(model.initial_values()),
+                                            sim::RayFan(tank.simulator.sonar(), rays)};
+      return model.ExpectedPowerFrom(tank.TruePose(frame), truth, traced).value;
     };
     const Grid<float> very_many = power(dense);
     const auto nats = [&](const Grid<float>& of) {
