@@ -165,6 +165,10 @@ class Calibrator {
     start.model = EchoModel::kAcoustic;
     if (plan_.decided.empty() && recording_.info().source_level_db)
       start.source_level_db = *recording_.info().source_level_db;
+    if (!options_.target.empty()) {
+      Scene scene = scene_;
+      calib::PlaceableObject(scene, options_.target);  // throws if there is no such node
+    }
     if (start.materials.empty()) start.materials["default"].gsab = kStartCurve;
     if (!plan_.fit.free) plan_.fit.free = std::vector<std::string>{"materials"};
   }
@@ -265,10 +269,11 @@ class Calibrator {
     if (!(plan_.parameters.pulse.length_m > 0.0)) plan_.fit.free->push_back("pulse.length_m");
     const sim::Simulator simulator = MakeSimulator(plan_.parameters);
     HeldOutTrials trials(simulator, GreyFrames(recording_, *plan_.fit.used),
-                         GreyFrames(recording_, *plan_.fit.held_out), solver_);
+                         GreyFrames(recording_, *plan_.fit.held_out));
     FitConfig config = Radiometry();
+    const ParameterSet start = WithNoiseLevel(trials.used());
     listener_.Message("placement: fitting curves at the recorded poses");
-    const Trial as_recorded = trials.Try(plan_.parameters, config);
+    const Trial as_recorded = trials.Try(start, config, solver_);
     KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
 
     config = Radiometry();
@@ -278,7 +283,7 @@ class Calibrator {
       config.free->push_back(name);
     for (const std::string& object : objects) config.free->push_back("object:" + object);
     listener_.Message("placement: fitting poses, geometry of the sonar and objects");
-    Trial moved = trials.Try(plan_.parameters, config);
+    Trial moved = trials.Try(start, config, solver_);
     // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from the
     // geometry.
     const bool scatter_known = plan_.fit.used->size() > 1;
@@ -292,11 +297,12 @@ class Calibrator {
       calib::FitOptions near = solver_;
       near.near_start = true;
       near.starts = 1;
-      HeldOutTrials again(simulator, trials.used(), trials.held_out(), near);
-      moved = again.Try(plan_.parameters, config);
+      moved = trials.Try(start, config, near);
     }
     const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
     if (!trials.held_out().empty() && !IsSignificant(gain)) {
+      plan_.fit.start.clear();
+      KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
       return {"poses, geometry and objects as declared",
               "moving them does not raise the likelihood: " + GainText(gain)};
     }
@@ -421,15 +427,15 @@ class Calibrator {
       if (material != options_.target) mirrors.push_back(material);
     }
     const Placed placed = PlacedFrames(plan_.parameters);
-    HeldOutTrials trials(*placed.simulator, placed.used, placed.held_out, solver_);
+    HeldOutTrials trials(*placed.simulator, placed.used, placed.held_out);
     const FitConfig radiometry = Radiometry();
-    const Trial without = trials.Try(WithNoiseLevel(placed.used), radiometry);
+    const Trial without = trials.Try(WithNoiseLevel(placed.used), radiometry, solver_);
     calib::LikelihoodDifference gain;
     while (!mirrors.empty()) {
       FitConfig config = radiometry;
       for (const std::string& name : mirrors) config.free->push_back(fmt::format("mirror.{}.loss_db", name));
       config.free->push_back("beam.transmit_end_deg");
-      const Trial with = trials.Try(WithNoiseLevel(placed.used), config);
+      const Trial with = trials.Try(WithNoiseLevel(placed.used), config, solver_);
       gain = HeldOutTrials::Gain(with, without);
       const std::size_t before = mirrors.size();
       std::erase_if(mirrors, [&](const std::string& name) {

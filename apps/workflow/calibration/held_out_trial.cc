@@ -20,10 +20,11 @@ std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording, const
   return frames;
 }
 
-Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig& config) {
+Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig& config,
+                         const calib::FitOptions& options) {
   Trial trial;
   const std::vector<calib::AcousticFrame> frames = calib::FramesFor(used_, parameters.display);
-  trial.fit = calib::FitAcousticModel(simulator_, frames, parameters, config, options_);
+  trial.fit = calib::FitAcousticModel(simulator_, frames, parameters, config, options);
   if (!trial.fit.usable) {
     throw DataError(
         "calibrate: the fit to frames has no usable solution ({})",
@@ -35,12 +36,12 @@ Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig&
     frame.world_from_sonar = frame.world_from_sonar * trial.fit.mount;
   if (std::ranges::find(*config.free, "pose") != config.free->end()) {
     const std::vector<Pose> poses = calib::FitPosesOnly(*trial.fit.simulator, judged, trial.fit.parameters,
-                                                        config.pose_prior, options_.progress);
+                                                        config.pose_prior, options.progress);
     for (std::size_t i = 0; i < judged.size(); ++i) judged[i].world_from_sonar = poses[i];
   }
   for (const calib::AcousticFrame& frame : judged) trial.held_out_poses.push_back(frame.world_from_sonar);
   const calib::AcousticFrameModel model(*trial.fit.simulator, judged, trial.fit.parameters);
-  if (!block_) block_ = calib::BlockSize(model, options_);
+  if (!block_) block_ = calib::BlockSize(model, options);
   trial.likelihood = calib::GreyLikelihood(held_out_, calib::MeanPowers(model), trial.fit.parameters,
                                            block_->bins, block_->beams);
   return trial;

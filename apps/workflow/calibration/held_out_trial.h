@@ -25,11 +25,11 @@ class HeldOutTrials {
  public:
   // The simulator must outlive this.
   HeldOutTrials(const sim::Simulator& simulator, std::vector<calib::GreyFrame> used,
-                std::vector<calib::GreyFrame> held_out, const calib::FitOptions& options)
-      : simulator_(simulator), used_(std::move(used)), held_out_(std::move(held_out)), options_(options) {}
+                std::vector<calib::GreyFrame> held_out)
+      : simulator_(simulator), used_(std::move(used)), held_out_(std::move(held_out)) {}
 
   // Fits and evaluates. The poses of the held-out frames are fitted too if those of the others are free.
-  Trial Try(const ParameterSet& parameters, const calib::FitConfig& config);
+  Trial Try(const ParameterSet& parameters, const calib::FitConfig& config, const calib::FitOptions& options);
 
   // Likelihood of `a` minus that of `b`, nats per pixel, and how many standard errors that is. With no held-out
   // frame, both are 0.
@@ -43,7 +43,6 @@ class HeldOutTrials {
   const sim::Simulator& simulator_;
   std::vector<calib::GreyFrame> used_;
   std::vector<calib::GreyFrame> held_out_;
-  calib::FitOptions options_;
   std::optional<calib::BlockPixels> block_;  // the same for all trials
 };
 

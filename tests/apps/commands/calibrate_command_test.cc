@@ -1,0 +1,122 @@
+// `calibrate` on a tiny SYNTHETIC recording whose sonar is declared a little wrong.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/workflow/calibration/calibrate.h"
+#include "apps/workflow/calibration/calibration_plan.h"
+#include "core/types/units.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/pose_io.h"
+#include "data_io/recordings/recording_io.h"
+#include "data_io/scenes/scene_io.h"
+#include "tests/apps/html_check.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal::commands {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::IsOneSentence;
+using testing::Outcome;
+using testing::Quoted;
+using testing::ReadJsonFile;
+using testing::RunSonarcal;
+using testing::TinyWorld;
+
+constexpr double kTrueOffsetM = -0.06;  // of the sonar that records
+
+// Recorded by the acoustic model with a sonar whose window starts elsewhere than the declared one.
+class CalibrateCommand : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    world_ = new TinyWorld();
+    ParameterSet truth = testing::TinyAcousticParameters();
+    data_io::WriteParameters(world_->params(), truth);
+    nlohmann::json sonar = ReadJsonFile(world_->sonar());
+    const nlohmann::json declared = sonar;
+    for (const char* key : {"range_min_m", "range_max_m"})
+      sonar["sonar"][key] = sonar["sonar"][key].get<double>() + kTrueOffsetM;
+    testing::WriteFile(world_->sonar(), sonar.dump());
+    ASSERT_EQ(RunSonarcal(world_->SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(*world_ / "real"))
+                  .status,
+              0);
+    nlohmann::ordered_json recording = nlohmann::ordered_json::parse(testing::ReadFile(*world_ / "real/recording.json"));
+    for (const char* key : {"range_min_m", "range_max_m"}) recording["sonar"][key] = declared["sonar"][key];
+    testing::WriteFile(*world_ / "real/recording.json", recording.dump());
+  }
+  static void TearDownTestSuite() { delete world_; }
+
+  static std::string Arguments(const std::string& out, const std::string& extra = "") {
+    return "calibrate -q --rays 96x200 --real " + Quoted(*world_ / "real") + " --scene " + Quoted(world_->scene()) +
+           " --out " + Quoted(*world_ / out) + " " + extra;
+  }
+
+  static TinyWorld* world_;
+};
+
+TinyWorld* CalibrateCommand::world_ = nullptr;
+
+TEST_F(CalibrateCommand, FindsTheOffsetOfTheWindowAndRepeatsItselfFromItsPlan) {
+  const Outcome outcome = RunSonarcal(Arguments("out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("which is the lowest error possible"));
+  const RecordingInfo sonar = data_io::ReadSonarFile(*world_ / "out/sonar.json");
+  EXPECT_NEAR(sonar.sonar.axes.range_min_m, 0.5 + kTrueOffsetM, 0.02);
+  EXPECT_EQ(testing::HtmlFault(testing::ReadFile(*world_ / "out/report.html")), "");
+  EXPECT_EQ(data_io::ReadPoses(*world_ / "out/poses.json").size(), 4U);
+  data_io::ReadParameters(*world_ / "out/params.json");
+  EXPECT_FALSE(std::filesystem::exists(*world_ / "out/started.json"));
+
+  // Its plan names every stage with a reason, and gives the same values again.
+  const workflow::CalibrationPlan plan = workflow::ReadCalibrationPlan(*world_ / "out/plan.json");
+  EXPECT_EQ(plan.decided.size(), 6U);
+  for (const workflow::CalibrationDecision& decision : plan.decided) EXPECT_FALSE(decision.reason.empty());
+  const Outcome again = RunSonarcal(Arguments("again", "--plan " + Quoted(*world_ / "out/plan.json")));
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(testing::ReadFile(*world_ / "again/params.json"), testing::ReadFile(*world_ / "out/params.json"));
+  EXPECT_EQ(testing::ReadFile(*world_ / "again/sonar.json"), testing::ReadFile(*world_ / "out/sonar.json"));
+
+  // The other commands take the calibrated sonar.
+  const std::string calibrated = " --sonar " + Quoted(*world_ / "out/sonar.json");
+  ASSERT_EQ(RunSonarcal("convert -q " + Quoted(*world_ / "real") + calibrated + " --out " +
+                        Quoted(*world_ / "corrected"))
+                .status,
+            0);
+  const auto corrected = data_io::OpenRecording(*world_ / "corrected");
+  EXPECT_TRUE(corrected->info().sonar.axes.Matches(sonar.sonar.axes));
+}
+
+TEST_F(CalibrateCommand, APlanDecidesAndTheRestIsDecidedAnew) {
+  testing::WriteFile(*world_ / "plan.json", R"({"format": "sonar-calibration-plan/1",
+    "decided": [{"stage": "frames"}, {"stage": "placement", "choice": "as declared"},
+                {"stage": "beam"}, {"stage": "mirrors", "choice": "none"}],
+    "fit": {"format": "sonar-fit-config/1", "used": [0, 1], "held_out": [2]}})");
+  const Outcome outcome = RunSonarcal(Arguments("planned", "--plan " + Quoted(*world_ / "plan.json")));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json fit = ReadJsonFile(*world_ / "planned/fit.json");
+  EXPECT_EQ(fit["frames_used"], (std::vector<int>{0, 1, 2}));
+  EXPECT_NEAR(data_io::ReadSonarFile(*world_ / "planned/sonar.json").sonar.axes.range_min_m, 0.5, 1e-9);
+}
+
+TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
+  const auto refuses = [&](const std::string& extra, const std::string& part) {
+    const Outcome outcome = RunSonarcal(Arguments("refused", extra));
+    EXPECT_EQ(outcome.status, 1) << extra;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+  };
+  testing::WriteFile(*world_ / "bad.json", R"({"format": "sonar-calibration-plan/1",
+    "decided": [{"stage": "weather"}]})");
+  refuses("--plan " + Quoted(*world_ / "bad.json"), "is \"weather\", expected one of frames, water");
+  refuses("--target lighthouse", "no object 'lighthouse' in the scene, expected one of floor, box");
+}
+
+TEST(MovableObjects, StandInsideTheSceneAndAreNotFlat) {
+  const TinyWorld world;
+  EXPECT_THAT(workflow::MovableObjects(data_io::ReadGltf(world.scene())), ElementsAre("box"));
+}
+
+}  // namespace
+}  // namespace sonarcal::commands
