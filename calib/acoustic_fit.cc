@@ -105,7 +105,7 @@ class AcousticFitter {
     RefinePosesWithRadiometry();
     FitGeometry();
     GoToBetterPoses();
-    again_.test_curves = !options_.down_weight;
+    again_.test_curves = options_.test_curves && !options_.down_weight;
     if (!geometric_.empty()) Refit(false);
     WeighDown();
     LookForOtherPoses();
@@ -156,7 +156,7 @@ class AcousticFitter {
     if (radiometric_.empty() && !geometric_.empty()) return;
     FitOptions start = options_;
     start.rough = !geometric_.empty();
-    start.test_curves = !options_.down_weight;
+    start.test_curves = options_.test_curves && !options_.down_weight;
     fit_ = Fit(model_, fit_.values, RadiometryOnly(), start);
     iterations_ += fit_.report.iterations;
     start_costs_ = fit_.report.start_costs;
@@ -263,7 +263,7 @@ class AcousticFitter {
       Say("reducing the weight of pixels that do not match the scene");
       model_.DownWeight(fit_.values);
       if (!poses_.empty()) FitJointly();
-      again_.test_curves = round + 1 == kWeightRounds;
+      again_.test_curves = options_.test_curves && round + 1 == kWeightRounds;
       Refit(false);
     }
   }

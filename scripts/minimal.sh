@@ -37,5 +37,5 @@ links_none_of 'rosbag|sqlite|httplib|opencv_(aruco|calib3d)' "$minimal/apps/sona
 printf '#ROSBAG V2.0\n' >"$work/empty.bag"
 expect_refusal 'built without ROS support' inspect "$work/empty.bag"
 "$minimal/apps/sonarcal" scenes --only tank --quiet --out "$work/tank"
-expect_refusal 'built without the live view' view --scene "$work/tank/scene.gltf" --sonar p900-45 --port 0
+expect_refusal 'built without the live view' view --scene "$work/tank/tank.gltf" --sonar p900-45 --port 0
 say "The build without the optional parts is right."

@@ -9,7 +9,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 scope=--tests
-duration="about 8 minutes on two cores, longer with recordings"
+duration="about 7 minutes on two cores, longer with recordings"
 selection=()
 case "${1:-}" in
   --quick)

@@ -15,6 +15,7 @@ def main():
         text = pathlib.Path(sys.argv[2]).read_text(encoding="utf-8")
         warnings = pathlib.Path(folder, "warnings.txt")
         text += f"\nOUTPUT_DIRECTORY = {folder}\nWARN_LOGFILE = {warnings}\nGENERATE_HTML = NO\nGENERATE_XML = YES\n"
+        text += "XML_PROGRAMLISTING = NO\n"
         ended = subprocess.run([sys.argv[1], "-"], input=text, text=True, check=False, stdout=subprocess.DEVNULL)
         assert ended.returncode == 0
         said = warnings.read_text(encoding="utf-8")

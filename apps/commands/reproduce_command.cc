@@ -286,7 +286,8 @@ void SetupReproduce(CLI::App& app) {
   cli::AddOption(*command, {.name = "seed", .help = "Seed of the synthetic recording's speckle and noise"},
                  options->seed);
   command->add_option("--threads", options->threads, "0 for all cores")->type_name("N");
-  command->add_flag("--quick", options->quick, "Few rays and starts: to try the way, not for figures");
+  command->add_flag("--quick", options->quick,
+                    "Few rays and starts, no search for other curves: to try the way, not for figures");
   cli::OnRun(command, options->common, [options] { return RunReproduce(*options); });
 }
 

@@ -10,7 +10,7 @@
 namespace sonarcal::calib {
 
 // Quadratic model of a cost around a state: cost(step) = cost - score . step + 1/2 step . information . step.
-struct NormalEquations {
+struct QuadraticCost {
   Eigen::MatrixXd information;
   Eigen::VectorXd score;
 };
@@ -19,7 +19,7 @@ struct NormalEquations {
 // damping tenfold until the cost falls, at most four times, and lowers it after success. Returns by how much
 // the cost fell; 0 if no damping made it fall, and then the state is kept.
 template <typename State, typename TrialAt>
-double DampedStep(const NormalEquations& normal, const TrialAt& trial_at, double& damping, State& state) {
+double DampedStep(const QuadraticCost& normal, const TrialAt& trial_at, double& damping, State& state) {
   constexpr int kTries = 5;
   constexpr double kMinDamping = 1e-6;
   for (int i = 0; i < kTries; ++i, damping *= 10.0) {

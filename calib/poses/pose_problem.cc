@@ -95,9 +95,9 @@ void PoseProblem::AddCommonSlopes(const ParameterValues& values, Slopes& slopes)
   }
 }
 
-NormalEquations PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
+QuadraticCost PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
   const auto count = static_cast<Eigen::Index>(entries_.size());
-  NormalEquations normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+  QuadraticCost normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const PoseView::Evaluation& evaluated = state.evaluated[i];
     const Eigen::MatrixXd slope = slopes[i].cast<double>();

@@ -35,7 +35,7 @@ class PoseProblem {
   using Slopes = std::vector<Eigen::MatrixXf>;
   Slopes SlopesAt(const ParameterValues& values) const;
 
-  NormalEquations NormalAt(const State& state, const Slopes& slopes) const;
+  QuadraticCost NormalAt(const State& state, const Slopes& slopes) const;
 
   // DampedStep of the entries, within their bounds.
   double Step(const Slopes& slopes, double& damping, State& state) const;

@@ -131,7 +131,7 @@ class Matcher {
     State state = At(CoordinatesOf(start).cwiseMax(lower).cwiseMin(upper));
     double damping = kFirstDamping;
     for (int i = 0; i < options_.max_iterations; ++i) {
-      NormalEquations normal = NormalAt(state);
+      QuadraticCost normal = NormalAt(state);
       if (hold_elevation) Hold(kElevation, normal);
       for (int k = 0; k < kCoordinates; ++k) {
         const bool at_bound = (state.x(k) <= lower(k) && normal.score(k) < 0.0) ||
@@ -178,7 +178,7 @@ class Matcher {
   }
 
   // By central differences of traced images.
-  NormalEquations NormalAt(const State& state) const {
+  QuadraticCost NormalAt(const State& state) const {
     const auto pixels = static_cast<Eigen::Index>(measured_.size());
     const auto image = [pixels](const Grid<float>& grid) {
       return Eigen::Map<const Eigen::VectorXf>(grid.values().data(), pixels).cast<double>();
@@ -192,7 +192,7 @@ class Matcher {
     return {slopes.transpose() * slopes, slopes.transpose() * (image(measured_) - image(state.predicted))};
   }
 
-  static void Hold(int coordinate, NormalEquations& normal) {
+  static void Hold(int coordinate, QuadraticCost& normal) {
     normal.information.row(coordinate).setZero();
     normal.information.col(coordinate).setZero();
     normal.information(coordinate, coordinate) = 1.0;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include "calib/acoustic_fit.h"
 #include "calib/problem_builder.h"
@@ -67,6 +68,26 @@ struct Tally {
   double sigma_square = 0.0;
 };
 
+// Counts of one data set.
+struct SetTally {
+  int determined = 0;
+  int covered_68 = 0;
+  int covered_95 = 0;
+};
+
+CoveredShare ShareOf(const std::vector<SetTally>& sets, int SetTally::*covered) {
+  std::vector<double> shares;
+  for (const SetTally& set : sets) {
+    if (set.determined > 0) shares.push_back(static_cast<double>(set.*covered) / set.determined);
+  }
+  if (shares.size() < 2) return {};
+  const auto n = static_cast<double>(shares.size());
+  const double mean = std::accumulate(shares.begin(), shares.end(), 0.0) / n;
+  double squares = 0.0;
+  for (const double share : shares) squares += (share - mean) * (share - mean);
+  return {.mean = mean, .standard_error = std::sqrt(squares / (n - 1.0) / n)};
+}
+
 class Study {
  public:
   explicit Study(const CoverageOptions& options)
@@ -116,6 +137,8 @@ class Study {
     table.curves_covered_95 =
         static_cast<double>(curve_covered_) / static_cast<double>(std::max(1L, curve_points_));
     for (std::size_t k = 0; k < free_.size(); ++k) table.rows.push_back(Row(k, tallies[k]));
+    table.all_68 = ShareOf(sets_, &SetTally::covered_68);
+    table.all_95 = ShareOf(sets_, &SetTally::covered_95);
     return table;
   }
 
@@ -227,8 +250,9 @@ class Study {
   }
 
   // Adds a fit's errors; returns their square in units of the bound.
-  double Count(const calib::ModelFit& fit, const Eigen::VectorXd& linear, std::vector<Tally>& tallies) const {
+  double Count(const calib::ModelFit& fit, const Eigen::VectorXd& linear, std::vector<Tally>& tallies) {
     const Eigen::VectorXd errors = FromTruth(fit.values);
+    SetTally set;
     for (std::size_t k = 0; k < free_.size(); ++k) {
       const calib::CatalogEntry& entry = catalog_[free_[k]];
       const calib::FittedParameter& of = fit.report.parameters[free_[k]];
@@ -237,15 +261,21 @@ class Study {
       const double sigma = *of.sigma / entry.ValueSlope(of.value);
       const double of_linear = linear(static_cast<Eigen::Index>(k));
       Tally& tally = tallies[k];
+      const int in_68 = std::abs(error) <= sigma ? 1 : 0;
+      const int in_95 = std::abs(error) <= kTwoSided95 * sigma ? 1 : 0;
+      ++set.determined;
+      set.covered_68 += in_68;
+      set.covered_95 += in_95;
       ++tally.count;
-      tally.covered_68 += std::abs(error) <= sigma ? 1 : 0;
-      tally.covered_95 += std::abs(error) <= kTwoSided95 * sigma ? 1 : 0;
+      tally.covered_68 += in_68;
+      tally.covered_95 += in_95;
       tally.error += error;
       tally.error_square += error * error;
       tally.linear += of_linear;
       tally.linear_square += of_linear * of_linear;
       tally.sigma_square += sigma * sigma;
     }
+    sets_.push_back(set);
     return errors.dot(information_ * errors);
   }
 
@@ -281,6 +311,7 @@ class Study {
   Eigen::VectorXd prior_;        // 1 / variance
   Eigen::MatrixXd information_;  // expected, the priors' included
   Eigen::MatrixXd bound_;        // its inverse
+  std::vector<SetTally> sets_;
   long curve_points_ = 0;
   long curve_covered_ = 0;
 };

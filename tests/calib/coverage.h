@@ -62,8 +62,17 @@ struct CoverageRow {
   double variance_over_linear = 0.0;
 };
 
+// Share of all parameters that an interval covers, mean over data sets. The errors of one data set are
+// correlated, so its standard error is that of a mean of data sets.
+struct CoveredShare {
+  double mean = 0.0;
+  double standard_error = 0.0;
+};
+
 struct CoverageTable {
   std::vector<CoverageRow> rows = {};  // every free parameter
+  CoveredShare all_68 = {};
+  CoveredShare all_95 = {};
   int data_sets = 0;
   int failed = 0;  // fits without a usable solution
   // Share of the curves' values, every degree of 5 .. 80, within their own 95 % band.

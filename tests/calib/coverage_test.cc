@@ -1,11 +1,15 @@
-// Whether a fit's sigmas are true, in the quick form; the long one is scripts/coverage.sh. Fewer data sets
-// leave more to chance, and the limits are widened by that and nothing else: three standard deviations of a
-// binomial share, or of a mean square.
+// Whether a fit's standard errors are true, in a quick form. scripts/coverage.sh is the long one.
+//
+// 20 data sets leave a share of one parameter to chance by 10 %, and that of all parameters by 3 to 5 %. The limits
+// are wider by chance and nothing else: three standard deviations of a binomial share, of a mean of data sets, or
+// of a mean square. Two comparisons leave less to chance, but hold only for independent pixels: stated standard
+// errors are not below the bound, and the variance of the fit is that of the linear estimate.
 #include "tests/calib/coverage.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "calib/problem_builder.h"
 #include "tests/calib/small_tank.h"
@@ -19,6 +23,13 @@ void ExpectShare(double share, double lowest, double highest, int count, const s
   EXPECT_LE(share, highest + chance(highest)) << of;
 }
 
+constexpr int kDataSets = 20;
+
+void ExpectShareOfAll(const CoveredShare& share, double lowest, double highest) {
+  EXPECT_GE(share.mean, lowest - 3.0 * share.standard_error);
+  EXPECT_LE(share.mean, highest + 3.0 * share.standard_error);
+}
+
 void ExpectCovered(const CoverageTable& table) {
   EXPECT_EQ(table.failed, 0);
   int determined = 0;
@@ -29,22 +40,30 @@ void ExpectCovered(const CoverageTable& table) {
     ExpectShare(row.covered_95, 0.92, 0.98, row.determined, row.name);
   }
   EXPECT_GE(determined, 10) << "of 13";
+  ExpectShareOfAll(table.all_68, 0.63, 0.73);
+  ExpectShareOfAll(table.all_95, 0.92, 0.98);
 }
 
 TEST(CoverageTest, IntervalsCoverTheTruthWithIndependentPixels) {
   CoverageOptions options;
-  options.data_sets = 40;
+  options.data_sets = kDataSets;
   options.fit.starts = 1;
   const CoverageTable table = StudyCoverage(options);
   ExpectCovered(table);
   const double chance = 3.0 * std::sqrt(2.0 / static_cast<double>(table.data_sets * table.rows.size()));
   EXPECT_NEAR(table.variance_over_bound, 1.0, 0.1 + chance);
+  double over_linear = 0.0;
+  for (const CoverageRow& row : table.rows) {
+    over_linear += row.variance_over_linear / static_cast<double>(table.rows.size());
+    EXPECT_GT(row.mean_sigma, 0.95 * row.bound) << row.name;
+  }
+  EXPECT_NEAR(over_linear, 1.0, 0.1);
 }
 
 TEST(CoverageTest, IntervalsCoverTheTruthWithSpeckleOfSeveralPixels) {
   CoverageOptions options;
   options.speckle = Speckle::kGrained;
-  options.data_sets = 40;
+  options.data_sets = kDataSets;
   options.seed = 2;
   options.fit.starts = 1;
   const CoverageTable table = StudyCoverage(options);

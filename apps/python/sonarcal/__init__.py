@@ -344,7 +344,7 @@ def reproduce_tank(
 ) -> TankReproduction:
     """Park 2024, Section 6, start to end on a SYNTHETIC recording, as `sonarcal reproduce` does.
 
-    quick: few rays and one start, to try the way, not for figures. seed: of the recording's noise.
+    quick: few rays, one start and no search for other curves, to try the way, not for figures. seed: of the recording's noise.
     """
     return TankReproduction(*_sonarcal._reproduce_tank(quick, seed, threads, progress, _say))
 

@@ -94,16 +94,16 @@ def main():
     assert killed is not None, "no worker was seen with a job"
     assert status == 0, f"dask_batch ended with {status}"
     events = events_of(out)
-    assert len(events) == 12, events
+    assert len(events) == 8, events
     for job, of_job in events.items():
         assert of_job.count("done") == 1 and of_job[-1] == "done", (job, of_job)
     begun_again = [job for job, of_job in events.items() if of_job.count("started") > 1]
     assert len(begun_again) == 1, events
     outputs, expected = outputs_of(out), outputs_of(folder / "whole")
-    assert len(expected) > 12 and outputs.keys() == expected.keys()
+    assert len(expected) > 8 and outputs.keys() == expected.keys()
     differing = [name for name, content in expected.items() if outputs[name] != content]
     assert not differing, differing
-    assert json.loads((out / "summary.json").read_text())["done"] == 12
+    assert json.loads((out / "summary.json").read_text())["done"] == 8
     # Run again there is nothing to do.
     ledger = (out / "ledger.jsonl").read_bytes()
     again = [sys.executable, dask_batch, str(folder / "plan.json"), "--out", str(out), "--workers", "1"]

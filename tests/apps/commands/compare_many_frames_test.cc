@@ -71,7 +71,7 @@ double PeakMiB(const TempDir& dir, int count) {
 TEST(CompareManyFrames, MemoryDoesNotGrowWithTheImages) {
   const TempDir dir;
   constexpr int kFew = 100;  // more than go into the report, and as many as the floor compares
-  constexpr int kMany = 500;
+  constexpr int kMany = 300;
   const double few = PeakMiB(dir, kFew);
   const double many = PeakMiB(dir, kMany);
   const double images = (kMany - kFew) * 2.0 * kBins * kBeams * sizeof(float) / (1024.0 * 1024.0);

@@ -85,10 +85,17 @@ class SmallTankFrames : public ::testing::Test {
     truth_.receiver.noise_db = 110.0;
   }
 
-  static sim::SimulationOptions Options() {
+  static sim::SimulationOptions AllRays() {
     sim::SimulationOptions options = testing::SmallTankOptions();
     options.fan = sim::AcousticFanOptions(SmallSonar(), {});
     options.bits = 8;
+    return options;
+  }
+
+  // Half of the rows that a fit has by default: twice as fast, and the cost is rougher. The bounds are the same.
+  static sim::SimulationOptions Options() {
+    sim::SimulationOptions options = AllRays();
+    options.fan.rows /= 2;
     return options;
   }
 
@@ -121,8 +128,8 @@ TEST(OtherPoses, AFrameGoesToTheBestThatIsBetterByMoreThanAsked) {
 }
 
 // Bounds of today, not of the theory: three frames of a box on a bare floor do not separate pitch from the slope
-// of a backscatter curve over range. Measured: pitch ends 2.2 +- 0.3 deg off in two of the frames, and the sonar
-// of one 27 +- 7 mm to the side.
+// of a backscatter curve over range. Measured: angles end up to 1.3 deg off, positions up to 8 mm; with all rows
+// of rays 2.2 deg and 27 mm.
 TEST_F(SmallTankFrames, PosesWithUnknownCurvesEndWithin4CmAnd3Degrees) {
   const std::vector<Pose> poses = SmallTankPoses();
   std::vector<AcousticFrame> frames;
@@ -176,16 +183,17 @@ TEST_F(SmallTankFrames, PlaceAndHeadingAreFoundTogetherWithTheNoise) {
 TEST_F(SmallTankFrames, PosesAreFoundIfAllElseIsKnown) {
   constexpr int kDraws = 4;
   constexpr double kMean = 2.0;
+  const sim::Simulator simulator(SmallTank(), SmallSonar(), AllRays());
   const Pose pose = SmallTankPoses()[1];
   std::vector<AcousticFrame> frames;
   for (int draw = 0; draw < kDraws; ++draw)
-    frames.push_back(Recorded(simulator_, pose, MovePose(pose, SomeStep(1.5)), 4 + draw));
-  const std::vector<Pose> fitted = FitPosesOnly(simulator_, frames, truth_);
+    frames.push_back(Recorded(simulator, pose, MovePose(pose, SomeStep(1.5)), 4 + draw));
+  const std::vector<Pose> fitted = FitPosesOnly(simulator, frames, truth_);
   ASSERT_EQ(fitted.size(), frames.size());
 
   std::vector<AcousticFrame> at_truth = {frames.front()};
   at_truth.front().world_from_sonar = pose;
-  const AcousticFrameModel model(simulator_, at_truth, truth_);
+  const AcousticFrameModel model(simulator, at_truth, truth_);
   std::vector<int> entries;
   for (int component = 0; component < kPoseSteps; ++component) {
     const auto entry =
@@ -208,14 +216,14 @@ TEST_F(SmallTankFrames, PosesAreFoundIfAllElseIsKnown) {
   EXPECT_GT(in_its_units(frames.front().world_from_sonar), 100.0) << "no error worth removing";
 }
 
-// By three draws of speckle: four frames have so few blocks of pixels that a sigma may by chance be half of
+// By two draws of speckle: four frames have so few blocks of pixels that a sigma may by chance be half of
 // what it should be, and one error of one draw four of them.
 TEST_F(SmallTankFrames, AMountOffsetIsDeterminedByAllFramesTogether) {
   const std::vector<Pose> recorded = SmallTankPoses();
   const Pose mount = MovePose({}, SomeStep(1.0));
   const PoseStep was = NamedDifference(Pose{}, mount);
   double squares = 0.0;
-  for (const int draw : {0, 10, 20}) {
+  for (const int draw : {0, 10}) {
     std::vector<AcousticFrame> frames;
     for (int i = 0; i < 4; ++i)
       frames.push_back(Recorded(simulator_, recorded[i] * mount, recorded[i], draw + i));
@@ -233,7 +241,7 @@ TEST_F(SmallTankFrames, AMountOffsetIsDeterminedByAllFramesTogether) {
     EXPECT_EQ(fit.report.Find("pose.0.yaw_deg"), nullptr) << "nobody freed it";
   }
   // A tenth of what it was or one sigma, root mean square.
-  EXPECT_LT(std::sqrt(squares / (3 * kPoseSteps)), 1.5);
+  EXPECT_LT(std::sqrt(squares / (2 * kPoseSteps)), 1.5);
 }
 
 TEST_F(SmallTankFrames, UndeterminedPoseComponentsStayAndAreNamed) {

@@ -44,7 +44,8 @@ class ExplanationTest : public ::testing::Test {
     std::vector<GreyFrame> used;
     std::vector<GreyFrame> held_out;
   };
-  // Each pose and one beside it: the second is held out of two of them.
+  // Each pose. Held out: two of them, moved to the side. The frames used have 4,000 speckle cells. That is enough,
+  // because ghosts gain nine of their standard errors, noise twelve.
   static Frames MakeFrames(const ParameterSet& truth) {
     const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), Options());
     Frames frames;
@@ -53,9 +54,12 @@ class ExplanationTest : public ::testing::Test {
       for (const double aside_m : {0.0, 0.15}) {
         Pose at = pose;
         at.position_m.x() += aside_m;
-        const GreyFrame frame{
-            .index = index, .world_from_sonar = at, .image = simulator.Render(at, truth, index)};
-        (index % 4 == 1 ? frames.held_out : frames.used).push_back(frame);
+        const bool held_out = index % 4 == 1;
+        if (held_out || aside_m == 0.0) {
+          (held_out ? frames.held_out : frames.used)
+              .push_back(
+                  {.index = index, .world_from_sonar = at, .image = simulator.Render(at, truth, index)});
+        }
         ++index;
       }
     }
@@ -137,27 +141,18 @@ TEST_F(ExplanationTest, GhostsAreNotSignificantIfTheTankHasNone) {
   EXPECT_NE(StepOf(explanation, ExplainedPart::kGhosts).verdict, Verdict::kWorthIt);
 }
 
-TEST_F(ExplanationTest, WithoutMirrorsGhostsAreLeftOut) {
-  Frames frames = MakeFrames(Truth(false));
-  frames.used.resize(2);
-  ParameterSet given = Given();
-  given.mirrors.clear();
-  const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
-                                          frames.held_out, given, Explaining());
-  EXPECT_EQ(explanation.steps.size(), 6U);
-  ASSERT_EQ(explanation.left_out.size(), 1U);
-  EXPECT_THROW(
-      Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used, {}, given, Explaining()),
-      DataError);
-}
-
-// What no echo lights is no business of a curve: before there is a floor it is about as high as after.
-TEST_F(ExplanationTest, CurvesAreNotBentByTheDark) {
+// Pixels without an echo do not change a curve: before there is a noise floor its level is about the same as after.
+TEST_F(ExplanationTest, WithoutMirrorsGhostsAreLeftOutAndCurvesAreNotBentByTheDark) {
   const Frames frames = MakeFrames(Truth(false));
   ParameterSet given = Given();
   given.mirrors.clear();
   const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
                                           frames.held_out, given, Explaining());
+  EXPECT_EQ(explanation.steps.size(), 6U);
+  EXPECT_EQ(explanation.left_out.size(), 1U);
+  EXPECT_THROW(
+      Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used, {}, given, Explaining()),
+      DataError);
   const ExplainedStep& before = StepOf(explanation, ExplainedPart::kElevation);
   const ExplainedStep& after = StepOf(explanation, ExplainedPart::kNoise);
   const auto level_db = [](const ExplainedStep& step) {
