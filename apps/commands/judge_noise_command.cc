@@ -178,8 +178,9 @@ void SetupJudgeNoise(CLI::App& app) {
   CLI::App* command = cli::AddCommand(
       app, "judge-noise", "Measures how well a fitted noise law describes pings, without fitting it again");
   command
-      ->add_option("--params", options->params,
-                   "Noise law, params.json of fit --noise-only; a fit.json beside it gives window and speckle")
+      ->add_option(
+          "--params", options->params,
+          "Noise law, params.json of fit --noise-only; a fit.json beside it gives window and speckle")
       ->type_name("JSON")
       ->required();
   command->add_option("--real", options->real, "Recording with pings without targets")

@@ -1,5 +1,6 @@
 #include "calib/noise/noise_fit.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calib/noise/background_display.h"
 #include "calib/noise/noise_form.h"
 #include "calib/noise/noise_information.h"
 #include "calib/noise/noise_solver.h"
@@ -579,6 +581,50 @@ TEST(NoiseJudgementTest, LevelsOfPingsAreFoundAndTheLawIsNotFitted) {
   const NoiseJudgement true_law = JudgeNoise(louder.law, recording, {0, 1}, CellsOf(source), {});
   EXPECT_EQ(true_law.pings_beyond_chance(), 0);
   EXPECT_LE(true_law.cells_beyond_chance(), 1);
+}
+
+// Background of one look and 0 dB through a display, 8 bits.
+PolarImage BackgroundThrough(const DisplayParameters<double>& display, bool span_stated) {
+  const Source source(TwoFloors(), 4000);
+  PolarImage image{source.info.sonar.axes, source.info.scale, Grid<float>(4000, kBeams)};
+  if (span_stated) image.scale.db_span = display.db_max - display.db_min;
+  const CounterRandom random(3, 0);
+  for (std::size_t i = 0; i < image.value.size(); ++i) {
+    const double value = sim::DisplayValue(display, -std::log(random.Uniform2(i).first));
+    image.value.values()[i] = static_cast<float>(std::round(255.0 * std::clamp(value, 0.0, 1.0)));
+  }
+  return image;
+}
+
+TEST(BackgroundDisplayTest, TheLawThatMadeTheBackgroundIsFoundAmongAll) {
+  const Mask all(4000, kBeams, 1);
+  const std::vector<DisplayParameters<double>> truths = {
+      {.db_min = -20.0, .db_max = 40.0, .law = DisplayLaw::kLog},
+      {.db_min = -12.0, .db_max = 48.0, .law = DisplayLaw::kSoftLog, .soft_db = -6.0},
+      {.db_min = -14.0, .db_max = 56.0, .law = DisplayLaw::kSoftAmplitude, .soft_db = -8.0},
+      {.db_min = -40.0, .db_max = 20.0, .law = DisplayLaw::kPower, .exponent = 0.7}};
+  for (const bool span_stated : {true, false}) {
+    for (const DisplayParameters<double>& truth : truths) {
+      const PolarImage image = BackgroundThrough(truth, span_stated);
+      const BackgroundDisplay own = FitBackgroundDisplay(image, all, truth.law);
+      const auto named = [&] { return fmt::format("{}, span stated: {}", ToString(truth.law), span_stated); };
+      EXPECT_LT(own.ks, 0.01) << named();
+      if (truth.law == DisplayLaw::kPower) {
+        EXPECT_NEAR(own.display.db_max, truth.db_max, 1.0) << named();
+        EXPECT_NEAR(own.display.exponent, truth.exponent, 0.02) << named();
+      } else {
+        EXPECT_NEAR(own.display.db_min, truth.db_min, 0.6) << named();
+        EXPECT_NEAR(own.display.db_max, truth.db_max, span_stated ? 0.6 : 3.0) << named();
+      }
+      for (const DisplayParameters<double>& other : truths) {
+        if (other.law == truth.law) continue;
+        // Softened by next to nothing, a soft law is the logarithm.
+        const bool holds = truth.law == DisplayLaw::kLog && other.law != DisplayLaw::kPower;
+        const double loss = FitBackgroundDisplay(image, all, other.law).nats_per_pixel - own.nats_per_pixel;
+        EXPECT_GT(loss, holds ? -1e-3 : 1e-3) << named() << " by " << ToString(other.law);
+      }
+    }
+  }
 }
 
 }  // namespace
