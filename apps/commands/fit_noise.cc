@@ -113,20 +113,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json ResidualJson(const calib::ResidualSummary& residual) {
-  return {{"mean", residual.mean}, {"spread", residual.spread}};
-}
-
-Json AgreementJson(const calib::NoiseAgreement& agreement) {
-  return {{"ks", agreement.ks},
-          {"wasserstein_1_grey", agreement.wasserstein_grey},
-          {"cell_ks_median", agreement.cell_ks_median},
-          {"cell_ks_p95", agreement.cell_ks_p95},
-          {"cell", fmt::format("{} bins x {} beams", calib::kJudgeBins, calib::kJudgeBeams)},
-          {"whitened_residual", ResidualJson(agreement.whitened)},
-          {"nats_per_pixel", agreement.nats_per_pixel}};
-}
-
 Json ChoicesJson(const calib::NoiseFit& fit) {
   Json choices = Json::array();
   for (const calib::NoiseModelChoice& choice : fit.choices) {
@@ -152,9 +138,20 @@ double ShareLeftOut(const calib::NoiseFit& fit) {
   return left_out / static_cast<double>(fit.weight.size());
 }
 
-std::string FitJson(const calib::NoiseFit& fit) {
+Json WindowJson(const calib::NoiseFit& fit, bool cells_rejected) {
   const auto [near_m, far_m] = WindowM(fit.cells);
-  const Json extra = {{"window", {{"found_by_rule", fit.window_found}, {"range_m", {near_m, far_m}}}},
+  Json left_out = Json::array();
+  for (int i = 0; cells_rejected && i < fit.cells.count(); ++i) {
+    if (fit.weight[i] == 0.0) left_out.push_back({i / fit.cells.beams(), i % fit.cells.beams()});
+  }
+  return {{"found_by_rule", fit.window_found},
+          {"range_m", {near_m, far_m}},
+          {"band_bins", fit.cells.band_bins},
+          {"cells_left_out", left_out}};
+}
+
+std::string FitJson(const calib::NoiseFit& fit, const FitCommandOptions& options) {
+  const Json extra = {{"window", WindowJson(fit, options.reject_beyond > 0.0)},
                       {"model_choice", ChoicesJson(fit)},
                       {"speckle", ToString(fit.law.speckle)},
                       {"agreement",
@@ -163,9 +160,12 @@ std::string FitJson(const calib::NoiseFit& fit) {
                         {"odd_bands_held_out", fit.bands_held_out},
                         {"frames_chosen_on", fit.frames_chosen_on},
                         {"frames_judged_on", fit.frames_judged_on},
-                        {"frames_used", AgreementJson(fit.used)},
-                        {"frames_judged", AgreementJson(fit.judged)},
-                        {"share_of_cells_left_out", ShareLeftOut(fit)}}}};
+                        {"frames_used", report::NoiseAgreementJson(fit.used)},
+                        {"frames_judged", report::NoiseAgreementJson(fit.judged)},
+                        {"fitted_again_to_all_frames", fit.refitted},
+                        {"all_frames", report::NoiseAgreementJson(fit.all.agreement)},
+                        {"share_of_cells_left_out", ShareLeftOut(fit)}}},
+                      {"drift", report::NoiseDriftJson(fit.all)}};
   const std::string members = extra.dump();
   return calib::FitReportJson(fit.report, members.substr(1, members.size() - 2));
 }
@@ -219,14 +219,21 @@ std::string SummaryText(const calib::NoiseFit& fit, const std::string& recording
                     p.status == calib::ParameterStatus::kFree ? "" : "  " + std::string(ToString(p.status)));
   }
   for (const std::string& sentence : fit.report.unidentifiable_directions) text += "  " + sentence + "\n";
-  text += fmt::format("  KS {:.4f}, Wasserstein-1 {:.3f} grey, KS by cell {:.3f} median, {:.3f} at 95 %\n",
-                      fit.judged.ks, fit.judged.wasserstein_grey, fit.judged.cell_ks_median,
-                      fit.judged.cell_ks_p95);
-  text += fmt::format("  whitened residual {:.3f} +- {:.3f}, 0 +- 1 for a true law\n",
-                      fit.judged.whitened.mean, fit.judged.whitened.spread);
+  text += report::NoiseAgreementText(fit.judged);
+  text += "  " + report::NoiseResultText(fit) + "\n";
+  text += "  " + report::NoiseDriftText(fit.all) + "\n";
   if (ShareLeftOut(fit) > 0.0)
     text += fmt::format("  {:.1f} % of the cells left out\n", 100.0 * ShareLeftOut(fit));
   return text + fmt::format("report: {}\n", (out / "report.html").string());
+}
+
+ParameterSet ParametersOf(const calib::NoiseLaw& law) {
+  ParameterSet parameters;
+  parameters.model = EchoModel::kAcoustic;
+  parameters.display = law.display;
+  parameters.receiver = law.receiver;
+  parameters.materials["default"] = {};
+  return parameters;
 }
 
 report::HtmlReport MakeReport(const calib::NoiseFit& fit, const RecordingInfo& info, const Json& provenance) {
@@ -247,7 +254,7 @@ cli::ExitStatus RunFitNoise(const FitCommandOptions& options) {
   cli::RunOutput output(options.out, "fit", options.common.force);
   const calib::NoiseFit fit = calib::FitNoise(*recording, ToNoiseOptions(options));
   const cli::Provenance provenance = ProvenanceOf(options, fit);
-  const std::string fit_json = FitJson(fit);
+  const std::string fit_json = FitJson(fit, options);
   data_io::WriteFileWhole(output / "fit.json", fit_json);
   cli::WriteProvenance(output.staging(), provenance);
   if (!fit.usable) {
@@ -256,12 +263,9 @@ cli::ExitStatus RunFitNoise(const FitCommandOptions& options) {
                                 (options.out / "fit.json").string()));
     return cli::ExitStatus::kNoSolution;
   }
-  ParameterSet parameters;
-  parameters.model = EchoModel::kAcoustic;
-  parameters.display = fit.law.display;
-  parameters.receiver = fit.law.receiver;
-  parameters.materials["default"] = {};
-  data_io::WriteParameters(output / "params.json", parameters);
+  data_io::WriteParameters(output / "params.json", ParametersOf(fit.law));
+  if (fit.refitted)
+    data_io::WriteParameters(output / "params_evaluated.json", ParametersOf(fit.evaluated_law));
   report::WriteReport(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)),
                       output.staging());
   output.Commit();

@@ -119,7 +119,9 @@ struct ExplainOptions {
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
     visit(OptionInfo{.name = "held_out",
-                     .help = "Frames that are not fitted but evaluated, counted from 0",
+                     .help =
+                         "Frames that are not fitted but evaluated, counted from 0; also ranges A:B, up to, "
+                         "but not including, B",
                      .by_default = "the last third"},
           self.held_out);
     visit(OptionInfo{.name = "hold_noise",

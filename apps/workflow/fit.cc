@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "apps/workflow/fit_doubts.h"
 #include "apps/workflow/fit_frames.h"
@@ -100,7 +101,8 @@ calib::FitResult FitPaper(const RecordingSource& recording, const std::vector<si
 
 calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator& simulator,
                           const std::vector<data_io::TimedPose>& poses, const calib::FrameSplit& split,
-                          const FitRecordingOptions& options, const ParameterSet& initial) {
+                          const FitRecordingOptions& options, const ParameterSet& initial,
+                          bool by_background) {
   const auto read = [&](const std::vector<int>& indices) {
     std::vector<calib::GreyFrame> frames;
     frames.reserve(indices.size());
@@ -114,8 +116,67 @@ calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator
   };
   calib::ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
   if (options.on_note) choice.fit.progress = options.on_note;
-  return calib::ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config,
-                            choice);
+  if (!by_background)
+    return calib::ChooseModel(simulator, read(split.used), read(split.held_out), initial, options.config,
+                              choice);
+  // The display comes first, because the other choices depend on it.
+  std::erase(choice.axes, calib::ChoiceAxis::kDisplay);
+  const std::vector<calib::ChoiceAxis> others = std::exchange(choice.axes, {calib::ChoiceAxis::kDisplay});
+  calib::ModelChoice chosen =
+      calib::ChooseModel(simulator, read(split.used), {}, initial, options.config, choice);
+  if (others.empty()) return chosen;
+  choice.axes = others;
+  calib::ModelChoice last = calib::ChooseModel(simulator, read(split.used), read(split.held_out),
+                                               chosen.parameters, chosen.config, choice);
+  last.axes.insert(last.axes.begin(), chosen.axes.begin(), chosen.axes.end());
+  return last;
+}
+
+// Assumes what neither the sonar of a recording nor the parameters state, as of a viewer's picture. Returns a
+// sentence for each.
+std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
+                                       ParameterSet& parameters) {
+  constexpr double kFrequencyHz = 1e6;
+  constexpr double kAzimuthWidthDeg = 1.0;
+  constexpr double kElevationWidthDeg = 20.0;
+  std::vector<std::string> sentences;
+  if (!(sonar.frequency_hz > 0.0)) {
+    sonar.frequency_hz = kFrequencyHz;
+    sentences.push_back(fmt::format(
+        "the recording states no frequency: {:g} MHz is assumed for the absorption", kFrequencyHz / 1e6));
+  }
+  if (parameters.model != EchoModel::kAcoustic) return sentences;
+  const auto assume = [&](const char* name, double stated_deg, double assumed_deg, double& width_deg) {
+    if (width_deg > 0.0 || stated_deg > 0.0) return;
+    width_deg = assumed_deg;
+    sentences.push_back(fmt::format(
+        "neither the recording nor the parameters state {}: {:g} degrees are assumed, give the width "
+        "in the parameters or free it",
+        name, assumed_deg));
+  };
+  BeamParameters& beam = parameters.beam;
+  if (beam.azimuth_pattern != AzimuthPattern::kTable)
+    assume("beam.azimuth_width_deg", sonar.azimuth_beam_width_deg, kAzimuthWidthDeg, beam.azimuth_width_deg);
+  assume("beam.elevation_width_deg", sonar.elevation_beam_width_deg, kElevationWidthDeg,
+         beam.elevation_width_deg);
+  const DisplayParameters<double>& display = parameters.display;
+  if (!find_display && !(scale.db_min && scale.db_max) && !scale.db_span &&
+      display.law != DisplayLaw::kPower) {
+    sentences.push_back(fmt::format(
+        "the recording states no dB scale: the display of the parameters ({:g} .. {:g} dB) is taken "
+        "for it, --free display finds one from the background",
+        display.db_min, display.db_max));
+  }
+  return sentences;
+}
+
+// Takes the display, which the acoustic model finds from the background, out of the free parameters. Returns
+// whether it was among them.
+bool TakeFreeDisplay(calib::FitConfig& config) {
+  if (!config.free || std::erase(*config.free, "display") == 0) return false;
+  // Alone: the levels of noise and echoes follow the new display.
+  if (config.free->empty()) config.free = {"receiver.noise_db", "receiver.gain_db"};
+  return true;
 }
 
 // Poses of all frames after the fit. Held-out frames follow the mount offset. If each frame has a free pose,
@@ -199,7 +260,9 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
 }
 
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
-                          const FitRecordingOptions& options) {
+                          const FitRecordingOptions& given) {
+  FitRecordingOptions options = given;
+  const bool free_display = initial.model == EchoModel::kAcoustic && TakeFreeDisplay(options.config);
   const auto say = [&](const std::string& sentence) {
     if (options.on_note && !sentence.empty()) options.on_note(sentence);
   };
@@ -209,10 +272,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const calib::FrameSplit split = calib::SplitFrames(options.config, recording.frame_count());
   CheckSettings(recording, split);
   calib::CheckHeldOut(recording, split);
-  const SonarModel& sonar = recording.info().sonar;
+  SonarModel sonar = recording.info().sonar;
   const WaterChoice water = ChooseWater(initial, recording.info().water);
   say(water.note);
   ParameterSet start = initial;
+  const std::vector<std::string> assumed = AssumeMissing(recording.info().scale, free_display, sonar, start);
+  for (const std::string& sentence : assumed) say(sentence);
   CheckRayWeight(options.rays.ray_weight, initial.model);
   const RaysForFit rays = ChooseRays(options.rays, recording.info(), initial.model);
   say(rays.note);
@@ -255,7 +320,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   std::shared_ptr<const sim::Simulator> fitted_simulator(std::shared_ptr<const sim::Simulator>(), &simulator);
   const sim::ImageGeometry geometry(sonar, simulator.absorption_db_per_m());
   if (acoustic) {
-    if (!options.choose.empty()) result.choice = Choose(recording, simulator, poses, split, options, start);
+    if (free_display || !options.choose.empty())
+      result.choice = Choose(recording, simulator, poses, split, options, start, free_display);
     const ParameterSet& form = result.choice ? result.choice->parameters : start;
     const std::vector<calib::AcousticFrame> frames =
         AcousticFrames(recording, poses, split.used, options, form.display);
@@ -295,6 +361,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   result.ray_options.sampling = simulator.options().fan.sampling;
   calib::FitReport& report = result.fit.report;
   if (!rays.warning.empty()) report.warnings.insert(report.warnings.begin(), rays.warning);
+  report.warnings.insert(report.warnings.begin(), assumed.begin(), assumed.end());
   report.frames_held_out = split.held_out;
   report.trace_s = trace_s;
   report.rays_cast = simulator.caster().rays_cast();
@@ -343,6 +410,19 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                                        return EchoesExpected(*fitted_simulator, fitted,
                                                              fitted_poses[frame].world_from_sonar);
                                      });
+  }
+  if (!result.judged_on_held_out && split.used.size() == 1) {
+    report.unidentifiable_directions.emplace_back(
+        "one frame alone: an error of pose or outline cannot be told from an error of beam or backscatter "
+        "curve, which a frame from another pose would show");
+    report.unidentifiable_directions.emplace_back(
+        "one frame alone: speckle cannot be told from receiver noise, which a second frame from the same "
+        "pose "
+        "would show");
+    report.unidentifiable_directions.emplace_back(
+        "one frame alone: all figures are those of the fitted frame, which a model with more free values "
+        "always "
+        "describes better, because none is held out");
   }
   std::vector<std::string> doubts = DoubtsAbout(result, options.config);
   const std::vector<std::string> worse = WorseFigures(result);

@@ -129,7 +129,9 @@ struct FitOptions {
                      .help = "Free parameters, their bounds and priors, and the held-out frames"},
           self.config);
     visit(OptionInfo{.name = "held_out",
-                     .help = "Frames that are not fitted but evaluated, counted from 0",
+                     .help =
+                         "Frames that are not fitted but evaluated, counted from 0; also ranges A:B, up to, "
+                         "but not including, B",
                      .by_default = "the last third"},
           self.held_out);
     visit(

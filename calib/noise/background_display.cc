@@ -17,6 +17,10 @@ namespace {
 
 // Search interval about the noise level, dB.
 constexpr double kReachDb = 25.0;
+constexpr double kMinSpanDb = 8.0;  // of displays whose span is not stated
+constexpr double kMaxSpanDb = 160.0;
+constexpr double kMinExponent = 0.1;
+constexpr double kMaxExponent = 4.0;
 
 struct GreyCell {
   double upper = 0.0;  // end of the cell, full scale 1
@@ -101,23 +105,45 @@ std::pair<double, double> Lowest(const std::function<double(double)>& cost, doub
 
 BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& background, DisplayLaw law,
                                        double looks) {
-  SONARCAL_CHECK(law == DisplayLaw::kSoftLog || law == DisplayLaw::kSoftAmplitude, "display law {}",
-                 static_cast<int>(law));
-  if (!image.scale.db_span) throw DataError("display: the image states no dB span");
   const std::vector<GreyCell> cells = CountGrey(image, background);
   BackgroundDisplay fitted{.display = {.law = law}, .looks = looks};
-  const auto cost_from = [&](double db_min) {
-    fitted.display.db_min = db_min;
-    fitted.display.db_max = db_min + *image.scale.db_span;
+  const bool softens = law == DisplayLaw::kSoftLog || law == DisplayLaw::kSoftAmplitude;
+  const bool is_power = law == DisplayLaw::kPower;
+  double span_db = image.scale.db_span.value_or(kMaxSpanDb);
+  // Each fits what is left, keeps it in `fitted`, and returns the cost.
+  const auto cost_from = [&](double start_db) {
+    fitted.display.db_min = is_power ? start_db - span_db : start_db;
+    fitted.display.db_max = fitted.display.db_min + span_db;
     return NatsPerPixel(cells, fitted);
   };
-  const auto softened = [&](double soft_db) {
-    fitted.display.soft_db = soft_db;
-    return Lowest(cost_from, -kReachDb, kReachDb);
+  const auto best_level = [&] {
+    // Levels shown as full scale lie above the noise.
+    const double reach_db = is_power ? kMaxSpanDb : kReachDb;
+    return cost_from(Lowest(cost_from, -kReachDb, reach_db).first);
   };
-  const double soft_db = Lowest([&](double at) { return softened(at).second; }, -kReachDb, kReachDb).first;
-  const double db_min = softened(soft_db).first;
-  fitted.nats_per_pixel = cost_from(db_min);
+  const auto with_soft = [&](double soft_db) {
+    fitted.display.soft_db = soft_db;
+    return best_level();
+  };
+  const auto best_shape = [&] {
+    return softens ? with_soft(Lowest(with_soft, -kReachDb, kReachDb).first) : best_level();
+  };
+  const auto with_span = [&](double log_span_db) {
+    span_db = std::exp(log_span_db);
+    return best_shape();
+  };
+  const auto with_exponent = [&](double log_exponent) {
+    fitted.display.exponent = std::exp(log_exponent);
+    return best_level();
+  };
+  if (is_power) {
+    fitted.nats_per_pixel =
+        with_exponent(Lowest(with_exponent, std::log(kMinExponent), std::log(kMaxExponent)).first);
+  } else if (!image.scale.db_span) {
+    fitted.nats_per_pixel = with_span(Lowest(with_span, std::log(kMinSpanDb), std::log(kMaxSpanDb)).first);
+  } else {
+    fitted.nats_per_pixel = best_shape();
+  }
   fitted.ks = KolmogorovSmirnov(cells, fitted);
   return fitted;
 }

@@ -1,9 +1,10 @@
-// Soft display law from target-free pixels, where the slope of the display is known. Maximum likelihood of
-// exponential power (or power with L looks) through the law, on counts of grey.
+// Display law from target-free pixels. Maximum likelihood of exponential power (or power with L looks) through
+// the law, on counts of grey.
 //
-// Noise power is 0 dB in the result, because a recording without a stated level leaves it free. Two numbers
-// are fitted: the start of the display (db_min) and its softening (soft_db). db_max follows from the span.
-// Grey levels may have gaps, as in a stretched picture: a level that occurs stands for values up to half-way
+// Noise power is 0 dB in the result, because a recording without a stated level leaves it free. Fitted are the
+// start of the display (db_min), the softening of the soft laws (soft_db) and, if the image states no dB span,
+// the span; of a power law its full scale (db_max) and its exponent. Span or exponent and looks are one number
+// on background alone, so that the looks are those given. Grey levels may have gaps, as in a stretched picture: a level that occurs stands for values up to half-way
 // to its neighbours.
 #pragma once
 
@@ -20,8 +21,7 @@ struct BackgroundDisplay {
   double ks = 0.0;              // largest distance between the cumulative distributions of law and pixels
 };
 
-// `law` is kSoftLog or kSoftAmplitude. Throws DataError if the image states no dB span or if `background` has
-// no pixel.
+// Throws DataError if `background` has no pixel.
 BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& background, DisplayLaw law,
                                        double looks = 1.0);
 

@@ -29,28 +29,6 @@ struct Pings {
   NoiseCounts all;
 };
 
-NoiseCells CellsOf(const RecordingInfo& info, const NoiseFitOptions& options) {
-  NoiseCells cells{.axes = info.sonar.axes, .valid = info.valid};
-  if (info.scale.quantity != Quantity::kGrey || !(info.scale.full_scale <= 4095.0)) {
-    throw DataError("{}: {} images of full scale {}; a noise law is fitted to grey images of up to 12 bits",
-                    info.source, ToString(info.scale.quantity), info.scale.full_scale);
-  }
-  cells.full_scale = static_cast<int>(info.scale.full_scale);
-  const auto bin_of = [&](double range_m) {
-    return static_cast<int>(std::lround((range_m - cells.axes.range_min_m) / cells.axes.range_bin_m()));
-  };
-  cells.first_bin = options.skip_bins;
-  cells.last_bin = cells.axes.range_bins;
-  if (options.range_min_m) cells.first_bin = std::max(cells.first_bin, bin_of(*options.range_min_m));
-  if (options.range_max_m) cells.last_bin = std::min(cells.last_bin, bin_of(*options.range_max_m));
-  cells.band_bins = options.band_bins;
-  if (cells.last_bin - cells.first_bin < cells.band_bins) {
-    throw DataError("{}: {} range bins in the window, expected at least {}", info.source,
-                    std::max(0, cells.last_bin - cells.first_bin), cells.band_bins);
-  }
-  return cells;
-}
-
 std::vector<int> HeldOut(const RecordingSource& recording, const NoiseFitOptions& options) {
   std::vector<int> held_out = options.held_out;
   const int frames = recording.frame_count();
@@ -176,7 +154,10 @@ double Seconds(std::chrono::steady_clock::time_point since) {
 NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   NoiseFit fit;
-  fit.cells = CellsOf(recording.info(), options);
+  fit.cells = NoiseCellsOf(recording.info(), {.range_min_m = options.range_min_m,
+                                              .range_max_m = options.range_max_m,
+                                              .skip_bins = options.skip_bins,
+                                              .band_bins = options.band_bins});
   const std::vector<int> held_out = HeldOut(recording, options);
   std::vector<int> frames_used;
   for (int frame = 0; frame < recording.frame_count(); ++frame) {
@@ -259,17 +240,31 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   }
   fit.choices[chosen].chosen = true;
 
+  fit.evaluated_law = best.solution.law;
+  fit.used = Agreement(fit.evaluated_law, used.all, fit.cells, OfBands(fit, 0), options.absorption_db_per_m);
+  const Pings judging = ReadPings(recording, fit.frames_judged_on, fit.cells);
+  fit.judged =
+      Agreement(fit.evaluated_law, judging.all, fit.cells, judging_weight, options.absorption_db_per_m);
+
+  std::vector<int> frames_all(recording.frame_count());
+  std::iota(frames_all.begin(), frames_all.end(), 0);
+  const Pings all = ReadPings(recording, frames_all, fit.cells);
+  const Fitter fitter_all(all, fit.cells, options, fit.weight);
+  if (fit.judged_on_held_out) {
+    Fitter::Fitted again = fitter_all.Fit(best_form);
+    fit.refitted = again.solution.converged && again.solution.value.allFinite();
+    if (fit.refitted) best = std::move(again);
+  }
   const NoiseSolution& solution = best.solution;
+  const Fitter& last = fit.refitted ? fitter_all : fitter;
   fit.law = solution.law;
   fit.usable = solution.converged && solution.value.allFinite();
-  fit.report = NoiseReport(solution, best.start, fitter.Covariance(solution), best_form.fit_span,
-                           static_cast<int>(used.each.size()), fit.cells);
+  fit.report = NoiseReport(solution, best.start, last.Covariance(solution), best_form.fit_span,
+                           static_cast<int>((fit.refitted ? all : used).each.size()), fit.cells);
   fit.report.start_costs = best.start_costs;
   fit.report.frames_used = frames_used;
   fit.report.frames_held_out = held_out;
-  fit.used = Agreement(fit.law, used.all, fit.cells, OfBands(fit, 0), options.absorption_db_per_m);
-  const Pings judging = ReadPings(recording, fit.frames_judged_on, fit.cells);
-  fit.judged = Agreement(fit.law, judging.all, fit.cells, judging_weight, options.absorption_db_per_m);
+  fit.all = JudgeNoise(fit.law, recording, frames_all, fit.cells, fit.weight, options.absorption_db_per_m);
   fit.report.raw = fit.used.raw;
   fit.report.whitened = fit.used.whitened;
   fit.report.solve_s = Seconds(begin);

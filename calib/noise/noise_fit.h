@@ -12,7 +12,9 @@
 // with one floor first, then gains and floors with the best of them. If two floors win, the other displays
 // are tried with two as well. With four or more held-out pings, the earlier half selects and the later half
 // evaluates, so that the selection does not bias the reported agreement. Two or three held-out pings do both.
-// For a single frame, every second band is held out instead. Solved by Fisher scoring with Levenberg's
+// For a single frame, every second band is held out instead. The chosen form is then fitted again, to all
+// pings and bands: that law is the result, and the figures on held-out pings are those of the law before
+// (NoiseFit::evaluated_law). Solved by Fisher scoring with Levenberg's
 // damping (calib/noise/noise_solver.h) on counts of grey per cell.
 //
 // Standard errors come from a sandwich over pings, which drift as a whole. With fewer than five pings, it is
@@ -27,6 +29,7 @@
 #include <vector>
 
 #include "calib/fit_report.h"
+#include "calib/noise/noise_judgement.h"
 #include "calib/noise/noise_likelihood.h"
 #include "core/types/recording.h"
 
@@ -73,8 +76,10 @@ struct NoiseModelChoice {
 
 struct NoiseFit {
   bool usable = false;
-  NoiseLaw law;
-  FitReport report;  // receiver.* and display.*
+  NoiseLaw law;            // the result: fitted to all pings if `refitted`, else to report.frames_used
+  NoiseLaw evaluated_law;  // fitted to report.frames_used; that of `used` and `judged`
+  bool refitted = false;
+  FitReport report;  // receiver.* and display.* of `law`; frames_used are those of `evaluated_law`
   std::vector<NoiseModelChoice> choices;
   NoiseCells cells;
   bool window_found = false;    // by rule: cells.first_bin and cells.last_bin
@@ -86,8 +91,11 @@ struct NoiseFit {
   std::vector<int> frames_judged_on;
   bool judged_on_held_out = false;  // pings or bands
   bool judged_apart_from_choice = false;
-  NoiseAgreement used;    // on the fitted pings
+  NoiseAgreement used;    // on the pings of report.frames_used
   NoiseAgreement judged;  // on the pings of frames_judged_on
+  // Judgement of `law` on all pings, with the drift. Says nothing about other pings: `law` was fitted to
+  // these.
+  NoiseJudgement all;
 };
 
 // Throws DataError if the frames cannot be used together. Without a usable law, `usable` is false.

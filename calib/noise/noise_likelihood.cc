@@ -17,6 +17,13 @@ void Normalise(std::vector<double>& values, double sum) {
   for (double& value : values) value /= sum;
 }
 
+double MeanLevel(const std::vector<double>& shares) {
+  double mean = 0.0;
+  for (std::size_t level = 0; level < shares.size(); ++level)
+    mean += static_cast<double>(level) * shares[level];
+  return mean;
+}
+
 // Recorded and predicted levels of a block of cells.
 struct Levels {
   explicit Levels(int levels) : recorded(levels), predicted(levels) {}
@@ -180,12 +187,24 @@ NoiseAgreement Agreement(const NoiseLaw& law, const NoiseCounts& counts, const N
   Normalise(all.predicted, all.pixels);
   agreement.ks = KolmogorovSmirnov(all.recorded, all.predicted);
   agreement.wasserstein_grey = WassersteinLevels(all.recorded, all.predicted);
+  agreement.pixels = all.pixels;
   std::vector<double> by_block;
-  for (Levels& block : blocks) {
+  for (int i = 0; i < judge_rows * judge_cols; ++i) {
+    Levels& block = blocks[i];
     if (block.pixels == 0.0) continue;
     Normalise(block.recorded, block.pixels);
     Normalise(block.predicted, block.pixels);
     by_block.push_back(KolmogorovSmirnov(block.recorded, block.predicted));
+    const int band = i / judge_cols * judge_bands;
+    const int beam = i % judge_cols * kJudgeBeams;
+    agreement.blocks.push_back({.first_bin = cells.first_bin + band * cells.band_bins,
+                                .end_bin = cells.EndOfBand(std::min(band + judge_bands, cells.bands()) - 1),
+                                .first_beam = beam,
+                                .end_beam = std::min(beam + kJudgeBeams, cells.beams()),
+                                .pixels = block.pixels,
+                                .ks = by_block.back(),
+                                .recorded_mean = MeanLevel(block.recorded),
+                                .predicted_mean = MeanLevel(block.predicted)});
   }
   if (!by_block.empty()) {
     agreement.cell_ks_median = Quantile(by_block, 0.5);

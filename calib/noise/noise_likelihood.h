@@ -54,6 +54,18 @@ class GreyLevels {
   std::vector<double> edge_by_soft_db_;
 };
 
+// Agreement of a law with a block of 8 bins x 8 beams.
+struct NoiseBlock {
+  int first_bin = 0;
+  int end_bin = 0;  // one past the last
+  int first_beam = 0;
+  int end_beam = 0;
+  double pixels = 0.0;
+  double ks = 0.0;
+  double recorded_mean = 0.0;  // grey
+  double predicted_mean = 0.0;
+};
+
 // Agreement of a law with counts. Leaves out cells of weight 0.
 struct NoiseAgreement {
   double nats_per_pixel = 0.0;    // -log likelihood
@@ -61,7 +73,9 @@ struct NoiseAgreement {
   double wasserstein_grey = 0.0;  // mean shift between the distributions, grey levels
   double cell_ks_median = 0.0;    // as `ks`, per cell of 8 bins x 8 beams
   double cell_ks_p95 = 0.0;
-  ResidualSummary raw;       // per pixel: grey minus the predicted mean, full scale 1
+  double pixels = 0.0;
+  std::vector<NoiseBlock> blocks;  // with pixels, by range, then by beam
+  ResidualSummary raw;             // per pixel: grey minus the predicted mean, full scale 1
   ResidualSummary whitened;  // per pixel: calib/noise/quantile_residual.h; mean 0 and spread 1 for a true law
   std::vector<double> recorded;  // share of each grey level
   std::vector<double> predicted;

@@ -311,6 +311,30 @@ Eigen::VectorXd NoiseScore(const NoiseSolution& solution, const NoiseCounts& cou
   return Evaluate(solution.law, solution.layout, counts, cells, weight, absorption_db_per_m, false).score;
 }
 
+NoiseLevel FitNoiseLevel(const NoiseLaw& law, const NoiseCounts& counts, const NoiseCells& cells,
+                         const std::vector<double>& weight, double absorption_db_per_m) {
+  constexpr int kMaxSteps = 20;
+  constexpr double kStepDb = 1e-5;
+  NoiseLayout layout;  // both floors are one parameter
+  layout.noise_db = 0;
+  layout.after_db = 0;
+  layout.count = 1;
+  NoiseLevel level;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    NoiseLaw moved = law;
+    if (moved.receiver.noise_db) *moved.receiver.noise_db += level.level_db;
+    if (moved.receiver.noise_after_gain_db) *moved.receiver.noise_after_gain_db += level.level_db;
+    const Evaluation sum = Evaluate(moved, layout, counts, cells, weight, absorption_db_per_m, true);
+    const double information = sum.information(0, 0);
+    if (!(information > 0.0)) break;
+    const double step_db = std::clamp(sum.score[0] / information, -kMaxStepDb, kMaxStepDb);
+    level.level_db = std::clamp(level.level_db + step_db, -kMaxLevelDb, kMaxLevelDb);
+    level.sigma_db = 1.0 / std::sqrt(information);
+    if (std::abs(step_db) < kStepDb) break;
+  }
+  return level;
+}
+
 NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts& counts,
                          const NoiseCells& cells, const std::vector<double>& weight,
                          const NoiseFitOptions& options) {

@@ -55,4 +55,13 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
 Eigen::VectorXd NoiseScore(const NoiseSolution& solution, const NoiseCounts& counts, const NoiseCells& cells,
                            const std::vector<double>& weight, double absorption_db_per_m);
 
+struct NoiseLevel {
+  double level_db = 0.0;  // relative to the law
+  double sigma_db = 0.0;  // of independent pixels
+};
+
+// Maximum likelihood of one factor for the noise of all cells, such as that of a ping of other level.
+NoiseLevel FitNoiseLevel(const NoiseLaw& law, const NoiseCounts& counts, const NoiseCells& cells,
+                         const std::vector<double>& weight, double absorption_db_per_m);
+
 }  // namespace sonarcal::calib

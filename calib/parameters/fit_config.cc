@@ -62,6 +62,51 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
       pattern, names);
 }
 
+// How closely a pattern that matches the entry names it: the name itself most, then a pattern by its characters
+// that are no wildcards, then a group, then a pattern of wildcards alone.
+int Specificity(const std::string& pattern, const CatalogEntry& entry) {
+  if (pattern == entry.name) return std::numeric_limits<int>::max();
+  constexpr std::string_view kWildcards = "*?[]";
+  if (fnmatch(pattern.c_str(), entry.name.c_str(), 0) != 0) return 1;  // a group
+  return 2 * static_cast<int>(std::ranges::count_if(
+                 pattern, [&](char letter) { return kWildcards.find(letter) == std::string_view::npos; }));
+}
+
+// Calls `act` with each entry that a pattern of `values` matches, and the value of the pattern that names it
+// most closely. Two equally close patterns must have the same value. `what`: such as "bounds".
+template <typename Value, typename Act>
+void ForClosest(const std::map<std::string, Value>& values, const char* what,
+                const std::vector<CatalogEntry>& catalog, Act&& act) {
+  struct Closest {
+    const std::string* pattern = nullptr;
+    const Value* value = nullptr;
+    int specificity = 0;
+    const std::string* contradicts = nullptr;
+  };
+  std::vector<Closest> closest(catalog.size());
+  for (const auto& [pattern, value] : values) {
+    ForMatches(pattern, catalog, [&, &name = pattern, &known = value](std::size_t i) {
+      const int specificity = Specificity(name, catalog[i]);
+      Closest& best = closest[i];
+      if (!best.pattern || specificity > best.specificity) {
+        best = {&name, &known, specificity, nullptr};
+      } else if (specificity == best.specificity && !(known == *best.value)) {
+        best.contradicts = &name;
+      }
+    });
+  }
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (closest[i].contradicts) {
+      throw DataError(
+          "fit: '{}' and '{}' give different {} to {}, and neither names it more closely; expected one of "
+          "them, "
+          "or the name itself",
+          *closest[i].pattern, *closest[i].contradicts, what, catalog[i].name);
+    }
+    if (closest[i].pattern) act(i, *closest[i].value);
+  }
+}
+
 }  // namespace
 
 FitConfig FitConfigFrom(const data_io::JsonReader& root) {
@@ -179,16 +224,14 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
   for (const std::string& pattern : config.fixed) {
     ForMatches(pattern, catalog, [&](std::size_t i) { free[i] = false; });
   }
-  for (const auto& [pattern, limits] : config.bounds) {
-    ForMatches(pattern, catalog, [&, &range = limits](std::size_t i) {
-      CatalogEntry& entry = catalog[i];
-      if (entry.logarithmic && !(range.first > 0.0)) {
-        throw DataError("fit: lower bound {} of {}, expected a positive one", range.first, entry.name);
-      }
-      entry.lower = range.first;
-      entry.upper = range.second;
-    });
-  }
+  ForClosest(config.bounds, "bounds", catalog, [&](std::size_t i, const std::pair<double, double>& range) {
+    CatalogEntry& entry = catalog[i];
+    if (entry.logarithmic && !(range.first > 0.0)) {
+      throw DataError("fit: lower bound {} of {}, expected a positive one", range.first, entry.name);
+    }
+    entry.lower = range.first;
+    entry.upper = range.second;
+  });
   for (CatalogEntry& entry : catalog) {
     if (entry.group == ParameterGroup::kPose)
       entry.typical_step = entry.index < 3 ? config.pose_prior.position_m : config.pose_prior.angle_deg;
@@ -197,22 +240,20 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
     entry.trust_lower = region->second.first;
     entry.trust_upper = region->second.second;
   }
-  for (const auto& [pattern, prior] : config.priors) {
-    ForMatches(pattern, catalog, [&, &known = prior](std::size_t i) {
-      CatalogEntry& entry = catalog[i];
-      if (!known) {
-        entry.prior = Prior{.coordinate = 0.0, .sigma = std::numeric_limits<double>::infinity()};
-        return;
-      }
-      const auto [value, sigma] = *known;
-      if (entry.logarithmic && !(value > 0.0)) {
-        throw DataError("fit: prior value {} of {}, expected a positive one", value, entry.name);
-      }
-      // Converts the sigma of the value to one of its coordinate.
-      entry.prior =
-          Prior{.coordinate = entry.CoordinateFromValue(value), .sigma = sigma / entry.ValueSlope(value)};
-    });
-  }
+  ForClosest(config.priors, "priors", catalog, [&](std::size_t i, const auto& known) {
+    CatalogEntry& entry = catalog[i];
+    if (!known) {
+      entry.prior = Prior{.coordinate = 0.0, .sigma = std::numeric_limits<double>::infinity()};
+      return;
+    }
+    const auto [value, sigma] = *known;
+    if (entry.logarithmic && !(value > 0.0)) {
+      throw DataError("fit: prior value {} of {}, expected a positive one", value, entry.name);
+    }
+    // Converts the sigma of the value to one of its coordinate.
+    entry.prior =
+        Prior{.coordinate = entry.CoordinateFromValue(value), .sigma = sigma / entry.ValueSlope(value)};
+  });
   return free;
 }
 

@@ -41,6 +41,16 @@ FitRange InOwnUnit(const FitLimits& limits, double step, const SonarModel& sonar
   return {{edge_deg + limits.lower, edge_deg + limits.upper}, step};
 }
 
+// Factor about a width that the sonar states. A wrong outline or pose would otherwise become a wrong beam.
+constexpr double kStatedFactor = 2.0;
+
+// Width that the sonar states, in the unit of the parameter; 0: none.
+double StatedWidth(std::string_view name, const SonarModel& sonar) {
+  if (name == "beam.azimuth_width_deg") return sonar.azimuth_beam_width_deg;
+  if (name == "beam.elevation_width_deg") return sonar.elevation_beam_width_deg;
+  return 0.0;
+}
+
 // Builds the entries of one image model from the table of parameters, in the order of ParameterGroup.
 class CatalogBuilder {
  public:
@@ -116,7 +126,9 @@ class CatalogBuilder {
     if (!fit) return false;
     const bool transmit = fit->unit == LimitUnit::kBeyondBeams;
     if (transmit && std::ranges::count(mirrors_, 1) == 0) return false;
-    const auto [limits, step] = InOwnUnit(*fit, info.step, sonar_);
+    auto [limits, step] = InOwnUnit(*fit, info.step, sonar_);
+    if (const double width = StatedWidth(place.name + std::string(info.key), sonar_); width > 0.0)
+      limits = {width / kStatedFactor, width * kStatedFactor};
     catalog_.push_back({.name = place.name + std::string(info.key),
                         .key = info.key,
                         .unit = std::string(info.unit),

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "calib/fit_starts.h"
@@ -49,12 +50,10 @@ class Chooser {
     for (const ChoiceAxis axis : options_.axes) choice.axes.push_back(Decide(axis));
     choice.parameters = best_.initial;
     choice.config = best_.config;
-    for (const GreyFrame& frame : held_out_) choice.frames_chosen_on.push_back(frame.index);
-    choice.pixels = best_.likelihood.Pixels();
-    choice.blocks =
-        static_cast<int>(std::count_if(best_.likelihood.pixels.begin(), best_.likelihood.pixels.end(),
-                                       [](double pixels) { return pixels > 0.0; }));
     choice.tie_sigmas = options_.tie_sigmas;
+    for (const GreyFrame& frame : held_out_) choice.frames_chosen_on.push_back(frame.index);
+    choice.pixels = pixels_;
+    choice.blocks = blocks_;
     return choice;
   }
 
@@ -117,6 +116,7 @@ class Chooser {
     candidate.fitted = std::move(fit.parameters);
     const AcousticFrameModel seen(*fit.simulator, frames, candidate.fitted);
     candidate.mean_used = MeanPowers(seen);
+    if (held_out_.empty()) return candidate;
     std::vector<AcousticFrame> judged = FramesFor(held_out_, start.display);
     for (AcousticFrame& frame : judged) frame.world_from_sonar = frame.world_from_sonar * fit.mount;
     const AcousticFrameModel model(*fit.simulator, judged, candidate.fitted);
@@ -247,7 +247,91 @@ class Chooser {
     return DisplayVariants(axis);
   }
 
+  // The display law that the background of the first frame used shows, by itself.
+  JudgedAxis DecideDisplayByBackground() {
+    constexpr int kBandBins = 8;
+    constexpr int kBlockBeams = 8;
+    constexpr std::ptrdiff_t kMinPixels = 1000;
+    JudgedAxis axis{.axis = ChoiceAxis::kDisplay, .variants = {}, .notes = {}};
+    const DisplayParameters<double> given = best_.initial.display;
+    const Mask background = BackgroundOfFirst();
+    const auto pixels = std::count(background.values().begin(), background.values().end(), 1);
+    if (pixels < kMinPixels) {
+      throw DataError(
+          "the display cannot be chosen: frame {} has {} pixels of background, expected {} or more",
+          used_.front().index, pixels, kMinPixels);
+    }
+    GreyFrame judged = used_.front();
+    PolarImage& image = judged.image;
+    if (!image.scale.db_span && image.scale.db_min && image.scale.db_max)
+      image.scale.db_span = *image.scale.db_max - *image.scale.db_min;
+    axis.notes.push_back(
+        fmt::format("No other frame judges the display: each law was fitted to every second band of {} range "
+                    "bins of the background of frame {} ({} pixels), and evaluated on the others. Echoes "
+                    "brighter than the background do not test it.",
+                    kBandBins, judged.index, pixels));
+    axis.notes.push_back(
+        image.scale.db_span
+            ? fmt::format("The recording states a span of {:g} dB, which is kept.", *image.scale.db_span)
+            : fmt::format("The recording states no dB scale: span or exponent are fitted with {:g} looks, "
+                          "because background alone determines only one number for the two.",
+                          best_.initial.receiver.looks));
+    const double looks = best_.initial.receiver.looks;
+    Mask fitted = background;
+    judged.use.assign(background.values().begin(), background.values().end());
+    for (std::size_t i = 0; i < judged.use.size(); ++i) {
+      const bool odd = i / static_cast<std::size_t>(image.axes.beam_count()) / kBandBins % 2 != 0;
+      (odd ? fitted.values()[i] : judged.use[i]) = 0;
+    }
+    const std::vector<std::vector<double>> noise = {std::vector<double>(judged.use.size(), 1.0)};
+    std::vector<DisplayLaw> laws;
+    std::vector<BlockedLikelihood> likelihoods;
+    for (const auto& [word, law] : WordsOf(std::type_identity<DisplayLaw>{})) {
+      Say(fmt::format("choice of display: {}", word));
+      ParameterSet of = best_.initial;
+      of.display = FitBackgroundDisplay(image, fitted, law, looks).display;
+      likelihoods.push_back(GreyLikelihood({judged}, noise, of, kBandBins, kBlockBeams));
+      laws.push_back(law);
+      // Beyond the level and, where it is not stated, the span or the exponent.
+      const bool plain = law == DisplayLaw::kLog || (law == DisplayLaw::kPower && !image.scale.db_span);
+      const int own = plain ? 0 : 1;
+      axis.variants.push_back({.name = DisplayName(law),
+                               .fitted_values = own,
+                               .given = law == given.law,
+                               .usable = true,
+                               .behind = {}});
+    }
+    std::vector<const BlockedLikelihood*> judged_by;
+    for (const BlockedLikelihood& likelihood : likelihoods) judged_by.push_back(&likelihood);
+    const std::size_t chosen = Compare(judged_by, axis.variants);
+    const BackgroundDisplay read = FitBackgroundDisplay(image, background, laws[chosen], looks);
+    // The noise is 0 dB in `read`. Shifts the levels so that the display keeps the given level of its gauge.
+    const double noise_db = laws[chosen] == DisplayLaw::kPower ? given.db_max - read.display.db_max
+                                                               : given.db_min - read.display.db_min;
+    for (ParameterSet* p : {&best_.initial, &best_.fitted}) {
+      p->display = read.display;
+      p->display.db_min += noise_db;
+      p->display.db_max += noise_db;
+      p->display.soft_db += noise_db;
+      p->receiver.noise_db = noise_db;
+    }
+    axis.notes.push_back(fmt::format(
+        "Display {}: {:.4g} to {:.4g} dB, noise at {:.4g} dB{}; largest "
+        "difference of the cumulative distributions of the background {:.4f}.",
+        ToString(laws[chosen]), best_.initial.display.db_min, best_.initial.display.db_max, noise_db,
+        laws[chosen] == DisplayLaw::kPower ? fmt::format(", exponent {:.3g}", read.display.exponent)
+        : laws[chosen] != DisplayLaw::kLog
+            ? fmt::format(", softened at {:.4g} dB", best_.initial.display.soft_db)
+            : std::string(),
+        read.ks));
+    pixels_ = likelihoods[chosen].Pixels();
+    blocks_ =
+        static_cast<int>(std::ranges::count_if(likelihoods[chosen].pixels, [](double n) { return n > 0.0; }));
+    return axis;
+  }
+
   JudgedAxis Decide(ChoiceAxis kind) {
+    if (held_out_.empty()) return DecideDisplayByBackground();
     JudgedAxis axis{.axis = kind, .variants = {}, .notes = {}};
     const std::vector<ModelVariant> variants = VariantsOf(kind, axis);
     std::vector<std::optional<Candidate>> candidates;
@@ -271,24 +355,30 @@ class Chooser {
                                .usable = candidates.back().has_value(),
                                .behind = {}});
     }
-    best_ = *candidates[Compare(candidates, axis.variants)];
+    std::vector<const BlockedLikelihood*> judged;
+    for (const std::optional<Candidate>& candidate : candidates)
+      judged.push_back(candidate ? &candidate->likelihood : nullptr);
+    best_ = *candidates[Compare(judged, axis.variants)];
+    pixels_ = best_.likelihood.Pixels();
+    blocks_ = static_cast<int>(
+        std::ranges::count_if(best_.likelihood.pixels, [](double pixels) { return pixels > 0.0; }));
     return axis;
   }
 
-  // Fills in the figures. Returns the index of the selected variant.
-  std::size_t Compare(const std::vector<std::optional<Candidate>>& candidates,
+  // Fills in the figures. Returns the index of the selected variant. Null: no usable fit.
+  std::size_t Compare(const std::vector<const BlockedLikelihood*>& candidates,
                       std::vector<JudgedVariant>& judged) const {
     std::size_t best = 0;
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!candidates[i]) continue;
-      judged[i].nats_per_pixel = candidates[i]->likelihood.PerPixel();
+      judged[i].nats_per_pixel = candidates[i]->PerPixel();
       if (judged[i].nats_per_pixel > most) std::tie(best, most) = std::pair(i, judged[i].nats_per_pixel);
     }
     std::size_t chosen = best;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!candidates[i]) continue;
-      judged[i].behind = Difference(candidates[best]->likelihood, candidates[i]->likelihood);
+      judged[i].behind = Difference(*candidates[best], *candidates[i]);
       judged[i].tied = judged[i].behind.mean <= options_.tie_sigmas * judged[i].behind.sigma;
       if (!judged[i].tied) continue;
       const auto rank = [&](std::size_t k) { return std::pair(judged[k].fitted_values, !judged[k].given); };
@@ -305,6 +395,8 @@ class Chooser {
   Candidate best_;
   std::vector<char> mirrors_;  // materials that reflect, 1 or 0
   std::optional<BlockPixels> block_;
+  double pixels_ = 0.0;  // of the last axis
+  int blocks_ = 0;
 };
 
 }  // namespace
@@ -314,7 +406,13 @@ ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyF
                         const FitConfig& config, const ModelChoiceOptions& options) {
   if (used.empty()) throw DataError("fit: no frames");
   if (held_out.empty()) {
-    throw DataError("a model is selected on held-out frames, but no frame is held out");
+    for (const ChoiceAxis axis : options.axes) {
+      if (axis == ChoiceAxis::kDisplay) continue;
+      throw DataError(
+          "--choose {} needs held-out frames, but no frame is held out; expected another frame, or display "
+          "alone, which the background of one frame determines",
+          ToString(axis));
+    }
   }
   ParameterSet complete = initial;
   if (!complete.receiver.noise_db) {

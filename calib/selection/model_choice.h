@@ -13,7 +13,11 @@
 //   kLooks      looks: 1, the given number, and the one that fits the frames used best
 //   kTrend      a trend of the noise floor with range: as given, or free
 //   kDisplay    logarithm, or one softened in power or amplitude, as the background of the first frame used
-//               shows (calib/noise/background_display.h), if the image states its dB span
+//               shows (calib/noise/background_display.h), on the span of the parameters
+//
+// Without held-out frames only kDisplay can be selected, and by the background of the first frame used alone:
+// each law of core/types/parameters.h is fitted to every second band of 8 range bins of it and judged on the
+// others. Its span is fitted too if the image does not state it.
 //
 // To add an axis: add a word in WordsOf, and a case in VariantsOf (model_choice.cc, model_variants.h).
 #pragma once
@@ -68,15 +72,15 @@ struct ModelChoice {
   ParameterSet parameters;  // the given ones, in the selected form; not fitted
   FitConfig config;         // the given one, with the parameters that the form frees or fixes
   std::vector<JudgedAxis> axes;
-  std::vector<int> frames_chosen_on;
+  std::vector<int> frames_chosen_on;  // empty: the background of the first frame used
   double pixels = 0.0;
   int blocks = 0;  // number of pixel blocks for standard errors
   double tie_sigmas = 2.0;
 };
 
 // The rays of `simulator` must suffice for every pattern: for kElevation, those of a pattern with side lobes.
-// A noise level missing in `initial` is estimated. Throws DataError if no frame is held out, an axis has
-// nothing to select, the first fit has no usable solution, and as FitAcousticModel does.
+// A noise level missing in `initial` is estimated. Throws DataError if no frame is held out for an axis other
+// than kDisplay, an axis has nothing to select, the first fit has no usable solution, and as FitAcousticModel does.
 ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyFrame>& used,
                         const std::vector<GreyFrame>& held_out, const ParameterSet& initial,
                         const FitConfig& config, const ModelChoiceOptions& options);

@@ -51,11 +51,15 @@ std::string Name(const calib::JudgedVariant& variant) {
 
 void AddModelChoice(HtmlReport& report, const calib::ModelChoice& choice) {
   report.Subsection("Choice of the model");
+  const bool by_background = choice.frames_chosen_on.empty();
   report.Paragraph(
-      fmt::format("Each variant was fitted to the frames used, one choice after the other, and evaluated by "
-                  "the likelihood of the grey values of the held-out frames {}.",
-                  FrameList(choice.frames_chosen_on)));
-  Table table{.caption = "Variants by likelihood of the held-out frames",
+      by_background
+          ? "Each law was fitted to and evaluated on the background of one frame."
+          : fmt::format("Each variant was fitted to the frames used, one choice after the other, "
+                        "and evaluated by the likelihood of the grey values of the held-out frames {}.",
+                        FrameList(choice.frames_chosen_on)));
+  Table table{.caption = by_background ? "Variants by likelihood of the background"
+                                       : "Variants by likelihood of the held-out frames",
               .columns = {{"Variant"},
                           {"Log-likelihood", "nats a pixel"},
                           {"Behind the best", "nats a pixel"},
@@ -76,9 +80,11 @@ void AddModelChoice(HtmlReport& report, const calib::ModelChoice& choice) {
       "than a speckle cell. Variants within {:g} standard errors of the best are equally good. Of these, the "
       "one with the fewest fitted values is selected, and among equals the given one.",
       choice.pixels, choice.blocks, choice.tie_sigmas));
-  table.notes.emplace_back(
-      "The same frames evaluate the fit below. This gives it a small advantage, because there are few "
-      "variants.");
+  if (!by_background) {
+    table.notes.emplace_back(
+        "The same frames evaluate the fit below. This gives it a small advantage, because there are few "
+        "variants.");
+  }
   report.Add(table);
 }
 
@@ -87,8 +93,10 @@ std::string ModelChoiceText(const calib::ModelChoice& choice) {
   for (const calib::JudgedAxis& axis : choice.axes) {
     for (const calib::JudgedVariant& variant : axis.variants) width = std::max(width, Name(variant).size());
   }
-  std::string text =
-      fmt::format("choice of the model by the likelihood of frames {}\n", FrameList(choice.frames_chosen_on));
+  std::string text = choice.frames_chosen_on.empty()
+                         ? std::string("choice of the display by the background of one frame\n")
+                         : fmt::format("choice of the model by the likelihood of frames {}\n",
+                                       FrameList(choice.frames_chosen_on));
   for (const calib::JudgedAxis& axis : choice.axes) {
     text += fmt::format("  {:<{}}  {:>13}  {:>19}\n", ToString(axis.axis), width + 2, "nats a pixel",
                         "behind the best");

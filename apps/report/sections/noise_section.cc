@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+
+#include <nlohmann/json.hpp>
 
 #include "apps/report/html/html_text.h"
 #include "data_io/images/image_io.h"
@@ -67,13 +71,13 @@ LineChart HistogramChart(const calib::NoiseAgreement& agreement, const std::stri
           .series = {recorded, predicted}};
 }
 
-// Mean grey along one axis, with cells that were left out as a separate series.
-LineChart MeanChart(const calib::NoiseFit& fit, bool by_range, const std::string& real) {
-  const calib::NoiseAgreement& agreement = fit.judged;
+// Mean grey along one axis, without the cells that were left out.
+LineChart MeanChart(const calib::NoiseAgreement& agreement, const calib::NoiseCells& cells_of, bool by_range,
+                    const std::string& real) {
   ChartSeries recorded{.name = real, .x = {}, .y = {}, .style = SeriesStyle::kPoints};
   ChartSeries predicted{.name = "predicted", .x = {}, .y = {}};
-  const int count = by_range ? fit.cells.bands() : fit.cells.beams();
-  const int across = by_range ? fit.cells.beams() : fit.cells.bands();
+  const int count = by_range ? cells_of.bands() : cells_of.beams();
+  const int across = by_range ? cells_of.beams() : cells_of.bands();
   for (int i = 0; i < count; ++i) {
     double sum_recorded = 0.0;
     double sum_predicted = 0.0;
@@ -87,7 +91,7 @@ LineChart MeanChart(const calib::NoiseFit& fit, bool by_range, const std::string
       ++cells;
     }
     if (cells == 0) continue;
-    const double at = by_range ? fit.cells.RangeM(i) : i;
+    const double at = by_range ? cells_of.RangeM(i) : i;
     recorded.x.push_back(at);
     recorded.y.push_back(sum_recorded / cells);
     predicted.x.push_back(at);
@@ -113,8 +117,8 @@ LineChart TaperChart(const calib::NoiseFit& fit) {
   return chart;
 }
 
-Picture ResidualMap(const calib::NoiseFit& fit, bool is_synthetic) {
-  const calib::NoiseAgreement& agreement = fit.judged;
+Picture ResidualMap(const calib::NoiseAgreement& agreement, const calib::NoiseCells& cells_of,
+                    bool is_synthetic) {
   Grid<float> residual(agreement.recorded_mean.rows(), agreement.recorded_mean.cols());
   double square = 0.0;
   int cells = 0;
@@ -125,16 +129,16 @@ Picture ResidualMap(const calib::NoiseFit& fit, bool is_synthetic) {
     ++cells;
   }
   const double limit = std::max(1e-3, 3.0 * std::sqrt(square / std::max(1, cells)));
-  return {.png = data_io::EncodePng(data_io::StretchPolar(
-              data_io::Colorize(residual, {-limit, limit}, data_io::ColorMap::kViridis))),
-          .caption = fmt::format(
-              "{} minus predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); beams "
-              "from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
-              RealCaption(is_synthetic), -limit, limit, fit.cells.RangeM(0),
-              fit.cells.RangeM(fit.cells.bands() - 1),
-              cells < static_cast<int>(residual.size()) ? "; cells left out are darkest" : ""),
-          .alt = "map of residuals by range band and beam",
-          .crisp = true};
+  return {
+      .png = data_io::EncodePng(
+          data_io::StretchPolar(data_io::Colorize(residual, {-limit, limit}, data_io::ColorMap::kViridis))),
+      .caption = fmt::format(
+          "{} minus predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); beams "
+          "from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
+          RealCaption(is_synthetic), -limit, limit, cells_of.RangeM(0), cells_of.RangeM(cells_of.bands() - 1),
+          cells < static_cast<int>(residual.size()) ? "; cells left out are darkest" : ""),
+      .alt = "map of residuals by range band and beam",
+      .crisp = true};
 }
 
 std::string Pings(std::size_t count) {
@@ -143,6 +147,101 @@ std::string Pings(std::size_t count) {
 
 std::string Others(std::size_t count) {
   return fmt::format("{} other{}", count, count == 1 ? "" : "s");
+}
+
+void AddGreyCharts(HtmlReport& report, const calib::NoiseAgreement& agreement, const calib::NoiseCells& cells,
+                   const std::string& on, bool is_synthetic) {
+  const std::string real = RealWord(is_synthetic);
+  report.Section(fmt::format("Grey values {} and predicted", real));
+  report.Add({HistogramChart(agreement, real), MeanChart(agreement, cells, true, real),
+              MeanChart(agreement, cells, false, real)},
+             RealCaption(is_synthetic) + " " + on + ", and predicted by the law");
+  report.Add(PictureRow{.caption = "Residuals of the law",
+                        .pictures = {ResidualMap(agreement, cells, is_synthetic)},
+                        .columns = 1});
+}
+
+void AddNoiseFigures(HtmlReport& report, const calib::NoiseAgreement& agreement, const std::string& on) {
+  report.KeyFigures(
+      {{.label = "KS, all pixels", .value = FormatNumber(agreement.ks, 4), .note = on},
+       {.label = "Wasserstein-1",
+        .value = FormatNumber(agreement.wasserstein_grey, 3),
+        .unit = "grey",
+        .note = on},
+       {.label = "KS by cell, median",
+        .value = FormatNumber(agreement.cell_ks_median, 3),
+        .note = fmt::format("cells of {} bins x {} beams", calib::kJudgeBins, calib::kJudgeBeams)},
+       {.label = "Whitened residual",
+        .value = FormatNumber(agreement.whitened.spread, 3),
+        .note = fmt::format("spread over pixels, mean {}; 1 and 0 for a true law",
+                            FormatNumber(agreement.whitened.mean, 3))}});
+}
+
+void AddDrift(HtmlReport& report, const calib::NoiseJudgement& judgement) {
+  report.Section("Level over time");
+  report.Paragraph(NoiseDriftText(judgement));
+  ChartSeries pings{.name = "pings", .x = {}, .y = {}, .style = SeriesStyle::kPoints};
+  for (const calib::NoisePing& ping : judgement.pings) {
+    pings.x.push_back(ping.frame);
+    pings.y.push_back(ping.level_db);
+  }
+  if (pings.x.size() < 2) return;
+  report.Add({LineChart{.title = "Level of each ping",
+                        .x = {.label = "frame, counted from 0"},
+                        .y = {.label = "level relative to the law", .unit = "dB"},
+                        .series = {pings}}},
+             "Level of the noise of each ping, relative to the law");
+  if (!judgement.drift) return;
+  Table table{.caption =
+                  "Mean level of each part, relative to the law; the standard errors include the "
+                  "correlation of neighbouring pings",
+              .columns = {{"Frames"}, {"Level", "dB"}, {"Standard error", "dB"}},
+              .rows = {}};
+  for (const calib::NoiseDrift::Part& part : judgement.drift->parts) {
+    table.rows.push_back({{fmt::format("{} to {}", part.first_frame, part.last_frame),
+                           fmt::format("{:.3f}", part.level_db), fmt::format("{:.3f}", part.sigma_db)}});
+  }
+  report.Add(table);
+}
+
+using Json = nlohmann::ordered_json;
+
+Json ResidualJson(const calib::ResidualSummary& residual) {
+  return {{"mean", residual.mean}, {"spread", residual.spread}};
+}
+
+// The items with the largest KS, worst first.
+template <typename T>
+std::vector<T> Worst(std::vector<T> items) {
+  constexpr std::size_t kShown = 5;
+  std::ranges::stable_sort(items, std::ranges::greater{}, &T::ks);
+  if (items.size() > kShown) items.resize(kShown);
+  return items;
+}
+
+std::string BlockRange(const calib::NoiseBlock& block, const PolarAxes& axes) {
+  return fmt::format("{:.2f} to {:.2f}", axes.range_edge_m(block.first_bin),
+                     axes.range_edge_m(block.end_bin));
+}
+
+std::string BlockBeams(const calib::NoiseBlock& block) {
+  return fmt::format("{} to {}", block.first_beam, block.end_beam - 1);
+}
+
+std::string PingsBeyondText(const calib::NoiseJudgement& judgement) {
+  return fmt::format(
+      "{} of {} pings have a KS beyond {:.4f}, which independent pixels of the law exceed in "
+      "1 % of all pings",
+      judgement.pings_beyond_chance(), judgement.pings.size(),
+      calib::ChanceKs(judgement.pings.front().pixels));
+}
+
+std::string CellsBeyondText(const calib::NoiseJudgement& judgement) {
+  const std::vector<calib::NoiseBlock>& blocks = judgement.agreement.blocks;
+  return fmt::format(
+      "{} of {} cells have a KS beyond chance ({:.3f} for the first), which independent pixels "
+      "of the law exceed in 1 % of all cells",
+      judgement.cells_beyond_chance(), blocks.size(), calib::ChanceKs(blocks.front().pixels));
 }
 
 }  // namespace
@@ -175,23 +274,148 @@ std::string NoiseJudgedText(const calib::NoiseFit& fit) {
                      Pings(fit.frames_judged_on.size()));
 }
 
+std::string NoiseResultText(const calib::NoiseFit& fit) {
+  if (!fit.refitted) {
+    return fit.judged_on_held_out ? "the law of the evaluation, because the fit to all pings did not converge"
+                                  : "the law of the evaluation, which was fitted to all pings";
+  }
+  return fmt::format(
+      "params.json holds the law fitted again to all {}, with KS {:.4f} on these; the figures "
+      "above are those of the law fitted to the others, params_evaluated.json",
+      Pings(fit.all.frames.size()), fit.all.agreement.ks);
+}
+
+std::string NoiseDriftText(const calib::NoiseJudgement& judgement) {
+  if (!judgement.drift) {
+    return fmt::format("drift of the level not determined: {}, expected {} or more",
+                       Pings(judgement.pings.size()), calib::kMinPingsForDrift);
+  }
+  const calib::NoiseDrift& drift = *judgement.drift;
+  return fmt::format(
+      "level over frames {} to {}: trend {:+.3f} +- {:.3f} dB in all, {}; pings scatter by {:.3f} "
+      "dB about it, neighbours with correlation {:.2f} (speckle alone: {:.3f} dB)",
+      drift.first_frame, drift.last_frame, drift.change_db(), drift.change_sigma_db(),
+      drift.significant ? "significant at 5 %" : "not significant at 5 %", drift.spread_db, drift.lag_one,
+      judgement.pings.front().level_sigma_db);
+}
+
+Json NoiseAgreementJson(const calib::NoiseAgreement& agreement) {
+  return {{"ks", agreement.ks},
+          {"wasserstein_1_grey", agreement.wasserstein_grey},
+          {"cell_ks_median", agreement.cell_ks_median},
+          {"cell_ks_p95", agreement.cell_ks_p95},
+          {"cell", fmt::format("{} bins x {} beams", calib::kJudgeBins, calib::kJudgeBeams)},
+          {"whitened_residual", ResidualJson(agreement.whitened)},
+          {"nats_per_pixel", agreement.nats_per_pixel}};
+}
+
+Json NoiseDriftJson(const calib::NoiseJudgement& judgement) {
+  Json levels = Json::array();
+  for (const calib::NoisePing& ping : judgement.pings) levels.push_back(ping.level_db);
+  Json json = {{"frames", judgement.frames}, {"level_db", levels}};
+  if (!judgement.drift) return json;
+  const calib::NoiseDrift& drift = *judgement.drift;
+  Json parts = Json::array();
+  for (const calib::NoiseDrift::Part& part : drift.parts) {
+    parts.push_back({{"first_frame", part.first_frame},
+                     {"last_frame", part.last_frame},
+                     {"level_db", part.level_db},
+                     {"sigma_db", part.sigma_db}});
+  }
+  json.update({{"trend_db_per_ping", drift.trend_db_per_ping},
+               {"trend_sigma_db_per_ping", drift.trend_sigma},
+               {"significant", drift.significant},
+               {"spread_db", drift.spread_db},
+               {"correlation_of_neighbours", drift.lag_one},
+               {"speckle_db", judgement.pings.front().level_sigma_db},
+               {"parts", parts}});
+  return json;
+}
+
+Json NoiseJudgementJson(const calib::NoiseJudgement& judgement) {
+  Json pings = Json::array();
+  for (const calib::NoisePing& ping : judgement.pings) {
+    pings.push_back({{"frame", ping.frame},
+                     {"ks", ping.ks},
+                     {"chance_ks", calib::ChanceKs(ping.pixels)},
+                     {"wasserstein_1_grey", ping.wasserstein_grey},
+                     {"whitened_residual", ResidualJson(ping.whitened)},
+                     {"level_db", ping.level_db}});
+  }
+  const PolarAxes& axes = judgement.cells.axes;
+  Json cells = Json::array();
+  for (const calib::NoiseBlock& block : judgement.agreement.blocks) {
+    cells.push_back({{"range_m", {axes.range_edge_m(block.first_bin), axes.range_edge_m(block.end_bin)}},
+                     {"beams", {block.first_beam, block.end_beam - 1}},
+                     {"ks", block.ks},
+                     {"chance_ks", calib::ChanceKs(block.pixels)},
+                     {"recorded_mean_grey", block.recorded_mean},
+                     {"predicted_mean_grey", block.predicted_mean}});
+  }
+  return {{"frames", judgement.frames},
+          {"agreement", NoiseAgreementJson(judgement.agreement)},
+          {"pings_beyond_chance", judgement.pings_beyond_chance()},
+          {"cells_beyond_chance", judgement.cells_beyond_chance()},
+          {"drift", NoiseDriftJson(judgement)},
+          {"pings", pings},
+          {"cells", cells}};
+}
+
+std::string NoiseAgreementText(const calib::NoiseAgreement& agreement) {
+  return fmt::format(
+      "  KS {:.4f}, Wasserstein-1 {:.3f} grey, KS by cell {:.3f} median, {:.3f} at 95 %\n"
+      "  whitened residual {:.3f} +- {:.3f}, 0 +- 1 for a true law\n",
+      agreement.ks, agreement.wasserstein_grey, agreement.cell_ks_median, agreement.cell_ks_p95,
+      agreement.whitened.mean, agreement.whitened.spread);
+}
+
+std::string NoiseJudgementText(const calib::NoiseJudgement& judgement) {
+  std::string text = NoiseAgreementText(judgement.agreement);
+  text += "  " + PingsBeyondText(judgement) + "; worst:\n";
+  for (const calib::NoisePing& ping : Worst(judgement.pings)) {
+    text += fmt::format("    frame {:<5} KS {:.4f}  Wasserstein-1 {:.3f} grey  level {:+.3f} dB\n",
+                        ping.frame, ping.ks, ping.wasserstein_grey, ping.level_db);
+  }
+  text += "  " + CellsBeyondText(judgement) + "; worst:\n";
+  for (const calib::NoiseBlock& block : Worst(judgement.agreement.blocks)) {
+    text +=
+        fmt::format("    range {} m, beams {:<9} KS {:.4f}  mean grey {:.2f} recorded, {:.2f} predicted\n",
+                    BlockRange(block, judgement.cells.axes), BlockBeams(block), block.ks, block.recorded_mean,
+                    block.predicted_mean);
+  }
+  return text + "  " + NoiseDriftText(judgement) + "\n";
+}
+
+void AddNoiseJudgement(HtmlReport& report, const calib::NoiseJudgement& judgement, bool is_synthetic) {
+  AddNoiseFigures(report, judgement.agreement, "on " + Pings(judgement.pings.size()));
+  report.Section("Where the law fails");
+  Table pings{.caption = "Pings with the largest KS. " + PingsBeyondText(judgement),
+              .columns = {{"Frame"}, {"KS"}, {"Wasserstein-1", "grey"}, {"Level relative to the law", "dB"}},
+              .rows = {}};
+  for (const calib::NoisePing& ping : Worst(judgement.pings)) {
+    pings.rows.push_back({{fmt::format("{}", ping.frame), FormatNumber(ping.ks, 4),
+                           FormatNumber(ping.wasserstein_grey, 3), fmt::format("{:+.3f}", ping.level_db)}});
+  }
+  report.Add(pings);
+  Table cells{
+      .caption = "Cells with the largest KS, all pings together. " + CellsBeyondText(judgement),
+      .columns = {{"Range", "m"}, {"Beams"}, {"KS"}, {"Recorded", "mean grey"}, {"Predicted", "mean grey"}},
+      .rows = {}};
+  for (const calib::NoiseBlock& block : Worst(judgement.agreement.blocks)) {
+    cells.rows.push_back(
+        {{BlockRange(block, judgement.cells.axes), BlockBeams(block), FormatNumber(block.ks, 4),
+          FormatNumber(block.recorded_mean, 2), FormatNumber(block.predicted_mean, 2)}});
+  }
+  report.Add(cells);
+  AddGreyCharts(report, judgement.agreement, judgement.cells, "in these pings", is_synthetic);
+  AddDrift(report, judgement);
+}
+
 void AddNoiseSections(HtmlReport& report, const calib::NoiseFit& fit, bool is_synthetic) {
   const std::string on = fit.bands_held_out       ? "on bands that were not fitted"
                          : fit.judged_on_held_out ? "on pings that were not fitted"
                                                   : "on the pings fitted";
-  report.KeyFigures(
-      {{.label = "KS, all pixels", .value = FormatNumber(fit.judged.ks, 4), .note = on},
-       {.label = "Wasserstein-1",
-        .value = FormatNumber(fit.judged.wasserstein_grey, 3),
-        .unit = "grey",
-        .note = on},
-       {.label = "KS by cell, median",
-        .value = FormatNumber(fit.judged.cell_ks_median, 3),
-        .note = fmt::format("cells of {} bins x {} beams", calib::kJudgeBins, calib::kJudgeBeams)},
-       {.label = "Whitened residual",
-        .value = FormatNumber(fit.judged.whitened.spread, 3),
-        .note = fmt::format("spread over pixels, mean {}; 1 and 0 for a true law",
-                            FormatNumber(fit.judged.whitened.mean, 3))}});
+  AddNoiseFigures(report, fit.judged, on);
   const std::string judged =
       fmt::format("Noise law of {}, {}.", Pings(fit.report.frames_used.size()), NoiseJudgedText(fit));
   if (!fit.judged_on_held_out) {
@@ -206,12 +430,9 @@ void AddNoiseSections(HtmlReport& report, const calib::NoiseFit& fit, bool is_sy
     report.Paragraph(judged);
   }
   if (fit.window_found) report.Paragraph("Background: " + NoiseWindowText(fit) + ".");
-  const std::string real = RealWord(is_synthetic);
-  report.Section(fmt::format("Grey values {} and predicted", real));
-  report.Add({HistogramChart(fit.judged, real), MeanChart(fit, true, real), MeanChart(fit, false, real)},
-             RealCaption(is_synthetic) + " " + on + ", and predicted by the law");
-  report.Add(PictureRow{
-      .caption = "Residuals of the law", .pictures = {ResidualMap(fit, is_synthetic)}, .columns = 1});
+  report.Paragraph("Result: " + NoiseResultText(fit) + ".");
+  AddGreyCharts(report, fit.judged, fit.cells, on, is_synthetic);
+  AddDrift(report, fit.all);
   report.Section("The law");
   report.Add(ChoiceTable(fit));
   report.Add(ValueTable(fit));

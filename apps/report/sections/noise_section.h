@@ -1,7 +1,10 @@
-// A noise fit (calib/noise/noise_fit.h) as sections of a report.
+// A noise fit (calib/noise/noise_fit.h) and the judgement of a noise law (calib/noise/noise_judgement.h) as
+// sections of a report, as text and as JSON.
 #pragma once
 
 #include <string>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "apps/report/html/html_report.h"
 #include "calib/noise/noise_fit.h"
@@ -17,5 +20,25 @@ std::string NoiseWindowText(const calib::NoiseFit& fit);
 
 // Text "judged on ...": the pings of the reported agreement, and whether the selection used them.
 std::string NoiseJudgedText(const calib::NoiseFit& fit);
+
+// Text "params.json holds ...": the pings of the law that is the result.
+std::string NoiseResultText(const calib::NoiseFit& fit);
+
+// Text "level over frames ...": trend of the level of the pings, and whether it is significant.
+std::string NoiseDriftText(const calib::NoiseJudgement& judgement);
+
+// Figures of a law on pings, two lines.
+std::string NoiseAgreementText(const calib::NoiseAgreement& agreement);
+
+// Figures, worst pings and cells, and drift.
+std::string NoiseJudgementText(const calib::NoiseJudgement& judgement);
+
+// Adds figures, worst pings and cells, grey values, residuals and drift.
+void AddNoiseJudgement(HtmlReport& report, const calib::NoiseJudgement& judgement, bool is_synthetic);
+
+// Keys: docs/reference/fit_json.md, and docs/guide/noise.md for the judgement.
+nlohmann::ordered_json NoiseAgreementJson(const calib::NoiseAgreement& agreement);
+nlohmann::ordered_json NoiseDriftJson(const calib::NoiseJudgement& judgement);
+nlohmann::ordered_json NoiseJudgementJson(const calib::NoiseJudgement& judgement);
 
 }  // namespace sonarcal::report

@@ -248,6 +248,45 @@ TEST_F(FitCommand, AModelIsChosenByTheFramesHeldOut) {
   EXPECT_THAT(paper.err, HasSubstr("'paper', but only forms of 'acoustic'"));
 }
 
+// A picture of a viewer: one frame whose recording states no dB scale, no widths and no frequency.
+TEST_F(FitCommand, OneFrameWithoutAScaleFindsItsDisplayAndSaysWhatIsMissing) {
+  ParameterSet start = testing::TinyParameters();
+  start.model = EchoModel::kAcoustic;
+  start.receiver.noise_db = 90.0;
+  data_io::WriteParameters(world_ / "start.json", start);
+  const Outcome simulated =
+      RunSonarcal("simulate -q --noise --bits 8 --scene " + Quoted(world_.scene()) + " --sonar " +
+                  Quoted(world_.sonar()) + " --params " + Quoted(world_ / "start.json") + " --poses " +
+                  Quoted(world_.poses()) + " --rays 96x200 --out " + Quoted(world_ / "noisy"));
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  const auto recording = data_io::OpenRecording(world_ / "noisy");
+  RecordingInfo info = recording->info();
+  info.scale.db_min.reset();
+  info.scale.db_max.reset();
+  info.scale.db_span.reset();
+  info.sonar.frequency_hz = 0.0;
+  info.sonar.azimuth_beam_width_deg = 0.0;
+  info.sonar.elevation_beam_width_deg = 0.0;
+  Frame frame = recording->ReadFrame(0);
+  frame.image.scale = info.scale;
+  data_io::WriteRecording(MemoryRecording(info, {frame}), world_ / "picture");
+  real_ = world_ / "picture";
+  const Outcome outcome = RunSonarcal("fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) +
+                                      " --params " + Quoted(world_ / "start.json") + " --out " +
+                                      Quoted(world_ / "out") + " -q --rays 96x200 --starts 1 --free display");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("choice of the display by the background of one frame"));
+  EXPECT_THAT(outcome.out, HasSubstr("The recording states no dB scale"));
+  for (const char* part : {"no frequency", "state beam.azimuth_width_deg", "state beam.elevation_width_deg",
+                           "because none is held out", "one frame alone: speckle"})
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+  const nlohmann::json choice = testing::ReadJsonFile(world_ / "out/fit.json")["model_choice"];
+  EXPECT_EQ(choice["axes"][0]["variants"].size(), 4u);
+  const Outcome other = RunSonarcal(Arguments("--choose looks"));
+  EXPECT_NE(other.status, 0);
+  EXPECT_THAT(other.err, HasSubstr("--choose looks needs held-out frames"));
+}
+
 TEST_F(FitCommand, LossesOfMirrorsAreFittedByDefault) {
   ParameterSet truth = TinyAcoustic();
   truth.receiver.noise_db = 105.0;

@@ -127,6 +127,82 @@ TEST_F(FitNoiseCommand, TheReportShowsTheLawAndWhatItLeaves) {
   EXPECT_THAT(html, Not(HasSubstr("Evaluated on fitted data")));
 }
 
+TEST_F(FitNoiseCommand, JudgeNoiseGivesTheFiguresOfTheFit) {
+  // A window and cells left out: both come from the fit.json beside the law.
+  ASSERT_EQ(RunSonarcal(Arguments("--held-out 3:6,10:15 --range-min 1 --reject-beyond 2.5")).status, 0);
+  const nlohmann::json fit = testing::ReadJsonFile(world_ / "out/fit.json");
+  EXPECT_EQ(fit["frames_held_out"], (std::vector<int>{3, 4, 5, 10, 11, 12, 13, 14}));
+  EXPECT_FALSE(fit["window"]["cells_left_out"].empty());
+  const auto judge = [&](const std::string& extra) {
+    const Outcome outcome = RunSonarcal("judge-noise -q --json --real " + Quoted(real_) + " " + extra);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const nlohmann::json all = judge("--params " + Quoted(world_ / "out/params.json"));
+  EXPECT_EQ(all["agreement"], fit["agreement"]["all_frames"]);
+  EXPECT_EQ(all["drift"], fit["drift"]);
+  EXPECT_EQ(all["pings"].size(), kPings);
+  const std::string evaluated = "--params " + Quoted(world_ / "out/params_evaluated.json");
+  EXPECT_EQ(judge(evaluated + " --frames 11:15")["agreement"], fit["agreement"]["frames_judged"]);
+  EXPECT_EQ(judge(evaluated + " --frames 0:3,6:10")["agreement"], fit["agreement"]["frames_used"]);
+  EXPECT_EQ(fit["agreement"]["fitted_again_to_all_frames"], true);
+  EXPECT_NE(fit["agreement"]["all_frames"], fit["agreement"]["frames_used"]);
+}
+
+TEST_F(FitNoiseCommand, JudgeNoiseNamesThePingsAndCellsWhereALawFails) {
+  ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
+  // Ping 4 is of twice the noise power, and so are 8 x 8 pixels of all pings.
+  const auto recording = data_io::OpenRecording(real_);
+  std::vector<Frame> frames;
+  for (int i = 0; i < kPings; ++i) {
+    Frame frame = recording->ReadFrame(i);
+    Grid<float>& grey = frame.image.value;
+    const auto louder = static_cast<float>(3.0 / 60.0 * 255.0);
+    for (int bin = 0; bin < grey.rows(); ++bin) {
+      for (int beam = 0; beam < grey.cols(); ++beam) {
+        const bool in_cell = bin > 16 && bin <= 24 && beam >= 8 && beam < 16;
+        if (i == 4 || in_cell) grey(bin, beam) = std::min(255.0f, grey(bin, beam) + louder);
+      }
+    }
+    frames.push_back(std::move(frame));
+  }
+  data_io::WriteRecording(MemoryRecording(recording->info(), std::move(frames)), world_ / "louder");
+  const Outcome outcome =
+      RunSonarcal("judge-noise -q --params " + Quoted(world_ / "out/params.json") + " --real " +
+                  Quoted(world_ / "louder") + " --out " + Quoted(world_ / "judged"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("worst:\n    frame 4 "));
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "judged/judgement.json");
+  EXPECT_EQ(json["format"], "sonar-noise-judgement/1");
+  EXPECT_NEAR(json["pings"][4]["level_db"].get<double>(), 3.0, 0.3);
+  EXPECT_GT(json["pings"][4]["ks"], json["pings"][4]["chance_ks"]);
+  nlohmann::json worst = json["cells"][0];
+  for (const nlohmann::json& cell : json["cells"]) worst = cell["ks"] > worst["ks"] ? cell : worst;
+  EXPECT_EQ(worst["beams"], (std::vector<int>{8, 15}));
+  EXPECT_EQ(testing::HtmlFault(testing::ReadFile(world_ / "judged/report.html")), "");
+}
+
+TEST_F(FitNoiseCommand, JudgeNoiseRefusesALawOfAnotherSonarInOneSentence) {
+  ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
+  ParameterSet law = data_io::ReadParameters(world_ / "out/params.json");
+  law.receiver.noise_taper_db.pop_back();
+  data_io::WriteParameters(world_ / "other.json", law);
+  law.receiver.noise_taper_db.clear();
+  law.receiver.noise_after_gain_taper_db.clear();
+  law.receiver.noise_db.reset();
+  law.receiver.noise_after_gain_db.reset();
+  data_io::WriteParameters(world_ / "silent.json", law);
+  for (const auto& [file, part] :
+       {std::pair{"other.json", "values of receiver.noise_taper_db, expected as many"},
+        std::pair{"silent.json", "has no noise level"}}) {
+    const Outcome outcome =
+        RunSonarcal("judge-noise --params " + Quoted(world_ / file) + " --real " + Quoted(real_));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+  }
+}
+
 TEST_F(FitNoiseCommand, OneFrameIsEvaluatedOnBandsNotFittedAndThatIsReported) {
   Keep(1);
   const Outcome outcome = RunSonarcal(Arguments());
@@ -172,6 +248,9 @@ TEST_F(FitNoiseCommand, InvalidOptionsAreRefusedInOneSentence) {
     EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
   };
   expect_failure(Arguments("--held-out 99"), 1, "frame 99 is held out");
+  expect_failure(Arguments("--held-out 14:16"), 1, "frame 15 is held out");
+  for (const char* range : {"5:2", "5:", "-1:3", "1:x", "0:2000000000"})
+    expect_failure(Arguments(fmt::format("--held-out={}", range)), 2, "whole numbers or ranges A:B");
   expect_failure(Arguments("--range-min 4.4"), 1, "range bins in the window");
   expect_failure(Arguments("--range-min 4 --range-max 1"), 1, "range bins in the window");
   expect_failure(Arguments("--params " + Quoted(world_ / "none.json")), 1, "none.json");

@@ -1,5 +1,6 @@
 #include "calib/noise/noise_fit.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calib/noise/background_display.h"
 #include "calib/noise/noise_form.h"
 #include "calib/noise/noise_information.h"
 #include "calib/noise/noise_solver.h"
@@ -14,6 +16,7 @@
 #include "core/math/random.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "sim/physics/display.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -524,6 +527,104 @@ TEST(NoiseFitTest, InvalidHeldOutPingsAndRecordingsAreRefused) {
   options.held_out = {};
   options.range_min_m = 9.99;
   EXPECT_THROW(FitNoise(source.Draw(3, 1), options), DataError);
+}
+
+// Levels with a correlation of `correlation` from ping to ping and a trend.
+std::vector<double> Levels(int count, double correlation, double trend, std::uint64_t seed) {
+  const CounterRandom random(seed, 0);
+  std::vector<double> level;
+  double state = 0.0;
+  for (int i = -50; i < count; ++i) {
+    const auto [u, v] = random.Uniform2(i + 50);
+    const double normal = std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+    state = correlation * state + std::sqrt(1.0 - correlation * correlation) * normal;
+    if (i >= 0) level.push_back(state + trend * i);
+  }
+  return level;
+}
+
+TEST(NoiseDriftTest, AStandingLevelIsRarelyCalledADriftAndATrendIsFound) {
+  constexpr int kRuns = 1000;
+  std::vector<int> frames(80);
+  for (int i = 0; i < 80; ++i) frames[i] = i;
+  for (const double correlation : {0.0, 0.5}) {
+    int alarms = 0;
+    int covered = 0;
+    for (int run = 0; run < kRuns; ++run) {
+      alarms += DriftOf(frames, Levels(80, correlation, 0.0, 2 * run + 1))->significant;
+      const NoiseDrift drift = *DriftOf(frames, Levels(80, correlation, 0.05, 2 * run + 2));
+      covered += std::abs(drift.trend_db_per_ping - 0.05) < 1.96 * drift.trend_sigma;
+      EXPECT_EQ(drift.parts.size(), 4u);
+    }
+    // 5 % and 95 %; the correlation is estimated from the same 80 pings.
+    EXPECT_LT(alarms, 0.09 * kRuns) << correlation;
+    EXPECT_GT(covered, 0.91 * kRuns) << correlation;
+  }
+  EXPECT_TRUE(DriftOf(frames, Levels(80, 0.5, 0.05, 7))->significant);
+  EXPECT_FALSE(DriftOf(std::vector<int>{0, 1, 2}, std::vector<double>{0.0, 0.1, 0.2}));
+}
+
+TEST(NoiseJudgementTest, LevelsOfPingsAreFoundAndTheLawIsNotFitted) {
+  const Source source(TwoFloors());
+  Source louder = source;
+  *louder.law.receiver.noise_db += 2.0;
+  *louder.law.receiver.noise_after_gain_db += 2.0;
+  const MemoryRecording recording = louder.Draw(2, 5);
+  const NoiseJudgement judgement = JudgeNoise(source.law, recording, {0, 1}, CellsOf(source), {});
+  ASSERT_EQ(judgement.pings.size(), 2u);
+  for (const NoisePing& ping : judgement.pings) {
+    EXPECT_NEAR(ping.level_db, 2.0, 4.0 * ping.level_sigma_db);
+    EXPECT_LT(ping.level_sigma_db, 0.4);
+  }
+  EXPECT_EQ(judgement.pings_beyond_chance(), 2);
+  EXPECT_FALSE(judgement.drift);
+  const NoiseJudgement true_law = JudgeNoise(louder.law, recording, {0, 1}, CellsOf(source), {});
+  EXPECT_EQ(true_law.pings_beyond_chance(), 0);
+  EXPECT_LE(true_law.cells_beyond_chance(), 1);
+}
+
+// Background of one look and 0 dB through a display, 8 bits.
+PolarImage BackgroundThrough(const DisplayParameters<double>& display, bool span_stated) {
+  const Source source(TwoFloors(), 4000);
+  PolarImage image{source.info.sonar.axes, source.info.scale, Grid<float>(4000, kBeams)};
+  if (span_stated) image.scale.db_span = display.db_max - display.db_min;
+  const CounterRandom random(3, 0);
+  for (std::size_t i = 0; i < image.value.size(); ++i) {
+    const double value = sim::DisplayValue(display, -std::log(random.Uniform2(i).first));
+    image.value.values()[i] = static_cast<float>(std::round(255.0 * std::clamp(value, 0.0, 1.0)));
+  }
+  return image;
+}
+
+TEST(BackgroundDisplayTest, TheLawThatMadeTheBackgroundIsFoundAmongAll) {
+  const Mask all(4000, kBeams, 1);
+  const std::vector<DisplayParameters<double>> truths = {
+      {.db_min = -20.0, .db_max = 40.0, .law = DisplayLaw::kLog},
+      {.db_min = -12.0, .db_max = 48.0, .law = DisplayLaw::kSoftLog, .soft_db = -6.0},
+      {.db_min = -14.0, .db_max = 56.0, .law = DisplayLaw::kSoftAmplitude, .soft_db = -8.0},
+      {.db_min = -40.0, .db_max = 20.0, .law = DisplayLaw::kPower, .exponent = 0.7}};
+  for (const bool span_stated : {true, false}) {
+    for (const DisplayParameters<double>& truth : truths) {
+      const PolarImage image = BackgroundThrough(truth, span_stated);
+      const BackgroundDisplay own = FitBackgroundDisplay(image, all, truth.law);
+      const auto named = [&] { return fmt::format("{}, span stated: {}", ToString(truth.law), span_stated); };
+      EXPECT_LT(own.ks, 0.01) << named();
+      if (truth.law == DisplayLaw::kPower) {
+        EXPECT_NEAR(own.display.db_max, truth.db_max, 1.0) << named();
+        EXPECT_NEAR(own.display.exponent, truth.exponent, 0.02) << named();
+      } else {
+        EXPECT_NEAR(own.display.db_min, truth.db_min, 0.6) << named();
+        EXPECT_NEAR(own.display.db_max, truth.db_max, span_stated ? 0.6 : 3.0) << named();
+      }
+      for (const DisplayParameters<double>& other : truths) {
+        if (other.law == truth.law) continue;
+        // Softened by next to nothing, a soft law is the logarithm.
+        const bool holds = truth.law == DisplayLaw::kLog && other.law != DisplayLaw::kPower;
+        const double loss = FitBackgroundDisplay(image, all, other.law).nats_per_pixel - own.nats_per_pixel;
+        EXPECT_GT(loss, holds ? -1e-3 : 1e-3) << named() << " by " << ToString(other.law);
+      }
+    }
+  }
 }
 
 }  // namespace

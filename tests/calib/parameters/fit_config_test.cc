@@ -67,6 +67,49 @@ TEST(FitConfigTest, PriorsAreOfValuesAndBecomePriorsOfCoordinates) {
               ::testing::ThrowsMessage<DataError>(HasSubstr("sigma > 0")));
 }
 
+// Bounds of each key in turn as [1, 1 + place], in an order in which the alphabet would choose another one.
+TEST(FitConfigTest, TheClosestKeyCountsWhereSeveralMatch) {
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor", "wall"});
+  FitConfig config{.free = std::vector<std::string>{"materials"}};
+  config.bounds = {{"*", {1.0, 2.0}},
+                   {"materials", {1.0, 3.0}},
+                   {"m*", {1.0, 4.0}},
+                   {"material.floor.*", {1.0, 5.0}},
+                   {"material.floor.gsab.D", {1.0, 6.0}},
+                   {"material.floor.gsab.[A-D]", {1.0, 6.0}}};
+  config.priors = {
+      {"material.*", std::nullopt}, {"material.wall.gsab.D", {{2.0, 0.1}}}, {"*.D", {{1.0, 0.1}}}};
+  ApplyFitConfig(config, catalog);
+  for (const CatalogEntry& entry : catalog) {
+    double upper = 2.0;
+    if (entry.name.starts_with("material.")) upper = 4.0;
+    if (entry.name.starts_with("material.floor.")) upper = 5.0;
+    const bool listed = entry.key == "A" || entry.key == "C" || entry.key == "D";
+    if (entry.name.starts_with("material.floor.") && listed) upper = 6.0;
+    EXPECT_EQ(entry.upper, upper) << entry.name;
+    if (entry.name == "material.wall.gsab.D") {
+      EXPECT_EQ(entry.prior.value().coordinate, 2.0);
+    } else if (entry.name.starts_with("material.")) {
+      EXPECT_TRUE(std::isinf(entry.prior.value().sigma)) << entry.name;
+    }
+  }
+}
+
+TEST(FitConfigTest, EquallyCloseKeysMustAgreeWhereTheyMatchTheSameParameter) {
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor", "wall"});
+  FitConfig config{.free = std::vector<std::string>{"materials"}};
+  config.bounds = {{"*floor*", {1.0, 2.0}}, {"*gsab.*", {1.0, 3.0}}};
+  try {
+    ApplyFitConfig(config, catalog);
+    FAIL() << "contradicting bounds were accepted";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("'*floor*' and '*gsab.*' give different bounds to material.floor.gsab.A"));
+  }
+  config.bounds["*gsab.*"] = {1.0, 2.0};
+  ApplyFitConfig(config, catalog);
+}
+
 TEST(FitConfigTest, AnUnknownKeyIsRefusedWithItsLine) {
   const TempDir dir;
   WriteFile(dir / "fit.json", "{\"format\": \"sonar-fit-config/1\",\n\"fre\": []}");

@@ -122,5 +122,18 @@ TEST(ParameterCatalog, SlotsAreThePlacesOfTheValues) {
   EXPECT_EQ(slot("mirror.wall.loss_db"), &set.mirrors["wall"].loss_db);
 }
 
+TEST(ParameterCatalog, BeamsStayWithinAFactorOfTwoOfTheWidthsThatTheSonarStates) {
+  SonarModel sonar = Sonar();
+  const std::vector<CatalogEntry> unknown = BuildAcousticCatalog({"floor"}, sonar, {0});
+  sonar.elevation_beam_width_deg = 14.0;
+  const std::vector<CatalogEntry> known = BuildAcousticCatalog({"floor"}, sonar, {0});
+  EXPECT_EQ(Find(known, "beam.elevation_width_deg").lower, 7.0);
+  EXPECT_EQ(Find(known, "beam.elevation_width_deg").upper, 28.0);
+  for (const char* name : {"beam.azimuth_width_deg", "pulse.length_m"}) {  // not stated
+    EXPECT_EQ(Find(known, name).lower, Find(unknown, name).lower) << name;
+    EXPECT_EQ(Find(known, name).upper, Find(unknown, name).upper) << name;
+  }
+}
+
 }  // namespace
 }  // namespace sonarcal::calib
