@@ -22,6 +22,7 @@ struct FitCommandOptions {
   std::filesystem::path scene;
   cli::SceneFormat scene_format;
   std::filesystem::path params;
+  std::filesystem::path poses;  // empty: those of the recording
   std::filesystem::path out;
   workflow::FitOptions fit;
   // --noise-only (apps/commands/fit_noise.h): without scene and poses. Uses real, out, held_out, and params
