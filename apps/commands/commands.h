@@ -14,6 +14,7 @@ void SetupSimulate(CLI::App& app);
 void SetupRays(CLI::App& app);
 void SetupCompare(CLI::App& app);
 void SetupFit(CLI::App& app);
+void SetupLocate(CLI::App& app);
 void SetupView(CLI::App& app);
 void SetupBatch(CLI::App& app);
 void SetupDocs(CLI::App& app);  // hidden

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   sonarcal::commands::SetupRays(app);
   sonarcal::commands::SetupCompare(app);
   sonarcal::commands::SetupFit(app);
+  sonarcal::commands::SetupLocate(app);
   sonarcal::commands::SetupView(app);
   sonarcal::commands::SetupBatch(app);
   sonarcal::commands::SetupDocs(app);
