@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -27,6 +28,7 @@ constexpr double kAssumedElevationDeg = 30.0;
 // Half-power width of a beam in elevation over the nominal field of view: outside that field targets are still
 // visible (docs/studies/bomb.md).
 constexpr double kNominalWidths = 2.0;
+constexpr std::array kTapers = {1.0, 0.6, 0.4};  // of the beams' aperture: without and with side lobes
 constexpr double kMinSpanDeg = 28.0;  // targets are visible outside the nominal vertical field of view
 
 double MedianGrey(const PolarImage& image) {
@@ -102,9 +104,12 @@ class Locator {
     std::vector<Frame> posed;
     try {
       if (options_.one_pose) {
-        const calib::PoseSearchResult found = Search(MeanOf(read), StartOf(start, 0));
+        const PolarImage mean = MeanOf(read);
+        ChooseSideLobes(mean, StartOf(start, 0));
+        const calib::PoseSearchResult found = Search(mean, StartOf(start, 0));
         for (std::size_t i = 0; i < read.size(); ++i) Add(frames[i], read[i], found, posed);
       } else {
+        ChooseSideLobes(read.front().image, StartOf(start, 0));
         for (std::size_t i = 0; i < read.size(); ++i) {
           listener_.Progress("Searching", static_cast<int>(i), static_cast<int>(read.size()));
           if (read.size() > 1) listener_.Message(fmt::format("frame {}", frames[i]));
@@ -147,7 +152,36 @@ class Locator {
     return start[start.size() == 1 ? 0 : i].world_from_sonar.Inverse();
   }
 
+  // Without given parameters, takes the shading of the beams that describes the image best at the pose found
+  // with each of a few: sonars state no side lobes, and a wrong guess shifts the outline of a bright target.
+  void ChooseSideLobes(const PolarImage& image, const std::optional<Pose>& start) {
+    if (options_.params) return;
+    listener_.Message("choosing the side lobes of the beams at a first pose");
+    calib::PoseSearchOptions quick = SearchOptions(start);
+    quick.ridge_elevations_deg = {};
+    quick.max_candidates = 1;
+    quick.relatives = false;
+    quick.progress = {};
+    double lowest = std::numeric_limits<double>::infinity();
+    double best_taper = 0.0;
+    for (const double taper : kTapers) {
+      parameters_.beam.azimuth_taper = taper;
+      const calib::PoseSearchResult found =
+          calib::SearchPose(location_.scene, sonar_, water_, image, parameters_, quick);
+      quick.start = found.best().sonar_from_target;
+      if (!(found.best().cost < lowest)) continue;
+      lowest = found.best().cost;
+      best_taper = taper;
+    }
+    parameters_.beam.azimuth_taper = best_taper;
+    listener_.Message(fmt::format("beam.azimuth_taper {:g} describes the first image best", best_taper));
+  }
+
   calib::PoseSearchResult Search(const PolarImage& image, const std::optional<Pose>& start) const {
+    return calib::SearchPose(location_.scene, sonar_, water_, image, parameters_, SearchOptions(start));
+  }
+
+  calib::PoseSearchOptions SearchOptions(const std::optional<Pose>& start) const {
     calib::PoseSearchOptions search;
     search.range_m = options_.region_range;
     search.azimuth_deg = options_.region_azimuth;
@@ -162,7 +196,7 @@ class Locator {
     if (recording_.info().valid) search.pixels = *recording_.info().valid;
     search.progress = [this](const std::string& line) { listener_.Message(line); };
     search.stop = listener_.stop;
-    return calib::SearchPose(location_.scene, sonar_, water_, image, parameters_, search);
+    return search;
   }
 
   void Add(int index, Frame frame, const calib::PoseSearchResult& found, std::vector<Frame>& posed) {

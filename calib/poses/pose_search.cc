@@ -379,7 +379,8 @@ class Search {
     std::stable_sort(refined.begin(), refined.end(), by_cost);
     const MatchState best = refined.front().second;
     const auto& symmetry = result_.symmetry;
-    if (symmetry.revolution != Revolution::kSphere && !symmetry.half_turn[1] && !symmetry.half_turn[2]) {
+    if (options_.relatives && symmetry.revolution != Revolution::kSphere && !symmetry.half_turn[1] &&
+        !symmetry.half_turn[2]) {
       for (const int axis : {1, 2}) {
         MatchState reversed = WithoutImage(best);
         reversed.rotation = best.rotation * HalfTurn(axis);
@@ -390,7 +391,7 @@ class Search {
       std::stable_sort(refined.begin(), refined.end(), by_cost);
     }
     // With a floor, the mirror image would be a sonar below it.
-    if (options_.floor_material.empty()) AddMirrored(refined, add);
+    if (options_.relatives && options_.floor_material.empty()) AddMirrored(refined, add);
     std::stable_sort(refined.begin(), refined.end(), by_cost);
     for (const auto& [kind, state] : refined) {
       PoseCandidate candidate = CandidateOf(state, kind);

@@ -40,6 +40,7 @@ struct PoseSearchOptions {
   double start_spacing_deg = 20.0;  // between directions, and between rolls, of the sweep
   int refined_starts = 4;           // best starts of the sweep that differ, refined on the coarse image
   int max_candidates = 4;           // refined on the full image, besides mirror image and reversed target
+  bool relatives = true;            // also the mirror image and the reversed target are candidates
   int coarse_factor = 3;            // decimation of range bins and rays in the coarse image
   int cols_per_beam = 2;
   double ray_height_deg = 0.05;
