@@ -378,18 +378,15 @@ class Search {
     const auto by_cost = [](const auto& a, const auto& b) { return a.second.cost < b.second.cost; };
     std::stable_sort(refined.begin(), refined.end(), by_cost);
     const MatchState best = refined.front().second;
-    const auto& symmetry = result_.symmetry;
-    if (options_.relatives && symmetry.revolution != Revolution::kSphere && !symmetry.half_turn[1] &&
-        !symmetry.half_turn[2]) {
-      for (const int axis : {1, 2}) {
-        MatchState reversed = WithoutImage(best);
-        reversed.rotation = best.rotation * HalfTurn(axis);
-        coarse_->Refine(reversed, options_.max_iterations);
-        add(CandidateKind::kReversed, std::move(reversed));
-        if (symmetry.revolution == Revolution::kAxis) break;
-      }
-      std::stable_sort(refined.begin(), refined.end(), by_cost);
+    const std::vector<Eigen::Quaterniond> reversals =
+        options_.relatives ? Reversals() : std::vector<Eigen::Quaterniond>();
+    for (const Eigen::Quaterniond& reversal : reversals) {
+      MatchState reversed = WithoutImage(best);
+      reversed.rotation = best.rotation * reversal;
+      coarse_->Refine(reversed, options_.max_iterations);
+      add(CandidateKind::kReversed, std::move(reversed));
     }
+    std::stable_sort(refined.begin(), refined.end(), by_cost);
     // With a floor, the mirror image would be a sonar below it.
     if (options_.relatives && options_.floor_material.empty()) AddMirrored(refined, add);
     std::stable_sort(refined.begin(), refined.end(), by_cost);
@@ -402,6 +399,19 @@ class Search {
       result_.candidates.push_back(std::move(candidate));
     }
     NameKinds();
+  }
+
+  // Turns of the body that reverse its length. On a floor, half a turn about the vertical.
+  std::vector<Eigen::Quaterniond> Reversals() const {
+    const MeshSymmetry& symmetry = result_.symmetry;
+    if (!options_.floor_material.empty()) {
+      const Eigen::Quaterniond& mesh_from_body = symmetry.mesh_from_body.rotation;
+      return {mesh_from_body.conjugate() * HalfTurn(2) * mesh_from_body};
+    }
+    if (symmetry.revolution == Revolution::kSphere || symmetry.half_turn[1] || symmetry.half_turn[2])
+      return {};
+    if (symmetry.revolution == Revolution::kAxis) return {HalfTurn(1)};
+    return {HalfTurn(1), HalfTurn(2)};
   }
 
   template <typename Add>

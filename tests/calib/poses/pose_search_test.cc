@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/types/units.h"
+#include "sim/scenes/scene_primitives.h"
 #include "sim/scenes/scenes.h"
 #include "tests/calib/small_body.h"
 
@@ -149,6 +150,33 @@ TEST(PoseSearchTest, FindsTheRollOfAMeshThatIsNoBodyOfRevolution) {
   EXPECT_LT(ErrorDeg(found, truth), 20.0);
   const Eigen::Vector3d place = found.best().sonar_from_target.position_m;
   EXPECT_NEAR(place.head<2>().norm(), 1.35, 0.05);
+}
+
+// The floor resolves what one image of a target alone leaves open: the sonar is above it.
+TEST(PoseSearchTest, FindsATargetOnAFloor) {
+  Scene world = testing::MakeHook();
+  world.Append(
+      sim::MakePatch({-5.0, -5.0, -0.05}, {10.0, 0.0, 0.0}, {0.0, 10.0, 0.0}, sim::kUndivided, "floor"));
+  ParameterSet parameters = BodyParameters();
+  parameters.materials["floor"] = parameters.materials["body"];
+  ParameterSet true_parameters = parameters;
+  true_parameters.materials["floor"].gsab.c = 0.03;
+  true_parameters.model = EchoModel::kCoherent;
+  const Pose sonar_from_world{
+      Eigen::AngleAxisd(RadFromDeg(30.0), Eigen::Vector3d::UnitX()) *
+          Eigen::Quaterniond(Eigen::AngleAxisd(RadFromDeg(65.0), Eigen::Vector3d::UnitZ())),
+      {0.05, 1.4, 0.0}};
+  const sim::Simulator simulator(world, CoarseSonar(), Recorder());
+  const PolarImage recorded = simulator.Render(sonar_from_world.Inverse(), true_parameters);
+  PoseSearchOptions options = QuickSearch();
+  options.floor_material = "floor";
+  const PoseSearchResult found =
+      SearchPose(world, CoarseSonar(), Recorder().water, recorded, parameters, options);
+  const Pose& best = found.best().sonar_from_target;
+  EXPECT_NEAR(best.position_m.norm(), 1.4, 0.05);
+  EXPECT_LT(TurnDeg(best.rotation, sonar_from_world.rotation), 20.0);
+  EXPECT_NEAR(found.best().floor_gain_db - found.best().gain_db, DbFromPower(0.03), 4.0);
+  EXPECT_GT((best.Inverse().position_m).z(), 0.0);
 }
 
 TEST(PoseSearchTest, SaysThatTheRollOfABodyOfRevolutionIsOpen) {
