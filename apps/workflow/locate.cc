@@ -264,7 +264,7 @@ std::vector<data_io::TimedPose> Location::Poses() const {
         recording->frame_info(static_cast<int>(i)).time_s, search.best().WorldFromSonar(), frames[i].frame});
     for (const calib::PoseCandidate& candidate : search.candidates) {
       pose.candidates.push_back(
-          {.what = &candidate == &search.best() ? "best" : std::string(ToString(candidate.kind)),
+          {.what = &candidate == &search.best() ? "best" : std::string(calib::NameOf(candidate.kind)),
            .world_from_sonar = candidate.WorldFromSonar(),
            .rms_difference = std::sqrt(candidate.cost),
            .gain_db = candidate.gain_db,

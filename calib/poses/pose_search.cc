@@ -361,7 +361,7 @@ class Search {
     std::vector<std::pair<CandidateKind, MatchState>> refined;
     const auto add = [&](CandidateKind kind, MatchState state) {
       fine_->Refine(state, options_.max_iterations);
-      Say(fmt::format("{}: {}", ToString(kind), Describe(state, result_.symmetry)));
+      Say(fmt::format("{}: {}", NameOf(kind), Describe(state, result_.symmetry)));
       for (const auto& known : refined) {
         if (IsKnown({known.second}, state, RadFromDeg(kSameTurnDeg))) return;
       }
@@ -477,7 +477,7 @@ class Search {
       open.push_back(
           fmt::format("{} (candidate {}) explains the picture as well: rms difference {:.5f} against {:.5f}, "
                       "log-likelihood lower by {:.1f} nats, {:.1f} standard deviations",
-                      ToString(other.kind), i + 1, std::sqrt(other.cost), std::sqrt(best.cost),
+                      NameOf(other.kind), i + 1, std::sqrt(other.cost), std::sqrt(best.cost),
                       other.worse_by_nats, other.worse_by_sigmas));
     }
     if (result_.ridge.size() > 1) {
@@ -521,7 +521,7 @@ class Search {
 
 }  // namespace
 
-std::string_view ToString(CandidateKind kind) {
+std::string_view NameOf(CandidateKind kind) {
   switch (kind) {
     case CandidateKind::kMirrored:
       return "the mirror image in the plane of the beams";

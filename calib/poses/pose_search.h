@@ -91,7 +91,7 @@ struct PoseSearchResult {
 };
 
 // "the reversed target", for a text.
-std::string_view ToString(CandidateKind kind);
+std::string_view NameOf(CandidateKind kind);
 
 // `measured` holds grey levels. `parameters` gives display, noise floor, beam and pulse, and a backscatter
 // curve for each material. Throws DataError if no object exceeds the background.

@@ -16,7 +16,7 @@ namespace {
 // "best", "the reversed target, explains the picture as well"
 std::string NameOf(const calib::PoseSearchResult& search, const calib::PoseCandidate& candidate) {
   if (&candidate == &search.best()) return "best";
-  return std::string(ToString(candidate.kind)) +
+  return std::string(calib::NameOf(candidate.kind)) +
          (candidate.ExplainsAsWell() ? ", explains the picture as well" : "");
 }
 
