@@ -11,25 +11,9 @@
 #include "core/types/units.h"
 #include "data_io/recordings/recording_io.h"
 #include "sim/paper/paper_values.h"
-#include "sim/physics/receiver.h"
 
 namespace sonarcal::reproduce {
 namespace {
-
-double MedianGrey(const PolarImage& image) {
-  return UpperMedian(std::vector<float>(image.value.values().begin(), image.value.values().end()));
-}
-
-// Display and noise floor as the image shows them: most of it is background. Only level differences are known,
-// so 0 dB is where the display begins.
-ParameterSet SearchStart(const TargetCase& target, const PolarImage& image) {
-  if (!image.scale.db_span) throw DataError("the frames of the target state no dB scale");
-  ParameterSet parameters = target.search_start;
-  parameters.display = {.db_min = 0.0, .db_max = *image.scale.db_span};
-  parameters.receiver.noise_db =
-      MedianGrey(image) / image.scale.full_scale * *image.scale.db_span - sim::MeanLogSpeckleDb(1.0);
-  return parameters;
-}
 
 // Pixels within reach of the object found in the recorded image: the model has no background to explain the
 // rest by.
@@ -93,22 +77,21 @@ class Comparison {
     if (options_.on_note) options_.on_note(line);
   }
 
+  // As `sonarcal locate` does without parameters.
   void Search() {
-    const SonarModel& sonar = recorded_->info().sonar;
-    result_.acoustic = SearchStart(target_, frames_[0].image);
-    calib::PoseSearchOptions search;
-    search.progress = options_.on_note;
+    workflow::LocateOptions locate;
+    locate.threads = options_.threads;
     if (options_.quick) {
-      search.start_spacing_deg = 40.0;
-      search.refined_starts = 1;
-      search.max_candidates = 1;
-      search.ray_height_deg = 0.2;
-      search.max_iterations = 5;
-      search.ridge_elevations_deg = {0.0};
+      locate.spacing = 40.0;
+      locate.starts = 1;
+      locate.ray_height = 0.2;
+      locate.max_iterations = 5;
     }
-    result_.pose =
-        calib::SearchPose(target_.plain_scene, sonar, water_, frames_[0].image, result_.acoustic, search);
-    result_.acoustic.receiver.gain_db += result_.pose.best().gain_db;
+    workflow::Location location =
+        workflow::Locate(*recorded_, target_.plain_scene, {target_.fitted_frame}, locate, {},
+                         {.progress = {}, .message = options_.on_note, .stop = {}});
+    result_.pose = std::move(location.frames.front().search);
+    result_.acoustic = std::move(location.parameters);
   }
 
   // A static scene: both frames have one pose.
