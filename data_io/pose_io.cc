@@ -2,11 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "data_io/files/atomic_output.h"
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
 #include "data_io/recordings/recording_io.h"
+#include "data_io/recordings/view_recording.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -21,6 +23,39 @@ JsonReader ListOfPoses(const JsonReader& json) {
   return json.At("poses");
 }
 
+PoseFound ReadFound(const JsonReader& json) {
+  return {.what = json.At("what").String(),
+          .world_from_sonar = ReadPose(json.At("world_from_sonar")),
+          .rms_difference = json.At("rms_difference").Number(),
+          .gain_db = json.At("gain_db").Number(),
+          .worse_by_nats = json.At("worse_by_nats").Number(),
+          .worse_by_sigmas = json.At("worse_by_sigmas").Number(),
+          .explains_as_well = json.At("explains_as_well").Bool()};
+}
+
+Json FoundJson(const PoseFound& found) {
+  return {{"what", found.what},
+          {"world_from_sonar", PoseJson(found.world_from_sonar)},
+          {"rms_difference", found.rms_difference},
+          {"gain_db", found.gain_db},
+          {"worse_by_nats", found.worse_by_nats},
+          {"worse_by_sigmas", found.worse_by_sigmas},
+          {"explains_as_well", found.explains_as_well}};
+}
+
+TimedPose ReadTimedPose(const JsonReader& json) {
+  TimedPose pose{json.FindNumber("time_s"), ReadPose(json.At("world_from_sonar"))};
+  constexpr int kMaxFrame = 1'000'000'000;
+  if (const auto frame = json.Find("frame")) pose.frame = static_cast<int>(frame->Integer(0, kMaxFrame));
+  if (const auto candidates = json.Find("candidates")) {
+    for (const JsonReader& found : candidates->Items()) pose.candidates.push_back(ReadFound(found));
+  }
+  if (const auto open = json.Find("open")) {
+    for (const JsonReader& sentence : open->Items()) pose.open.push_back(sentence.String());
+  }
+  return pose;
+}
+
 }  // namespace
 
 std::vector<TimedPose> ReadPoses(const std::filesystem::path& file) {
@@ -28,7 +63,7 @@ std::vector<TimedPose> ReadPoses(const std::filesystem::path& file) {
   const JsonReader list = ListOfPoses(json);
   std::vector<TimedPose> poses;
   for (const JsonReader& pose : list.Items()) {
-    poses.push_back({pose.FindNumber("time_s"), ReadPose(pose.At("world_from_sonar"))});
+    poses.push_back(ReadTimedPose(pose));
   }
   json.Finish();
   if (poses.empty()) list.Fail("is empty, expected at least one pose");
@@ -54,15 +89,34 @@ std::vector<TimedPose> ReadPosesOrRecording(const std::filesystem::path& path) {
   return PosesOfRecording(*OpenRecording(path));
 }
 
-void WritePoses(const std::filesystem::path& file, const std::vector<TimedPose>& poses) {
+std::unique_ptr<RecordingSource> WithPoses(std::shared_ptr<const RecordingSource> recording,
+                                           const std::vector<TimedPose>& poses,
+                                           const std::filesystem::path& source) {
+  if (recording->frame_count() != static_cast<int>(poses.size())) {
+    throw DataError("{} has {} frames and {} has {} poses, expected as many", recording->info().source,
+                    recording->frame_count(), source.string(), poses.size());
+  }
+  std::vector<std::optional<Pose>> of_frames;
+  for (const TimedPose& pose : poses) of_frames.emplace_back(pose.world_from_sonar);
+  return std::make_unique<ReposedRecording>(std::move(recording), std::move(of_frames));
+}
+
+std::string PosesText(const std::vector<TimedPose>& poses) {
   Json list = Json::array();
   for (const TimedPose& pose : poses) {
     Json json;
     if (pose.time_s) json["time_s"] = *pose.time_s;
     json["world_from_sonar"] = PoseJson(pose.world_from_sonar);
+    if (pose.frame) json["frame"] = *pose.frame;
+    for (const PoseFound& found : pose.candidates) json["candidates"].push_back(FoundJson(found));
+    if (!pose.open.empty()) json["open"] = pose.open;
     list.push_back(std::move(json));
   }
-  WriteJson(file, {{"format", kFormat}, {"poses", std::move(list)}});
+  return JsonText({{"format", kFormat}, {"poses", std::move(list)}});
+}
+
+void WritePoses(const std::filesystem::path& file, const std::vector<TimedPose>& poses) {
+  WriteFileWhole(file, PosesText(poses));
 }
 
 }  // namespace sonarcal::data_io

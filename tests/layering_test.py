@@ -58,6 +58,7 @@ FOLDERS = [
     "apps/batch",
     "apps/view",
     "apps/commands",
+    "apps/commands/fitting",
     "apps/python",
 ]
 

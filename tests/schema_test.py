@@ -132,7 +132,12 @@ RECORDING = {
     "notes": ["a sentence"],
     "frames": [{"file": "frame_0000.png", "time_s": 0, "world_from_sonar": POSE, "settings": SETTINGS}],
 }
-POSES = {"format": "sonar-poses/1", "poses": [{"time_s": 0, "world_from_sonar": POSE}]}
+CANDIDATE = {
+    "what": "best", "world_from_sonar": POSE, "rms_difference": 0.01, "gain_db": -2.5, "worse_by_nats": 0,
+    "worse_by_sigmas": 0, "explains_as_well": True,
+}
+POSES = {"format": "sonar-poses/1", "poses": [
+    {"time_s": 0, "world_from_sonar": POSE, "frame": 3, "candidates": [CANDIDATE], "open": ["roll"]}]}
 FIT_CONFIG = {
     "format": "sonar-fit-config/1",
     "free": ["materials"],
@@ -207,8 +212,14 @@ AT_LIMITS = {
         "image.db_min": 0,
         "frames.0.world_from_sonar.quaternion_wxyz": [1.001, 0, 0, 0],
     },
-    ("poses", "lower"): {"poses.0.world_from_sonar.quaternion_wxyz": [0, -1.001, 0, 0]},
-    ("poses", "upper"): {"poses.0.world_from_sonar.quaternion_wxyz": [0, 0, 1.001, 0]},
+    ("poses", "lower"): {
+        "poses.0.world_from_sonar.quaternion_wxyz": [0, -1.001, 0, 0],
+        "poses.0.candidates.0.world_from_sonar.quaternion_wxyz": [0, -1.001, 0, 0],
+    },
+    ("poses", "upper"): {
+        "poses.0.world_from_sonar.quaternion_wxyz": [0, 0, 1.001, 0],
+        "poses.0.candidates.0.world_from_sonar.quaternion_wxyz": [0, 0, 1.001, 0],
+    },
     ("fit_config", "lower"): {},
     ("fit_config", "upper"): {},
 }

@@ -30,8 +30,8 @@ double MetresPerUnit(LengthUnit unit) {
 }
 
 void AddSceneOptions(CLI::App& command, std::filesystem::path& scene, SceneFormat& format,
-                     const std::string& description, bool required) {
-  command.add_option("--scene", scene, description)->type_name("GLTF|OBJ|STL")->required(required);
+                     const std::string& description, bool required, const std::string& name) {
+  command.add_option(name, scene, description)->type_name("GLTF|OBJ|STL")->required(required);
   AddChoice(command, "--scene-unit", format.unit, "Unit of an OBJ or STL scene (default: m)");
   AddChoice(command, "--scene-up", format.up,
             "Upward axis of an OBJ or STL scene (default: y for OBJ, z for STL)");

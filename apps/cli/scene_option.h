@@ -32,9 +32,9 @@ struct SceneFormat {
 
 double MetresPerUnit(LengthUnit unit);
 
-// Adds --scene, --scene-unit and --scene-up.
+// Adds --scene, or another option `name` for the file, and --scene-unit and --scene-up.
 void AddSceneOptions(CLI::App& command, std::filesystem::path& scene, SceneFormat& format,
-                     const std::string& description, bool required);
+                     const std::string& description, bool required, const std::string& name = "--scene");
 
 // Reads the scene. For OBJ or STL prints its size, which shows a wrong unit or axis. Throws UsageError if a
 // format is given for a glTF, DataError as ReadScene does.

@@ -16,6 +16,7 @@ void SetupCompare(CLI::App& app);
 void SetupFit(CLI::App& app);
 void SetupCalibrate(CLI::App& app);
 void SetupJudgeNoise(CLI::App& app);
+void SetupLocate(CLI::App& app);
 void SetupView(CLI::App& app);
 void SetupBatch(CLI::App& app);
 void SetupDocs(CLI::App& app);  // hidden

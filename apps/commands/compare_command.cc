@@ -28,7 +28,7 @@
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
-#include "apps/workflow/frame_gatherer.h"
+#include "apps/workflow/scene_geometry.h"
 #include "apps/workflow/simulate.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"

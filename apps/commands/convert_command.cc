@@ -1,5 +1,5 @@
 // `sonarcal convert FILE --out REC`: writes a recording of any readable format as a recording folder,
-// optionally with the poses of the sonar from a trajectory.
+// optionally with the poses of the sonar from a file of poses or from a trajectory.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -22,6 +22,7 @@
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "data_io/bag_trajectory.h"
+#include "data_io/pose_io.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recordings/frame_range.h"
 #include "data_io/recordings/recalibrated_recording.h"
@@ -37,6 +38,7 @@ struct ConvertOptions {
   std::filesystem::path file;
   std::filesystem::path out;
   std::string frames;                // "A:B", see data_io/recordings/frame_range.h; empty: all
+  std::filesystem::path poses;       // one per frame that is converted; empty: poses as recorded
   std::filesystem::path trajectory;  // empty: poses as recorded
   std::optional<data_io::TrajectoryFormat> trajectory_format;  // absent: determined from its first lines
   std::string sonar;  // in place of that of the file; empty: as recorded
@@ -81,6 +83,8 @@ std::unique_ptr<data_io::PosedRecording> WithPoses(std::unique_ptr<RecordingSour
 
 void CheckOptions(const ConvertOptions& options) {
   const bool takes_poses = !options.trajectory.empty() || !options.pose_topic.empty();
+  if (takes_poses && !options.poses.empty())
+    throw UsageError("--poses is given with --trajectory or --pose-topic, expected one of them");
   if (!takes_poses && !options.mount.empty())
     throw UsageError("--mount is given without --trajectory or --pose-topic, expected both");
   if (!options.trajectory.empty() && !options.pose_topic.empty())
@@ -104,13 +108,18 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
     lost = salvaged->lost_count();
     recording = std::move(salvaged);
   }
-  std::optional<int> posed;  // if a trajectory gives poses
+  std::optional<int> posed;  // if poses are given
   if (!options.trajectory.empty() || !options.pose_topic.empty()) {
     auto with_poses = WithPoses(std::move(recording), options);
     posed = with_poses->posed_count();
     recording = std::move(with_poses);
   }
 
+  if (!options.poses.empty()) {
+    const std::vector<data_io::TimedPose> poses = data_io::ReadPosesOrRecording(options.poses);
+    recording = data_io::WithPoses(std::move(recording), poses, options.poses);
+    posed = static_cast<int>(poses.size());
+  }
   if (!options.sonar.empty()) {
     recording = std::make_unique<data_io::RecalibratedRecording>(std::move(recording),
                                                                  workflow::ChooseSonar(options.sonar).sonar);
@@ -122,7 +131,8 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
   data_io::WriteRecording(*recording, output.directory(),
                           {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
   std::vector<std::filesystem::path> inputs = {options.file};
-  for (const auto* input : {&options.trajectory, &options.mount, &options.bag.picture_geometry}) {
+  for (const auto* input :
+       {&options.poses, &options.trajectory, &options.mount, &options.bag.picture_geometry}) {
     if (!input->empty()) inputs.push_back(*input);
   }
   cli::WriteProvenance(output.staging(),
@@ -130,6 +140,7 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
                         .configuration = {{"file", options.file.string()},
                                           {"sonar", options.sonar},
                                           {"out", options.out.string()},
+                                          {"poses", options.poses.string()},
                                           {"trajectory", options.trajectory.string()},
                                           {"topic", options.bag.bag.topic},
                                           {"samples_by_range", options.bag.bag.message.sample_order ==
@@ -172,6 +183,11 @@ void SetupConvert(CLI::App& app) {
       ->add_option("--frames", options->frames,
                    "Frames to convert: from A (counted from 0) up to, but not including, B; all if not given")
       ->type_name("A:B");
+  command
+      ->add_option("--poses", options->poses,
+                   "Poses, one per converted frame, in place of its own: a recording with poses, or a JSON "
+                   "file (default: none)")
+      ->type_name("REC|FILE");
   command
       ->add_option("--trajectory", options->trajectory,
                    "Trajectory of the sonar, or of the body that carries it; gives every frame the pose at "

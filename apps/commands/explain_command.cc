@@ -71,7 +71,7 @@ using Json = nlohmann::ordered_json;
 
 // Input of the study, from files or one of the known recordings.
 struct Subject {
-  std::shared_ptr<const RecordingSource> recording;
+  std::unique_ptr<RecordingSource> recording;
   Scene scene;
   ParameterSet given;
   workflow::ExplainOptions options;  // as stored in provenance

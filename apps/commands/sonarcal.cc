@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   sonarcal::commands::SetupFit(app);
   sonarcal::commands::SetupCalibrate(app);
   sonarcal::commands::SetupJudgeNoise(app);
+  sonarcal::commands::SetupLocate(app);
   sonarcal::commands::SetupView(app);
   sonarcal::commands::SetupBatch(app);
   sonarcal::commands::SetupDocs(app);

@@ -298,6 +298,15 @@ def _compare(
 def _fit(
     recording: Recording, scene: Scene, params: Parameters, options: FitOptions, progress: _Progress, say: _Say
 ) -> tuple[bool, dict[str, Any], Optional[dict[str, Any]], list[Pose], list[ComparedFrame], list[ComparedFrame]]: ...
+def _locate(
+    recording: Recording,
+    target: Scene,
+    frames: Sequence[int],
+    options: LocateOptions,
+    start: Sequence[Pose],
+    progress: _Progress,
+    say: _Say,
+) -> tuple[dict[str, Any], Recording, Scene, dict[str, Any]]: ...
 def _explain(
     recording: Recording, scene: Scene, params: Parameters, options: ExplainOptions, progress: _Progress, say: _Say
 ) -> tuple[dict[str, Any], dict[str, Any], list[CauseMap]]: ...

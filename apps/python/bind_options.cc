@@ -9,6 +9,7 @@
 #include "apps/workflow/compare.h"
 #include "apps/workflow/explain.h"
 #include "apps/workflow/fit.h"
+#include "apps/workflow/locate.h"
 #include "apps/workflow/simulate.h"
 
 namespace sonarcal::python {
@@ -92,6 +93,7 @@ void BindAllOptions(py::module_& module) {
   BindOptions<workflow::CompareOptions>(module, "CompareOptions",
                                         "Options of compare() and compare_images().");
   BindOptions<workflow::FitOptions>(module, "FitOptions", "Options of fit().");
+  BindOptions<workflow::LocateOptions>(module, "LocateOptions", "Options of locate().");
   BindOptions<workflow::ExplainOptions>(module, "ExplainOptions", "Options of explain().");
 }
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/commands/fit_command.h"
+#include "apps/commands/fitting/fit_command.h"
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
@@ -15,7 +15,9 @@
 #include "apps/workflow/compare.h"
 #include "apps/workflow/explain.h"
 #include "apps/workflow/fit.h"
+#include "apps/workflow/locate.h"
 #include "apps/workflow/simulate.h"
+#include "data_io/pose_io.h"
 #include "data_io/recordings/frame_range.h"
 #include "metrics/json/metrics_json.h"
 #include "metrics/segmentation/segmentation.h"
@@ -86,6 +88,23 @@ py::tuple Fit(const RecordingSource& recording, const Scene& scene, const Parame
   return py::make_tuple(fit.fit.usable, ObjectFromJson(report),
                         fit.fit.usable ? DictFromParameters(fit.fit.parameters) : py::object(py::none()),
                         poses, std::move(fit.frames_before), std::move(fit.frames_after));
+}
+
+py::tuple Locate(const RecordingSource& recording, const Scene& target, const std::vector<int>& frames,
+                 const workflow::LocateOptions& options, const std::vector<Pose>& start, py::object progress,
+                 py::object say) {
+  Listener listener(std::move(progress), std::move(say));
+  workflow::Location location;
+  std::string poses;
+  {
+    const py::gil_scoped_release release;
+    location = listener.Run([&](const workflow::Listener& task) {
+      return workflow::Locate(recording, target, frames, options, Timed(start, {}), task);
+    });
+    poses = data_io::PosesText(location.Poses());
+  }
+  return py::make_tuple(ObjectFromJson(poses), Recording(std::move(location.recording)),
+                        std::move(location.scene), DictFromParameters(location.parameters));
 }
 
 py::tuple Explain(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
@@ -193,6 +212,8 @@ void BindRuns(py::module_& module) {
              py::arg("frames"), py::arg("scene"), py::arg("residuals_by_scene"), py::arg("progress"));
   module.def("_fit", &Fit, py::arg("recording"), py::arg("scene"), py::arg("params"), py::arg("options"),
              py::arg("progress"), py::arg("say"));
+  module.def("_locate", &Locate, py::arg("recording"), py::arg("target"), py::arg("frames"),
+             py::arg("options"), py::arg("start"), py::arg("progress"), py::arg("say"));
   module.def("_explain", &Explain, py::arg("recording"), py::arg("scene"), py::arg("params"),
              py::arg("options"), py::arg("progress"), py::arg("say"));
   module.def("_segment", &SegmentImage, py::arg("image"), py::arg("options"));

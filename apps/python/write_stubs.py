@@ -9,7 +9,8 @@ options, and `_keywords.pyi`, the options as keyword arguments.
 import pathlib
 import sys
 
-CLASSES = ["RayOptions", "ComparisonOptions", "SimulateOptions", "CompareOptions", "FitOptions", "ExplainOptions"]
+CLASSES = ["RayOptions", "ComparisonOptions", "SimulateOptions", "CompareOptions", "FitOptions", "LocateOptions",
+           "ExplainOptions"]
 
 
 def stub(name, options):

@@ -90,7 +90,6 @@ TargetCase ReadTarget(const JsonReader& json, const fs::path& folder) {
   target.plain_scene = ReadCaseScene(json.At("plain_scene"), folder);
   target.pose = ReadTargetPose(json.At("pose"));
   target.start = ReadStart(json.At("start"), folder, EchoModel::kAcoustic);
-  target.search_start = ReadStart(json.At("search_start"), folder, EchoModel::kAcoustic);
   target.fit = ReadTargetFit(json.At("fit"));
   target.fit.elevation_span_deg = target.elevation_span_deg;
   if (const auto method = json.Find("segmentation"))

@@ -40,10 +40,9 @@ struct TargetCase {
   double azimuth_beam_width_deg = 0.0;
   double elevation_span_deg = 0.0;  // rays reach beyond the nominal field of view
   Scene scene;
-  Scene plain_scene;          // the outline before it is fitted to an image
-  calib::TargetPose pose;     // in the fitted and in the held-out frame
-  ParameterSet start;         // acoustic model; the background of the image gives the display
-  ParameterSet search_start;  // for the search of the pose; the image gives display and noise level
+  Scene plain_scene;       // the outline before it is fitted to an image
+  calib::TargetPose pose;  // in the fitted and in the held-out frame
+  ParameterSet start;      // acoustic model; the background of the image gives the display
   calib::TargetFitOptions fit;
   metrics::SegmentationOptions segmentation;
 

@@ -222,7 +222,7 @@ void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
 Json TargetJson(const TargetResult& result) {
   if (!result.comparison) return {{"absent_because", result.absent}};
   const TargetComparison& target = *result.comparison;
-  const calib::TargetPose& pose = target.pose.best.pose;
+  const calib::TargetPose& pose = target.pose.best().pose;
   Json json = {{"synthetic", false},
                {"known_beforehand", KnownSentences(target.plan)},
                {"pose",
@@ -231,7 +231,7 @@ Json TargetJson(const TargetResult& result) {
                  {"elevation_deg", DegFromRad(pose.elevation_rad)},
                  {"yaw_deg", DegFromRad(pose.yaw_rad)},
                  {"pitch_deg", DegFromRad(pose.pitch_rad)},
-                 {"rms_difference", std::sqrt(target.pose.best.cost)},
+                 {"rms_difference", std::sqrt(target.pose.best().cost)},
                  {"not_told_by_one_frame", target.pose.open}}},
                {"acoustic_expected", Json::parse(metrics::MetricsJson(target.acoustic_expected))},
                {"acoustic_sample", Json::parse(metrics::MetricsJson(target.acoustic_sample))}};

@@ -5,31 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/workflow/locate.h"
 #include "calib/models/held_out_frames.h"
-#include "calib/noise/background_display.h"
 #include "core/math/statistics.h"
 #include "core/types/units.h"
 #include "data_io/recordings/recording_io.h"
 #include "sim/paper/paper_values.h"
-#include "sim/physics/receiver.h"
 
 namespace sonarcal::reproduce {
 namespace {
-
-double MedianGrey(const PolarImage& image) {
-  return UpperMedian(std::vector<float>(image.value.values().begin(), image.value.values().end()));
-}
-
-// Display and noise floor as the image shows them: most of it is background. Only level differences are known,
-// so 0 dB is where the display begins.
-ParameterSet SearchStart(const TargetCase& target, const PolarImage& image) {
-  if (!image.scale.db_span) throw DataError("the frames of the target state no dB scale");
-  ParameterSet parameters = target.search_start;
-  parameters.display = {.db_min = 0.0, .db_max = *image.scale.db_span};
-  parameters.receiver.noise_db =
-      MedianGrey(image) / image.scale.full_scale * *image.scale.db_span - sim::MeanLogSpeckleDb(1.0);
-  return parameters;
-}
 
 // Pixels within reach of the object found in the recorded image: the model has no background to explain the
 // rest by.
@@ -50,13 +34,6 @@ Mask AroundObject(const PolarImage& image, const metrics::SegmentationOptions& s
     }
   }
   return around;
-}
-
-// Pixels out of reach of the object found in the image.
-Mask Background(const PolarImage& image, const metrics::SegmentationOptions& segmentation) {
-  Mask background = metrics::BoxAround(metrics::Segment(image, segmentation).object, 20, 8);
-  for (std::uint8_t& pixel : background.values()) pixel = pixel == 0 ? 1 : 0;
-  return background;
 }
 
 // Range of incidence of the echoes, without the rarest 0.1 % at either end.
@@ -86,10 +63,10 @@ class Comparison {
   TargetComparison Run() {
     Search();
     Say("fitting the paper's model at the pose found");
-    result_.fit = FitPaper(target_.plain_scene, result_.pose.best.pose);
+    result_.fit = FitPaper(target_.plain_scene, result_.pose.best().WorldFromSonar());
     EvaluateAsFound();
     Say("fitting both models with the outline and the pose found beforehand");
-    result_.fitted.paper = FitPaper(target_.scene, target_.pose);
+    result_.fitted.paper = FitPaper(target_.scene, target_.pose.WorldFromSonar());
     FitAcoustic();
     result_.real_against_real = Compare({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
     return std::move(result_);
@@ -100,31 +77,30 @@ class Comparison {
     if (options_.on_note) options_.on_note(line);
   }
 
+  // As `sonarcal locate` does without parameters.
   void Search() {
-    const SonarModel& sonar = recorded_->info().sonar;
-    result_.acoustic = SearchStart(target_, frames_[0].image);
-    calib::PoseSearchOptions search;
-    search.progress = options_.on_note;
+    workflow::LocateOptions locate;
+    locate.threads = options_.threads;
     if (options_.quick) {
-      search.yaw_steps = 12;
-      search.pitches_deg = {25.0};
-      search.refined_starts = 1;
-      search.ray_height_deg = 0.2;
-      search.max_iterations = 5;
-      search.ridge_elevations_deg = {0.0};
+      locate.spacing = 40.0;
+      locate.starts = 1;
+      locate.ray_height = 0.2;
+      locate.max_iterations = 5;
     }
-    result_.pose =
-        calib::SearchPose(target_.plain_scene, sonar, water_, frames_[0].image, result_.acoustic, search);
-    result_.acoustic.receiver.gain_db += result_.pose.best.gain_db;
+    workflow::Location location =
+        workflow::Locate(*recorded_, target_.plain_scene, {target_.fitted_frame}, locate, {},
+                         {.progress = {}, .message = options_.on_note, .stop = {}});
+    result_.pose = std::move(location.frames.front().search);
+    result_.acoustic = std::move(location.parameters);
   }
 
   // A static scene: both frames have one pose.
-  workflow::RecordingFit FitPaper(const Scene& body, const calib::TargetPose& pose) const {
+  workflow::RecordingFit FitPaper(const Scene& body, const Pose& world_from_sonar) const {
     RecordingInfo info = recorded_->info();
     info.sonar.elevation_beam_width_deg = target_.elevation_span_deg;
     info.water = water_;
     std::vector<Frame> frames = frames_;
-    for (Frame& frame : frames) frame.info.world_from_sonar = pose.WorldFromSonar();
+    for (Frame& frame : frames) frame.info.world_from_sonar = world_from_sonar;
     workflow::FitRecordingOptions fit;
     fit.rays = Rays();
     fit.comparison = comparison_;
@@ -149,7 +125,7 @@ class Comparison {
     simulation.noise = true;
     simulation.fan.elevation_span_deg = target_.elevation_span_deg;
     const sim::Simulator simulator(target_.plain_scene, recorded_->info().sonar, simulation);
-    const sim::EchoList echoes = simulator.TraceEchoes(result_.pose.best.pose.WorldFromSonar());
+    const sim::EchoList echoes = simulator.TraceEchoes(result_.pose.best().WorldFromSonar());
     result_.acoustic_expected =
         Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
                 "expected image of the acoustic model", true, &result_.acoustic_pictures);
@@ -260,15 +236,9 @@ Water WaterOf(const TargetCase& target, const RecordingInfo& info) {
   return target.water.value_or(info.water.value_or(Water{}));
 }
 
-DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
-                                              const metrics::SegmentationOptions& segmentation) {
-  return calib::FitBackgroundDisplay(image, Background(image, segmentation), DisplayLaw::kSoftAmplitude)
-      .display;
-}
-
 ParameterSet TargetStart(const TargetCase& target, const PolarImage& image) {
   ParameterSet start = target.start;
-  start.display = DisplayOfBackground(image, target.segmentation);
+  start.display = workflow::DisplayOfBackground(image, target.segmentation);
   return start;
 }
 

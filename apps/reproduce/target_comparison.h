@@ -63,11 +63,6 @@ std::unique_ptr<RecordingSource> OpenTarget(const CasePlan& plan, const std::fil
 // Water of the plan, else of the recording, else the default.
 Water WaterOf(const TargetCase& target, const RecordingInfo& info);
 
-// The display that follows from the background of `image` (calib/noise/background_display.h). `segmentation`
-// finds the object.
-DisplayParameters<double> DisplayOfBackground(const PolarImage& image,
-                                              const metrics::SegmentationOptions& segmentation);
-
 // The start of the case with the display of the background of `image`.
 ParameterSet TargetStart(const TargetCase& target, const PolarImage& image);
 

@@ -6,6 +6,7 @@
 
 #include "apps/reproduce/prepared_recording.h"
 #include "apps/reproduce/target_comparison.h"
+#include "apps/workflow/locate.h"
 #include "core/types/error.h"
 #include "data_io/pictures/picture_frames.h"
 #include "data_io/pictures/picture_geometry.h"
@@ -87,8 +88,9 @@ PreparedRecording PrepareTarget(const CasePlan& plan, const std::filesystem::pat
   frames[1].info.world_from_sonar = frames[0].info.world_from_sonar;
   std::vector<int> held_out = {1};
   if (target.other) {
-    frames[2].image = Reshown(frames[2].image, DisplayOfBackground(frames[2].image, target.segmentation),
-                              start.display, frames[0].image.scale);
+    frames[2].image =
+        Reshown(frames[2].image, workflow::DisplayOfBackground(frames[2].image, target.segmentation),
+                start.display, frames[0].image.scale);
     say("finding the other pose, the model held");
     calib::TargetFitOptions pose_only = target.fit;
     pose_only.free_model = false;

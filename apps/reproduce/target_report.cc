@@ -8,6 +8,7 @@
 #include "apps/report/pictures/shown_frames.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/fit_section.h"
+#include "apps/report/sections/locate_section.h"
 #include "apps/report/sections/segmentation_text.h"
 #include "core/types/units.h"
 #include "sim/paper/paper_values.h"
@@ -20,7 +21,7 @@ std::string Figure(const metrics::Statistic& statistic, int digits) {
 }
 
 void AddPose(report::HtmlReport& report, const TargetComparison& target) {
-  const calib::TargetPose& pose = target.pose.best.pose;
+  const calib::TargetPose& pose = target.pose.best().pose;
   report.Subsection("From nothing: the pose found by a search");
   report.Facts(
       {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
@@ -29,7 +30,8 @@ void AddPose(report::HtmlReport& report, const TargetComparison& target) {
        {"Yaw of the nose", fmt::format("{:.1f} deg, from the right towards ahead", DegFromRad(pose.yaw_rad))},
        {"Pitch of the nose", fmt::format("{:.1f} deg", DegFromRad(pose.pitch_rad))},
        {"Difference of the smoothed images",
-        fmt::format("{:.4f} rms of full scale", std::sqrt(target.pose.best.cost))}});
+        fmt::format("{:.4f} rms of full scale", std::sqrt(target.pose.best().cost))}});
+  report::AddCandidates(report, target.pose);
   report.Paragraph("One frame does not tell:");
   report.List(target.pose.open);
   report::Table starts{.caption = "Where the starts ended, on a coarse image, best first",

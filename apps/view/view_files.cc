@@ -11,25 +11,13 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pose_io.h"
 
 namespace sonarcal::view {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string SonarText(const SonarModel& sonar, const Water& water) {
   return data_io::JsonText({{"sonar", data_io::SonarJson(sonar)}, {"water", data_io::WaterJson(water)}});
-}
-
-std::string PosesText(const std::vector<data_io::TimedPose>& poses) {
-  Json list = Json::array();
-  for (const data_io::TimedPose& pose : poses) {
-    Json item = Json::object();
-    if (pose.time_s) item["time_s"] = *pose.time_s;
-    item["world_from_sonar"] = data_io::PoseJson(pose.world_from_sonar);
-    list.push_back(std::move(item));
-  }
-  return data_io::JsonText({{"format", "sonar-poses/1"}, {"poses", std::move(list)}});
 }
 
 // Quotes text as one word of a shell.
@@ -56,7 +44,7 @@ ViewFiles FilesOf(const ViewSession& session, const ViewState& state, const std:
   parameters.water = water;  // makes the water of the file explicit
   ViewFiles files;
   files.text["params.json"] = data_io::JsonText(data_io::ParametersJson(parameters));
-  files.text["poses.json"] = PosesText(session.Poses(state));
+  files.text["poses.json"] = data_io::PosesText(session.Poses(state));
   const bool sonar_changed = state.sonar != SonarChanges();
   if (sonar_changed) files.text["sonar.json"] = SonarText(Changed(setup.sonar, state.sonar), water);
   const std::string in = folder.empty() ? "" : folder + "/";

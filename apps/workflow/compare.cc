@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "apps/workflow/drawn_floor.h"
-#include "apps/workflow/frame_gatherer.h"
 #include "apps/workflow/scene_geometry.h"
 #include "core/types/error.h"
 #include "data_io/pose_io.h"

@@ -54,12 +54,11 @@ SonarChoice ChooseSonar(const std::string& name_or_file) {
   return {info.sonar, info.water, path};
 }
 
-std::shared_ptr<const RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
-                                                         const std::string& sonar) {
-  std::shared_ptr<const RecordingSource> recording = data_io::OpenRecording(path);
+std::unique_ptr<RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
+                                                   const std::string& sonar) {
+  std::unique_ptr<RecordingSource> recording = data_io::OpenRecording(path);
   if (sonar.empty()) return recording;
-  return std::make_shared<const data_io::RecalibratedRecording>(std::move(recording),
-                                                                ChooseSonar(sonar).sonar);
+  return std::make_unique<data_io::RecalibratedRecording>(std::move(recording), ChooseSonar(sonar).sonar);
 }
 
 WaterChoice ChooseWater(const ParameterSet& parameters, const std::optional<Water>& of_sonar) {

@@ -46,8 +46,8 @@ std::string WaterText(const Water& water);
 
 // Opens a recording. `sonar`: replaces its description of the sonar, as in ChooseSonar; empty: as recorded. Throws
 // DataError if the sonar has another number of range bins or beams.
-std::shared_ptr<const RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
-                                                         const std::string& sonar);
+std::unique_ptr<RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
+                                                   const std::string& sonar);
 
 struct WaterChoice {
   Water water;

@@ -5,6 +5,7 @@
 #include "core/types/parameters.h"
 #include "core/types/sonar_model.h"
 #include "core/types/units.h"
+#include "sim/scenes/scene_primitives.h"
 
 namespace sonarcal::testing {
 
@@ -29,6 +30,13 @@ inline ParameterSet BodyParameters() {
   parameters.receiver.gain_db = 68.0;
   parameters.materials["body"].gsab = {.a = 0.0, .b_deg = 4.0, .c = 1.0, .d = 1.5, .e = 0.0, .f_deg = 10.0};
   return parameters;
+}
+
+// A bar with an arm to one side of one end: only its own plane reflects it onto itself.
+inline Scene MakeHook() {
+  Scene hook = sim::MakeBox({-0.3, -0.05, -0.05}, {0.3, 0.05, 0.05}, 0.05, "body");
+  hook.Append(sim::MakeBox({0.2, 0.05, -0.05}, {0.3, 0.25, 0.05}, 0.05, "body"));
+  return hook;
 }
 
 inline calib::TargetPose BodyPose() {

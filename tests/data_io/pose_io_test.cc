@@ -32,6 +32,43 @@ TEST(PoseIoTest, WrittenPosesReadBackExactly) {
   EXPECT_FALSE(read[1].time_s);
 }
 
+TEST(PoseIoTest, CandidatesOfASearchReadBack) {
+  const TempDir dir;
+  TimedPose pose{.time_s = {}, .world_from_sonar = {}, .frame = 3};
+  pose.candidates.push_back({.what = "the reversed target",
+                             .world_from_sonar = {RotationFromYawPitchRoll(0.3, -0.2, 0.1), {1.0, -2.0, 3.0}},
+                             .rms_difference = 0.00946,
+                             .gain_db = -2.5,
+                             .worse_by_nats = 1.5,
+                             .worse_by_sigmas = 0.5,
+                             .explains_as_well = true});
+  pose.open = {"roll"};
+  WritePoses(dir / "poses.json", {pose});
+  const TimedPose read = ReadPoses(dir / "poses.json").at(0);
+  EXPECT_EQ(read.frame, 3);
+  EXPECT_EQ(read.open, pose.open);
+  ASSERT_EQ(read.candidates.size(), 1u);
+  EXPECT_EQ(read.candidates[0].what, "the reversed target");
+  EXPECT_EQ(read.candidates[0].rms_difference, 0.00946);
+  EXPECT_EQ(read.candidates[0].world_from_sonar.position_m, pose.candidates[0].world_from_sonar.position_m);
+  EXPECT_TRUE(read.candidates[0].explains_as_well);
+}
+
+TEST(PoseIoTest, PosesReplaceThoseOfARecording) {
+  RecordingInfo info;
+  info.source = "rec";
+  const auto recording = std::make_shared<MemoryRecording>(
+      info, std::vector<Frame>{{{"a.png", 0.0, std::nullopt}, {}}, {{"b.png", 1.0, Pose()}, {}}});
+  const Pose moved{Eigen::Quaterniond::Identity(), {1.0, 2.0, 3.0}};
+  const auto posed = WithPoses(recording, {{{}, moved}, {{}, moved}}, "poses.json");
+  EXPECT_EQ(posed->frame_info(0).world_from_sonar->position_m, moved.position_m);
+  EXPECT_EQ(posed->ReadFrame(1).info.world_from_sonar->position_m, moved.position_m);
+  EXPECT_EQ(MessageOf([&] {
+              WithPoses(recording, {{{}, moved}}, "poses.json");
+            }),
+            "rec has 2 frames and poses.json has 1 poses, expected as many");
+}
+
 TEST(PoseIoTest, AListAloneIsEnough) {
   const TempDir dir;
   WriteFile(dir / "p.json", fmt::format("[{{{}}}]", kPose));
@@ -47,7 +84,8 @@ TEST(PoseIoTest, InvalidPosesAreRefusedWithLineAndKey) {
   EXPECT_THAT(refusal_of("[]"), HasSubstr("p.json:1: the document is empty, expected at least one pose"));
   EXPECT_THAT(refusal_of("{\"poses\": []}"), HasSubstr("required key 'format' is missing"));
   EXPECT_THAT(refusal_of(fmt::format("[\n{{{}, \"tiem_s\": 1}}]", kPose)),
-              HasSubstr("p.json:2: unknown key '[0].tiem_s'; expected one of time_s, world_from_sonar"));
+              HasSubstr("p.json:2: unknown key '[0].tiem_s'; expected one of candidates, frame, open, "
+                        "time_s, world_from_sonar"));
   EXPECT_THAT(
       refusal_of("[{\"world_from_sonar\": {\"position_m\": [0, 0], \"quaternion_wxyz\": [1, 0, 0, 0]}}]"),
       HasSubstr("'[0].world_from_sonar.position_m' has 2 numbers, expected 3"));

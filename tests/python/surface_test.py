@@ -83,6 +83,7 @@ FUNCTIONS_OF = {
     "simulate": (sonarcal.simulate, sonarcal.SimulateOptions, {"progress"}),
     "compare": (sonarcal.compare, sonarcal.CompareOptions, {"frames", "scene", "scene_unit", "scene_up", "progress"}),
     "fit": (sonarcal.fit, sonarcal.FitOptions, {"progress"}),
+    "locate": (sonarcal.locate, sonarcal.LocateOptions, {"frame", "poses", "progress"}),
     "explain": (sonarcal.explain, sonarcal.ExplainOptions, {"progress"}),
 }
 
@@ -92,8 +93,9 @@ ELSEWHERE = {
     "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "force", "fan", "depth",
                  "resume"},
     "compare": {"real", "sim", "out", "force", "sweep-csv", "pictures", "fail-above"},
-    "fit": {"real", "scene", "scene-unit", "scene-up", "params", "out", "force", "noise-only", "still", "range-min",
-            "range-max", "find-background", "hold-out-bands", "reject-beyond"},
+    "fit": {"real", "scene", "scene-unit", "scene-up", "params", "poses", "out", "force", "noise-only", "still",
+            "range-min", "range-max", "find-background", "hold-out-bands", "reject-beyond"},
+    "locate": {"real", "target", "scene-unit", "scene-up", "out", "force"},
     "explain": {"real", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
 }
 TERMINAL = {"help", "json", "quiet"}

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _sonarcal
-from ._results import Comparison, Explanation, FitResult, TankReproduction
+from ._results import Comparison, Explanation, FitResult, Location, TankReproduction
 from ._signature import give_signature as _give_signature
 from ._signature import takes as _takes
 from ._sonarcal import (
@@ -42,6 +42,7 @@ from ._sonarcal import (
     Frame,
     FrameResiduals,
     Image,
+    LocateOptions,
     Parameters,
     PolarAxes,
     Pose,
@@ -73,18 +74,20 @@ if TYPE_CHECKING:
         ComparisonKeywords,
         ExplainKeywords,
         FitKeywords,
+        LocateKeywords,
         RayKeywords,
         SimulateKeywords,
     )
 
 __all__ = [
     "CauseMap", "CompareOptions", "ComparedFrame", "Comparison", "ComparisonOptions", "DataError", "ExplainOptions",
-    "Explanation", "FanImage", "FitOptions", "FitResult", "Frame", "FrameResiduals", "Image", "Parameters", "PolarAxes",
-    "Pose", "RayOptions", "Recording", "ResidualView", "Scene", "SimulateOptions", "Sonar", "TankReproduction",
-    "UsageError", "__version__", "compare", "compare_images", "environment", "environment_parameters", "environments",
-    "explain", "fit", "known_bomb", "open_recording", "read_parameters", "read_poses", "read_scene", "recording",
-    "reproduce_tank", "residual_view", "resolve_parameters", "segment", "simulate", "sonar", "sonar_presets",
-    "viewpoints", "write_parameters", "write_poses",
+    "Explanation", "FanImage", "FitOptions", "FitResult", "Frame", "FrameResiduals", "Image", "LocateOptions",
+    "Location", "Parameters", "PolarAxes", "Pose", "RayOptions", "Recording", "ResidualView", "Scene",
+    "SimulateOptions", "Sonar", "TankReproduction", "UsageError", "__version__", "compare", "compare_images",
+    "environment", "environment_parameters", "environments", "explain", "fit", "known_bomb", "locate",
+    "open_recording", "read_parameters", "read_poses", "read_scene", "recording", "reproduce_tank", "residual_view",
+    "resolve_parameters", "segment", "simulate", "sonar", "sonar_presets", "viewpoints", "write_parameters",
+    "write_poses",
 ]
 
 _Path = Union[str, "os.PathLike[str]"]
@@ -95,7 +98,8 @@ _Options = Mapping[str, Any]
 _log = logging.getLogger("sonarcal")
 _warned: set[str] = set()
 
-for _options_class in (CompareOptions, ComparisonOptions, ExplainOptions, FitOptions, RayOptions, SimulateOptions):
+for _options_class in (
+        CompareOptions, ComparisonOptions, ExplainOptions, FitOptions, LocateOptions, RayOptions, SimulateOptions):
     _give_signature(_options_class)
 del _options_class
 
@@ -291,6 +295,28 @@ def fit(
     """
     settings = FitOptions(options, **keywords)
     return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], _params(params), settings, progress, _say))
+
+
+@_takes(LocateOptions)
+def locate(
+    recording: Union[Recording, _Path],
+    target: Union[Scene, _Path],
+    options: Union[LocateOptions, _Options, None] = None,
+    *,
+    frame: Union[int, Sequence[int]] = 0,
+    poses: Sequence[Pose] = (),
+    progress: Optional[_Progress] = None,
+    **keywords: Unpack[LocateKeywords],
+) -> Location:
+    """Finds the pose of a target in frames of a recording, from the mesh of the target.
+
+    frame: one frame or several. poses: start poses, one per frame or one for all, that are refined without a
+    search. The result has the posed recording, the scene, parameters to start a fit from, and all candidate poses (poses.json).
+    """
+    settings = LocateOptions(options, **keywords)
+    frames = [frame] if isinstance(frame, int) else list(frame)
+    return Location(*_sonarcal._locate(
+        _recording(recording), _scene(target)[0], frames, settings, list(poses), progress, _say))
 
 
 @_takes(ExplainOptions)

@@ -212,6 +212,29 @@ class FitResult:
                               for p in self.free])
 
 
+@dataclasses.dataclass(frozen=True)
+class Location:
+    """Poses of a target found by locate()."""
+
+    report: dict[str, Any]  # poses.json: the pose of each frame, its candidates, and what is open
+    recording: Recording  # the located frames with their best poses
+    scene: Scene  # the target, and the floor if there is one
+    params: dict[str, Any]  # parameters of the search with the gain found
+
+    @property
+    def poses(self) -> list[dict[str, Any]]:
+        """One entry per frame: world_from_sonar, candidates, open."""
+        return list(self.report["poses"])
+
+    def _repr_html_(self) -> str:
+        rows = [[pose["frame"], found["what"], found["rms_difference"], found["worse_by_nats"],
+                 found["worse_by_sigmas"], "yes" if found["explains_as_well"] else "no"]
+                for pose in self.poses for found in pose["candidates"]]
+        open_questions = [sentence for pose in self.poses for sentence in pose["open"]]
+        return (_table(["frame", "pose", "rms difference", "worse by, nats", "worse by, sigmas", "explains as well"], rows)
+                + _paragraphs(open_questions, "open"))
+
+
 @dataclasses.dataclass(frozen=True, repr=False)
 class Explanation:
     """Ablation study of the acoustic model. `report` is explain.json; `parameters` are those of the last step."""

@@ -39,18 +39,20 @@ class CalibrateCommand : public ::testing::Test {
     for (const char* key : {"range_min_m", "range_max_m"})
       sonar["sonar"][key] = sonar["sonar"][key].get<double>() + kTrueOffsetM;
     testing::WriteFile(world_->sonar(), sonar.dump());
-    ASSERT_EQ(RunSonarcal(world_->SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(*world_ / "real"))
-                  .status,
-              0);
-    nlohmann::ordered_json recording = nlohmann::ordered_json::parse(testing::ReadFile(*world_ / "real/recording.json"));
+    ASSERT_EQ(
+        RunSonarcal(world_->SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(*world_ / "real"))
+            .status,
+        0);
+    nlohmann::ordered_json recording =
+        nlohmann::ordered_json::parse(testing::ReadFile(*world_ / "real/recording.json"));
     for (const char* key : {"range_min_m", "range_max_m"}) recording["sonar"][key] = declared["sonar"][key];
     testing::WriteFile(*world_ / "real/recording.json", recording.dump());
   }
   static void TearDownTestSuite() { delete world_; }
 
   static std::string Arguments(const std::string& out, const std::string& extra = "") {
-    return "calibrate -q --rays 96x200 --real " + Quoted(*world_ / "real") + " --scene " + Quoted(world_->scene()) +
-           " --out " + Quoted(*world_ / out) + " " + extra;
+    return "calibrate -q --rays 96x200 --real " + Quoted(*world_ / "real") + " --scene " +
+           Quoted(world_->scene()) + " --out " + Quoted(*world_ / out) + " " + extra;
   }
 
   static TinyWorld* world_;

@@ -1,4 +1,4 @@
-#include "apps/commands/fit_command.h"
+#include "apps/commands/fitting/fit_command.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

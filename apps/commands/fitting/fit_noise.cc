@@ -1,4 +1,4 @@
-#include "apps/commands/fit_noise.h"
+#include "apps/commands/fitting/fit_noise.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/commands/fit_command.h"
+#include "apps/commands/fitting/fit_command.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "apps/cli/run_output.h"
 #include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
-#include "apps/commands/fit_noise.h"
+#include "apps/commands/fitting/fit_noise.h"
 #include "apps/report/html/paper_files.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/choice_section.h"
@@ -52,6 +52,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const calib::FitConfig&
                {"params", options.params.string()},
                {"out", options.out.string()},
                {"sonar", options.sonar},
+               {"poses", options.poses.string()},
                {"model", ToString(fit.initial.model)}};
   json.update(cli::SceneFormatJson(options.scene_format));
   workflow::FitOptions resolved = options.fit;
@@ -248,7 +249,11 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only or --still");
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
   const ParameterSet initial = data_io::ReadParameters(options.params);
-  const auto recording = workflow::OpenRecordingWith(options.real, options.sonar);
+  std::unique_ptr<RecordingSource> recording = workflow::OpenRecordingWith(options.real, options.sonar);
+  if (!options.poses.empty()) {
+    recording =
+        data_io::WithPoses(std::move(recording), data_io::ReadPosesOrRecording(options.poses), options.poses);
+  }
   const Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
   const calib::FitConfig config = workflow::ResolveFitConfig(options.fit, initial, scene);
   cli::RunOutput output(options.out, "fit", options.common.force);
@@ -263,6 +268,7 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
                              .configuration = ConfigurationJson(options, config, fit),
                              .inputs = {options.real, options.scene, options.params}};
   if (options.fit.config) provenance.inputs.push_back(options.fit.config.file);
+  if (!options.poses.empty()) provenance.inputs.push_back(options.poses);
   const std::string fit_json = FitJson(fit);
   data_io::WriteFileWhole(output / "fit.json", fit_json);
   cli::WriteProvenance(output.staging(), provenance);
@@ -293,8 +299,9 @@ namespace {
 
 void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
   command
-      ->add_option("--real", options->real,
-                   "Recording to fit to; each frame needs a pose, except with --noise-only or --still")
+      ->add_option(
+          "--real", options->real,
+          "Recording to fit to; each frame needs a pose, except with --poses, --noise-only or --still")
       ->type_name("REC")
       ->required();
   cli::AddSonarOfRecording(*command, options->sonar);
@@ -305,6 +312,12 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
           "--params", options->params,
           "Start parameters; --noise-only keeps their display, --still also their looks and noise floor")
       ->type_name("JSON");
+  command
+      ->add_option(
+          "--poses", options->poses,
+          "Poses, one per frame, in place of those of --real: a recording with poses, or a JSON file "
+          "(default: none)")
+      ->type_name("REC|FILE");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for parameters, fit and report")
       ->required();
   cli::AddOptions(*command, options->fit);

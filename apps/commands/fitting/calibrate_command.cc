@@ -22,7 +22,7 @@
 #include "apps/cli/run_output.h"
 #include "apps/cli/scene_option.h"
 #include "apps/commands/commands.h"
-#include "apps/commands/fit_command.h"
+#include "apps/commands/fitting/fit_command.h"
 #include "apps/report/html/paper_files.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/calibration_section.h"

@@ -10,7 +10,7 @@
 // and the member `still`), report.html.
 #pragma once
 
-#include "apps/commands/fit_command.h"
+#include "apps/commands/fitting/fit_command.h"
 
 namespace sonarcal::commands {
 
