@@ -166,8 +166,11 @@ class AcousticFitter {
   // Refines poses in stages of decreasing reach, each followed by the radiometry, because curves fitted at
   // wrong poses are blurred. The last stage also searches along ridges. It repeats while it gains more than
   // noise does.
+  // The sonar's geometry is left to the joint steps: on smoothed images, wrong levels would move it far away.
   void RefinePosesWithRadiometry() {
-    if (poses_.empty()) return;
+    const bool geometry =
+        std::ranges::any_of(poses_, [&](int entry) { return ChangesAxes(catalog_[entry]); });
+    if (poses_.empty() || geometry) return;
     const std::vector<PoseStage> stages = PoseStages(model_.speckle_cell());
     if (!options_.near_start) {
       for (const PoseStage& stage : stages) RefineStage(stage);
@@ -215,9 +218,10 @@ class AcousticFitter {
     ParameterValues values = fit_.values;
     // The cost of a frame is rough because rays appear and disappear at edges, by up to the effect of noise
     // on a parameter in either direction.
-    settled_ =
-        TakeJointSteps(model_, catalog_, active, {.least = NoiseOfCost(), .roughness = 2.0 * NoiseOfCost()},
-                       settle, values, options_.progress);
+    settled_ = TakeJointSteps(
+        model_, catalog_, active,
+        {.steps = options_.joint_steps, .least = NoiseOfCost(), .roughness = 2.0 * NoiseOfCost()}, settle,
+        values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, model_, geometric_, values, kHeld);
   }
@@ -322,7 +326,7 @@ class AcousticFitter {
     report.iterations = iterations_;
     if (!settled_) {
       report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
-                                        poses_.empty() ? kRounds : JointStepOptions{}.steps);
+                                        poses_.empty() ? kRounds : options_.joint_steps);
     }
     return result;
   }

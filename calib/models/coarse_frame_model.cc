@@ -14,6 +14,8 @@ int Blocks(int count, int of) {
   return (count + of - 1) / of;
 }
 
+}  // namespace
+
 PolarAxes CoarseAxes(const PolarAxes& fine, const PixelBlock& block) {
   PolarAxes coarse = fine;
   coarse.range_bins = Blocks(fine.range_bins, block.bins);
@@ -26,7 +28,6 @@ PolarAxes CoarseAxes(const PolarAxes& fine, const PixelBlock& block) {
   return coarse;
 }
 
-// Taper per beam, averaged in power.
 std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_once) {
   std::vector<double> coarse;
   for (std::size_t first = 0; first < fine.size(); first += beams_at_once) {
@@ -37,8 +38,6 @@ std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_on
   }
   return coarse;
 }
-
-}  // namespace
 
 CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block)
     : fine_(fine), block_(block), sonar_(fine.sonar_at_point()) {

@@ -26,6 +26,12 @@ struct PixelBlock {
   int beams = 1;
 };
 
+// Axes of blocks. The last block of a row or column may reach beyond the image.
+PolarAxes CoarseAxes(const PolarAxes& fine, const PixelBlock& block);
+
+// Taper per beam, averaged in power.
+std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_once);
+
 class CoarseFrameModel final : public FrameModel {
  public:
   // The fine model must outlive this one and must not change.

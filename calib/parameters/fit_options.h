@@ -22,6 +22,7 @@ struct FitOptions {
   int block_beams = 16;              // eight of their widths
   bool search_level = true;          // searches a start level and dB range before the first solve
   bool test_curves = true;           // tests if other curves fit equally well (calib/curve_alternatives.h)
+  int joint_steps = 6;               // max number of steps of placements and curves together, each traced
   bool near_start = false;   // poses start near their best values: leaves out the search on smoothed images
   bool rough = false;        // ends after the starts, with values but no sigmas, for a fit in rounds
   bool down_weight = false;  // reduces the weight of pixels that do not match the scene (acoustic model)

@@ -29,6 +29,9 @@ constexpr double kSigmasToMove = 2.0;
 // Looks that a noise law without a stated dB scale may have before it is refused.
 constexpr double kLargestKs = 0.05;
 
+// Max number of steps of the search of the placement. It ends earlier if the likelihood no longer rises.
+constexpr int kSearchSteps = 40;
+
 // A mirror that loses more than this shows no ghosts.
 constexpr double kNoMirrorDb = 40.0;
 
@@ -282,23 +285,30 @@ class Calibrator {
                              "geometry.azimuth_scale", "geometry.azimuth_cubic"})
       config.free->push_back(name);
     for (const std::string& object : objects) config.free->push_back("object:" + object);
-    listener_.Message("placement: fitting poses, geometry of the sonar and objects");
-    Trial moved = trials.Try(start, config, solver_);
+    calib::FitOptions search = solver_;
+    search.joint_steps = kSearchSteps;
+    ParameterSet blocks = start;
+    blocks.pulse = as_recorded.fit.parameters.pulse;
+    listener_.Message("placement: searching poses, geometry of the sonar and objects on blocks of pixels");
+    calib::FitReport found = trials.Search(blocks, config, search).report;
     // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from the
     // geometry.
-    const bool scatter_known = plan_.fit.used->size() > 1;
-    if (scatter_known) {
-      config.pose_prior = ScatterOfPoses(moved.fit.report);
-      KeepStart(moved.fit.report, [](const FittedParameter&) { return true; });
-      config.start = plan_.fit.start;
+    if (plan_.fit.used->size() > 1) {
+      config.pose_prior = ScatterOfPoses(found);
       listener_.Message(
           fmt::format("placement: again, with poses that scatter by {:.3g} m and {:.2g} degrees",
                       config.pose_prior.position_m, config.pose_prior.angle_deg));
-      calib::FitOptions near = solver_;
-      near.near_start = true;
-      near.starts = 1;
-      moved = trials.Try(start, config, near);
+      KeepStart(found, [](const FittedParameter&) { return true; });
+      config.start = plan_.fit.start;
+      found = trials.Search(blocks, config, search).report;
     }
+    KeepStart(found, [](const FittedParameter&) { return true; });
+    config.start = plan_.fit.start;
+    listener_.Message("placement: fitting it to all pixels");
+    calib::FitOptions near = solver_;
+    near.near_start = true;
+    near.starts = 1;
+    const Trial moved = trials.Try(start, config, near);
     const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
     if (!trials.held_out().empty() && !IsSignificant(gain)) {
       plan_.fit.start.clear();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "calib/models/blocked_frames.h"
 #include "core/types/error.h"
 #include "data_io/pose_io.h"
 
@@ -45,6 +46,22 @@ Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig&
   trial.likelihood = calib::GreyLikelihood(held_out_, calib::MeanPowers(model), trial.fit.parameters,
                                            block_->bins, block_->beams);
   return trial;
+}
+
+calib::AcousticFit HeldOutTrials::Search(const ParameterSet& parameters, const calib::FitConfig& config,
+                                         const calib::FitOptions& options) const {
+  const SonarModel& sonar = simulator_.sonar();
+  calib::BlockedFrames blocked =
+      calib::InBlocks(sonar, parameters, calib::FramesFor(used_, parameters.display),
+                      calib::BlockOfHalfACell(sonar, parameters));
+  sim::SimulationOptions simulation = simulator_.options();
+  simulation.fan.cols = std::max(simulation.fan.cols / 2, 2 * blocked.sonar.axes.beam_count());
+  const sim::Simulator simulator(simulator_.shared_caster(), blocked.sonar, simulation);
+  calib::AcousticFit fit =
+      calib::FitAcousticModel(simulator, blocked.frames, blocked.parameters, config, options);
+  if (!fit.usable) throw DataError("calibrate: the search of the placement has no usable solution");
+  fit.simulator.reset();  // refers to the local one
+  return fit;
 }
 
 calib::LikelihoodDifference HeldOutTrials::Gain(const Trial& a, const Trial& b) {
