@@ -145,7 +145,9 @@ FIT_CONFIG = {
     "bounds": {"material.floor.gsab.D": [0.5, 3]},
     "priors": {"material.floor.gsab.B_deg": [4, 1], "noise": "none"},
     "pose_prior": {"position_m": 0.02, "angle_deg": 1},
+    "start": {"material.floor.gsab.C": 0.004},
     "held_out": [3],
+    "used": [0, 1, 2],
 }
 COMPLETE = {"params": PARAMS, "recording": RECORDING, "poses": POSES, "fit_config": FIT_CONFIG}
 

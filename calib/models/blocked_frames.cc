@@ -10,7 +10,8 @@ namespace {
 
 AcousticFrame InBlocks(const AcousticFrame& fine, const PolarAxes& axes, const PolarAxes& coarse,
                        const PixelBlock& block) {
-  AcousticFrame blocked{.index = fine.index, .world_from_sonar = fine.world_from_sonar, .recorded = {}, .use = {}};
+  AcousticFrame blocked{
+      .index = fine.index, .world_from_sonar = fine.world_from_sonar, .recorded = {}, .use = {}};
   for (int row = 0; row < coarse.range_bins; ++row) {
     for (int col = 0; col < coarse.beam_count(); ++col) {
       double power = 0.0;
@@ -18,7 +19,8 @@ AcousticFrame InBlocks(const AcousticFrame& fine, const PolarAxes& axes, const P
       int censored = 0;
       Censoring kind = Censoring::kNone;
       for (int bin = row * block.bins; bin < std::min((row + 1) * block.bins, axes.range_bins); ++bin) {
-        for (int beam = col * block.beams; beam < std::min((col + 1) * block.beams, axes.beam_count()); ++beam) {
+        for (int beam = col * block.beams; beam < std::min((col + 1) * block.beams, axes.beam_count());
+             ++beam) {
           const std::size_t pixel = static_cast<std::size_t>(bin) * axes.beam_count() + beam;
           if (!fine.use.empty() && fine.use[pixel] == 0) continue;
           const RecordedPower& of = fine.recorded[pixel];
@@ -30,8 +32,8 @@ AcousticFrame InBlocks(const AcousticFrame& fine, const PolarAxes& axes, const P
         }
       }
       // A block is censored if most of it is.
-      blocked.recorded.push_back({counted > 0 ? power / counted : 0.0,
-                                  2 * censored > counted ? kind : Censoring::kNone});
+      blocked.recorded.push_back(
+          {counted > 0 ? power / counted : 0.0, 2 * censored > counted ? kind : Censoring::kNone});
       blocked.use.push_back(counted > 0 ? 1 : 0);
     }
   }
