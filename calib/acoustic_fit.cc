@@ -274,7 +274,8 @@ class AcousticFitter {
 
   // Moves to better poses that rounds cannot reach, because rounds only follow one valley, and refits there.
   void GoToBetterPoses() {
-    for (int move = 0; move < kMovesToBetter && !poses_.empty() && fit_.usable; ++move) {
+    for (int move = 0; move < kMovesToBetter && !options_.near_start && !poses_.empty() && fit_.usable;
+         ++move) {
       Say("searching for poses that fit the frames better");
       const int moved =
           TakeBetterPoses(OtherPoses(model_, catalog_, poses_, fit_.values), kBetterNats, fit_.values);

@@ -13,6 +13,7 @@
 #include "data_io/open_recording.h"
 #include "data_io/pose_io.h"
 #include "data_io/recordings/locked_recording.h"
+#include "data_io/recordings/recalibrated_recording.h"
 #include "data_io/recordings/recording_io.h"
 
 namespace sonarcal::python {
@@ -196,6 +197,16 @@ void BindRecordingClass(py::module_& module) {
             return poses;
           },
           "world_from_sonar of every frame; DataError where one has none.")
+      .def(
+          "with_sonar",
+          [](std::shared_ptr<Source> r, const workflow::SonarChoice& sonar) -> std::shared_ptr<Source> {
+            return std::make_shared<data_io::RecalibratedRecording>(std::move(r), sonar.sonar);
+          },
+          py::arg("sonar"),
+          "This recording with another description of its sonar, such as the calibrated one; DataError if it "
+          "has "
+          "another number of\n"
+          "range bins or beams.")
       .def(
           "times_s",
           [](const Source& r) {

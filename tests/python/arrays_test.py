@@ -1,6 +1,7 @@
 """Arrays: no copies where they share, read-only there, alive as long as they are held; closed forms of axes."""
 
 import gc
+import json
 
 import numpy as np
 import pytest
@@ -179,6 +180,20 @@ def test_a_slice_keeps_its_recording_alive(world):
     part = world.simulate()[1:2]
     churn()
     assert part[0].image.value.shape == (60, 24)
+
+
+def test_a_recording_takes_another_sonar(world, recorded, tmp_path):
+    calibrated = {**SONAR, "sonar": {**SONAR["sonar"], "range_min_m": 0.45, "range_max_m": 4.4}}
+    (tmp_path / "sonar.json").write_text(json.dumps(calibrated))
+    recording = sonarcal.open_recording(recorded)
+    corrected = recording.with_sonar(sonarcal.sonar(str(tmp_path / "sonar.json")))
+    np.testing.assert_allclose(corrected.sonar.axes.range_edges_m[[0, -1]], [0.45, 4.4])
+    np.testing.assert_allclose(corrected[0].image.axes.range_edges_m[[0, -1]], [0.45, 4.4])
+    np.testing.assert_array_equal(corrected[1].image.value, recording[1].image.value)
+    fewer = {**SONAR, "sonar": {**SONAR["sonar"], "range_bins": 59}}
+    (tmp_path / "fewer.json").write_text(json.dumps(fewer))
+    with pytest.raises(sonarcal.DataError, match="60 range bins and 24 beams, but the sonar 'tiny' has 59 and 24"):
+        recording.with_sonar(sonarcal.sonar(str(tmp_path / "fewer.json")))
 
 
 def test_an_image_is_an_array(world):

@@ -92,11 +92,11 @@ FUNCTIONS_OF = {
 ELSEWHERE = {
     "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "force", "fan", "depth",
                  "resume"},
-    "compare": {"real", "sim", "out", "force", "sweep-csv", "pictures", "fail-above"},
-    "fit": {"real", "scene", "scene-unit", "scene-up", "params", "poses", "out", "force", "noise-only", "still",
+    "compare": {"real", "sim", "sonar", "out", "force", "sweep-csv", "pictures", "fail-above"},
+    "fit": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "poses", "out", "force", "noise-only", "still",
             "range-min", "range-max", "find-background", "hold-out-bands", "reject-beyond"},
     "locate": {"real", "target", "scene-unit", "scene-up", "out", "force"},
-    "explain": {"real", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
+    "explain": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
 }
 TERMINAL = {"help", "json", "quiet"}
 

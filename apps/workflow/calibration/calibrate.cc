@@ -32,6 +32,9 @@ constexpr double kLargestKs = 0.05;
 // Max number of steps of the search of the placement. It ends earlier if the likelihood no longer rises.
 constexpr int kSearchSteps = 40;
 
+// As above for fits that start at the end of a search.
+constexpr int kLastSteps = 3;
+
 // A mirror that loses more than this shows no ghosts.
 constexpr double kNoMirrorDb = 40.0;
 
@@ -307,6 +310,7 @@ class Calibrator {
     listener_.Message("placement: fitting it to all pixels");
     calib::FitOptions near = solver_;
     near.near_start = true;
+    near.joint_steps = kLastSteps;
     near.starts = 1;
     const Trial moved = trials.Try(start, config, near);
     const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
@@ -501,6 +505,7 @@ class Calibrator {
     fit.fit = solver_;
     fit.fit.starts = 1;
     fit.fit.near_start = true;
+    fit.fit.joint_steps = kLastSteps;
     fit.fit.test_curves = true;
     fit.on_note = listener_.message;
     fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
