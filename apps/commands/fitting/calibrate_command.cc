@@ -104,10 +104,14 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
   workflow::CalibrationInput input{.background = background.get(),
                                    .plan = PlanOf(options, output, configuration)};
   data_io::WriteFileWhole(output / kStarted, configuration.dump(2));
-  cli::Progress progress("Tracing", recording->frame_count(), options.common);
+  std::optional<cli::Progress> progress;  // of one fit after the other
   const workflow::Calibration calibration = workflow::Calibrate(
       *recording, scene, options.calibrate, input,
-      {.progress = [&](const std::string&, int done, int) { progress.Update(done); },
+      {.progress =
+           [&](const std::string& step, int done, int total) {
+             if (done == 1) progress.emplace(step, total, options.common);
+             if (progress) progress->Update(done);
+           },
        .message = [&](const std::string& sentence) { cli::PrintNote(options.common, sentence); },
        .stop = {}},
       [&](const workflow::CalibrationPlan& plan) {
