@@ -199,9 +199,13 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
   FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(values))};
   const sim::GhostList ghosts = GhostsOf(simulator, frame, values, geometric);
   if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator, ghosts, Parameters(values));
+  const bool axes_move =
+      std::ranges::any_of(geometric, [&](int index) { return ChangesAxes(catalog_[index]); });
+  if (axes_move) AddSlopesOfMoves(rays, frame, values, geometric, echoes);
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
-    if (entry.group == ParameterGroup::kObject || ChangesAxes(entry)) continue;  // Linearise adds them
+    if (entry.group == ParameterGroup::kObject || ChangesAxes(entry))
+      continue;  // added below, or by Linearise
     if (entry.group == ParameterGroup::kPose && entry.frame != frame && entry.frame != kMountFrame) continue;
     const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
@@ -209,6 +213,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
     above[index] += step;
     below[index] -= step;
     if (IsPlacement(entry)) {
+      if (axes_move) continue;
       const ParameterSet parameters = Parameters(values);
       const auto from = [&](const ParameterValues& to) {
         return EchoPowerFrom(PoseOf(frame, to), parameters, rays);
@@ -234,6 +239,47 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
     echoes.slopes.back().echoes = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
   }
   return echoes;
+}
+
+void AcousticFrameModel::AddSlopesOfMoves(const Rays& rays, int frame, const ParameterValues& values,
+                                          const std::vector<int>& geometric, FrameEchoes& echoes) const {
+  constexpr int kTurn = 5;  // about the sonar's own Z, to the left
+  constexpr double kDifference = 1e-5;
+  const ParameterSet parameters = Parameters(values);
+  const Pose pose = PoseOf(frame, values);
+  std::vector<std::vector<float>> of_moves;
+  for (int k = 0; k < kPoseSteps; ++k) {
+    PoseStep move = PoseStep::Zero();
+    move(k) = PoseDifference(sonar().axes, k);
+    of_moves.push_back(LogarithmSlope({EchoPowerFrom(MovePose(pose, move), parameters, rays),
+                                       EchoPowerFrom(MovePose(pose, -move), parameters, rays), 2.0 * move(k)},
+                                      parameters));
+  }
+  for (const int index : geometric) {
+    const CatalogEntry& entry = catalog_[index];
+    const bool azimuth = TurnsBeams(entry);
+    const bool pose_entry =
+        entry.group == ParameterGroup::kPose && (entry.frame == frame || entry.frame == kMountFrame);
+    const bool tilt = entry.group == ParameterGroup::kGeometry && !ChangesAxes(entry);
+    if (!azimuth && !pose_entry && !tilt) continue;
+    std::vector<float> slope(pixel_count(), 0.0F);
+    if (azimuth) {
+      for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) {
+        slope[pixel] =
+            -of_moves[kTurn][pixel] *
+            static_cast<float>(AxisChange(sonar().axes, entry, 0, static_cast<int>(pixel) % beams()));
+      }
+    } else {
+      ParameterValues at = values;
+      at[index] += kDifference;
+      const PoseStep moves = StepBetween(pose, PoseOf(frame, at)) / kDifference;
+      for (int k = 0; k < kPoseSteps; ++k) {
+        const auto of = static_cast<float>(moves(k));
+        for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) slope[pixel] += of * of_moves[k][pixel];
+      }
+    }
+    echoes.slopes.push_back({.entry = index, .logarithm = std::move(slope)});
+  }
 }
 
 std::vector<float> AcousticFrameModel::LogarithmSlope(const EchoPair& echoes,
@@ -288,7 +334,7 @@ void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const st
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
     const bool axes = ChangesAxes(entry);
-    if (!axes && entry.group != ParameterGroup::kObject) continue;
+    if ((!axes && entry.group != ParameterGroup::kObject) || TurnsBeams(entry)) continue;
     const std::vector<std::vector<float>>& slopes = trace(axes ? OffsetOfAxis(catalog_, entry) : index);
     for (int frame = 0; frame < frame_count(); ++frame) {
       echoes[frame].slopes.push_back({.entry = index, .logarithm = slopes[frame]});

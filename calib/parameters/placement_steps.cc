@@ -25,6 +25,10 @@ bool ChangesAxes(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kGeometry && !entry.name.ends_with("tilt_deg");
 }
 
+bool TurnsBeams(const CatalogEntry& entry) {
+  return entry.name.starts_with("geometry.azimuth_");
+}
+
 int OffsetOfAxis(const std::vector<CatalogEntry>& catalog, const CatalogEntry& entry) {
   const bool range = entry.name.starts_with("geometry.range_");
   const auto found = std::ranges::find(

@@ -15,6 +15,10 @@ double PlacementDifference(const PolarAxes& declared, const CatalogEntry& entry)
 // Returns true for an entry of the geometry that moves the axes: all but the tilt, which turns the sonar.
 bool ChangesAxes(const CatalogEntry& entry);
 
+// Returns true for an entry that changes azimuths: a turn of the beams, which looks like a turn of the sonar to the
+// other side.
+bool TurnsBeams(const CatalogEntry& entry);
+
 // Index of the offset of the axis that an entry changes, range or azimuth.
 int OffsetOfAxis(const std::vector<CatalogEntry>& catalog, const CatalogEntry& entry);
 

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "apps/workflow/calibration/calibrate.h"
 #include "apps/workflow/calibration/calibration_plan.h"
 #include "core/types/units.h"
@@ -34,6 +36,7 @@ class CalibrateCommand : public ::testing::Test {
     world_ = new TinyWorld();
     ParameterSet truth = testing::TinyAcousticParameters();
     data_io::WriteParameters(world_->params(), truth);
+    data_io::WritePoses(world_->poses(), Around());
     nlohmann::json sonar = ReadJsonFile(world_->sonar());
     const nlohmann::json declared = sonar;
     for (const char* key : {"range_min_m", "range_max_m"})
@@ -48,6 +51,19 @@ class CalibrateCommand : public ::testing::Test {
     for (const char* key : {"range_min_m", "range_max_m"}) recording["sonar"][key] = declared["sonar"][key];
     testing::WriteFile(*world_ / "real/recording.json", recording.dump());
   }
+  // Places around the box, in different directions and heights: three of them do not tell the sonar from its poses.
+  static std::vector<data_io::TimedPose> Around() {
+    std::vector<data_io::TimedPose> poses;
+    for (int i = 0; i < kPoses; ++i) {
+      const double turn_rad = RadFromDeg(360.0 * i / kPoses);
+      poses.push_back({static_cast<double>(i),
+                       {RotationFromYawPitchRoll(turn_rad, RadFromDeg(-15.0 - 5.0 * (i % 3)), 0.0),
+                        {2.4 * std::sin(turn_rad), -2.4 * std::cos(turn_rad), 0.8 + 0.2 * (i % 3)}}});
+    }
+    return poses;
+  }
+  static constexpr int kPoses = 9;
+
   static void TearDownTestSuite() { delete world_; }
 
   static std::string Arguments(const std::string& out, const std::string& extra = "") {
@@ -67,7 +83,7 @@ TEST_F(CalibrateCommand, FindsTheOffsetOfTheWindowAndRepeatsItselfFromItsPlan) {
   const RecordingInfo sonar = data_io::ReadSonarFile(*world_ / "out/sonar.json");
   EXPECT_NEAR(sonar.sonar.axes.range_min_m, 0.5 + kTrueOffsetM, 0.02);
   EXPECT_EQ(testing::HtmlFault(testing::ReadFile(*world_ / "out/report.html")), "");
-  EXPECT_EQ(data_io::ReadPoses(*world_ / "out/poses.json").size(), 4U);
+  EXPECT_EQ(data_io::ReadPoses(*world_ / "out/poses.json").size(), static_cast<std::size_t>(kPoses));
   data_io::ReadParameters(*world_ / "out/params.json");
   EXPECT_FALSE(std::filesystem::exists(*world_ / "out/started.json"));
 
