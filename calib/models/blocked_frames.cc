@@ -43,7 +43,7 @@ AcousticFrame InBlocks(const AcousticFrame& fine, const PolarAxes& axes, const P
 }  // namespace
 
 PixelBlock BlockOfHalfACell(const SonarModel& sonar, const ParameterSet& parameters) {
-  constexpr double kOfCell = 0.7;
+  constexpr double kOfCell = 0.7;  // of each width, so half of the area
   const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   const double width_deg = parameters.beam.azimuth_width_deg > 0.0 ? parameters.beam.azimuth_width_deg
                                                                    : sonar.azimuth_beam_width_deg;

@@ -26,7 +26,7 @@ using calib::ParameterStatus;
 // A value that is closer to what is declared than this many standard errors stays as declared.
 constexpr double kSigmasToMove = 2.0;
 
-// Looks that a noise law without a stated dB scale may have before it is refused.
+// Largest KS distance of a noise law that is found in the frames themselves.
 constexpr double kLargestKs = 0.05;
 
 // Max number of steps of the search of the placement. It ends earlier if the likelihood no longer rises.
