@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/workflow/assumptions.h"
 #include "apps/workflow/fit_doubts.h"
 #include "apps/workflow/fit_frames.h"
 #include "apps/workflow/known_truth.h"
@@ -132,44 +133,6 @@ calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator
   return last;
 }
 
-// Assumes what neither the sonar of a recording nor the parameters state, as of a viewer's picture. Returns a
-// sentence for each.
-std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
-                                       ParameterSet& parameters) {
-  constexpr double kFrequencyHz = 1e6;
-  constexpr double kAzimuthWidthDeg = 1.0;
-  constexpr double kElevationWidthDeg = 20.0;
-  std::vector<std::string> sentences;
-  if (!(sonar.frequency_hz > 0.0)) {
-    sonar.frequency_hz = kFrequencyHz;
-    sentences.push_back(fmt::format(
-        "the recording states no frequency: {:g} MHz is assumed for the absorption", kFrequencyHz / 1e6));
-  }
-  if (parameters.model != EchoModel::kAcoustic) return sentences;
-  const auto assume = [&](const char* name, double stated_deg, double assumed_deg, double& width_deg) {
-    if (width_deg > 0.0 || stated_deg > 0.0) return;
-    width_deg = assumed_deg;
-    sentences.push_back(fmt::format(
-        "neither the recording nor the parameters state {}: {:g} degrees are assumed, give the width "
-        "in the parameters or free it",
-        name, assumed_deg));
-  };
-  BeamParameters& beam = parameters.beam;
-  if (beam.azimuth_pattern != AzimuthPattern::kTable)
-    assume("beam.azimuth_width_deg", sonar.azimuth_beam_width_deg, kAzimuthWidthDeg, beam.azimuth_width_deg);
-  assume("beam.elevation_width_deg", sonar.elevation_beam_width_deg, kElevationWidthDeg,
-         beam.elevation_width_deg);
-  const DisplayParameters<double>& display = parameters.display;
-  if (!find_display && !(scale.db_min && scale.db_max) && !scale.db_span &&
-      display.law != DisplayLaw::kPower) {
-    sentences.push_back(fmt::format(
-        "the recording states no dB scale: the display of the parameters ({:g} .. {:g} dB) is taken "
-        "for it, --free display finds one from the background",
-        display.db_min, display.db_max));
-  }
-  return sentences;
-}
-
 // Takes the display, which the acoustic model finds from the background, out of the free parameters. Returns
 // whether it was among them.
 bool TakeFreeDisplay(calib::FitConfig& config) {
@@ -219,6 +182,41 @@ std::vector<double> EchoesExpected(const sim::Simulator& simulator, const Parame
 }
 
 }  // namespace
+
+std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
+                                       ParameterSet& parameters) {
+  std::vector<std::string> sentences;
+  if (!(sonar.frequency_hz > 0.0)) {
+    sonar.frequency_hz = kAssumedFrequencyHz;
+    sentences.push_back(
+        fmt::format("the recording states no frequency: {:g} MHz is assumed for the absorption",
+                    kAssumedFrequencyHz / 1e6));
+  }
+  if (parameters.model != EchoModel::kAcoustic) return sentences;
+  const auto assume = [&](const char* name, double stated_deg, double assumed_deg, double& width_deg) {
+    if (width_deg > 0.0 || stated_deg > 0.0) return;
+    width_deg = assumed_deg;
+    sentences.push_back(fmt::format(
+        "neither the recording nor the parameters state {}: {:g} degrees are assumed, give the width "
+        "in the parameters or free it",
+        name, assumed_deg));
+  };
+  BeamParameters& beam = parameters.beam;
+  if (beam.azimuth_pattern != AzimuthPattern::kTable)
+    assume("beam.azimuth_width_deg", sonar.azimuth_beam_width_deg, kAssumedAzimuthWidthDeg,
+           beam.azimuth_width_deg);
+  assume("beam.elevation_width_deg", sonar.elevation_beam_width_deg, kAssumedElevationWidthDeg,
+         beam.elevation_width_deg);
+  const DisplayParameters<double>& display = parameters.display;
+  if (!find_display && !(scale.db_min && scale.db_max) && !scale.db_span &&
+      display.law != DisplayLaw::kPower) {
+    sentences.push_back(fmt::format(
+        "the recording states no dB scale: the display of the parameters ({:g} .. {:g} dB) is taken "
+        "for it, --free display finds one from the background",
+        display.db_min, display.db_max));
+  }
+  return sentences;
+}
 
 void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& split) {
   const std::vector<int> frames = FramesOf(split);

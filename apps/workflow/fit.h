@@ -98,6 +98,11 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                           const ParameterSet& parameters);
 
+// Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence for
+// each. `find_display`: the caller finds the display, so that none is assumed.
+std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
+                                       ParameterSet& parameters);
+
 // Throws DataError if frames of the split have different sonar settings, because the fit would attribute the
 // difference to echoes.
 void CheckSettings(const RecordingSource& recording, const calib::FrameSplit& split);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/workflow/assumptions.h"
 #include "apps/workflow/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "calib/noise/background_display.h"
@@ -23,8 +24,6 @@
 namespace sonarcal::workflow {
 namespace {
 
-constexpr double kAssumedSpanDb = 60.0;  // of a display whose levels nobody states
-constexpr double kAssumedElevationDeg = 30.0;
 // Half-power width of a beam in elevation over the nominal field of view: outside that field targets are still
 // visible (docs/studies/bomb.md).
 constexpr double kNominalWidths = 2.0;
@@ -310,13 +309,13 @@ ParameterSet ParametersForSearch(const RecordingInfo& info, const Water& water, 
   const PolarAxes& axes = sonar.axes;
   if (!(sonar.azimuth_beam_width_deg > 0.0))
     parameters.beam.azimuth_width_deg = 1.1 * DegFromRad(axes.beam_spacing_rad());
-  if (sonar.elevation_beam_width_deg > 0.0) {
-    parameters.beam.elevation_width_deg = kNominalWidths * sonar.elevation_beam_width_deg;
-  } else {
-    parameters.beam.elevation_width_deg = kAssumedElevationDeg;
+  double elevation_width_deg = sonar.elevation_beam_width_deg;
+  if (!(elevation_width_deg > 0.0)) {
+    elevation_width_deg = kAssumedElevationWidthDeg;
     notes.push_back(fmt::format("the recording states no elevation beam width: {:g} degrees are assumed",
-                                kAssumedElevationDeg));
+                                elevation_width_deg));
   }
+  parameters.beam.elevation_width_deg = kNominalWidths * elevation_width_deg;
   parameters.pulse.length_m = 2.0 * axes.range_bin_m();
   for (const std::string& name : scene.material_names)
     parameters.materials[name].gsab = {.a = 0.0, .b_deg = 4.0, .c = 1.0, .d = 1.5, .e = 0.0, .f_deg = 10.0};
