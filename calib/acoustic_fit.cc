@@ -51,7 +51,8 @@ double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& 
   constexpr double kOfCell = 0.25;
   if (!IsPlacement(entry)) return kOfWidth * value;
   const double step = 2.0 * PlacementDifference(model.sonar().axes, entry);
-  return kOfCell * step * (entry.unit == "m" ? model.speckle_cell().bins : 0.5 * model.speckle_cell().beams);
+  const bool along_range = entry.unit == "m" || entry.name.ends_with("range_scale");
+  return kOfCell * step * (along_range ? model.speckle_cell().bins : 0.5 * model.speckle_cell().beams);
 }
 
 // Configuration with a trust region for geometric parameters, in which the model is nearly linear.
@@ -379,7 +380,8 @@ std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
   return free;
 }
 
-double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
+ParameterSet WithNoiseStart(ParameterSet parameters, const std::vector<AcousticFrame>& frames) {
+  if (parameters.receiver.noise_db) return parameters;
   constexpr double kDarkest = 0.2;
   std::vector<double> powers;
   for (const AcousticFrame& frame : frames) {
@@ -389,8 +391,9 @@ double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks) {
   const auto rank = static_cast<std::size_t>(kDarkest * static_cast<double>(powers.size()));
   // If all of them were noise, the darkest fifth of exponential power would end at -ln(0.8) of its mean. With
   // more looks it would end closer to the mean.
-  const double of_mean = looks > 2.0 ? 1.0 : -std::log1p(-kDarkest);
-  return DbFromPower(RankedValue(std::move(powers), rank) / of_mean);
+  const double of_mean = parameters.receiver.looks > 2.0 ? 1.0 : -std::log1p(-kDarkest);
+  parameters.receiver.noise_db = DbFromPower(RankedValue(std::move(powers), rank) / of_mean);
+  return parameters;
 }
 
 AcousticFit FitAcousticModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,

@@ -34,8 +34,9 @@ namespace sonarcal::calib {
 std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
                                                const std::vector<std::string>& material_names);
 
-// Start value of the noise level, dB, from the darkest fifth of the recorded pixels.
-double NoiseStartDb(const std::vector<AcousticFrame>& frames, double looks);
+// Returns the parameters with a start value of the noise level, from the darkest fifth of the recorded pixels, if they
+// have none.
+ParameterSet WithNoiseStart(ParameterSet parameters, const std::vector<AcousticFrame>& frames);
 
 struct AcousticFit {
   ParameterSet parameters;

@@ -42,8 +42,7 @@ ResidualView::ResidualView(std::shared_ptr<const RecordingSource> recording, con
     simulator_ = std::make_unique<sim::Simulator>(
         scene, info.sonar, workflow::AcousticSimulation(options.rays, info.sonar, water.water, initial_));
     acoustic_frames_ = workflow::AcousticFrames(*recording_, poses, frames_, options, initial_.display);
-    if (!initial_.receiver.noise_db)
-      initial_.receiver.noise_db = calib::NoiseStartDb(acoustic_frames_, initial_.receiver.looks);
+    initial_ = calib::WithNoiseStart(std::move(initial_), acoustic_frames_);
     acoustic_ = std::make_unique<calib::AcousticFrameModel>(*simulator_, acoustic_frames_, initial_);
     initial_values_ = acoustic_->initial_values();
     point_ = initial_values_;

@@ -323,9 +323,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     const ParameterSet& form = result.choice ? result.choice->parameters : start;
     const std::vector<calib::AcousticFrame> frames =
         AcousticFrames(recording, poses, split.used, options, form.display);
-    if (!start.receiver.noise_db) {
-      result.initial.receiver.noise_db = calib::NoiseStartDb(frames, start.receiver.looks);
-    }
+    result.initial = calib::WithNoiseStart(std::move(result.initial), frames);
     calib::AcousticFit fit =
         calib::FitAcousticModel(simulator, frames, result.choice ? form : result.initial,
                                 result.choice ? result.choice->config : options.config, options.fit);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -243,7 +244,6 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
 
 void AcousticFrameModel::AddSlopesOfMoves(const Rays& rays, int frame, const ParameterValues& values,
                                           const std::vector<int>& geometric, FrameEchoes& echoes) const {
-  constexpr int kTurn = 5;  // about the sonar's own Z, to the left
   constexpr double kDifference = 1e-5;
   const ParameterSet parameters = Parameters(values);
   const Pose pose = PoseOf(frame, values);
@@ -264,11 +264,8 @@ void AcousticFrameModel::AddSlopesOfMoves(const Rays& rays, int frame, const Par
     if (!azimuth && !pose_entry && !tilt) continue;
     std::vector<float> slope(pixel_count(), 0.0F);
     if (azimuth) {
-      for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) {
-        slope[pixel] =
-            -of_moves[kTurn][pixel] *
-            static_cast<float>(AxisChange(sonar().axes, entry, 0, static_cast<int>(pixel) % beams()));
-      }
+      std::ranges::transform(of_moves[kTurnOfSonar], slope.begin(), std::negate());
+      ScaleToEntry(sonar().axes, entry, slope);
     } else {
       ParameterValues at = values;
       at[index] += kDifference;
@@ -335,15 +332,10 @@ void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const st
     const CatalogEntry& entry = catalog_[index];
     const bool axes = ChangesAxes(entry);
     if ((!axes && entry.group != ParameterGroup::kObject) || TurnsBeams(entry)) continue;
-    const std::vector<std::vector<float>>& slopes = trace(axes ? OffsetOfAxis(catalog_, entry) : index);
+    const std::vector<std::vector<float>>& slopes = trace(axes ? RangeOffsetOf(catalog_) : index);
     for (int frame = 0; frame < frame_count(); ++frame) {
       echoes[frame].slopes.push_back({.entry = index, .logarithm = slopes[frame]});
-      if (!axes) continue;
-      std::vector<float>& scaled = echoes[frame].slopes.back().logarithm;
-      for (std::size_t pixel = 0; pixel < scaled.size(); ++pixel) {
-        scaled[pixel] *= static_cast<float>(AxisChange(sonar().axes, entry, static_cast<int>(pixel) / beams(),
-                                                       static_cast<int>(pixel) % beams()));
-      }
+      if (axes) ScaleToEntry(sonar().axes, entry, echoes[frame].slopes.back().logarithm);
     }
   }
 }

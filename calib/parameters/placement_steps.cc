@@ -29,22 +29,25 @@ bool TurnsBeams(const CatalogEntry& entry) {
   return entry.name.starts_with("geometry.azimuth_");
 }
 
-int OffsetOfAxis(const std::vector<CatalogEntry>& catalog, const CatalogEntry& entry) {
-  const bool range = entry.name.starts_with("geometry.range_");
-  const auto found = std::ranges::find(
-      catalog, range ? "geometry.range_offset_m" : "geometry.azimuth_offset_deg", &CatalogEntry::name);
+int RangeOffsetOf(const std::vector<CatalogEntry>& catalog) {
+  const auto found = std::ranges::find(catalog, "geometry.range_offset_m", &CatalogEntry::name);
   SONARCAL_CHECK(found != catalog.end(), "a catalog without geometry");
   return static_cast<int>(found - catalog.begin());
 }
 
-double AxisChange(const PolarAxes& declared, const CatalogEntry& entry, int bin, int beam) {
-  if (entry.name.ends_with("range_scale")) return declared.range_centre_m(bin);
-  const double azimuth_deg = DegFromRad(declared.beam_azimuth_rad[beam]);
-  if (entry.name.ends_with("azimuth_scale")) return azimuth_deg;
-  if (!entry.name.ends_with("azimuth_cubic")) return 1.0;
+void ScaleToEntry(const PolarAxes& declared, const CatalogEntry& entry, std::span<float> slope) {
+  const int beams = declared.beam_count();
   const double edge_deg = DegFromRad(
       std::max(std::abs(declared.beam_azimuth_rad.front()), std::abs(declared.beam_azimuth_rad.back())));
-  return azimuth_deg * std::pow(azimuth_deg / edge_deg, 2);
+  for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) {
+    const double azimuth_deg = DegFromRad(declared.beam_azimuth_rad[pixel % beams]);
+    double change = 1.0;
+    if (entry.name.ends_with("range_scale"))
+      change = declared.range_centre_m(static_cast<int>(pixel / beams));
+    if (entry.name.ends_with("azimuth_scale")) change = azimuth_deg;
+    if (entry.name.ends_with("azimuth_cubic")) change = azimuth_deg * std::pow(azimuth_deg / edge_deg, 2);
+    slope[pixel] *= static_cast<float>(change);
+  }
 }
 
 }  // namespace sonarcal::calib

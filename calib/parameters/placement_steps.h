@@ -3,6 +3,9 @@
 // the range or azimuth.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "calib/parameters/parameter_catalog.h"
 #include "core/types/image.h"
 
@@ -15,14 +18,17 @@ double PlacementDifference(const PolarAxes& declared, const CatalogEntry& entry)
 // Returns true for an entry of the geometry that moves the axes: all but the tilt, which turns the sonar.
 bool ChangesAxes(const CatalogEntry& entry);
 
-// Returns true for an entry that changes azimuths: a turn of the beams, which looks like a turn of the sonar to the
-// other side.
+// Returns true for an entry that changes azimuths: a turn of the beams to the right, which looks like a turn of the
+// sonar to the left. So the slope along the azimuth offset is that along a turn of the sonar, with the opposite sign.
+// A slope of its own would differ from it by errors of rays at edges, and seem to tell the two apart.
 bool TurnsBeams(const CatalogEntry& entry);
 
-// Index of the offset of the axis that an entry changes, range or azimuth.
-int OffsetOfAxis(const std::vector<CatalogEntry>& catalog, const CatalogEntry& entry);
+// Index of the range offset.
+int RangeOffsetOf(const std::vector<CatalogEntry>& catalog);
 
-// Change of a pixel's range, m, or azimuth, degrees, per unit of an entry that changes axes.
-double AxisChange(const PolarAxes& declared, const CatalogEntry& entry, int bin, int beam);
+// Turns the slope of an image along the offset of range or azimuth into that along another entry of the same axis:
+// multiplies each pixel by the change of its range, m, or azimuth, degrees, per unit of the entry. `slope` has one
+// value per pixel, bin by bin.
+void ScaleToEntry(const PolarAxes& declared, const CatalogEntry& entry, std::span<float> slope);
 
 }  // namespace sonarcal::calib

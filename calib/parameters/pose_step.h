@@ -18,6 +18,9 @@ namespace sonarcal::calib {
 inline constexpr int kPoseSteps = 6;
 using PoseStep = Eigen::Matrix<double, kPoseSteps, 1>;  // m, m, m, deg, deg, deg
 
+// Component of a step that turns the sonar about its own Z, to the left.
+inline constexpr int kTurnOfSonar = 5;
+
 // Names as in parameters.
 inline constexpr std::array<const char*, kPoseSteps> kPoseNames = {"x_m",      "y_m",       "z_m",
                                                                    "roll_deg", "pitch_deg", "yaw_deg"};

@@ -81,16 +81,15 @@ void PoseProblem::AddCommonSlopes(const ParameterValues& values, Slopes& slopes)
   };
   for (std::size_t k = 0; k < common_.size(); ++k) {
     const CatalogEntry& entry = catalog_[common_[k]];
-    const std::vector<Eigen::VectorXf>& of_frames =
-        trace(ChangesAxes(entry) ? OffsetOfAxis(catalog_, entry) : common_[k]);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       auto column = slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k));
-      column = of_frames[i];
-      if (!ChangesAxes(entry)) continue;
-      for (Eigen::Index pixel = 0; pixel < column.size(); ++pixel) {
-        column[pixel] *= static_cast<float>(AxisChange(axes, entry, static_cast<int>(pixel) / model_.beams(),
-                                                       static_cast<int>(pixel) % model_.beams()));
+      if (TurnsBeams(entry)) {
+        column = -slopes[i].col(kTurnOfSonar);
+      } else {
+        column = trace(ChangesAxes(entry) ? RangeOffsetOf(catalog_) : common_[k])[i];
       }
+      if (ChangesAxes(entry))
+        ScaleToEntry(axes, entry, {column.data(), static_cast<std::size_t>(column.size())});
     }
   }
 }

@@ -106,9 +106,7 @@ class Explainer {
                     WithinElevationBeam(options.simulation, complete_.beam.elevation_width_deg));
     one_.emplace(OfOneMaterial(scene), sonar, options.simulation);
     all_.emplace(scene, sonar, options.simulation);
-    if (!given_.receiver.noise_db) {
-      given_.receiver.noise_db = NoiseStartDb(FramesFor(used, given.display), given.receiver.looks);
-    }
+    given_ = WithNoiseStart(std::move(given_), FramesFor(used, given.display));
     fit_options_ = options.fit;
     fit_options_.starts = 1;
     fit_options_.down_weight = false;  // the evaluation uses all pixels, so the fit does too

@@ -414,10 +414,7 @@ ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyF
           ToString(axis));
     }
   }
-  ParameterSet complete = initial;
-  if (!complete.receiver.noise_db) {
-    complete.receiver.noise_db = NoiseStartDb(FramesFor(used, initial.display), initial.receiver.looks);
-  }
+  ParameterSet complete = WithNoiseStart(initial, FramesFor(used, initial.display));
   const std::vector<std::string>& materials = simulator.caster().material_names();
   FitConfig of = config;
   if (!of.free) of.free = AcousticFreeByDefault(initial, materials);

@@ -192,10 +192,11 @@ class Study {
   calib::ParameterValues ReadmeInitial() const {
     constexpr std::array<double, 6> kCurve = {0.05, 5.0, 0.005, 1.5, 0.02, 15.0};
     calib::ParameterValues initial = model_.initial_values();
+    ParameterSet unknown = truth_;
+    unknown.receiver.noise_db.reset();
+    const double noise_db = *calib::WithNoiseStart(std::move(unknown), frames_).receiver.noise_db;
     for (const int i : free_) {
-      initial[i] = catalog_[i].group == calib::ParameterGroup::kGsab
-                       ? kCurve[catalog_[i].index]
-                       : calib::NoiseStartDb(frames_, truth_.receiver.looks);
+      initial[i] = catalog_[i].group == calib::ParameterGroup::kGsab ? kCurve[catalog_[i].index] : noise_db;
     }
     return initial;
   }

@@ -24,8 +24,7 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
   PoseStep low = PoseStep::Zero();
   low(4) = kTooLowDeg;
   for (AcousticFrame& frame : frames) frame.world_from_sonar = MovePose(tank.TruePose(frame.index), low);
-  ParameterSet initial = tank.known;
-  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  ParameterSet initial = WithNoiseStart(tank.known, frames);
   AcousticFrameModel model(tank.simulator, frames, initial);
 
   FitConfig config{.free = std::vector<std::string>{"materials", "noise", "pose"},

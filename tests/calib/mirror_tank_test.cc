@@ -51,8 +51,7 @@ TEST(SyntheticTankGhosts, LossesCurvesAndNoiseAreFoundTogether) {
   const SyntheticTank tank(folder);
   const ParameterSet truth = tank.TrueParameters();
   const std::vector<AcousticFrame> frames = tank.Frames({0, 1, 3, 4, 5, 7});
-  ParameterSet initial = tank.known;
-  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  ParameterSet initial = WithNoiseStart(tank.known, frames);
   for (const char* mirror : {"floor", "wall", "surface"}) initial.mirrors[mirror].loss_db = 6.0;
   FitOptions options;
   options.starts = 1;

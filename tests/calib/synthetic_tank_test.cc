@@ -38,8 +38,7 @@ TEST(SyntheticTank, CurvesAndNoiseAreFoundAndHeldOutFramesAgreeAsSpeckleAllows) 
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank");
   const SyntheticTank tank(folder);
   const std::vector<AcousticFrame> frames = tank.Frames({0, 1, 3, 4, 5, 7});
-  ParameterSet initial = tank.known;
-  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  ParameterSet initial = WithNoiseStart(tank.known, frames);
   FitOptions fit_options;
   fit_options.starts = 2;
   const std::int64_t rays_before = tank.simulator.caster().rays_cast();

@@ -6,10 +6,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "apps/workflow/assumptions.h"
 #include "apps/workflow/calibration/held_out_trial.h"
+#include "apps/workflow/compare.h"
 #include "apps/workflow/fit_frames.h"
 #include "apps/workflow/simulate.h"
 #include "calib/noise/noise_fit.h"
@@ -41,13 +44,6 @@ constexpr double kNoMirrorDb = 40.0;
 // Curve of a surface that is neither a mirror nor black: the start of every material.
 constexpr GsabParameters<double> kStartCurve = {
     .a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
-
-std::vector<int> EvenlySpreadFrames(int count, int wanted) {
-  std::vector<int> frames;
-  const int chosen = std::min(count, wanted);
-  for (int i = 0; i < chosen; ++i) frames.push_back(static_cast<int>(static_cast<long>(i) * count / chosen));
-  return frames;
-}
 
 std::string Names(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
@@ -126,6 +122,7 @@ class Calibrator {
              const std::function<void(const CalibrationPlan&)>& on_stage)
       : recording_(recording),
         scene_(scene),
+        sonar_(recording.info().sonar),
         options_(options),
         background_(input.background),
         listener_(listener),
@@ -151,18 +148,30 @@ class Calibrator {
   }
 
  private:
-  using Decided = std::pair<std::string, std::string>;  // choice, reason
-
   template <typename Decide>
   void Stage(CalibrationStage stage, const Decide& decide) {
     if (!plan_.Has(stage)) {
-      auto [choice, reason] = decide();
-      plan_.decided.push_back({stage, std::move(choice), std::move(reason)});
+      Forget(stage);
+      CalibrationDecision decision = decide();
+      decision.stage = stage;
+      plan_.decided.push_back(std::move(decision));
       if (on_stage_) on_stage_(plan_);
     }
     const auto& of = *std::ranges::find(plan_.decided, stage, &CalibrationDecision::stage);
     listener_.Message(fmt::format("{}: {}{}{}", ToString(stage), of.choice,
                                   of.reason.empty() ? "" : ", because ", of.reason));
+  }
+
+  // Drops what a plan says about a stage that it does not decide.
+  void Forget(CalibrationStage stage) {
+    std::vector<std::string>& free = *plan_.fit.free;
+    if (stage == CalibrationStage::kPlacement) plan_.fit = Radiometry();
+    if (stage == CalibrationStage::kNoise) std::erase(free, "receiver.noise_db");
+    if (stage == CalibrationStage::kMirrors) {
+      std::erase_if(free, [](const std::string& name) {
+        return name.starts_with("mirror.") || name == "beam.transmit_end_deg";
+      });
+    }
   }
 
   // Fills in what a plan leaves open.
@@ -177,11 +186,13 @@ class Calibrator {
     }
     if (start.materials.empty()) start.materials["default"].gsab = kStartCurve;
     if (!plan_.fit.free) plan_.fit.free = std::vector<std::string>{"materials"};
+    assumed_ = AssumeMissing(recording_.info().scale, /*find_display=*/true, sonar_, start);
   }
 
-  Decided ChooseFrames() {
-    const int count = recording_.frame_count();
-    const std::vector<int> frames = EvenlySpreadFrames(count, options_.max_frames);
+  CalibrationDecision ChooseFrames() {
+    std::vector<int> all(recording_.frame_count());
+    std::iota(all.begin(), all.end(), 0);
+    const std::vector<int> frames = EvenlySpread(all, options_.max_frames);
     std::vector<int> used;
     std::vector<int> held_out;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -194,25 +205,25 @@ class Calibrator {
       return {"the only frame is fitted",
               "nothing else is there, so that no choice can be tried on another frame"};
     }
-    return {fmt::format("{} of {} frames are fitted, {} are held out", used.size(), count, held_out.size()),
-            "the held-out ones decide the choices below"};
+    return {
+        fmt::format("{} of {} frames are fitted, {} are held out", used.size(), all.size(), held_out.size()),
+        "the held-out ones decide the choices below"};
   }
 
-  Decided ChooseWaterAndAbsorption() {
+  CalibrationDecision ChooseWaterAndAbsorption() {
     plan_.absorption = options_.rays.absorption;
     const WaterChoice water = ChooseWater(plan_.parameters, recording_.info().water);
-    const std::string caveat =
-        sim::AbsorptionCaveat(plan_.absorption, recording_.info().sonar.frequency_hz, water.water);
+    const std::string caveat = sim::AbsorptionCaveat(plan_.absorption, sonar_.frequency_hz, water.water);
     const bool known = plan_.parameters.water || recording_.info().water;
     return {
         fmt::format("{}, absorption '{}'", WaterText(water.water), ToString(plan_.absorption)),
-        known
-            ? (caveat.empty() ? "the recording states the water" : caveat)
-            : "nothing states a water, so fresh water is assumed; the levels of the curves absorb the rest"};
+        known ? (caveat.empty() ? "the recording states the water" : caveat)
+              : "nothing states a water, so fresh water is assumed; the levels of the curves absorb the rest",
+        assumed_};
   }
 
   // Display and noise law. The level of the noise is fitted with the curves unless pings without targets gave it.
-  Decided ChooseNoise() {
+  CalibrationDecision ChooseNoise() {
     ParameterSet& start = plan_.parameters;
     const ImageScale& scale = recording_.info().scale;
     const bool scaled = scale.db_min && scale.db_max;
@@ -251,14 +262,11 @@ class Calibrator {
     } catch (const DataError& error) {
       why = error.what();
     }
-    constexpr double kAssumedSpanDb = 60.0;
     start.display = {.db_min = 0.0, .db_max = scale.db_span.value_or(kAssumedSpanDb)};
-    open_.push_back(
-        fmt::format("the display: a logarithm over {:g} dB is assumed, and levels are relative to it",
-                    start.display.db_max));
-    return {fmt::format("logarithm over {:g} dB", start.display.db_max),
-            fmt::format("{}{}", why,
-                        scale.db_span ? "; the recording states the span" : "; the span is assumed")};
+    return {
+        fmt::format("logarithm over {:g} dB", start.display.db_max),
+        fmt::format("{}{}", why, scale.db_span ? "; the recording states the span" : "; the span is assumed"),
+        {"the display: levels are relative to its lower end"}};
   }
 
   calib::NoiseFitOptions NoiseOptions() const {
@@ -269,7 +277,7 @@ class Calibrator {
 
   // Poses, geometry of the sonar and objects: all are tried together, and those that the frames do not move by two
   // standard errors stay as declared.
-  Decided ChoosePlacement() {
+  CalibrationDecision ChoosePlacement() {
     std::vector<std::string> objects = MovableObjects(scene_);
     if (!options_.target.empty()) objects = {options_.target};
     if (!(plan_.parameters.pulse.length_m > 0.0)) plan_.fit.free->push_back("pulse.length_m");
@@ -324,8 +332,8 @@ class Calibrator {
   }
 
   // Frees what moved, and starts the last fit there.
-  Decided TakePlacement(const Trial& moved, const FitConfig& config,
-                        const calib::LikelihoodDifference& gain) {
+  CalibrationDecision TakePlacement(const Trial& moved, const FitConfig& config,
+                                    const calib::LikelihoodDifference& gain) {
     std::vector<std::string> kept;
     std::vector<std::string> left;
     const bool poses = PosesMovedBySigmas(moved.fit.report) > kSigmasToMove;
@@ -352,13 +360,14 @@ class Calibrator {
               named(k);
       }
     }
+    std::vector<std::string> open;
     if (!left.empty())
-      open_.push_back(fmt::format("{}: within two standard errors of what is declared", Names(left)));
+      open.push_back(fmt::format("{}: within two standard errors of what is declared", Names(left)));
     std::string choice =
         poses ? fmt::format("poses fitted, recorded ones scatter by {:.3g} m and {:.2g} degrees; ",
                             config.pose_prior.position_m, config.pose_prior.angle_deg)
               : "poses as recorded; ";
-    return {choice + "moved: " + Names(kept), GainText(gain)};
+    return {choice + "moved: " + Names(kept), GainText(gain), open};
   }
 
   // Stages after the placement keep it fixed: what a beam looks like does not move a wall.
@@ -372,7 +381,7 @@ class Calibrator {
     Placed placed{.simulator = {},
                   .used = GreyFrames(recording_, *plan_.fit.used),
                   .held_out = GreyFrames(recording_, *plan_.fit.held_out)};
-    SonarModel sonar = recording_.info().sonar;
+    SonarModel sonar = sonar_;
     SonarGeometry geometry;
     std::map<std::string, calib::ObjectPlacement> objects;
     for (const auto& [name, value] : plan_.fit.start) {
@@ -401,10 +410,11 @@ class Calibrator {
     return placed;
   }
 
-  Decided ChooseBeam() {
+  CalibrationDecision ChooseBeam() {
     if (plan_.fit.held_out->empty()) {
-      open_.emplace_back("the pattern of the beams and the looks: a second frame decides them");
-      return {"as the sonar states them", "no frame is held out"};
+      return {"as the sonar states them",
+              "no frame is held out",
+              {"the pattern of the beams and the looks: a second frame decides them"}};
     }
     ParameterSet with_lobes = plan_.parameters;
     with_lobes.beam.elevation_pattern = ElevationPattern::kCosine;
@@ -431,10 +441,9 @@ class Calibrator {
   }
 
   // Every material is tried as a mirror; those without ghosts drop out.
-  Decided ChooseMirrors() {
+  CalibrationDecision ChooseMirrors() {
     if (plan_.fit.held_out->empty()) {
-      open_.emplace_back("mirrors: a second frame decides them");
-      return {"none", "no frame is held out"};
+      return {"none", "no frame is held out", {"mirrors: a second frame decides them"}};
     }
     std::vector<std::string> mirrors;
     for (const std::string& material : scene_.material_names) {
@@ -480,12 +489,15 @@ class Calibrator {
       listener_.Message("last fit to all frames, for the values");
       calibration.fit = LastFit(all);
     }
+    for (const CalibrationDecision& decision : plan_.decided)
+      calibration.open.insert(calibration.open.end(), decision.open.begin(), decision.open.end());
+    std::vector<std::string> unidentified;
     for (const FittedParameter& parameter : calibration.fit.fit.report.parameters) {
-      if (parameter.status == ParameterStatus::kUnidentifiable) unidentified_.push_back(parameter.name);
+      if (parameter.status == ParameterStatus::kUnidentifiable) unidentified.push_back(parameter.name);
     }
-    if (!unidentified_.empty()) open_.push_back(fmt::format("{}: priors decide", Names(unidentified_)));
+    if (!unidentified.empty())
+      calibration.open.push_back(fmt::format("{}: priors decide", Names(unidentified)));
     calibration.plan = plan_;
-    calibration.open = open_;
     return calibration;
   }
 
@@ -512,11 +524,14 @@ class Calibrator {
     return FitRecording(recording_, scene_, plan_.parameters, fit);
   }
 
-  // Material of the target; a node without a material of its name is scored as the whole image is.
+  // Material of the target, or of the only object that may stand elsewhere. A node without a material of its name
+  // is scored as the whole image is.
   std::string ScoredMaterial() const {
-    const bool material =
-        std::ranges::find(scene_.material_names, options_.target) != scene_.material_names.end();
-    return material ? options_.target : std::string();
+    const std::vector<std::string> objects = MovableObjects(scene_);
+    const std::string name =
+        options_.target.empty() && objects.size() == 1 ? objects.front() : options_.target;
+    return std::ranges::find(scene_.material_names, name) != scene_.material_names.end() ? name
+                                                                                         : std::string();
   }
 
   // Configuration of a fit with the placement fixed.
@@ -546,29 +561,23 @@ class Calibrator {
   Water WaterOf() const { return ChooseWater(plan_.parameters, recording_.info().water).water; }
 
   sim::Simulator MakeSimulator(const ParameterSet& parameters) const {
-    const SonarModel& sonar = recording_.info().sonar;
-    return {scene_, sonar, AcousticSimulation(Rays(), sonar, WaterOf(), parameters)};
+    return {scene_, sonar_, AcousticSimulation(Rays(), sonar_, WaterOf(), parameters)};
   }
 
   ParameterSet WithNoiseLevel(const std::vector<calib::GreyFrame>& frames) const {
-    ParameterSet parameters = plan_.parameters;
-    if (!parameters.receiver.noise_db) {
-      parameters.receiver.noise_db =
-          calib::NoiseStartDb(calib::FramesFor(frames, parameters.display), parameters.receiver.looks);
-    }
-    return parameters;
+    return calib::WithNoiseStart(plan_.parameters, calib::FramesFor(frames, plan_.parameters.display));
   }
 
   const RecordingSource& recording_;
   const Scene& scene_;
+  SonarModel sonar_;  // as stated and, where nothing is, as assumed
   const CalibrateOptions& options_;
   const RecordingSource* background_;
   const Listener& listener_;
   const std::function<void(const CalibrationPlan&)>& on_stage_;
   CalibrationPlan plan_;
   calib::FitOptions solver_;
-  std::vector<std::string> open_;
-  std::vector<std::string> unidentified_;
+  std::vector<std::string> assumed_;  // sentences
 };
 
 }  // namespace

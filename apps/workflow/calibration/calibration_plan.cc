@@ -24,9 +24,13 @@ CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file) {
       const auto found = item.Find(key);
       return found ? found->String() : std::string();
     };
-    plan.decided.push_back({.stage = item.At("stage").Word<CalibrationStage>(),
-                            .choice = text("choice"),
-                            .reason = text("reason")});
+    plan.decided.push_back({.choice = text("choice"),
+                            .reason = text("reason"),
+                            .stage = item.At("stage").Word<CalibrationStage>()});
+    if (const auto open = item.Find("open")) {
+      for (const data_io::JsonReader& phrase : open->Items())
+        plan.decided.back().open.push_back(phrase.String());
+    }
   }
   if (const auto word = json.Find("absorption")) plan.absorption = word->Word<sim::AbsorptionFormula>();
   if (const auto parameters = json.Find("parameters")) plan.parameters = data_io::ParametersFrom(*parameters);
@@ -39,8 +43,10 @@ nlohmann::ordered_json CalibrationPlanJson(const CalibrationPlan& plan) {
   using Json = nlohmann::ordered_json;
   Json json = {{"format", kPlanFormat}, {"decided", Json::array()}};
   for (const CalibrationDecision& decision : plan.decided) {
-    json["decided"].push_back(
-        {{"stage", ToString(decision.stage)}, {"choice", decision.choice}, {"reason", decision.reason}});
+    json["decided"].push_back({{"stage", ToString(decision.stage)},
+                               {"choice", decision.choice},
+                               {"reason", decision.reason},
+                               {"open", decision.open}});
   }
   json["absorption"] = ToString(plan.absorption);
   json["parameters"] = data_io::ParametersJson(plan.parameters);

@@ -2,7 +2,7 @@
 // exactly, and a plan with some of the stages decides the others anew.
 //
 //   {"format": "sonar-calibration-plan/1",
-//    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it"}, ...],
+//    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it", "open": []}, ...],
 //    "absorption": "auto",
 //    "parameters": {...},     // params.json: start values of the last fit, with display, beam forms and mirrors
 //    "fit": {...}}            // configuration of the last fit (calib/parameters/fit_config.h)
@@ -36,11 +36,12 @@ constexpr auto WordsOf(std::type_identity<CalibrationStage>) {
                                      {"mirrors", CalibrationStage::kMirrors}}};
 }
 
-// Choice and reason are phrases without a full stop.
+// All texts are phrases without a full stop.
 struct CalibrationDecision {
+  std::string choice = {};
+  std::string reason = {};
+  std::vector<std::string> open = {};  // what the recording could not determine
   CalibrationStage stage = CalibrationStage::kFrames;
-  std::string choice;
-  std::string reason;
 };
 
 struct CalibrationPlan {

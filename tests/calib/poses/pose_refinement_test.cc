@@ -308,8 +308,7 @@ TEST(SyntheticTankPoses, ErrorsAreRemovedAndRollStaysWithinItsBound) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
   const testing::SyntheticTank tank(folder);
   const std::vector<AcousticFrame> frames = tank.Frames({0, 1});
-  ParameterSet initial = tank.known;
-  initial.receiver.noise_db = NoiseStartDb(frames, 1.0);
+  ParameterSet initial = WithNoiseStart(tank.known, frames);
   FitOptions options;
   options.starts = 1;
   const FitConfig config{.free = std::vector<std::string>{"materials", "noise", "pose"}};
