@@ -79,6 +79,8 @@ class AcousticFitter {
   AcousticFitter(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                  const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
       : options_(options),
+        simulator_(simulator),
+        frames_(frames),
         config_(WithDefaults(given, initial, simulator.caster().material_names())),
         model_(simulator, frames,
                WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
@@ -217,18 +219,36 @@ class AcousticFitter {
       if (fit.usable) values = std::move(fit.values);
     };
     ParameterValues values = fit_.values;
-    // The cost of a frame is rough because rays appear and disappear at edges, by up to the effect of noise
-    // on a parameter in either direction.
-    settled_ = TakeJointSteps(
-        model_, catalog_, active,
-        {.steps = options_.joint_steps, .least = NoiseOfCost(), .roughness = 2.0 * NoiseOfCost()}, settle,
-        values, options_.progress);
+    settled_ =
+        TakeJointSteps(model_, catalog_, active,
+                       {.steps = options_.joint_steps,
+                        .least = NoiseOfCost(),
+                        .roughness = [this](const ParameterValues& at) { return RoughnessOfCost(at); }},
+                       settle, values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, model_, geometric_, values, kHeld);
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
   double NoiseOfCost() const { return 0.5 * model_.speckle_cell().bins * model_.speckle_cell().beams; }
+
+  // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at edges. They do
+  // so as well from one grid of rays to another, which is what is measured.
+  double RoughnessOfCost(const ParameterValues& values) const {
+    constexpr int kOtherRows = 31;  // one row more for so many rows
+    sim::SimulationOptions other = simulator_.options();
+    other.fan.rows += 1 + other.fan.rows / kOtherRows;
+    const sim::Simulator simulator(simulator_.shared_caster(), simulator_.sonar(), other);
+    AcousticFrameModel model(simulator, frames_, model_.Parameters(values), ObjectsNamed(config_));
+    model.Linearise(values, {});
+    double squares = 0.0;
+    for (int frame = 0; frame < model.frame_count(); ++frame) {
+      const double difference = CostOfFrame(model, values, frame) - CostOfFrame(model_, values, frame);
+      squares += 0.5 * difference * difference;
+    }
+    const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model.frame_count()));
+    return 2.0 * std::max(std::sqrt(squares), least);
+  }
 
   // Solves for all parameters about a sequence of points. If a point proves worse after tracing, the fit goes
   // back and reduces the reach. A change of cost below the noise ends the rounds.
@@ -354,6 +374,8 @@ class AcousticFitter {
   }
 
   const FitOptions& options_;
+  const sim::Simulator& simulator_;  // as declared
+  const std::vector<AcousticFrame>& frames_;
   FitConfig config_;  // with priors
   FitConfig near_;    // as above, with the trust region about the present point
   AcousticFrameModel model_;

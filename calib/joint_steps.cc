@@ -2,14 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
-#include "calib/identifiability.h"
 #include "calib/parameters/fit_options.h"
 #include "calib/problem_builder.h"
 
@@ -21,6 +19,13 @@ namespace {
 constexpr double kLeastDamping = 1e-3;
 constexpr int kTries = 7;
 constexpr double kHarder = 8.0;
+
+// Number of steps without a lower cost that end the search. Points of a flat valley are averaged, so more than one.
+constexpr int kStepsInValley = 4;
+
+// The roughness of the cost is measured again when the cost fell to this fraction: where the scene fits badly, each
+// ray counts for more.
+constexpr double kRoughAgain = 0.9;
 
 class Stepper {
  public:
@@ -53,53 +58,22 @@ class Stepper {
     double cost = 0.0;
   };
 
-  // Moves the directions that the frames do not determine back to their priors, if this costs nothing.
-  std::optional<Found> Return(const ParameterValues& values, double cost, double roughness) {
-    const NormalEquations equations =
-        Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
-    const Eigen::MatrixXd open = Directions(equations.information).open;
-    if (open.cols() == 0) return std::nullopt;
-    Eigen::VectorXd off(static_cast<Eigen::Index>(active_.size()));
-    for (std::size_t k = 0; k < active_.size(); ++k)
-      off(static_cast<Eigen::Index>(k)) = catalog_[active_[k]].FromPrior(values[active_[k]]);
-    Found trial{.values = Moved(values, -Scales().cwiseProduct(open * (open.transpose() * off))),
-                .cost = 0.0};
-    trial.cost = CostAbout(trial.values);
-    if (!(trial.cost < cost + roughness)) return std::nullopt;
-    return trial;
-  }
-
-  // Returns a step downhill from the point of linearisation. Nullopt if no damping finds one, or if none
-  // promises enough gain.
-  std::optional<Found> Step(const ParameterValues& values, double cost, double least, double roughness) {
-    const NormalEquations equations =
-        Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
-    Eigen::MatrixXd information = equations.information;
-    information.diagonal() += equations.prior;
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(equations.prior.size());
-    for (const NormalEquations::Block& block : equations.blocks) gradient += block.score;
-    for (std::size_t k = 0; k < active_.size(); ++k) {
-      const auto& prior = catalog_[active_[k]].prior;
-      if (prior)
-        gradient(static_cast<Eigen::Index>(k)) +=
-            catalog_[active_[k]].FromPrior(values[active_[k]]) / prior->sigma;
-    }
-    const Eigen::MatrixXd told = Scales().asDiagonal() * Directions(equations.information).told;
+  // Returns a step from the point of linearisation to a cost below `limit`. Nullopt if no damping finds one, or if
+  // none promises a gain of `least`.
+  std::optional<Found> Step(const ParameterValues& values, double least, double limit) {
+    const Directions along = DirectionsAt(values);
     for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
-      Eigen::MatrixXd damped = information;
-      damped.diagonal() *= 1.0 + damping_;
-      const Eigen::VectorXd step =
-          -told * (told.transpose() * damped * told).ldlt().solve(told.transpose() * gradient);
-      const double promised = -gradient.dot(step) - 0.5 * step.dot(information * step);
+      const Eigen::ArrayXd step = -along.slope / ((1.0 + damping_) * along.curvature);
+      const double promised = -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
       if (promised < least) return std::nullopt;
-      Found trial{.values = Moved(values, step), .cost = 0.0};
+      Found trial{.values = Moved(values, Scales().cwiseProduct(along.vectors * step.matrix())), .cost = 0.0};
       trial.cost = CostAbout(trial.values);
       // Refits the curves before the comparison: the trial is about poses, and curves may adapt.
       if (settle_) {
         settle_(trial.values);
         trial.cost = CostHere(trial.values);
       }
-      if (!(trial.cost < cost + roughness)) continue;
+      if (!(trial.cost < limit)) continue;
       damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
       return trial;
     }
@@ -132,21 +106,33 @@ class Stepper {
   }
 
  private:
-  // Directions as columns, in units of the prior sigmas.
-  struct Split {
-    Eigen::MatrixXd told;  // directions with more information from the frames than from the prior
-    // the others; steps along them would follow errors of the slopes from rays at edges
-    Eigen::MatrixXd open;
+  // Directions in which the cost is a sum of parabolas, in units of the prior sigmas.
+  struct Directions {
+    Eigen::MatrixXd vectors;  // columns
+    Eigen::ArrayXd slope;     // of the cost
+    Eigen::ArrayXd curvature;
   };
-  Split Directions(const Eigen::MatrixXd& of_frames) const {
+
+  // Where the frames tell less than the priors, the priors alone count: there the slopes of images are mostly
+  // errors, from rays that appear and disappear at edges.
+  Directions DirectionsAt(const ParameterValues& values) const {
+    const NormalEquations equations =
+        Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active_.size()));
+    for (const NormalEquations::Block& block : equations.blocks) score += block.score;
+    Eigen::VectorXd off(score.size());
+    for (std::size_t k = 0; k < active_.size(); ++k)
+      off(static_cast<Eigen::Index>(k)) = catalog_[active_[k]].FromPrior(values[active_[k]]);
     const Eigen::VectorXd sigma = Scales();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * equations.information *
+                                                                sigma.asDiagonal());
     const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * of_frames *
-                                                                sigma.asDiagonal() / pixels_per_cell);
-    // eigenvalues ascend
-    const Eigen::Index open = (solver.eigenvalues().array() < 1.0 / kOpenShare).count();
-    return {.told = solver.eigenvectors().rightCols(of_frames.rows() - open),
-            .open = solver.eigenvectors().leftCols(open)};
+    const Eigen::ArrayXd told = (solver.eigenvalues().array() >= pixels_per_cell).cast<double>();
+    const Eigen::MatrixXd& vectors = solver.eigenvectors();
+    return {.vectors = vectors,
+            .slope = told * (vectors.transpose() * sigma.cwiseProduct(score)).array() +
+                     (vectors.transpose() * off).array(),
+            .curvature = told * solver.eigenvalues().array() + 1.0};
   }
 
   Eigen::VectorXd Scales() const {
@@ -184,27 +170,29 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
                     const std::function<void(ParameterValues&)>& settle, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress) {
   Stepper stepper(model, catalog, active, settle);
-  double cost = stepper.CostAbout(values);
-  const double roughness = options.roughness * std::sqrt(static_cast<double>(model.frame_count()));
-  stepper.Linearise(values);
-  if (const auto back = stepper.Return(values, cost, roughness)) {
-    values = back->values;
-    cost = back->cost;
-  }
-  std::vector<Stepper::Found> reached = {{values, cost}};
+  std::vector<Stepper::Found> reached = {{values, stepper.CostAbout(values)}};
+  double roughness = options.roughness(values);
+  double rough_at = reached.front().cost;
+  double lowest = rough_at;
+  int since_lowest = 0;
   bool ended = false;
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
-    const auto found = stepper.Step(values, cost, options.least, roughness);
+    const auto found = stepper.Step(values, options.least, lowest + roughness);
     ended = !found;
-    if (found) {
-      if (progress) {
-        progress(fmt::format("step {} of poses and curves: cost {:.1f}, before it {:.1f}", step + 1,
-                             found->cost, cost));
-      }
-      values = found->values;
-      cost = found->cost;
-      reached.push_back(*found);
+    if (!found) continue;
+    if (progress) {
+      progress(fmt::format("step {} of poses and curves: cost {:.1f}, before it {:.1f}", step + 1,
+                           found->cost, reached.back().cost));
+    }
+    values = found->values;
+    reached.push_back(*found);
+    since_lowest = found->cost < lowest - options.least ? 0 : since_lowest + 1;
+    lowest = std::min(lowest, found->cost);
+    ended = since_lowest >= kStepsInValley;
+    if (lowest < kRoughAgain * rough_at) {
+      rough_at = lowest;
+      roughness = options.roughness(values);
     }
   }
   values = stepper.AmongAlike(reached, roughness);

@@ -343,13 +343,14 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   return equations;
 }
 
+double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame) {
+  const auto sums = SumFrame(model, model.catalog(), {.active = {}, .values = values}, frame, false);
+  return sums ? 0.5 * sums->residual_square : std::numeric_limits<double>::infinity();
+}
+
 double CostAt(const FrameModel& model, const ParameterValues& values, int frames) {
   double cost = 0.0;
-  for (int frame = 0; frame < frames; ++frame) {
-    const auto sums = SumFrame(model, model.catalog(), {.active = {}, .values = values}, frame, false);
-    if (!sums) return std::numeric_limits<double>::infinity();
-    cost += 0.5 * sums->residual_square;
-  }
+  for (int frame = 0; frame < frames; ++frame) cost += CostOfFrame(model, values, frame);
   return cost;
 }
 

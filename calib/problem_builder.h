@@ -44,7 +44,8 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);
 
-// Half the sum of squares over the first `frames` frames, without a problem and without priors.
+// Half the sum of squares of a frame, without a problem and without priors; and of the first `frames` frames.
+double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame);
 double CostAt(const FrameModel& model, const ParameterValues& values, int frames);
 
 }  // namespace sonarcal::calib

@@ -132,7 +132,10 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
       const float range_m = hits.range_m[i];
       // A ray that starts on a surface hits it at range 0, where the transmission loss is undefined.
       if (!(range_m > 0.0F && range_m >= nearest_m && range_m < farthest_m)) continue;
-      scatter.Add(rows, range_m, hits.col[i], shader.factor() * of.power[i]);
+      const double square = double{hits.half_tangent[i]} * hits.half_tangent[i];
+      const double depth_m =
+          PatchDepthM(range_m, fan.RowHeightRad(hits.row), (1.0 - square) / (1.0 + square));
+      scatter.Add(rows, range_m, depth_m, hits.col[i], shader.factor() * of.power[i]);
     }
   });
   return scatter;

@@ -144,7 +144,11 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
                     });
   const FineRows rows = scatter.RowsOf(geometry.sonar.axes);
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    scatter.Add(rows, echoes.range_m[echo], static_cast<int>(echoes.ray[echo] % echoes.cols), powers[echo]);
+    const int row = static_cast<int>(echoes.ray[echo] / echoes.cols);
+    const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
+    const double depth_m = PatchDepthM(echoes.range_m[echo], fan.CellHeightRad(row, col),
+                                       std::cos(double{echoes.incidence_rad[echo]}));
+    scatter.Add(rows, echoes.range_m[echo], depth_m, col, powers[echo]);
   }
   return scatter;
 }

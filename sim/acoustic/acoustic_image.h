@@ -38,9 +38,9 @@ struct ScatterMap {
 
   FineRows RowsOf(const PolarAxes& axes) const { return {axes, range_steps}; }
 
-  // Adds the power of an echo, shared between the two nearest rows.
-  void Add(const FineRows& rows, double range_m, int col, double echo) {
-    rows.Share(range_m, echo, [&](int row, double part) { power(row, col) += part; });
+  // Adds the power of an echo that covers `depth_m` of range.
+  void Add(const FineRows& rows, double range_m, double depth_m, int col, double echo) {
+    rows.Spread(range_m, depth_m, echo, [&](int row, double part) { power(row, col) += part; });
   }
 };
 

@@ -6,12 +6,14 @@
 
 #include "core/types/units.h"
 #include "sim/physics/fine_rows.h"
+#include "sim/physics/patch.h"
 
 namespace sonarcal::sim {
 namespace {
 
 // Shares of each echo for the cells and nodes around it.
-std::vector<EchoShare> Shares(const EchoList& echoes, const EchoPowerModel& model, const FineRows& rows) {
+std::vector<EchoShare> Shares(const EchoList& echoes, const RayFan& fan, const EchoPowerModel& model,
+                              const FineRows& rows) {
   std::vector<EchoShare> shares;
   shares.reserve(4 * echoes.size());
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
@@ -24,9 +26,11 @@ std::vector<EchoShare> Shares(const EchoList& echoes, const EchoPowerModel& mode
     const int node = std::clamp(static_cast<int>(angle), 0, kIncidenceNodes - 2);
     const double between = std::clamp(angle - node, 0.0, 1.0);
     const auto first_node = static_cast<std::uint32_t>(echoes.material[echo] * kIncidenceNodes + node);
-    const std::uint32_t col = echoes.ray[echo] % echoes.cols;
-    rows.Share(range_m, power, [&](int row, double of_row) {
-      const auto cell = static_cast<std::uint32_t>(row) * echoes.cols + col;
+    const auto row_of_ray = static_cast<int>(echoes.ray[echo] / echoes.cols);
+    const auto col = static_cast<int>(echoes.ray[echo] % echoes.cols);
+    const double depth_m = PatchDepthM(range_m, fan.CellHeightRad(row_of_ray, col), std::cos(incidence_rad));
+    rows.Spread(range_m, depth_m, power, [&](int row, double of_row) {
+      const auto cell = static_cast<std::uint32_t>(row * echoes.cols + col);
       shares.push_back({cell, first_node, static_cast<float>(of_row * (1.0 - between))});
       shares.push_back({cell, first_node + 1, static_cast<float>(of_row * between)});
     });
@@ -82,7 +86,7 @@ EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const Acous
   frame.cols = echoes.cols;
   frame.materials = static_cast<int>(echoes.material_names.size());
   for (int col = 0; col < fan.cols(); ++col) frame.column_azimuth_rad.push_back(fan.AzimuthRad(col));
-  const std::vector<EchoShare> shares = Shares(echoes, EchoPowerModel(geometry, parameters, {}), rows);
+  const std::vector<EchoShare> shares = Shares(echoes, fan, EchoPowerModel(geometry, parameters, {}), rows);
   return SumShares(std::move(frame), shares);
 }
 

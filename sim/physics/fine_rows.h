@@ -1,6 +1,9 @@
 // Rows of range finer than a bin, in which echoes are kept before the pulse smooths them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/types/image.h"
 
 namespace sonarcal::sim {
@@ -22,6 +25,26 @@ struct FineRows {
     const double fraction = position - row;
     if (row >= 0 && row < count) take(row, (1.0 - fraction) * power);
     if (row + 1 < count) take(row + 1, fraction * power);
+  }
+
+  // As Share, for an echo from a patch that covers `depth_m` of range: parts at even steps over it, which the pulse
+  // joins. A sloping surface then gives an even level, however far apart in range its rays are. A pulse is at least
+  // 4 rows long, and steps of 3 rows leave a ripple of 0.4 % behind a Gaussian one. A part that would lie outside of
+  // the rows is reflected at their end, because patches beyond are not traced.
+  template <typename Take>
+  void Spread(double range_m, double depth_m, double power, const Take& take) const {
+    constexpr double kRowsPerPart = 3.0;
+    constexpr int kMaxParts = 64;
+    depth_m = std::min(depth_m, kMaxParts * kRowsPerPart / per_m);
+    const int parts = std::max(1, static_cast<int>(std::ceil(depth_m * per_m / kRowsPerPart)));
+    const double near_m = first_m - 0.5 / per_m;
+    const double far_m = near_m + count / per_m;
+    for (int i = 0; i < parts; ++i) {
+      double at_m = range_m + depth_m * ((i + 0.5) / parts - 0.5);
+      if (parts > 1 && at_m < near_m) at_m = 2.0 * near_m - at_m;
+      if (parts > 1 && at_m > far_m) at_m = 2.0 * far_m - at_m;
+      Share(at_m, power / parts, take);
+    }
   }
 
   int count;

@@ -260,6 +260,10 @@ double RayFan::ElevationRad(int row, int col) const {
   return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
+double RayFan::CellHeightRad(int row, int col) const {
+  return sampling_ == Sampling::kBeams ? row_height_rad_[row] : std::sqrt(SolidAngleSr(row, col));
+}
+
 double RayFan::SolidAngleSr(int row, int col) const {
   if (sampling_ == Sampling::kFrustum) {
     // Solid angle of a cell of the plane at unit distance, seen along a ray of length l: area x (1 / l) /

@@ -97,6 +97,8 @@ class RayFan {
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
+  double CellHeightRad(int row,
+                       int col) const;  // in elevation; kFrustum: of a square cell of its solid angle
 
   // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x ElevationOffset(col), with an offset in
   // -1/2 .. 1/2. Its solid angle is ColumnWidthRad x RowHeight x cos(elevation).

@@ -36,7 +36,7 @@ constexpr double kLargestKs = 0.05;
 constexpr int kSearchSteps = 40;
 
 // As above for fits that start at the end of a search.
-constexpr int kLastSteps = 3;
+constexpr int kLastSteps = 6;
 
 // A mirror that loses more than this shows no ghosts.
 constexpr double kNoMirrorDb = 40.0;

@@ -89,5 +89,41 @@ TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
   }
 }
 
+// A patch of depth d is an even distribution over d: its variance is d^2 / 12, and sharing between rows adds at most
+// step^2 / 4.
+TEST(FineRowsTest, APatchIsSpreadOverItsDepth) {
+  const FineRows rows(Sonar().axes, 4);
+  const double step_m = Sonar().axes.range_bin_m() / 4;
+  for (const double depth_m : {0.0, 0.1, 0.4, 0.9}) {
+    double power = 0.0;
+    double mean_m = 0.0;
+    double square_m2 = 0.0;
+    rows.Spread(2.03, depth_m, 5.0, [&](int row, double part) {
+      const double range_m = 1.0 + (row + 0.5) * step_m;
+      power += part;
+      mean_m += part / 5.0 * range_m;
+      square_m2 += part / 5.0 * range_m * range_m;
+    });
+    EXPECT_NEAR(power, 5.0, 1e-12);
+    EXPECT_NEAR(mean_m, 2.03, 1e-12);
+    const double variance_m2 = square_m2 - mean_m * mean_m;
+    EXPECT_GT(variance_m2, depth_m * depth_m / 12.0 - 0.75 * step_m * step_m);
+    EXPECT_LT(variance_m2, depth_m * depth_m / 12.0 + 0.25 * step_m * step_m);
+  }
+}
+
+TEST(FineRowsTest, APatchAtTheEndOfTheWindowKeepsItsPower) {
+  const FineRows rows(Sonar().axes, 4);
+  const double step_m = Sonar().axes.range_bin_m() / 4;
+  for (const double range_m : {1.0 + step_m, 3.0 - step_m}) {
+    double power = 0.0;
+    rows.Spread(range_m, 0.3, 5.0, [&](int row, double part) {
+      EXPECT_TRUE(row >= 0 && row < rows.count);
+      power += part;
+    });
+    EXPECT_GT(power, 0.8 * 5.0);  // what lies within half a row of the end loses up to half
+  }
+}
+
 }  // namespace
 }  // namespace sonarcal::sim
