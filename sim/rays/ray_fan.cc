@@ -260,8 +260,10 @@ double RayFan::ElevationRad(int row, int col) const {
   return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
-double RayFan::CellHeightRad(int row, int col) const {
-  return sampling_ == Sampling::kBeams ? row_height_rad_[row] : std::sqrt(SolidAngleSr(row, col));
+double RayFan::SpreadHeightRad(int row, int col) const {
+  constexpr double kOfStaggered = 0.5;
+  if (sampling_ == Sampling::kFrustum) return std::sqrt(SolidAngleSr(row, col));
+  return elevation_offset_.empty() ? row_height_rad_[row] : kOfStaggered * row_height_rad_[row];
 }
 
 double RayFan::SolidAngleSr(int row, int col) const {
