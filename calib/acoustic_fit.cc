@@ -35,7 +35,8 @@ constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 constexpr int kPoseRepeats = 3;
 constexpr double kPoseFall = 0.05;
 
-// Joint steps with outlines, as a multiple of those without: their many values move a surface by a bin or so per step.
+// Joint steps with outlines, as a multiple of those without: their many values move a surface by a bin or so
+// per step.
 constexpr int kOutlineFactor = 3;
 
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
@@ -171,8 +172,8 @@ class AcousticFitter {
   // Refines poses in stages of decreasing reach, each followed by the radiometry, because curves fitted at
   // wrong poses are blurred. The last stage also searches along ridges. It repeats while it gains more than
   // noise does.
-  // The sonar's geometry is left to the joint steps: on smoothed images, wrong levels would move it far away. So are
-  // outlines, which smoothed images hardly show.
+  // The sonar's geometry is left to the joint steps: on smoothed images, wrong levels would move it far away.
+  // So are outlines, which smoothed images hardly show.
   void RefinePosesWithRadiometry() {
     const bool geometry =
         std::ranges::any_of(poses_, [&](int entry) { return ChangesAxes(catalog_[entry]); });

@@ -1,5 +1,5 @@
-// Simulators for values of the sonar's geometry and of the placement and outlines of objects. Those of the last few values are
-// kept: a fit asks for the same ones several times.
+// Simulators for values of the sonar's geometry and of the placement and outlines of objects. Those of the
+// last few values are kept: a fit asks for the same ones several times.
 #pragma once
 
 #include <deque>
@@ -18,8 +18,8 @@ namespace sonarcal::calib {
 
 class PlacedSimulators {
  public:
-  // `declared` must outlive this. `outlines`: names of the parts whose outline may be another. Throws DataError for
-  // an object that is not in the scene.
+  // `declared` must outlive this. `outlines`: names of the parts whose outline may be another. Throws
+  // DataError for an object that is not in the scene.
   PlacedSimulators(const sim::Simulator& declared, const std::vector<std::string>& objects,
                    const std::vector<std::string>& outlines = {});
 

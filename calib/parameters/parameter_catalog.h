@@ -6,7 +6,8 @@
 // offset behind every recorded pose, in the sonar's frame (none is zero); geometry.* for corrections of the
 // sonar's axes (core/sonars/sonar_geometry.h); object.<node>.* for a part of the scene that stands
 // elsewhere (calib/parameters/object_placement.h): the components of a pose, and scale_{x,y,z}; and
-// outline.<node>.{radius,bump}_NN_m for a part whose shape is known only roughly (calib/shapes/object_outline.h).
+// outline.<node>.{radius,bump}_NN_m for a part whose shape is known only roughly
+// (calib/shapes/object_outline.h).
 //
 // A solver moves the coordinate of a value: the logarithm of a value that must stay positive, otherwise the
 // value itself. `typical_step` is a surprising change of the coordinate. A parameter that the data leave freer

@@ -15,7 +15,8 @@
 namespace sonarcal::calib {
 namespace {
 
-// Resolution cells between two stations. Speckle leaves one cell unknown by its own power, so a station needs several.
+// Resolution cells between two stations. Speckle leaves one cell unknown by its own power, so a station needs
+// several.
 constexpr double kCellsApart = 4.0;
 // Share of a radius that stays at least.
 constexpr double kLeastRadius = 0.02;
@@ -139,7 +140,8 @@ PlaceKey KeyOf(const Eigen::Vector3f& vertex) {
   return {vertex.x(), vertex.y(), vertex.z()};
 }
 
-// The different places of the vertices of a mesh. Vertices of one place get one normal, so that no crack opens.
+// The different places of the vertices of a mesh. Vertices of one place get one normal, so that no crack
+// opens.
 std::map<PlaceKey, SurfacePoint> SurfacePoints(const Scene& mesh) {
   std::map<PlaceKey, SurfacePoint> points;
   for (const Eigen::Vector3f& vertex : mesh.vertices_m)

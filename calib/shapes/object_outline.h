@@ -1,15 +1,15 @@
-// Outline of a part of a scene that is known only roughly: few numbers, in metres, that change its shape. A fit
-// finds them with poses and curves (`sonarcal fit --free outline:NODE`).
+// Outline of a part of a scene that is known only roughly: few numbers, in metres, that change its shape. A
+// fit finds them with poses and curves (`sonarcal fit --free outline:NODE`).
 //
-// - Body of revolution (mesh_symmetry.h): changes of its radius at stations that are evenly spaced along its axis,
-//   from its lower to its upper end. A cubic curve through them (Catmull-Rom) gives the change between them. A
-//   radius stays positive, and the length stays the same.
-// - Any other shape, also a sphere: bumps, which are displacements along the normal about points that are spread
-//   evenly over the surface. The weights of all bumps at a vertex sum to 1. So equal values displace the whole
-//   surface equally.
+// - Body of revolution (mesh_symmetry.h): changes of its radius at stations that are evenly spaced along its
+//   axis, from its lower to its upper end. A cubic curve through them (Catmull-Rom) gives the change between
+//   them. A radius stays positive, and the length stays the same.
+// - Any other shape, also a sphere: bumps, which are displacements along the normal about points that are
+//   spread evenly over the surface. The weights of all bumps at a vertex sum to 1. So equal values displace
+//   the whole surface equally.
 //
-// Stations and points are as far apart as four resolution cells of the sonar in the middle of its window, and there
-// are between kMinOutlineValues and kMaxOutlineValues of them.
+// Stations and points are as far apart as four resolution cells of the sonar in the middle of its window, and
+// there are between kMinOutlineValues and kMaxOutlineValues of them.
 #pragma once
 
 #include <Eigen/Core>

@@ -37,8 +37,8 @@ std::vector<std::size_t> VerticesOfMaterial(Scene& scene, std::size_t material) 
   return vertices;
 }
 
-// Divides each triangle of `inside` vertices that has a long edge once. New vertices are appended, and belong to
-// the inside. Returns false if no edge was long.
+// Divides each triangle of `inside` vertices that has a long edge once. New vertices are appended, and belong
+// to the inside. Returns false if no edge was long.
 bool DivideOnce(Scene& scene, std::vector<char>& inside, float max_edge_m) {
   std::map<std::pair<int, int>, int> middles;  // by edge
   const auto middle_of = [&](int a, int b) {
@@ -59,7 +59,8 @@ bool DivideOnce(Scene& scene, std::vector<char>& inside, float max_edge_m) {
     Eigen::Vector3i m(middle_of(t(0), t(1)), middle_of(t(1), t(2)), middle_of(t(2), t(0)));
     const auto divided = (m.array() >= 0).count();
     if (divided == 0) continue;
-    // Turns the triangle so that its first edge is divided and, of two, the last is not; of one, only the first.
+    // Turns the triangle so that its first edge is divided and, of two, the last is not; of one, only the
+    // first.
     while (m(0) < 0 || (divided == 2 && m(2) >= 0)) {
       t = Eigen::Vector3i(t(1), t(2), t(0));
       m = Eigen::Vector3i(m(1), m(2), m(0));

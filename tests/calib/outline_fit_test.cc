@@ -1,5 +1,5 @@
-// Outlines found from small SYNTHETIC recordings. The recordings show meshes of their own, and the fit starts at
-// another size.
+// Outlines found from small SYNTHETIC recordings. The recordings show meshes of their own, and the fit starts
+// at another size.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
