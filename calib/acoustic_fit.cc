@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -33,6 +34,10 @@ constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 // nats per free entry of a pose. Noise moves one parameter by about half a nat.
 constexpr int kPoseRepeats = 3;
 constexpr double kPoseFall = 0.05;
+
+// Joint steps with outlines, as a multiple of those without: their many values move a surface by a bin or so
+// per step.
+constexpr int kOutlineFactor = 3;
 
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
 constexpr double kHeld = 0.02;
@@ -67,10 +72,9 @@ FitConfig Near(const FitConfig& config, const AcousticFrameModel& model, const s
   return near;
 }
 
-FitConfig WithDefaults(FitConfig config, const ParameterSet& initial,
-                       const std::vector<std::string>& material_names) {
-  if (!config.free) config.free = AcousticFreeByDefault(initial, material_names);
-  return config;
+FitConfig WithDefaults(FitConfig config, const ParameterSet& initial, const Scene& scene) {
+  if (!config.free) config.free = AcousticFreeByDefault(initial, scene.material_names);
+  return WithOutlineNamed(std::move(config), scene);
 }
 
 // Runs the steps of a fit one after the other.
@@ -81,10 +85,10 @@ class AcousticFitter {
       : options_(options),
         simulator_(simulator),
         frames_(frames),
-        config_(WithDefaults(given, initial, simulator.caster().material_names())),
+        config_(WithDefaults(given, initial, simulator.caster().scene())),
         model_(simulator, frames,
                WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
-               ObjectsNamed(config_)),
+               ObjectsNamed(config_), OutlinesNamed(config_)),
         catalog_(model_.catalog()) {
     free_ = ApplyFitConfigWithPriors(model_.initial_values(), config_, catalog_);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
@@ -92,6 +96,8 @@ class AcousticFitter {
       (IsGeometric(catalog_[i]) ? geometric_ : radiometric_).push_back(static_cast<int>(i));
     }
     poses_ = FreePlacements(catalog_, free_);
+    std::ranges::copy_if(poses_, std::back_inserter(rigid_),
+                         [&](int entry) { return catalog_[entry].group != ParameterGroup::kOutline; });
     near_ = config_;
     again_ = options;
     again_.starts = 1;
@@ -170,23 +176,24 @@ class AcousticFitter {
   // wrong poses are blurred. The last stage also searches along ridges. It repeats while it gains more than
   // noise does.
   // The sonar's geometry is left to the joint steps: on smoothed images, wrong levels would move it far away.
+  // So are outlines, which smoothed images hardly show.
   void RefinePosesWithRadiometry() {
     const bool geometry =
         std::ranges::any_of(poses_, [&](int entry) { return ChangesAxes(catalog_[entry]); });
-    if (poses_.empty() || geometry) return;
+    if (rigid_.empty() || geometry) return;
     const std::vector<PoseStage> stages = PoseStages(model_.speckle_cell());
     if (!options_.near_start) {
       for (const PoseStage& stage : stages) RefineStage(stage);
     }
     for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
-      if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(poses_.size())) break;
+      if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(rigid_.size())) break;
     }
   }
 
   // Returns the fall of cost from the poses alone.
   double RefineStage(const PoseStage& stage) {
     if (!fit_.usable) return 0.0;
-    const double fall = RefinePoses(model_, catalog_, poses_, stage, fit_.values, options_.progress);
+    const double fall = RefinePoses(model_, catalog_, rigid_, stage, fit_.values, options_.progress);
     model_.Linearise(fit_.values, {});
     RefitRadiometry();
     return fall;
@@ -221,12 +228,16 @@ class AcousticFitter {
     ParameterValues values = fit_.values;
     settled_ =
         TakeJointSteps(model_, catalog_, active,
-                       {.steps = options_.joint_steps,
+                       {.steps = JointSteps(),
                         .least = NoiseOfCost(),
                         .roughness = [this](const ParameterValues& at) { return RoughnessOfCost(at); }},
                        settle, values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, model_, geometric_, values, kHeld);
+  }
+
+  int JointSteps() const {
+    return options_.joint_steps * (rigid_.size() < poses_.size() ? kOutlineFactor : 1);
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
@@ -239,7 +250,8 @@ class AcousticFitter {
     sim::SimulationOptions other = simulator_.options();
     other.fan.rows += 1 + other.fan.rows / kOtherRows;
     const sim::Simulator simulator(simulator_.shared_caster(), simulator_.sonar(), other);
-    AcousticFrameModel model(simulator, frames_, model_.Parameters(values), ObjectsNamed(config_));
+    AcousticFrameModel model(simulator, frames_, model_.Parameters(values), ObjectsNamed(config_),
+                             OutlinesNamed(config_));
     model.Linearise(values, {});
     double squares = 0.0;
     for (int frame = 0; frame < model.frame_count(); ++frame) {
@@ -339,16 +351,22 @@ class AcousticFitter {
     // Placements that are not free are data, not parameters.
     std::erase_if(report.parameters, [](const FittedParameter& parameter) {
       const bool placement = parameter.name.starts_with("pose.") || parameter.name.starts_with("geometry.") ||
-                             parameter.name.starts_with("object.");
+                             parameter.name.starts_with("object.") || parameter.name.starts_with("outline.");
       return placement && parameter.status == ParameterStatus::kFixed;
     });
+    for (const std::string& name : OutlinesNamed(config_)) {
+      report.warnings.push_back(
+          fmt::format("the outline of '{}' is fitted: only another pose of it, which the fit did not use, "
+                      "can evaluate it",
+                      name));
+    }
     report.ambiguities = GeometryAmbiguities(report, model_.distinct_poses());
     if (!start_costs_.empty()) report.start_costs = start_costs_;
     if (cost_initial_) report.cost_initial = *cost_initial_;
     report.iterations = iterations_;
     if (!settled_) {
       report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
-                                        poses_.empty() ? kRounds : options_.joint_steps);
+                                        poses_.empty() ? kRounds : JointSteps());
     }
     return result;
   }
@@ -384,6 +402,7 @@ class AcousticFitter {
   std::vector<int> radiometric_;  // free entries
   std::vector<int> geometric_;
   std::vector<int> poses_;  // placements of `geometric_`
+  std::vector<int> rigid_;  // those that keep the shape of objects
   FitOptions again_;
   ModelFit fit_;
   std::vector<double> start_costs_;

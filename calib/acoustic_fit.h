@@ -7,7 +7,8 @@
 // 1. Curves and receiver. Casts the rays of each frame once.
 // 2. Free poses, from large to small moves (calib/poses/pose_refinement.h), with curves refitted after each
 //    stage.
-//    Geometry of the sonar and placement of objects, if free, are refined with the poses.
+//    Geometry of the sonar and placement of objects, if free, are refined with the poses. Outlines of objects
+//    are left to step 3.
 // 3. If beam, pulse or poses are free: all parameters together, in rounds about a new point. Each round
 //    traces again.
 // 4. On request (FitOptions::down_weight): all again with reduced weight of pixels that do not match the

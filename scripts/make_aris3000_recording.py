@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes a recording folder from published frames of an ARIS 3000, so that every command of sonarcal reads them.
 
-usage: scripts/make_aris3000_recording.py PUBLISHED OUT [--template RECORDING_JSON]
+usage: scripts/make_aris3000_recording.py PUBLISHED OUT [--template RECORDING_JSON] [--other-pose CASE_JSON]
 
 PUBLISHED holds frame_NNNN_128x780.png: 8-bit grey, 780 range bins (row 0 nearest) by 128 beams, recovered from the
 pictures of github.com/dfki-ric/uxo-dataset2024. beam_table_ARIS3000_128.csv (beam,center_deg,...) may lie beside them.
@@ -11,6 +11,9 @@ state come from the template, by default cases/bomb/recording.json.
 Each published frame was stretched over its own grey levels: grey = floor(count * 255 / N). One count is 80/255 dB. The
 script finds N from the levels that occur. Frames with a smaller N are shown with the largest N, so that a grey level
 means the same level in dB in all frames. If N cannot be found, the dB scale stays unknown.
+
+With --other-pose, OUT gets instead the one picture of the object in another pose. The plan of the case (cases/bomb/
+case.json) says where the fan lies in the picture. Each sample is the nearest pixel. The picture was not stretched.
 """
 
 import argparse
@@ -48,14 +51,14 @@ def chunks(data, path):
         at += 12 + length
 
 
-def unfiltered(raw):
+def unfiltered(raw, width):
     """Grey levels of the filtered rows of an 8-bit grey PNG, row after row."""
     image = bytearray()
-    above = [0] * (BEAMS + 1)  # with a pixel to the left
-    for start in range(0, len(raw), BEAMS + 1):
+    above = [0] * (width + 1)  # with a pixel to the left
+    for start in range(0, len(raw), width + 1):
         kind = raw[start]
         row = [0]
-        for col, value in enumerate(raw[start + 1 : start + BEAMS + 1], start=1):
+        for col, value in enumerate(raw[start + 1 : start + width + 1], start=1):
             left, up, corner = row[-1], above[col], above[col - 1]
             paeth = min((left, up, corner), key=lambda p: abs(left + up - corner - p))
             row.append((value + (0, left, up, (left + up) // 2, paeth)[kind]) % 256)
@@ -64,23 +67,24 @@ def unfiltered(raw):
     return bytes(image)
 
 
-def read_png(path):
-    """Grey levels of a published frame, row after row."""
+def read_png(path, size=(BEAMS, RANGE_BINS)):
+    """Width, height and grey levels of a PNG, row after row. `size`: the expected one; None: any."""
     data = path.read_bytes()
     parts = {}
     if data.startswith(SIGNATURE):
         for kind, content in chunks(data, path):
             parts[kind] = parts.get(kind, b"") + content
-    expected = struct.pack(">IIBBBBB", BEAMS, RANGE_BINS, 8, 0, 0, 0, 0)
-    if parts.get(b"IHDR") != expected:
-        fail(f"{path}: expected an 8-bit grey PNG of {RANGE_BINS} x {BEAMS} pixels")
+    header = parts.get(b"IHDR", b"")
+    width, height = size or (struct.unpack(">II", header[:8]) if len(header) == 13 else (0, 0))
+    if header != struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0):
+        fail(f"{path}: expected an 8-bit grey PNG" + (f" of {height} x {width} pixels" if size else ""))
     try:
         raw = zlib.decompress(parts.get(b"IDAT", b""))
     except zlib.error as error:
         fail(f"{path}: {error}")
-    if len(raw) != RANGE_BINS * (BEAMS + 1) or max(raw[:: BEAMS + 1]) > 4:
+    if len(raw) != height * (width + 1) or max(raw[:: width + 1]) > 4:
         fail(f"{path}: the picture is damaged")
-    return unfiltered(raw)
+    return width, height, unfiltered(raw, width)
 
 
 def write_png(path, image):
@@ -138,12 +142,50 @@ def scale_note(counts):
     )
 
 
+def sample_fan(picture, fan, sonar):
+    """Grey levels of the fan of a picture at the beams and range bins of a sonar, row after row."""
+    width, height, grey = picture
+    (apex_x, apex_y), (radius_min, radius_max) = fan["apex_px"], fan["radius_px"]
+    image = bytearray()
+    for range_bin in range(RANGE_BINS):
+        radius = radius_min + (range_bin + 0.5) / RANGE_BINS * (radius_max - radius_min)
+        for azimuth_deg in sonar["beam_azimuth_deg"]:
+            azimuth = math.radians(azimuth_deg)
+            row = math.floor(apex_y - radius * math.cos(azimuth) + 0.5)
+            col = math.floor(apex_x + fan.get("x_scale", 1.0) * radius * math.sin(azimuth) + 0.5)
+            if not (0 <= row < height and 0 <= col < width):
+                fail(f"the picture of {width} x {height} pixels does not hold the whole fan")
+            image.append(grey[row * width + col])
+    return bytes(image)
+
+
+def write_recording(out, recording):
+    """Writes recording.json, with lists of numbers on one line."""
+    text = json.dumps(recording, indent=1, ensure_ascii=False)
+    text = re.sub(r"\[[-\d.,\s]+\]", lambda list_: re.sub(r"\s+", "", list_[0]).replace(",", ", "), text)
+    (out / "recording.json").write_text(text + "\n", encoding="utf-8")
+
+
+def make_other_pose(arguments, recording):
+    """Writes the recording of the other pose."""
+    other = json.loads(arguments.other_pose.read_text(encoding="utf-8"))["target"]["other_view"]
+    image = sample_fan(read_png(arguments.published / other["picture"], None), other["fan"], recording["sonar"])
+    recording["image"]["db_span"] = other["db_span"]
+    recording["notes"] = [note for note in recording["notes"] if "stretched" not in note and "frames are of" not in note]
+    recording["notes"].append("Each sample is the nearest pixel of a fan picture, which was not stretched.")
+    recording["frames"] = [{"file": "frame_0000.png"}]
+    arguments.out.mkdir(parents=True)
+    write_png(arguments.out / "frame_0000.png", image)
+    write_recording(arguments.out, recording)
+
+
 def main():
     """The program."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("published", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--template", type=pathlib.Path, default=TEMPLATE)
+    parser.add_argument("--other-pose", type=pathlib.Path, metavar="CASE_JSON")
     arguments = parser.parse_args()
 
     frames = sorted(path for path in arguments.published.glob("*.png") if FRAME.fullmatch(path.name))
@@ -153,7 +195,10 @@ def main():
     table = arguments.published / BEAM_TABLE
     if table.is_file():
         recording["sonar"]["beam_azimuth_deg"] = read_beam_table(table)
-    images = [read_png(path) for path in frames]
+    if arguments.other_pose:
+        make_other_pose(arguments, recording)
+        return
+    images = [read_png(path)[2] for path in frames]
     counts = [stretched_counts(image) for image in images]
     scale = None if None in counts else max(counts)
     recording["image"].pop("db_span", None)
@@ -168,9 +213,7 @@ def main():
             shutil.copyfile(path, arguments.out / path.name)
         else:
             write_png(arguments.out / path.name, bytes(-(-grey * own // 255) * 255 // scale for grey in image))
-    text = json.dumps(recording, indent=1, ensure_ascii=False)
-    text = re.sub(r"\[[-\d.,\s]+\]", lambda list_: re.sub(r"\s+", "", list_[0]).replace(",", ", "), text)  # numbers on one line
-    (arguments.out / "recording.json").write_text(text + "\n", encoding="utf-8")
+    write_recording(arguments.out, recording)
 
 
 if __name__ == "__main__":

@@ -40,6 +40,7 @@ FOLDERS = [
     "sim/scenes",
     "sim",
     "sim/gathered",
+    "calib/shapes",
     "calib/parameters",
     "calib/models",
     "calib/poses",

@@ -80,7 +80,7 @@ def check_one_scale(folder):
     assert abs(recording["image"]["db_span"] - 97 * 80 / 255) < 1e-12
     assert "N = 95 to 97" in recording["notes"][-1]
     for index, counts in enumerate((95, 97)):
-        greys = script.read_png(out / f"frame_{index:04}_128x780.png")
+        greys = script.read_png(out / f"frame_{index:04}_128x780.png")[2]
         assert list(greys) == [count * 255 // 97 for count in counts_of(counts)], counts
 
 
@@ -140,6 +140,15 @@ def check_published(folder):
         assert (out / path.name).read_bytes() == path.read_bytes()
     inspected = subprocess.run([SONARCAL, "inspect", str(out)], stdout=subprocess.PIPE, text=True, check=True).stdout
     for part in ("780 bins of 2.959 mm", "128 from -15.01° to +15.02°", "spanning 30.43 dB", "formed by a lens"):
+        assert part in inspected, inspected
+    other = folder / "other"
+    subprocess.run(
+        [sys.executable, str(ROOT / "scripts/make_aris3000_recording.py"), str(published), str(other)]
+        + ["--other-pose", str(ROOT / "cases/bomb/case.json")],
+        check=True,
+    )
+    inspected = subprocess.run([SONARCAL, "inspect", str(other)], stdout=subprocess.PIPE, text=True, check=True).stdout
+    for part in ("780 bins of 2.959 mm", "spanning 80 dB", "nearest pixel"):
         assert part in inspected, inspected
     return "checked"
 

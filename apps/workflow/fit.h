@@ -142,7 +142,7 @@ struct FitOptions {
     visit(
         OptionInfo{.name = "free",
                    .help = "Parameters to fit: materials, noise, psf, mirrors, pose, mount, geometry, "
-                           "object:NODE, display, jitter, source_level, or names with *",
+                           "object:NODE, outline:NODE, display, jitter, source_level, or names with *",
                    .by_default = "materials; with the paper's model display.db_max and the range and azimuth "
                                  "errors; with the acoustic model receiver.noise_db, mirrors and, if not "
                                  "given, pulse.length_m and with mirrors beam.transmit_end_deg"},

@@ -67,9 +67,10 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
 
 AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
                                        const std::vector<AcousticFrame>& frames, const ParameterSet& initial,
-                                       const std::vector<std::string>& objects)
+                                       const std::vector<std::string>& objects,
+                                       const std::vector<std::string>& outlines)
     : simulator_(simulator),
-      placed_(simulator, objects),
+      placed_(simulator, objects, outlines),
       frames_(frames),
       material_names_(simulator.caster().material_names()),
       initial_(sim::WithResponse(simulator.sonar(), initial)),
@@ -88,8 +89,9 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
                       pixel_count());
     }
   }
-  catalog_ = BuildAcousticCatalog(material_names_, simulator.sonar(), indices,
-                                  sim::ReflectingMaterials(material_names_, initial_), objects);
+  catalog_ =
+      BuildAcousticCatalog(material_names_, simulator.sonar(), indices,
+                           sim::ReflectingMaterials(material_names_, initial_), objects, placed_.outlines());
   for (const CatalogEntry& entry : catalog_) {
     if (!IsPlacement(entry)) {
       initial_values_.push_back(AcousticSlot(initial_, material_names_, entry));
@@ -205,8 +207,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
   if (axes_move) AddSlopesOfMoves(rays, frame, values, geometric, echoes);
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
-    if (entry.group == ParameterGroup::kObject || ChangesAxes(entry))
-      continue;  // added below, or by Linearise
+    if (ChangesScene(entry) || ChangesAxes(entry)) continue;  // added below, or by Linearise
     if (entry.group == ParameterGroup::kPose && entry.frame != frame && entry.frame != kMountFrame) continue;
     const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
@@ -305,7 +306,7 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
   echoes_ = std::move(echoes);
 }
 
-// Slopes along placements that need another simulator: objects and axes.
+// Slopes along placements that need another simulator: objects, outlines and axes.
 void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const std::vector<int>& geometric,
                                          std::vector<FrameEchoes>& echoes) const {
   const ParameterSet parameters = Parameters(values);
@@ -331,7 +332,7 @@ void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const st
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
     const bool axes = ChangesAxes(entry);
-    if ((!axes && entry.group != ParameterGroup::kObject) || TurnsBeams(entry)) continue;
+    if ((!axes && !ChangesScene(entry)) || TurnsBeams(entry)) continue;
     const std::vector<std::vector<float>>& slopes = trace(axes ? RangeOffsetOf(catalog_) : index);
     for (int frame = 0; frame < frame_count(); ++frame) {
       echoes[frame].slopes.push_back({.entry = index, .logarithm = slopes[frame]});

@@ -43,9 +43,10 @@ class AcousticFrameModel final : public FrameModel {
  public:
   // Simulator and frames must outlive the model. Traces every frame. Throws DataError if a frame does not fit
   // the sonar, a material of the scene has no parameters, or there is no noise level. `objects`: names of the
-  // parts of the scene that may stand elsewhere.
+  // parts of the scene that may stand elsewhere. `outlines`: those whose outline may be another.
   AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
-                     const ParameterSet& initial, const std::vector<std::string>& objects = {});
+                     const ParameterSet& initial, const std::vector<std::string>& objects = {},
+                     const std::vector<std::string>& outlines = {});
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }

@@ -1,5 +1,5 @@
-// Simulators for values of the sonar's geometry and of the placement of objects. Those of the last few values are
-// kept: a fit asks for the same ones several times.
+// Simulators for values of the sonar's geometry and of the placement and outlines of objects. Those of the
+// last few values are kept: a fit asks for the same ones several times.
 #pragma once
 
 #include <deque>
@@ -11,16 +11,19 @@
 
 #include "calib/parameters/object_placement.h"
 #include "calib/parameters/parameter_catalog.h"
+#include "calib/shapes/object_outline.h"
 #include "sim/simulator.h"
 
 namespace sonarcal::calib {
 
 class PlacedSimulators {
  public:
-  // `declared` must outlive this. Throws DataError for an object that is not in the scene.
-  PlacedSimulators(const sim::Simulator& declared, const std::vector<std::string>& objects);
+  // `declared` must outlive this. `outlines`: names of the parts whose outline may be another. Throws
+  // DataError for an object that is not in the scene.
+  PlacedSimulators(const sim::Simulator& declared, const std::vector<std::string>& objects,
+                   const std::vector<std::string>& outlines = {});
 
-  const std::vector<std::string>& objects() const { return names_; }
+  const std::vector<OutlineForm>& outlines() const { return forms_; }
 
   // Returns the simulator for the values of a catalog with these objects. Builds a ray caster on all cores if an
   // object moved, so it must not be called from within a parallel loop.
@@ -36,9 +39,10 @@ class PlacedSimulators {
                                                  const ParameterValues& values) const;
 
   const sim::Simulator& declared_;
-  std::vector<std::string> names_;
-  Scene scene_;  // as declared; empty without objects
+  Scene scene_;  // as declared, divided for the outlines; empty without objects and outlines
   std::vector<PlaceableObject> objects_;
+  std::vector<OutlineForm> forms_;
+  std::vector<ObjectOutline> outlines_;
   mutable std::mutex mutex_;
   mutable Kept<sim::RayCaster> casters_;
   mutable Kept<sim::Simulator> simulators_;

@@ -1,5 +1,6 @@
 #include "calib/parameters/fit_config.h"
 
+#include <fmt/ranges.h>
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr std::string_view kObjectPrefix = "object:";
+constexpr std::string_view kOutlinePrefix = "outline:";
 
 // Name of the object in "object.NAME.x_m", where NAME may contain dots.
 std::string ObjectOf(const std::string& entry_name) {
@@ -41,6 +43,11 @@ bool Matches(const std::string& pattern, const CatalogEntry& entry) {
     return entry.group == ParameterGroup::kObject && entry.index < kPoseSteps &&
            ObjectOf(entry.name) == pattern.substr(kObjectPrefix.size());
   }
+  if (pattern == "outline") return entry.group == ParameterGroup::kOutline;
+  if (pattern.starts_with(kOutlinePrefix)) {
+    return entry.group == ParameterGroup::kOutline &&
+           ObjectOf(entry.name) == pattern.substr(kOutlinePrefix.size());
+  }
   return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
 }
 
@@ -58,7 +65,7 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
   for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
   throw DataError(
       "fit: no parameter is called '{}'; expected a group (materials, noise, psf, mirrors, pose, mount, "
-      "geometry, object:NODE, display, jitter, source_level), or a name or pattern among {}",
+      "geometry, object:NODE, outline:NODE, display, jitter, source_level), or a name or pattern among {}",
       pattern, names);
 }
 
@@ -189,16 +196,50 @@ nlohmann::ordered_json FitConfigJson(const FitConfig& config) {
   return json;
 }
 
-std::vector<std::string> ObjectsNamed(const FitConfig& config) {
+namespace {
+
+// Names of the parts of the scene in "GROUP:NODE" and "group.NODE.*".
+std::vector<std::string> PartsNamed(const FitConfig& config, std::string_view group_prefix,
+                                    std::string_view name_prefix) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
     if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
   };
   for (const std::string& pattern : config.free.value_or(std::vector<std::string>())) {
-    if (pattern.starts_with(kObjectPrefix)) add(pattern.substr(kObjectPrefix.size()));
-    if (pattern.starts_with("object.")) add(ObjectOf(pattern));
+    if (pattern.starts_with(group_prefix)) add(pattern.substr(group_prefix.size()));
+    if (pattern.starts_with(name_prefix)) add(ObjectOf(pattern));
   }
   return names;
+}
+
+}  // namespace
+
+std::vector<std::string> ObjectsNamed(const FitConfig& config) {
+  return PartsNamed(config, kObjectPrefix, "object.");
+}
+
+std::vector<std::string> OutlinesNamed(const FitConfig& config) {
+  return PartsNamed(config, kOutlinePrefix, "outline.");
+}
+
+FitConfig WithOutlineNamed(FitConfig config, const Scene& scene) {
+  if (!config.free) return config;
+  for (std::string& pattern : *config.free) {
+    if (pattern != "outline") continue;
+    std::vector<std::string> names;
+    for (const SceneObject& object : scene.objects) names.push_back(object.name);
+    if (names.size() != 1 && scene.material_names.size() == 1) names = scene.material_names;
+    if (names.size() != 1) {
+      names.insert(names.end(), scene.material_names.begin(), scene.material_names.end());
+      std::ranges::sort(names);
+      names.erase(std::unique(names.begin(), names.end()), names.end());
+      throw DataError(
+          "'outline' without a name needs a scene of one part, expected outline:NODE with one of {}",
+          fmt::join(names, ", "));
+    }
+    pattern = fmt::format("{}{}", kOutlinePrefix, names.front());
+  }
+  return config;
 }
 
 FitConfig ReadFitConfig(const std::filesystem::path& path) {

@@ -14,7 +14,8 @@
 //
 // Names are those of parameter_catalog.h; `*` stands for any text. Groups: materials (every GSAB value),
 // noise, psf (beam and pulse), mirrors (every loss), pose (of each frame), mount, geometry, object:NODE (its
-// position and angles), display, jitter, source_level. `fixed` takes precedence over `free`. A prior is a value and its sigma, in the unit of the
+// position and angles), outline:NODE (its shape; plain `outline` for all of them), display, jitter,
+// source_level. `fixed` takes precedence over `free`. A prior is a value and its sigma, in the unit of the
 // parameter, or "none". `start` gives values at which the fit starts, in place of those of the parameters, the
 // recorded poses and the declared geometry; priors stay about the latter. Priors have an effect only in a fit by likelihood. There every parameter has a
 // default prior (parameter_catalog.h).
@@ -73,6 +74,13 @@ nlohmann::ordered_json FitConfigJson(const FitConfig& config);
 
 // Names of the parts of the scene whose placement the configuration frees: "object:NODE" or "object.NODE.x_m".
 std::vector<std::string> ObjectsNamed(const FitConfig& config);
+
+// As above, for the parts whose outline it frees: "outline:NODE" or "outline.NODE.*".
+std::vector<std::string> OutlinesNamed(const FitConfig& config);
+
+// Returns the configuration with the part of the scene that a free "outline" without a name means: the only
+// named part, otherwise the only material. Throws DataError with the names if there are several.
+FitConfig WithOutlineNamed(FitConfig config, const Scene& scene);
 
 // Returns which entries of a catalog are free (config.free must be given), and narrows the bounds of the
 // entries. Throws DataError for a name or pattern that matches nothing.

@@ -231,6 +231,19 @@ void AddObject(const std::string& name, int object, std::vector<CatalogEntry>& c
   }
 }
 
+void AddOutline(const OutlineForm& form, int outline, std::vector<CatalogEntry>& catalog) {
+  for (int index = 0; index < form.count; ++index) {
+    catalog.push_back({.name = fmt::format("outline.{}.{}", form.name, form.NameOf(index)),
+                       .unit = "m",
+                       .group = ParameterGroup::kOutline,
+                       .index = index,
+                       .object = outline,
+                       .lower = -form.limit_m(),
+                       .upper = form.limit_m(),
+                       .typical_step = form.sigma_m()});
+  }
+}
+
 }  // namespace
 
 double DeclaredValue(const CatalogEntry& entry) {
@@ -269,12 +282,14 @@ void NarrowToRealCurves(CatalogEntry& gsab_entry) {
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors,
-                                               const std::vector<std::string>& objects) {
+                                               const std::vector<std::string>& objects,
+                                               const std::vector<OutlineForm>& outlines) {
   std::vector<CatalogEntry> catalog =
       CatalogBuilder(EchoModel::kAcoustic, sonar, material_names, mirrors).Build();
   AddPoses(frames, catalog);
   AddGeometry(sonar, catalog);
   for (std::size_t i = 0; i < objects.size(); ++i) AddObject(objects[i], static_cast<int>(i), catalog);
+  for (std::size_t i = 0; i < outlines.size(); ++i) AddOutline(outlines[i], static_cast<int>(i), catalog);
   return catalog;
 }
 

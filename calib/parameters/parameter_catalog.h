@@ -4,8 +4,10 @@
 // Names are those of `fit.json`: the path in params.json, such as receiver.gain_db, with material.<name> in
 // place of materials.<name>; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}; pose.mount.* for an
 // offset behind every recorded pose, in the sonar's frame (none is zero); geometry.* for corrections of the
-// sonar's axes (core/sonars/sonar_geometry.h); and object.<node>.* for a part of the scene that stands
-// elsewhere (calib/parameters/object_placement.h): the components of a pose, and scale_{x,y,z}.
+// sonar's axes (core/sonars/sonar_geometry.h); object.<node>.* for a part of the scene that stands
+// elsewhere (calib/parameters/object_placement.h): the components of a pose, and scale_{x,y,z}; and
+// outline.<node>.{radius,bump}_NN_m for a part whose shape is known only roughly
+// (calib/shapes/object_outline.h).
 //
 // A solver moves the coordinate of a value: the logarithm of a value that must stay positive, otherwise the
 // value itself. `typical_step` is a surprising change of the coordinate. A parameter that the data leave freer
@@ -20,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calib/shapes/object_outline.h"
 #include "core/sonars/sonar_geometry.h"
 #include "core/types/parameter_table.h"
 #include "sim/physics/paper_echo.h"
@@ -40,6 +43,7 @@ enum class ParameterGroup {
   kPose,
   kGeometry,
   kObject,
+  kOutline,
 };
 
 // Frame of the pose entries of the mount offset, which all frames share.
@@ -60,7 +64,7 @@ struct CatalogEntry {
   int mirror = -1;    // as above, kMirror only
   int index = 0;      // member of its group
   int frame = -1;     // position among the fit's frames, or kMountFrame; kPose only
-  int object = -1;    // index into the names of the objects, kObject only
+  int object = -1;    // index into the names of the objects (kObject) or the forms of the outlines (kOutline)
   double lower = 0.0;
   double upper = 0.0;
   // Trust region of one solve, in which the model is nearly linear. A value that ends at it is not at a
@@ -100,11 +104,12 @@ std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_
 
 // Returns every parameter of the acoustic model that a fit may move. `frames`: their indices in the
 // recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects. `objects`: names
-// of the parts of the scene that may stand elsewhere.
+// of the parts of the scene that may stand elsewhere. `outlines`: those whose shape may be another.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors = {},
-                                               const std::vector<std::string>& objects = {});
+                                               const std::vector<std::string>& objects = {},
+                                               const std::vector<OutlineForm>& outlines = {});
 
 // Narrows the bounds of a curve's entry to the curves of real surfaces: widths and exponent, and amplitudes
 // as backscatter per unit area.
@@ -115,10 +120,16 @@ inline bool IsAmplitude(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kGsab && entry.index % 2 == 0;
 }
 
-// Returns true for poses, the sonar's geometry and the placement of objects: those that are not in params.json.
+// Returns true for the placement of objects and their outlines, which need another scene.
+inline bool ChangesScene(const CatalogEntry& entry) {
+  return entry.group == ParameterGroup::kObject || entry.group == ParameterGroup::kOutline;
+}
+
+// Returns true for poses, the sonar's geometry, and placement and outlines of objects: those that are not in
+// params.json.
 inline bool IsPlacement(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kPose || entry.group == ParameterGroup::kGeometry ||
-         entry.group == ParameterGroup::kObject;
+         ChangesScene(entry);
 }
 
 // Returns true for a placement that all frames share.
@@ -133,7 +144,7 @@ inline bool IsGeometric(const CatalogEntry& entry) {
          entry.group == ParameterGroup::kTransmit || IsPlacement(entry);
 }
 
-// Value of a geometry's or an object's entry that changes nothing: 1 for a scale, else 0.
+// Value of an entry of a geometry, an object or an outline that changes nothing: 1 for a scale, else 0.
 double DeclaredValue(const CatalogEntry& entry);
 
 // Sets the member of a geometry that the name of an entry means.

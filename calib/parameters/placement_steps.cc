@@ -13,6 +13,7 @@ double PlacementDifference(const PolarAxes& declared, const CatalogEntry& entry)
   constexpr double kScaleOfObject = 0.005;
   if (entry.group == ParameterGroup::kPose || entry.group == ParameterGroup::kObject)
     return entry.index < kPoseSteps ? PoseDifference(declared, entry.index) : kScaleOfObject;
+  // Outlines: as a shift of the sonar, because a surface moves along the range at most.
   const double along_range_m = PoseDifference(declared, 0);
   const double across_deg = PoseDifference(declared, 3);
   if (entry.unit == "m") return along_range_m;

@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "calib/poses/mesh_symmetry.h"
 #include "calib/poses/target_pose.h"
+#include "calib/shapes/mesh_symmetry.h"
 #include "core/types/mask.h"
 #include "core/types/option.h"
 #include "sim/simulator.h"

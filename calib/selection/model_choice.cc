@@ -75,8 +75,9 @@ class Chooser {
   std::vector<CatalogEntry> Catalog(const FitConfig& config) const {
     std::vector<int> indices;
     for (const GreyFrame& frame : used_) indices.push_back(frame.index);
-    return BuildAcousticCatalog(simulator_.caster().material_names(), simulator_.sonar(), indices, mirrors_,
-                                ObjectsNamed(config));
+    return BuildAcousticCatalog(
+        simulator_.caster().material_names(), simulator_.sonar(), indices, mirrors_, ObjectsNamed(config),
+        OutlineForms(simulator_.caster().scene(), simulator_.sonar().axes, OutlinesNamed(config)));
   }
 
   bool IsFree(const FitConfig& config, const std::string& name) const {

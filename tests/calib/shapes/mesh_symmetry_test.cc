@@ -1,4 +1,4 @@
-#include "calib/poses/mesh_symmetry.h"
+#include "calib/shapes/mesh_symmetry.h"
 
 #include <gtest/gtest.h>
 
