@@ -135,7 +135,7 @@ def test_help_shows_units_limits_words_and_defaults():
     assert text["region_range"].endswith("(low, high) in m; default: None.")
     assert text["starts"].endswith("int; 1 to 100; default: 4.")
     assert "'even', 'solid_angle'; default: 'even'." in text["ray_weight"]
-    assert text["held_out"].endswith("list of int; default: the last third.")
+    assert text["held_out"].endswith("list of int, or text such as '3,80:'; default: the last third.")
 
 
 def test_all_names_what_is_public():

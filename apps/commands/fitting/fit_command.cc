@@ -255,7 +255,8 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
         data_io::WithPoses(std::move(recording), data_io::ReadPosesOrRecording(options.poses), options.poses);
   }
   const Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
-  const calib::FitConfig config = workflow::ResolveFitConfig(options.fit, initial, scene);
+  const calib::FitConfig config =
+      workflow::ResolveFitConfig(options.fit, initial, scene, recording->frame_count());
   cli::RunOutput output(options.out, "fit", options.common.force);
   cli::Progress progress("Tracing", recording->frame_count(), options.common);
   const workflow::RecordingFit fit = workflow::Fit(

@@ -170,9 +170,9 @@ std::string FitJson(const calib::NoiseFit& fit, const FitCommandOptions& options
   return calib::FitReportJson(fit.report, members.substr(1, members.size() - 2));
 }
 
-calib::NoiseFitOptions ToNoiseOptions(const FitCommandOptions& options) {
+calib::NoiseFitOptions ToNoiseOptions(const FitCommandOptions& options, int frame_count) {
   calib::NoiseFitOptions noise;
-  noise.held_out = options.fit.held_out;
+  noise.held_out = options.fit.held_out.In(frame_count, kHeldOutFrame);
   noise.range_min_m = options.range_min_m;
   noise.range_max_m = options.range_max_m;
   noise.reject_beyond = options.reject_beyond;
@@ -252,7 +252,7 @@ report::HtmlReport MakeReport(const calib::NoiseFit& fit, const RecordingInfo& i
 cli::ExitStatus RunFitNoise(const FitCommandOptions& options) {
   const auto recording = data_io::OpenRecording(options.real);
   cli::RunOutput output(options.out, "fit", options.common.force);
-  const calib::NoiseFit fit = calib::FitNoise(*recording, ToNoiseOptions(options));
+  const calib::NoiseFit fit = calib::FitNoise(*recording, ToNoiseOptions(options, recording->frame_count()));
   const cli::Provenance provenance = ProvenanceOf(options, fit);
   const std::string fit_json = FitJson(fit, options);
   data_io::WriteFileWhole(output / "fit.json", fit_json);

@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/add_options.h"
 #include "apps/cli/choice_option.h"
 #include "apps/cli/command.h"
 #include "apps/cli/provenance.h"
@@ -28,7 +29,6 @@
 #include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
-#include "data_io/recordings/frame_range.h"
 
 namespace sonarcal::commands {
 namespace {
@@ -40,7 +40,7 @@ struct JudgeNoiseOptions {
   std::filesystem::path params;
   std::filesystem::path real;
   std::filesystem::path out;  // empty: only the figures are printed
-  std::string frames;         // as data_io::ParseFrameRanges; empty: all
+  FrameList frames;           // empty: all
   std::optional<double> range_min_m;
   std::optional<double> range_max_m;
   std::optional<sim::SpeckleLaw> speckle;
@@ -134,7 +134,7 @@ cli::ExitStatus RunJudgeNoise(const JudgeNoiseOptions& options) {
   const calib::NoiseCells cells = calib::NoiseCellsOf(info, part.window);
   std::optional<cli::RunOutput> output;
   if (!options.out.empty()) output.emplace(options.out, "judge-noise", options.common.force);
-  std::vector<int> frames = data_io::ParseFrameRanges(options.frames, recording->frame_count());
+  std::vector<int> frames = options.frames.In(recording->frame_count());
   if (frames.empty()) {
     frames.resize(recording->frame_count());
     std::iota(frames.begin(), frames.end(), 0);
@@ -186,11 +186,7 @@ void SetupJudgeNoise(CLI::App& app) {
   command->add_option("--real", options->real, "Recording with pings without targets")
       ->type_name("REC")
       ->required();
-  command
-      ->add_option("--frames", options->frames,
-                   "Pings to judge: from A (counted from 0) up to, but not including, B, or several such "
-                   "ranges (default: all)")
-      ->type_name("A:B,...");
+  cli::AddFrames(*command, options->frames, "Pings to judge");
   command->add_option("--range-min", options->range_min_m, "Nearest range used (default: that of the fit)")
       ->type_name("M");
   command->add_option("--range-max", options->range_max_m, "Farthest range used (default: that of the fit)")

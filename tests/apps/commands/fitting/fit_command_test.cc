@@ -55,6 +55,8 @@ TEST_F(FitCommand, FindsTheParametersAndEvaluatesThemOnHeldOutFrames) {
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
   EXPECT_EQ(json["frames_used"], (std::vector<int>{0, 2}));
   EXPECT_EQ(json["frames_held_out"], (std::vector<int>{1, 3}));
+  EXPECT_EQ(testing::ReadJsonFile(world_ / "out/provenance.json")["configuration"]["held_out"],
+            (std::vector<int>{1, 3}));
   EXPECT_EQ(json["rays_cast"], 4 * 96 * 200) << "each frame is traced once";
   EXPECT_LT(json["cost_final"].get<double>(), json["cost_initial"].get<double>());
   for (const char* key : {"parameters", "gauge", "unidentifiable_directions", "correlation", "residuals",
