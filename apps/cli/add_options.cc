@@ -44,4 +44,14 @@ std::string OptionFlag(std::string_view name) {
   return flag;
 }
 
+CLI::Option* AddFrames(CLI::App& command, FrameList& frames, const std::string& what) {
+  return AddOption(
+      command,
+      {.name = "frames",
+       .help = what + ", counted from 0: A:B from A up to, but not including, B; also single frames, "
+                      "A: and :B",
+       .by_default = "all"},
+      frames);
+}
+
 }  // namespace sonarcal::cli

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -17,6 +18,7 @@
 
 #include "apps/workflow/comparison_options.h"
 #include "calib/parameters/fit_config.h"
+#include "core/types/frame_list.h"
 #include "core/types/mask.h"
 #include "core/types/option.h"
 #include "core/types/option_text.h"
@@ -110,15 +112,20 @@ CLI::Option* AddOptionNamed(CLI::App& command, Options& options, std::string_vie
   return added;
 }
 
+// Adds --frames. `what` begins its help.
+CLI::Option* AddFrames(CLI::App& command, FrameList& frames, const std::string& what);
+
 // Returns all options by name, for provenance.
 template <typename Options>
 nlohmann::ordered_json OptionsJson(const Options& options) {
   nlohmann::ordered_json json;
   Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
     using T = std::remove_cvref_t<decltype(value)>;
-    if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::vector<int>> ||
-                  std::is_same_v<T, std::vector<std::string>>) {
+    if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::vector<std::string>>) {
       json[info.name] = value;
+    } else if constexpr (std::is_same_v<T, FrameList>) {
+      const std::optional<std::vector<int>> numbers = value.Numbers();
+      json[info.name] = numbers ? nlohmann::ordered_json(*numbers) : nlohmann::ordered_json(value.Text());
     } else if (const std::string text = OptionText<T>::Format(value); !text.empty()) {
       json[info.name] = text;
     } else {

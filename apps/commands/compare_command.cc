@@ -32,7 +32,6 @@
 #include "apps/workflow/simulate.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
-#include "data_io/recordings/frame_range.h"
 #include "metrics/figures.h"
 #include "metrics/json/threshold_check.h"
 
@@ -147,10 +146,7 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   if (options.sweep_csv && options.compare.sweep_steps == 0)
     throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
   workflow::CompareOptions compare = options.compare;
-  if (!options.frames.empty()) {
-    compare.frames =
-        data_io::ParseFrameRanges(options.frames, std::min(real->frame_count(), simulated->frame_count()));
-  }
+  compare.frames = options.frames.In(std::min(real->frame_count(), simulated->frame_count()));
   const std::optional<Scene> scene = SceneOf(options, *real, *simulated);
   cli::RunOutput output(options.out, "compare", options.common.force);
   std::optional<cli::Progress> progress;
@@ -219,11 +215,7 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
       ->required();
   cli::AddOutFolder(*command, options->out, options->common, "Folder for metrics, pictures and report")
       ->required();
-  command
-      ->add_option("--frames", options->frames,
-                   "Frames to compare, of both recordings: from A (counted from 0) up to, but not including, "
-                   "B, or several such ranges (default: all)")
-      ->type_name("A:B,...");
+  cli::AddFrames(*command, options->frames, "Frames to compare, of both recordings");
   cli::AddOptions(*command, options->compare);
   command->add_flag("--sweep-csv", options->sweep_csv, "Write the curves to threshold_sweep.csv too");
   command

@@ -17,6 +17,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/scene_option.h"
 #include "apps/workflow/compare.h"
+#include "core/types/frame_list.h"
 
 namespace sonarcal::commands {
 
@@ -26,7 +27,7 @@ struct CompareCommandOptions {
   std::string sonar;  // in place of that of `real`; empty: as recorded
   std::filesystem::path simulated;
   std::filesystem::path out;
-  std::string frames;  // "A:B,..." for both recordings, see data_io/recordings/frame_range.h; empty: all
+  FrameList frames;  // of both recordings; empty: all
   workflow::CompareOptions compare;
   bool sweep_csv = false;       // also writes threshold_sweep.csv
   int pictures = 100;           // max number of frames with pictures, evenly spread

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/add_options.h"
 #include "apps/cli/bag_options.h"
 #include "apps/cli/choice_option.h"
 #include "apps/cli/command.h"
@@ -24,10 +25,10 @@
 #include "data_io/bag_trajectory.h"
 #include "data_io/pose_io.h"
 #include "data_io/posed_recording.h"
-#include "data_io/recordings/frame_range.h"
 #include "data_io/recordings/recalibrated_recording.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/recordings/salvaged_recording.h"
+#include "data_io/recordings/selected_frames.h"
 #include "data_io/trajectory_io.h"
 
 namespace sonarcal::commands {
@@ -37,7 +38,7 @@ struct ConvertOptions {
   cli::CommonOptions common;
   std::filesystem::path file;
   std::filesystem::path out;
-  std::string frames;                // "A:B", see data_io/recordings/frame_range.h; empty: all
+  FrameList frames;                  // empty: all
   std::filesystem::path poses;       // one per frame that is converted; empty: poses as recorded
   std::filesystem::path trajectory;  // empty: poses as recorded
   std::optional<data_io::TrajectoryFormat> trajectory_format;  // absent: determined from its first lines
@@ -98,11 +99,11 @@ void CheckOptions(const ConvertOptions& options) {
 cli::ExitStatus RunConvert(const ConvertOptions& options) {
   CheckOptions(options);
   std::unique_ptr<RecordingSource> recording = cli::OpenWithBagOptions(options.file, options.bag);
-  const data_io::FrameRange range = data_io::ParseFrameRange(options.frames, recording->frame_count());
-  recording = std::make_unique<data_io::FrameRangeView>(std::move(recording), range);
+  const std::vector<int> selected = options.frames.In(recording->frame_count());
+  recording = data_io::SelectFrames(std::move(recording), options.frames);
   std::optional<int> lost;
   if (options.salvage) {
-    cli::Progress progress("Looking for damage", range.count(), options.common);
+    cli::Progress progress("Looking for damage", recording->frame_count(), options.common);
     auto salvaged = std::make_unique<data_io::SalvagedRecording>(
         std::move(recording), [&](int frames_done) { progress.Update(frames_done); });
     lost = salvaged->lost_count();
@@ -152,9 +153,10 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
                                           {"mount", options.mount.string()},
                                           {"time_offset_s", options.time_offset_s},
                                           {"most_gap_s", options.most_gap_s},
-                                          {"first_frame", range.begin},
+                                          {"first_frame", selected.empty() ? 0 : selected.front()},
                                           {"salvage", options.salvage},
-                                          {"frames", range.count()}},
+                                          {"frames", count},
+                                          {"frame_list", options.frames.Text()}},
                         .inputs = inputs});
   output.Commit();
 
@@ -179,10 +181,7 @@ void SetupConvert(CLI::App& app) {
   command->add_option("FILE", options->file, "Recording folder, or file of a sonar's native format")
       ->required();
   cli::AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
-  command
-      ->add_option("--frames", options->frames,
-                   "Frames to convert: from A (counted from 0) up to, but not including, B; all if not given")
-      ->type_name("A:B");
+  cli::AddFrames(*command, options->frames, "Frames to convert");
   command
       ->add_option("--poses", options->poses,
                    "Poses, one per converted frame, in place of its own: a recording with poses, or a JSON "

@@ -96,12 +96,12 @@ void CheckSubject(const ExplainCommandOptions& options) {
 Subject OpenFiles(const ExplainCommandOptions& options) {
   ParameterSet given = data_io::ReadParameters(options.params);
   auto recording = workflow::OpenRecordingWith(options.real, options.sonar);
-  const PolarAxes axes = recording->info().sonar.axes;
+  workflow::ExplainRecordingOptions explain = options.explain.For(*recording);
   return {.recording = std::move(recording),
           .scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common),
           .given = std::move(given),
           .options = options.explain,
-          .explain = options.explain.For(axes),
+          .explain = std::move(explain),
           .presentation = {.apart = options.apart},
           .inputs = {options.real, options.scene, options.params}};
 }
@@ -116,7 +116,7 @@ Subject OpenKnown(const reproduce::CasePlan& plan, const ExplainCommandOptions& 
       plan, options.recordings.empty() ? data_io::DefaultRecordingsFolder() : options.recordings, prepare);
   reproduce::WritePrepared(prepared, output / "recording");
   workflow::ExplainOptions explain = options.explain;
-  workflow::ExplainRecordingOptions resolved = explain.For(prepared.recording->info().sonar.axes);
+  workflow::ExplainRecordingOptions resolved = explain.For(*prepared.recording);
   // A method from the command line or from --object overrides that of the recording.
   const metrics::SegmentationOptions& own = prepared.comparison.segmentation;
   metrics::SegmentationOptions& chosen = resolved.comparison.segmentation;

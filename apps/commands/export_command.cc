@@ -31,8 +31,8 @@
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pictures/fan_pictures.h"
-#include "data_io/recordings/frame_range.h"
 #include "data_io/recordings/npz_writer.h"
+#include "data_io/recordings/selected_frames.h"
 #include "data_io/ros/ros1_bag_writer.h"
 
 namespace sonarcal::commands {
@@ -62,7 +62,7 @@ struct ExportOptions {
   // For a recording:
   std::filesystem::path recording;
   cli::BagArguments bag;
-  std::string frames;         // "A:B", see data_io/recordings/frame_range.h; empty: all
+  FrameList frames;           // empty: all
   int height_px = 0;          // height of pictures; 0: one pixel per range bin, at most 800
   double frames_per_s = 0.0;  // frame rate of a video; 0: as recorded
 };
@@ -129,7 +129,7 @@ Json Configuration(const ExportOptions& options) {
           {"absorption", ToString(options.rays.absorption)},
           {"recording", options.recording.string()},
           {"topic", options.bag.bag.topic},
-          {"frames", options.frames},
+          {"frames", options.frames.Text()},
           {"height_px", options.height_px},
           {"frames_per_s", options.frames_per_s}};
 }
@@ -231,8 +231,7 @@ void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
 
 cli::ExitStatus ExportRecording(const ExportOptions& options) {
   std::unique_ptr<RecordingSource> recording = cli::OpenWithBagOptions(options.recording, options.bag);
-  const data_io::FrameRange range = data_io::ParseFrameRange(options.frames, recording->frame_count());
-  recording = std::make_unique<data_io::FrameRangeView>(std::move(recording), range);
+  recording = data_io::SelectFrames(std::move(recording), options.frames);
   NoteWhatIsLost(options, recording->info());
   std::vector<fs::path> inputs = {options.recording};
   if (!options.bag.picture_geometry.empty()) inputs.push_back(options.bag.picture_geometry);
@@ -312,10 +311,7 @@ void SetupExport(CLI::App& app) {
                    "Recording to export, of any format; for simulators, a recording of the sonar")
       ->type_name("REC");
   cli::AddBagOptions(*command, options->bag);
-  command
-      ->add_option("--frames", options->frames,
-                   "Frames to export: from A (counted from 0) up to, but not including, B; all if not given")
-      ->type_name("A:B");
+  cli::AddFrames(*command, options->frames, "Frames to export");
   command
       ->add_option("--height", options->height_px,
                    "Height of pictures, pixels (default: one per range bin, at most 800)")

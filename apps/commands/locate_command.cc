@@ -37,7 +37,6 @@
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
-#include "data_io/recordings/frame_range.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
 
@@ -49,7 +48,7 @@ using Json = nlohmann::ordered_json;
 struct LocateCommandOptions {
   cli::CommonOptions common;
   std::filesystem::path real;
-  std::vector<std::string> frames;  // "K" or "A:B"; empty: the first frame
+  FrameList frames;  // empty: the first frame
   std::filesystem::path target;
   cli::SceneFormat target_format;
   std::filesystem::path poses;  // empty: no start poses
@@ -89,9 +88,8 @@ Scene ReadTarget(const LocateCommandOptions& options) {
 
 cli::ExitStatus RunLocate(const LocateCommandOptions& options) {
   const auto recording = data_io::OpenRecording(options.real);
-  const std::vector<int> frames = data_io::ParseFrameRanges(
-      options.frames.empty() ? "0" : fmt::format("{}", fmt::join(options.frames, ",")),
-      recording->frame_count());
+  const FrameList asked = options.frames.empty() ? FrameList{0} : options.frames;
+  const std::vector<int> frames = asked.In(recording->frame_count());
   const Scene mesh = ReadTarget(options);
   std::vector<data_io::TimedPose> start;
   if (!options.poses.empty()) start = data_io::ReadPosesOrRecording(options.poses);
@@ -150,10 +148,16 @@ void SetupLocate(CLI::App& app) {
       ->type_name("REC")
       ->required();
   command
-      ->add_option("--frame", options->frames,
-                   "Frame to search, or frames A:B from A up to, but not including, B; may be repeated "
-                   "(default: the first)")
-      ->type_name("K|A:B");
+      ->add_option(
+          "--frame",
+          [options](const CLI::results_t& texts) {
+            options->frames = FrameList::Read("--frame", fmt::format("{}", fmt::join(texts, ",")));
+            return true;
+          },
+          "Frame to search, counted from 0, or frames A:B from A up to, but not including, B; also A: and "
+          ":B; may be repeated (default: the first)")
+      ->type_name("K|A:B")
+      ->expected(1, CLI::detail::expected_max_vector_size);
   cli::AddSceneOptions(*command, options->target, options->target_format,
                        "Mesh of the target, with named materials, or a shape as in docs/reference/cases.md",
                        /*required=*/true, "--target");

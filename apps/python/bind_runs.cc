@@ -17,8 +17,8 @@
 #include "apps/workflow/fit.h"
 #include "apps/workflow/locate.h"
 #include "apps/workflow/simulate.h"
+#include "core/types/frame_list.h"
 #include "data_io/pose_io.h"
-#include "data_io/recordings/frame_range.h"
 #include "metrics/json/metrics_json.h"
 #include "metrics/segmentation/segmentation.h"
 
@@ -217,7 +217,12 @@ void BindRuns(py::module_& module) {
   module.def("_explain", &Explain, py::arg("recording"), py::arg("scene"), py::arg("params"),
              py::arg("options"), py::arg("progress"), py::arg("say"));
   module.def("_segment", &SegmentImage, py::arg("image"), py::arg("options"));
-  module.def("_frames", &data_io::ParseFrameRanges, py::arg("text"), py::arg("frame_count"));
+  module.def(
+      "_frames",
+      [](const std::string& text, int frame_count) {
+        return FrameList::Read("frames", text).In(frame_count);
+      },
+      py::arg("text"), py::arg("frame_count"));
 }
 
 }  // namespace sonarcal::python

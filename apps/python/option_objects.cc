@@ -91,6 +91,18 @@ bool OptionObject<bool>::From(const py::object& object, bool& value) {
   return true;
 }
 
+bool OptionObject<FrameList>::From(const py::object& object, FrameList& value) {
+  std::vector<int> frames;
+  if (!OptionObject<std::vector<int>>::From(object, frames)) return false;
+  value = frames;
+  return true;
+}
+
+py::object OptionObject<FrameList>::To(const FrameList& value) {
+  const std::optional<std::vector<int>> numbers = value.Numbers();
+  return numbers ? OptionObject<std::vector<int>>::To(*numbers) : py::object(py::str(value.Text()));
+}
+
 bool OptionObject<FromFile<ParameterSet>>::From(const py::object& object, FromFile<ParameterSet>& value) {
   const bool is_path = IsPath(object);
   if (!is_path && !IsMapping(object) && !py::isinstance<ParameterSet>(object)) return false;

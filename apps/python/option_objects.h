@@ -17,6 +17,7 @@
 #include "apps/workflow/comparison_options.h"
 #include "calib/parameters/fit_config.h"
 #include "core/types/error.h"
+#include "core/types/frame_list.h"
 #include "core/types/mask.h"
 #include "core/types/option.h"
 #include "core/types/option_text.h"
@@ -207,6 +208,16 @@ struct OptionObject<std::vector<T>> {
     return fmt::format("Optional[Union[str, Sequence[{}]]]", OptionObject<T>::Input());
   }
   static std::string Output() { return fmt::format("Optional[list[{}]]", OptionObject<T>::Output()); }
+};
+
+// No frames are None, and a list that is open to the last frame is a text. Text is read by OptionText.
+template <>
+struct OptionObject<FrameList> {
+  static bool From(const pybind11::object& object, FrameList& value);
+  static pybind11::object To(const FrameList& value);
+  static std::string Type() { return "list of int, or text such as '3,80:'"; }
+  static std::string Input() { return "Optional[Union[str, Sequence[int]]]"; }
+  static std::string Output() { return "Union[list[int], str, None]"; }
 };
 
 template <>

@@ -301,7 +301,8 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   }
   workflow::FitRecordingOptions options{
       .rays = setup.rays,
-      .config = workflow::ResolveFitConfig(chosen, state.parameters, session_.scene()),
+      .config =
+          workflow::ResolveFitConfig(chosen, state.parameters, session_.scene(), session_.frame_count()),
       .fit = {},
       .comparison = setup.compare};
   options.fit.starts = chosen.starts;

@@ -346,11 +346,11 @@ ExplainedRecording ExplainRecording(const RecordingSource& recording, const Scen
   return explainer.Run();
 }
 
-ExplainRecordingOptions ExplainOptions::For(const PolarAxes& axes) const {
+ExplainRecordingOptions ExplainOptions::For(const RecordingSource& recording) const {
   ExplainRecordingOptions explain{.rays = rays, .poses = poses};
-  explain.comparison = comparison.For(axes);
+  explain.comparison = comparison.For(recording.info().sonar.axes);
   explain.hold_noise = hold_noise;
-  if (!held_out.empty()) explain.held_out = held_out;
+  if (!held_out.empty()) explain.held_out = held_out.In(recording.frame_count(), kHeldOutFrame);
   explain.fit.max_iterations = max_iterations;
   explain.fit.threads = rays.threads;
   return explain;
@@ -359,7 +359,7 @@ ExplainRecordingOptions ExplainOptions::For(const PolarAxes& axes) const {
 ExplainedRecording Explain(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
                            const ExplainOptions& options, const Listener& listener) {
   const ThreadLimit threads(options.rays.threads);
-  ExplainRecordingOptions explain = options.For(recording.info().sonar.axes);
+  ExplainRecordingOptions explain = options.For(recording);
   explain.on_note = listener.message;
   explain.on_step = [&](calib::ExplainedPart part) {
     listener.Message("fitting: " + std::string(ToString(part)));

@@ -15,6 +15,7 @@
 #include "apps/workflow/ray_options.h"
 #include "calib/parameters/fit_config.h"
 #include "calib/selection/explanation.h"
+#include "core/types/frame_list.h"
 #include "core/types/option.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
@@ -109,7 +110,7 @@ ExplainedRecording ExplainRecording(const RecordingSource& recording, const Scen
                                     const ParameterSet& given, const ExplainRecordingOptions& options);
 
 struct ExplainOptions {
-  std::vector<int> held_out = {};  // empty: the last third
+  FrameList held_out = {};  // empty: the last third
   bool hold_noise = false;
   bool poses = false;
   int max_iterations = 60;
@@ -121,7 +122,7 @@ struct ExplainOptions {
     visit(OptionInfo{.name = "held_out",
                      .help =
                          "Frames that are not fitted but evaluated, counted from 0; also ranges A:B, up to, "
-                         "but not including, B",
+                         "but not including, B, A: up to the last frame, and :B",
                      .by_default = "the last third"},
           self.held_out);
     visit(OptionInfo{.name = "hold_noise",
@@ -140,7 +141,7 @@ struct ExplainOptions {
   }
 
   // Options of ExplainRecording, for images with these axes.
-  ExplainRecordingOptions For(const PolarAxes& axes) const;
+  ExplainRecordingOptions For(const RecordingSource& recording) const;
 };
 
 // Throws UsageError for options that contradict each other, DataError if the recording, the scene or the

@@ -434,7 +434,8 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   return result;
 }
 
-calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene) {
+calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene,
+                                  int frame_count) {
   calib::FitConfig config = options.config.value.value_or(calib::FitConfig());
   if (!options.free.empty()) config.free = options.free;
   if (!config.free) {
@@ -443,7 +444,7 @@ calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet&
                       : calib::AcousticFreeByDefault(start, scene.material_names);
   }
   if (!options.fixed.empty()) config.fixed = options.fixed;
-  if (!options.held_out.empty()) config.held_out = options.held_out;
+  if (!options.held_out.empty()) config.held_out = options.held_out.In(frame_count, kHeldOutFrame);
   return config;
 }
 
@@ -456,7 +457,7 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
   for (const std::string& sentence : MirrorCaveats(start, scene.material_names)) listener.Message(sentence);
   FitRecordingOptions fit;
   fit.rays = options.rays;
-  fit.config = ResolveFitConfig(options, start, scene);
+  fit.config = ResolveFitConfig(options, start, scene, recording.frame_count());
   fit.comparison = options.comparison.For(recording.info().sonar.axes);
   fit.choose = options.choose;
   fit.fit.max_iterations = options.max_iterations;

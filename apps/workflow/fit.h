@@ -23,6 +23,7 @@
 #include "calib/parameters/fit_config.h"
 #include "calib/selection/model_choice.h"
 #include "core/sonars/sonar_geometry.h"
+#include "core/types/frame_list.h"
 #include "core/types/option.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
@@ -98,8 +99,8 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                           const ParameterSet& parameters);
 
-// Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence for
-// each. `find_display`: the caller finds the display, so that none is assumed.
+// Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence
+// for each. `find_display`: the caller finds the display, so that none is assumed.
 std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
                                        ParameterSet& parameters);
 
@@ -118,7 +119,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
 struct FitOptions {
   FromFile<calib::FitConfig> config = {};
   // Each of these overrides the member of `config` if it is not empty.
-  std::vector<int> held_out = {};
+  FrameList held_out = {};
   std::vector<std::string> free = {};
   std::vector<std::string> fixed = {};
   std::vector<calib::ChoiceAxis> choose = {};
@@ -136,7 +137,7 @@ struct FitOptions {
     visit(OptionInfo{.name = "held_out",
                      .help =
                          "Frames that are not fitted but evaluated, counted from 0; also ranges A:B, up to, "
-                         "but not including, B",
+                         "but not including, B, A: up to the last frame, and :B",
                      .by_default = "the last third"},
           self.held_out);
     visit(
@@ -177,9 +178,10 @@ struct FitOptions {
   }
 };
 
-// Returns free parameters, bounds and held-out frames from the options, the model of `start` and the
-// materials of `scene`.
-calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene);
+// Returns free parameters, bounds and held-out frames from the options, the model of `start`, the materials
+// of `scene` and the number of frames of the recording.
+calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene,
+                                  int frame_count);
 
 // Each frame needs a pose. Throws UsageError for options that contradict each other, DataError if the
 // recording, the scene or the parameters cannot be used, calib::FitStopped if the listener stops the fit. A

@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/types/frame_list.h"
 #include "core/types/option.h"
 #include "core/types/parse_number.h"
 #include "core/types/words.h"
@@ -129,14 +130,26 @@ struct OptionText<std::optional<T>> {
   static inline const std::string kExpected = OptionText<T>::kExpected;
 };
 
-// Items separated by commas. Whole numbers may also be ranges "A:B", from A up to, but not including, B.
+template <>
+struct OptionText<FrameList> {
+  static bool Parse(const std::string& text, FrameList& value) {
+    const std::optional<FrameList> list = FrameList::Parse(text);
+    if (list) value = *list;
+    return list.has_value();
+  }
+  static std::string Format(const FrameList& value) { return value.Text(); }
+  static std::string Type(const OptionInfo&) { return "K|A:B,..."; }
+  static constexpr const char* kExpected = kFrameListExpected;
+};
+
+// Items separated by commas.
 template <typename T>
 struct OptionText<std::vector<T>> {
   static bool Parse(const std::string& text, std::vector<T>& value) {
     value.clear();
     for (std::string_view rest = text;;) {
       const std::size_t comma = rest.find(',');
-      if (!ParseItem(rest.substr(0, comma), value)) return false;
+      if (!OptionText<T>::Parse(std::string(rest.substr(0, comma)), value.emplace_back())) return false;
       if (comma == std::string_view::npos) return true;
       rest.remove_prefix(comma + 1);
     }
@@ -150,27 +163,7 @@ struct OptionText<std::vector<T>> {
     const std::string item = OptionText<T>::Type(info);
     return item.find('|') != std::string::npos ? item + ",..." : item + "," + item;
   }
-  static inline const std::string kExpected =
-      std::is_same_v<T, int> ? "whole numbers or ranges A:B, separated by commas"
-                             : std::string(OptionText<T>::kExpected) + ", separated by commas";
-
- private:
-  static bool ParseItem(std::string_view item, std::vector<T>& value) {
-    if constexpr (std::is_same_v<T, int>) {
-      constexpr std::size_t kMaxNumbers = 1'000'000;
-      int begin = 0;
-      int end = 0;
-      const bool from_0 = item.starts_with(':');
-      if (item.find(':') != std::string_view::npos) {
-        if (!(from_0 ? ParseNumber(item.substr(1), end) : internal::ParsePair(item, ':', begin, end)))
-          return false;
-        if (begin < 0 || begin >= end || static_cast<std::size_t>(end - begin) > kMaxNumbers) return false;
-        for (int i = begin; i < end; ++i) value.push_back(i);
-        return true;
-      }
-    }
-    return OptionText<T>::Parse(std::string(item), value.emplace_back());
-  }
+  static inline const std::string kExpected = std::string(OptionText<T>::kExpected) + ", separated by commas";
 };
 
 }  // namespace sonarcal

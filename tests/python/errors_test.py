@@ -123,9 +123,9 @@ def test_frames_of_a_comparison_that_are_none_are_refused(recorded):
         sonarcal.compare(recorded, recorded, frames=[0, 4])
     with pytest.raises(sonarcal.DataError, match="frame -1 is to be compared"):
         sonarcal.compare(recorded, recorded, frames=[-1])
-    with pytest.raises(sonarcal.UsageError, match="frames '0:2,1:3' names frame 1 twice"):
+    with pytest.raises(sonarcal.UsageError, match="frames '0:2,1:3' name frame 1 twice"):
         sonarcal.compare(recorded, recorded, frames="0:2,1:3")
-    with pytest.raises(sonarcal.UsageError, match="frames 'all', expected A:B"):
+    with pytest.raises(sonarcal.UsageError, match="frames 'all', expected frames K and ranges A:B"):
         sonarcal.compare(recorded, recorded, frames="all")
 
 

@@ -11,7 +11,8 @@ import sonarcal
 from conftest import ACOUSTIC, PARAMETERS
 
 CLASSES = [sonarcal.RayOptions, sonarcal.ComparisonOptions, sonarcal.SimulateOptions, sonarcal.CompareOptions,
-           sonarcal.FitOptions, sonarcal.ExplainOptions]
+           sonarcal.FitOptions, sonarcal.ExplainOptions, sonarcal.LocateOptions, sonarcal.CalibrateOptions,
+           sonarcal.JudgeNoiseOptions]
 
 
 @pytest.mark.parametrize("cls", CLASSES)
@@ -30,7 +31,8 @@ def test_every_option_has_attribute_docstring_and_default(cls):
 
 @pytest.mark.parametrize("cls", CLASSES)
 def test_a_dict_of_all_options_makes_them_again(cls):
-    changed = cls(threads=3, rays=(40, 30)) if hasattr(cls, "rays") else cls(cell=(3, 1), object="box")
+    some = {"rays": (40, 30), "cell": (3, 1), "region_range": (1, 2), "range_min": 1.5}
+    changed = cls(**{name: value for name, value in some.items() if hasattr(cls, name)})
     assert changed != cls() and cls(changed.to_dict()) == changed and cls(changed) == changed
     assert changed.to_dict().keys() == {option["name"] for option in cls.describe()}
 
@@ -55,7 +57,8 @@ SAME = [
     ("region_range", (0.5, 3.0), ["0.5:3", [0.5, np.float64(3)]]),
     ("region_polygon", [(1.5, -4.0), (1.5, 4.0), (2.0, 0.0)],
      ["1.5:-4,1.5:4,2:0", np.array([[1.5, -4], [1.5, 4], [2, 0]])]),
-    ("held_out", [1, 3], ["1,3", (1, 3), np.array([1, 3]), range(1, 4, 2)]),
+    ("held_out", [1, 3], ["1,3", "1:2,3:4", (1, 3), np.array([1, 3]), range(1, 4, 2)]),
+    ("held_out", "3,80:", ["3,80:"]),
     ("free", ["materials", "display.*"], ["materials,display.*", ("materials", "display.*")]),
     ("choose", ["looks", "display"], ["looks,display"]),
     ("segmentation", "otsu", ["otsu"]),
@@ -96,7 +99,7 @@ WRONG = [
     ("cell", "3", "cell '3', expected rows x columns, such as 7x3"),
     ("rays", (0, 5), r"rays '\(0, 5\)', expected \(columns, rows\), both above 0"),
     ("region_range", (3, 1), r"region_range '\(3, 1\)', expected \(low, high\), low below high"),
-    ("held_out", 3, "held_out '3', expected list of int"),
+    ("held_out", 3, "held_out '3', expected list of int, or text"),
     ("free", {"materials": 1}, "free '{'materials': 1}', expected list of str"),
     ("config", 3, "config '3', expected dict or path"),
     ("region", [1, 2, 3], r"region '\[1, 2, 3\]', expected array \(range bins, beams\) or path"),

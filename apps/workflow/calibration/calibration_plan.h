@@ -1,18 +1,19 @@
-// Decisions of a calibration (calibrate.h), as a file: a run with the plan of another one repeats its last fit
-// exactly, and a plan with some of the stages decides the others anew.
+// Decisions of a calibration (calibrate.h), as a file: a run with the plan of another one repeats its last
+// fit exactly, and a plan with some of the stages decides the others anew.
 //
 //   {"format": "sonar-calibration-plan/1",
 //    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it", "open": []}, ...],
 //    "absorption": "auto",
-//    "parameters": {...},     // params.json: start values of the last fit, with display, beam forms and mirrors
+//    "parameters": {...},     // params.json: start values of the last fit
 //    "fit": {...}}            // configuration of the last fit (calib/parameters/fit_config.h)
 //
-// Stages that `decided` does not name are decided anew. Then `parameters` and `fit` need hold only what the named
-// stages decide.
+// Stages that `decided` does not name are decided anew. Then `parameters` and `fit` need hold only what the
+// named stages decide.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -55,6 +56,8 @@ struct CalibrationPlan {
 
 // Throws DataError with file, line and key.
 CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file);
+// As ReadCalibrationPlan; `name` is the name for messages.
+CalibrationPlan ParseCalibrationPlan(std::string_view text, const std::string& name);
 
 nlohmann::ordered_json CalibrationPlanJson(const CalibrationPlan& plan);
 

@@ -117,7 +117,7 @@ TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
       {"--to word" + recording + Out("x"), 2, "expected dave|holoocean"},
       {"--to dave --sonar nobody" + params + Out("x"), 2, "nobody"},
       {"--to npz --recording " + Quoted(dir_ / "absent") + Out("x"), 1, "absent"},
-      {"--to npz --frames 2:9" + recording + Out("x"), 1, "frames '2:9'"},
+      {"--to npz --frames 2:9" + recording + Out("x"), 1, "frames 2:9"},
   };
   for (const auto& mistake : mistakes) {
     const Outcome outcome = Export(mistake.arguments);

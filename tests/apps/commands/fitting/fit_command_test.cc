@@ -55,6 +55,8 @@ TEST_F(FitCommand, FindsTheParametersAndEvaluatesThemOnHeldOutFrames) {
   const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
   EXPECT_EQ(json["frames_used"], (std::vector<int>{0, 2}));
   EXPECT_EQ(json["frames_held_out"], (std::vector<int>{1, 3}));
+  EXPECT_EQ(testing::ReadJsonFile(world_ / "out/provenance.json")["configuration"]["held_out"],
+            (std::vector<int>{1, 3}));
   EXPECT_EQ(json["rays_cast"], 4 * 96 * 200) << "each frame is traced once";
   EXPECT_LT(json["cost_final"].get<double>(), json["cost_initial"].get<double>());
   for (const char* key : {"parameters", "gauge", "unidentifiable_directions", "correlation", "residuals",
@@ -181,6 +183,72 @@ TEST_F(FitCommand, ARecordingWithoutPosesIsRefused) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("world_from_sonar"));
+}
+
+// A recording whose poses are off by a few centimetres, and a fit that has found them.
+class FitFromPoses : public FitCommand {
+ protected:
+  void SetUp() override {
+    data_io::WriteParameters(world_.params(), testing::TinyAcousticParameters());
+    ASSERT_EQ(
+        RunSonarcal(world_.SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(world_ / "true"))
+            .status,
+        0);
+    nlohmann::ordered_json json =
+        nlohmann::ordered_json::parse(testing::ReadFile(world_ / "true/recording.json"));
+    for (nlohmann::ordered_json& frame : json["frames"]) {
+      nlohmann::ordered_json& y_m = frame["world_from_sonar"]["position_m"][1];
+      y_m = y_m.get<double>() + 0.04;
+    }
+    testing::WriteFile(world_ / "true/recording.json", json.dump());
+    ASSERT_EQ(
+        RunSonarcal(Fit("true", "found") + " --params " + Quoted(world_.params()) + " --free pose").status,
+        0);
+  }
+
+  std::string Fit(const std::string& real, const std::string& out) const {
+    return "fit -q --rays 96x200 --starts 1 --max-iterations 8 --held-out 3 --real " + Quoted(world_ / real) +
+           " --scene " + Quoted(world_.scene()) + " --out " + Quoted(world_ / out);
+  }
+
+  // Metrics at the start of a fit of one curve, which begins with the parameters of the first fit.
+  nlohmann::json MetricsAtStart(const std::string& real, const std::string& extra = "") const {
+    const Outcome outcome = RunSonarcal(Fit(real, "again") + " --force --free material.box.gsab.C --params " +
+                                        Quoted(world_ / "found/params.json") + " " + extra);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return testing::ReadJsonFile(world_ / "again/fit.json")["metrics_before"];
+  }
+};
+
+TEST_F(FitFromPoses, AFitBeginsAtThePosesThatAnotherFitWrote) {
+  const nlohmann::json found = testing::ReadJsonFile(world_ / "found/fit.json");
+  ASSERT_NE(found["metrics_before"], found["metrics_after"]);
+  const std::string poses = " --poses " + Quoted(world_ / "found/poses.json");
+  const nlohmann::json at_start = MetricsAtStart("true", poses);
+  EXPECT_NEAR(at_start["macro"]["intensity_error"]["polar"].get<double>(),
+              found["metrics_after"]["macro"]["intensity_error"]["polar"].get<double>(), 1e-9);
+  EXPECT_NE(at_start, MetricsAtStart("true"));
+
+  // The same by way of a converted recording, and with that recording as poses.
+  ASSERT_EQ(
+      RunSonarcal("convert -q " + Quoted(world_ / "true") + poses + " --out " + Quoted(world_ / "posed"))
+          .status,
+      0);
+  EXPECT_EQ(MetricsAtStart("posed"), at_start);
+  EXPECT_EQ(MetricsAtStart("true", "--poses " + Quoted(world_ / "posed")), at_start);
+  EXPECT_EQ(testing::ReadJsonFile(world_ / "again/provenance.json")["configuration"]["poses"],
+            (world_ / "posed").string());
+}
+
+TEST_F(FitFromPoses, PosesForOtherFramesAreRefused) {
+  nlohmann::json poses = testing::ReadJsonFile(world_ / "found/poses.json");
+  poses["poses"].erase(0);
+  testing::WriteFile(world_ / "few.json", poses.dump());
+  const Outcome outcome = RunSonarcal(Fit("true", "refused") + " --params " + Quoted(world_.params()) +
+                                      " --poses " + Quoted(world_ / "few.json"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("few.json"));
 }
 
 TEST_F(FitCommand, ARecordingWithoutEchoesEndsWithStatusThree) {
