@@ -10,10 +10,15 @@
 #include <csignal>
 #include <set>
 
+#include <nlohmann/json.hpp>
+
 #include "apps/commands/view_command.h"
 #include "apps/view/view_gate.h"
 #include "apps/view/view_page.h"
 #include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/open_recording.h"
+#include "data_io/parameters/parameters_io.h"
 #include "tests/apps/tiny_world.h"
 
 namespace sonarcal::view {
@@ -167,6 +172,49 @@ TEST_F(ViewServerTest, UnknownPathsBadAndLargeBodies) {
       "application/json");
   EXPECT_TRUE(!chunked || chunked->status == 413);
   EXPECT_EQ(Client().Get("/")->status, 200);  // it is still there
+}
+
+// Poses moved on the page, saved as poses.json, and read by `convert` and `fit`.
+TEST_F(ViewServerTest, PosesSetOnThePageAreReadByTheCommands) {
+  const nlohmann::json state = {
+      {"parameters", nlohmann::json::parse(data_io::ParametersJson(testing::TinyParameters()).dump())},
+      {"poses",
+       {{"1",
+         {{"position_m", {1.3, -2.1, 1.4}}, {"yaw_deg", 28.0}, {"pitch_deg", -38.0}, {"roll_deg", 2.0}}}}}};
+  const auto answer = Client().Post("/api/files", Token(), state.dump(), "application/json");
+  ASSERT_EQ(answer->status, 200) << answer->body;
+  const nlohmann::json files = nlohmann::json::parse(answer->body)["files"];
+  testing::WriteFile(world_ / "moved.json", files.at("poses.json").get<std::string>());
+
+  world_.WriteSimulated("real", true);
+  const std::string poses = " --poses " + testing::Quoted(world_ / "moved.json");
+  ASSERT_EQ(testing::RunSonarcal("convert -q " + testing::Quoted(world_ / "real") + poses + " --out " +
+                                 testing::Quoted(world_ / "posed"))
+                .status,
+            0);
+  const auto given = data_io::OpenRecording(world_ / "real");
+  const auto posed = data_io::OpenRecording(world_ / "posed");
+  const Pose moved = posed->frame_info(1).world_from_sonar.value();
+  EXPECT_TRUE(moved.position_m.isApprox(Eigen::Vector3d(1.3, -2.1, 1.4), 1e-9))
+      << moved.position_m.transpose();
+  const Eigen::Quaterniond turned =
+      RotationFromYawPitchRoll(RadFromDeg(28.0), RadFromDeg(-38.0), RadFromDeg(2.0));
+  EXPECT_LT(moved.rotation.angularDistance(turned), 1e-6);
+  EXPECT_TRUE(posed->frame_info(2).world_from_sonar->position_m.isApprox(
+      given->frame_info(2).world_from_sonar->position_m, 1e-9));
+
+  const auto at_start = [&](const std::string& real, const std::string& extra) {
+    const auto outcome = testing::RunSonarcal(
+        "fit -q --force --rays 96x200 --starts 1 --max-iterations 2 --held-out 1 --free material.box.gsab.C "
+        "--real " +
+        testing::Quoted(world_ / real) + " --scene " + testing::Quoted(world_.scene()) + " --params " +
+        testing::Quoted(world_.params()) + " --out " + testing::Quoted(world_ / "fit") + extra);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return testing::ReadJsonFile(world_ / "fit/fit.json")["metrics_before"]["macro"];
+  };
+  const nlohmann::json by_poses = at_start("real", poses);
+  EXPECT_EQ(by_poses, at_start("posed", ""));
+  EXPECT_NE(by_poses, at_start("real", ""));
 }
 
 TEST_F(ViewServerTest, ASecondServerOnThePortIsRefused) {

@@ -185,6 +185,72 @@ TEST_F(FitCommand, ARecordingWithoutPosesIsRefused) {
   EXPECT_THAT(outcome.err, HasSubstr("world_from_sonar"));
 }
 
+// A recording whose poses are off by a few centimetres, and a fit that has found them.
+class FitFromPoses : public FitCommand {
+ protected:
+  void SetUp() override {
+    data_io::WriteParameters(world_.params(), testing::TinyAcousticParameters());
+    ASSERT_EQ(
+        RunSonarcal(world_.SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(world_ / "true"))
+            .status,
+        0);
+    nlohmann::ordered_json json =
+        nlohmann::ordered_json::parse(testing::ReadFile(world_ / "true/recording.json"));
+    for (nlohmann::ordered_json& frame : json["frames"]) {
+      nlohmann::ordered_json& y_m = frame["world_from_sonar"]["position_m"][1];
+      y_m = y_m.get<double>() + 0.04;
+    }
+    testing::WriteFile(world_ / "true/recording.json", json.dump());
+    ASSERT_EQ(
+        RunSonarcal(Fit("true", "found") + " --params " + Quoted(world_.params()) + " --free pose").status,
+        0);
+  }
+
+  std::string Fit(const std::string& real, const std::string& out) const {
+    return "fit -q --rays 96x200 --starts 1 --max-iterations 8 --held-out 3 --real " + Quoted(world_ / real) +
+           " --scene " + Quoted(world_.scene()) + " --out " + Quoted(world_ / out);
+  }
+
+  // Metrics at the start of a fit of one curve, which begins with the parameters of the first fit.
+  nlohmann::json MetricsAtStart(const std::string& real, const std::string& extra = "") const {
+    const Outcome outcome = RunSonarcal(Fit(real, "again") + " --force --free material.box.gsab.C --params " +
+                                        Quoted(world_ / "found/params.json") + " " + extra);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return testing::ReadJsonFile(world_ / "again/fit.json")["metrics_before"]["macro"];
+  }
+};
+
+TEST_F(FitFromPoses, AFitBeginsAtThePosesThatAnotherFitWrote) {
+  const nlohmann::json found = testing::ReadJsonFile(world_ / "found/fit.json");
+  ASSERT_NE(found["metrics_before"], found["metrics_after"]);
+  const std::string poses = " --poses " + Quoted(world_ / "found/poses.json");
+  const nlohmann::json at_start = MetricsAtStart("true", poses);
+  const auto error = [](const nlohmann::json& metrics) {
+    return metrics["intensity"]["whole"]["mean_absolute"].get<double>();
+  };
+  EXPECT_NEAR(error(at_start), error(found["metrics_after"]["macro"]), 1e-9);
+  EXPECT_NE(at_start, MetricsAtStart("true"));
+
+  // The same by way of a converted recording, and with that recording as poses.
+  ASSERT_EQ(
+      RunSonarcal("convert -q " + Quoted(world_ / "true") + poses + " --out " + Quoted(world_ / "posed"))
+          .status,
+      0);
+  EXPECT_EQ(MetricsAtStart("posed"), at_start);
+  EXPECT_EQ(MetricsAtStart("true", "--poses " + Quoted(world_ / "posed")), at_start);
+  EXPECT_EQ(testing::ReadJsonFile(world_ / "again/provenance.json")["configuration"]["poses"],
+            (world_ / "posed").string());
+
+  nlohmann::json few = testing::ReadJsonFile(world_ / "found/poses.json");
+  few["poses"].erase(0);
+  testing::WriteFile(world_ / "few.json", few.dump());
+  const Outcome outcome = RunSonarcal(Fit("true", "refused") + " --params " + Quoted(world_.params()) +
+                                      " --poses " + Quoted(world_ / "few.json"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("few.json"));
+}
+
 TEST_F(FitCommand, ARecordingWithoutEchoesEndsWithStatusThree) {
   // No echo at all: every pixel of every parameter is dark.
   data_io::WriteGltf(Scene{.vertices_m = {{50, 50, 50}, {51, 50, 50}, {50, 51, 50}},
