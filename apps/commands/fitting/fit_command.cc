@@ -17,8 +17,8 @@
 #include "apps/cli/run_output.h"
 #include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
+#include "apps/commands/fitting/fit_ending.h"
 #include "apps/commands/fitting/fit_noise.h"
-#include "apps/report/html/paper_files.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/choice_section.h"
 #include "apps/report/sections/comparison_section.h"
@@ -274,26 +274,18 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   data_io::WriteFileWhole(output / "fit.json", fit_json);
   cli::WriteProvenance(output.staging(), provenance);
   if (!fit.fit.usable) {
-    output.Commit();
-    cli::PrintError(fmt::format(
-        "the fit ended without a usable solution ({}); see {}, no parameters were written",
-        fit.fit.report.termination.empty() ? "the frames determine no parameter" : fit.fit.report.termination,
-        (options.out / "fit.json").string()));
-    return cli::ExitStatus::kNoSolution;
+    const std::string& termination = fit.fit.report.termination;
+    return EndFitWithoutSolution(
+        fmt::format("the fit ended without a usable solution ({})",
+                    termination.empty() ? "the frames determine no parameter" : termination),
+        options.out, output);
   }
   data_io::WriteParameters(output / "params.json", fit.fit.parameters);
   if (!fit.poses.empty()) data_io::WritePoses(output / "poses.json", fit.poses);
   WriteCalibratedSonar(output, recording->info(), fit);
-  report::WriteReport(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)),
-                      output.staging());
-  output.Commit();
-
-  if (options.common.json) {
-    cli::PrintJson(Json::parse(fit_json));
-  } else {
-    cli::PrintResult(SummaryText(fit, workflow::RecordingName(recording->info()), options.out));
-  }
-  return cli::ExitStatus::kDone;
+  return EndFit(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)), fit_json,
+                SummaryText(fit, workflow::RecordingName(recording->info()), options.out), options.common,
+                output);
 }
 
 namespace {

@@ -9,7 +9,7 @@
 
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
-#include "apps/report/html/paper_files.h"
+#include "apps/commands/fitting/fit_ending.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/noise_section.h"
@@ -69,7 +69,6 @@ calib::FitReport ReportOf(const workflow::StillPoses& still) {
 }  // namespace
 
 cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
-  using Json = nlohmann::ordered_json;
   const auto recording = data_io::OpenRecording(options.real);
   ParameterSet parameters = ParametersFor(options, recording->info());
   cli::RunOutput output(options.out, "fit", options.common.force);
@@ -98,15 +97,10 @@ cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
   html.Section("Levels");
   report::AddStillPoses(html, still);
   report::EndReport(html, cli::ProvenanceToJson(provenance));
-  html.Write(output / "report.html");
-  output.Commit();
-  if (options.common.json) {
-    cli::PrintJson(Json::parse(fit_json));
-  } else {
-    cli::PrintResult(workflow::RecordingName(info) + "\n" + report::StillText(still) +
-                     fmt::format("report: {}\n", (options.out / "report.html").string()));
-  }
-  return cli::ExitStatus::kDone;
+  return EndFit(html, fit_json,
+                workflow::RecordingName(info) + "\n" + report::StillText(still) +
+                    fmt::format("report: {}\n", (options.out / "report.html").string()),
+                options.common, output);
 }
 
 namespace {
@@ -258,23 +252,14 @@ cli::ExitStatus RunFitNoise(const FitCommandOptions& options) {
   data_io::WriteFileWhole(output / "fit.json", fit_json);
   cli::WriteProvenance(output.staging(), provenance);
   if (!fit.usable) {
-    output.Commit();
-    cli::PrintError(fmt::format("the fit {}; no parameters were written, see {}", fit.report.termination,
-                                (options.out / "fit.json").string()));
-    return cli::ExitStatus::kNoSolution;
+    return EndFitWithoutSolution("the fit " + fit.report.termination, options.out, output);
   }
   data_io::WriteParameters(output / "params.json", ParametersOf(fit.law));
   if (fit.refitted)
     data_io::WriteParameters(output / "params_evaluated.json", ParametersOf(fit.evaluated_law));
-  report::WriteReport(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)),
-                      output.staging());
-  output.Commit();
-  if (options.common.json) {
-    cli::PrintJson(Json::parse(fit_json));
-  } else {
-    cli::PrintResult(SummaryText(fit, workflow::RecordingName(recording->info()), options.out));
-  }
-  return cli::ExitStatus::kDone;
+  return EndFit(MakeReport(fit, recording->info(), cli::ProvenanceToJson(provenance)), fit_json,
+                SummaryText(fit, workflow::RecordingName(recording->info()), options.out), options.common,
+                output);
 }
 
 }  // namespace sonarcal::commands
