@@ -49,6 +49,7 @@ FOLDERS = [
     "calib/markers",
     "apps/workflow",
     "apps/workflow/calibration",
+    "apps/workflow/noise",
     "apps/report/html",
     "apps/report/pictures",
     "apps/report/sections",

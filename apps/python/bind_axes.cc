@@ -1,8 +1,10 @@
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 #include "core/types/pose.h"
 #include "core/types/units.h"
 #include "data_io/json/json_fields.h"
+#include "data_io/recordings/recording_io.h"
 #include "sim/scenes/environments.h"
 #include "sim/scenes/sonar_presets.h"
 
@@ -300,6 +303,15 @@ void BindSonar(py::module_& module) {
       .def_property_readonly(
           "water", [](const workflow::SonarChoice& choice) { return WaterDict(choice.water); },
           "temperature_c, salinity_ppt, ph and depth_m; None where unknown.")
+      .def(
+          "save",
+          [](const workflow::SonarChoice& choice, const std::filesystem::path& file) {
+            RecordingInfo info;
+            info.sonar = choice.sonar;
+            info.water = choice.water;
+            data_io::WriteSonarFile(file, info);
+          },
+          py::arg("file"), "Writes sonar.json, which --sonar of the commands and sonar() take.")
       .def("__repr__", [](const workflow::SonarChoice& choice) {
         return fmt::format("Sonar({}, {:g} kHz, {} beams x {} range bins)", choice.sonar.name,
                            choice.sonar.frequency_hz / 1000.0, choice.sonar.axes.beam_count(),

@@ -6,10 +6,12 @@
 #include <set>
 
 #include "apps/python/bindings.h"
+#include "apps/workflow/calibration/calibrate.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/explain.h"
 #include "apps/workflow/fit.h"
 #include "apps/workflow/locate.h"
+#include "apps/workflow/noise/judge_noise.h"
 #include "apps/workflow/simulate.h"
 
 namespace sonarcal::python {
@@ -36,6 +38,9 @@ std::set<std::string> KeywordNames() {
   AddFlags<workflow::CompareOptions>(names);
   AddFlags<workflow::FitOptions>(names);
   AddFlags<workflow::ExplainOptions>(names);
+  AddFlags<workflow::CalibrateOptions>(names);
+  AddFlags<workflow::JudgeNoiseOptions>(names);
+  AddFlags<workflow::LocateOptions>(names);
   return names;
 }
 
@@ -93,6 +98,8 @@ void BindAllOptions(py::module_& module) {
   BindOptions<workflow::CompareOptions>(module, "CompareOptions",
                                         "Options of compare() and compare_images().");
   BindOptions<workflow::FitOptions>(module, "FitOptions", "Options of fit().");
+  BindOptions<workflow::CalibrateOptions>(module, "CalibrateOptions", "Options of calibrate().");
+  BindOptions<workflow::JudgeNoiseOptions>(module, "JudgeNoiseOptions", "Options of judge_noise().");
   BindOptions<workflow::LocateOptions>(module, "LocateOptions", "Options of locate().");
   BindOptions<workflow::ExplainOptions>(module, "ExplainOptions", "Options of explain().");
 }

@@ -47,6 +47,7 @@ PYBIND11_MODULE(_sonarcal, module) {
   sonarcal::python::BindAllOptions(module);
   sonarcal::python::BindRecording(module);
   sonarcal::python::BindRuns(module);
+  sonarcal::python::BindCalibration(module);
   sonarcal::python::BindResiduals(module);
   sonarcal::python::BindReproduce(module);
 }

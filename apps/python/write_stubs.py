@@ -10,7 +10,7 @@ import pathlib
 import sys
 
 CLASSES = ["RayOptions", "ComparisonOptions", "SimulateOptions", "CompareOptions", "FitOptions", "LocateOptions",
-           "ExplainOptions"]
+           "ExplainOptions", "CalibrateOptions", "JudgeNoiseOptions"]
 
 
 def stub(name, options):

@@ -119,7 +119,8 @@ NoiseCells NoiseCellsOf(const RecordingInfo& info, const NoiseWindow& window) {
 
 NoiseJudgement JudgeNoise(const NoiseLaw& law, const RecordingSource& recording,
                           const std::vector<int>& frames, const NoiseCells& cells,
-                          const std::vector<double>& weight, double absorption_db_per_m) {
+                          const std::vector<double>& weight, double absorption_db_per_m,
+                          const std::function<void(int done, int total)>& progress) {
   CheckLaw(law, recording.info());
   SONARCAL_CHECK(weight.empty() || static_cast<int>(weight.size()) == cells.count(), "{} weights of {} cells",
                  weight.size(), cells.count());
@@ -138,6 +139,7 @@ NoiseJudgement JudgeNoise(const NoiseLaw& law, const RecordingSource& recording,
                                .level_sigma_db = level.sigma_db,
                                .pixels = agreement.pixels});
     level_db.push_back(level.level_db);
+    if (progress) progress(static_cast<int>(counts.size()), static_cast<int>(frames.size()));
   }
   judgement.agreement = Agreement(law, AddCounts(counts, cells), cells, weight, absorption_db_per_m);
   if (std::ranges::is_sorted(frames)) judgement.drift = DriftOf(frames, level_db);

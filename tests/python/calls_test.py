@@ -84,6 +84,11 @@ def explain(world, **options):
     return sonarcal.explain(recording, world.scene, ACOUSTIC, rays="48x100", **options)
 
 
+def calibrate(world, **options):
+    recording = world.simulate(ACOUSTIC, noise=True, bits=12)
+    return sonarcal.calibrate(recording, world.scene, rays="48x100", **options)
+
+
 RUNS = {
     "simulate": ("Simulating", lambda w, r, s, f, p: w.simulate(progress=p)),
     "compare": ("Comparing", lambda w, r, s, f, p: sonarcal.compare(r, s, progress=p)),
@@ -91,6 +96,8 @@ RUNS = {
     "trace": ("Tracing", lambda w, r, s, f, p: fit(w, r, progress=p)),
     "fit": ("Fitting", lambda w, r, s, f, p: fit(w, r, progress=p)),
     "explain": ("Fitting", lambda w, r, s, f, p: explain(w, progress=p)),
+    "calibrate": ("Fitting", lambda w, r, s, f, p: calibrate(w, progress=p)),
+    "judge_noise": ("Judging", lambda w, r, s, f, p: sonarcal.judge_noise(r, ACOUSTIC, progress=p)),
     "residual_view": ("Tracing", lambda w, r, s, f, p: sonarcal.residual_view(r, w.scene, PARAMETERS, progress=p)),
 }
 

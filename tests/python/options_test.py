@@ -11,7 +11,8 @@ import sonarcal
 from conftest import ACOUSTIC, PARAMETERS
 
 CLASSES = [sonarcal.RayOptions, sonarcal.ComparisonOptions, sonarcal.SimulateOptions, sonarcal.CompareOptions,
-           sonarcal.FitOptions, sonarcal.ExplainOptions]
+           sonarcal.FitOptions, sonarcal.ExplainOptions, sonarcal.LocateOptions, sonarcal.CalibrateOptions,
+           sonarcal.JudgeNoiseOptions]
 
 
 @pytest.mark.parametrize("cls", CLASSES)
@@ -30,7 +31,8 @@ def test_every_option_has_attribute_docstring_and_default(cls):
 
 @pytest.mark.parametrize("cls", CLASSES)
 def test_a_dict_of_all_options_makes_them_again(cls):
-    changed = cls(threads=3, rays=(40, 30)) if hasattr(cls, "rays") else cls(cell=(3, 1), object="box")
+    some = {"rays": (40, 30), "cell": (3, 1), "region_range": (1, 2), "range_min": 1.5}
+    changed = cls(**{name: value for name, value in some.items() if hasattr(cls, name)})
     assert changed != cls() and cls(changed.to_dict()) == changed and cls(changed) == changed
     assert changed.to_dict().keys() == {option["name"] for option in cls.describe()}
 

@@ -83,18 +83,22 @@ FUNCTIONS_OF = {
     "simulate": (sonarcal.simulate, sonarcal.SimulateOptions, {"progress"}),
     "compare": (sonarcal.compare, sonarcal.CompareOptions, {"frames", "scene", "scene_unit", "scene_up", "progress"}),
     "fit": (sonarcal.fit, sonarcal.FitOptions, {"progress"}),
+    "calibrate": (sonarcal.calibrate, sonarcal.CalibrateOptions, {"background", "plan", "progress"}),
+    "judge-noise": (sonarcal.judge_noise, sonarcal.JudgeNoiseOptions, {"frames", "progress"}),
     "locate": (sonarcal.locate, sonarcal.LocateOptions, {"frame", "poses", "progress"}),
     "explain": (sonarcal.explain, sonarcal.ExplainOptions, {"progress"}),
 }
 
-# Options of the commands that are other things in Python: positional arguments, files, terminal output, recordings
-# that the project knows, and fits without a scene.
+# Options of the commands that are other things in Python: positional arguments, files, terminal output,
+# recordings that the project knows, and fits without a scene.
 ELSEWHERE = {
     "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "force", "fan", "depth",
                  "resume"},
     "compare": {"real", "sim", "sonar", "out", "force", "sweep-csv", "pictures", "fail-above"},
     "fit": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "poses", "out", "force", "noise-only", "still",
             "range-min", "range-max", "find-background", "hold-out-bands", "reject-beyond"},
+    "calibrate": {"real", "poses", "scene", "scene-unit", "scene-up", "out", "force", "resume"},
+    "judge-noise": {"params", "real", "out", "force"},
     "locate": {"real", "target", "scene-unit", "scene-up", "out", "force"},
     "explain": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
 }

@@ -6,7 +6,7 @@
     recording = sonarcal.simulate(scene, "p900-45", sonarcal.environment_parameters(), sonarcal.viewpoints("tank"))
     recording[0].image.value                       # NumPy array, range bins x beams
 
-simulate(), compare(), fit() and explain() do what the commands of `sonarcal` do. Their options are keyword arguments
+simulate(), compare(), calibrate(), fit(), judge_noise(), locate() and explain() do what the commands of `sonarcal` do. Their options are keyword arguments
 with the names, units and defaults of the commands ("-" as "_"); help(sonarcal.fit) lists them. They also take an
 options object such as FitOptions, or a dict. Angles are in degrees and levels in dB; arrays named `_rad` are in
 radians.
@@ -27,10 +27,11 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _sonarcal
-from ._results import Comparison, Explanation, FitResult, Location, TankReproduction
+from ._results import Calibration, Comparison, Explanation, FitResult, Location, NoiseJudgement, TankReproduction
 from ._signature import give_signature as _give_signature
 from ._signature import takes as _takes
 from ._sonarcal import (
+    CalibrateOptions,
     CauseMap,
     ComparedFrame,
     CompareOptions,
@@ -42,6 +43,7 @@ from ._sonarcal import (
     Frame,
     FrameResiduals,
     Image,
+    JudgeNoiseOptions,
     LocateOptions,
     Parameters,
     PolarAxes,
@@ -70,21 +72,24 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._keywords import (
+        CalibrateKeywords,
         CompareKeywords,
         ComparisonKeywords,
         ExplainKeywords,
         FitKeywords,
+        JudgeNoiseKeywords,
         LocateKeywords,
         RayKeywords,
         SimulateKeywords,
     )
 
 __all__ = [
-    "CauseMap", "CompareOptions", "ComparedFrame", "Comparison", "ComparisonOptions", "DataError", "ExplainOptions",
-    "Explanation", "FanImage", "FitOptions", "FitResult", "Frame", "FrameResiduals", "Image", "LocateOptions",
-    "Location", "Parameters", "PolarAxes", "Pose", "RayOptions", "Recording", "ResidualView", "Scene",
-    "SimulateOptions", "Sonar", "TankReproduction", "UsageError", "__version__", "compare", "compare_images",
-    "environment", "environment_parameters", "environments", "explain", "fit", "known_bomb", "locate",
+    "CalibrateOptions", "Calibration", "CauseMap", "CompareOptions", "ComparedFrame", "Comparison",
+    "ComparisonOptions", "DataError", "ExplainOptions", "Explanation", "FanImage", "FitOptions", "FitResult", "Frame",
+    "FrameResiduals", "Image", "JudgeNoiseOptions", "LocateOptions", "Location", "NoiseJudgement", "Parameters",
+    "PolarAxes", "Pose", "RayOptions", "Recording", "ResidualView", "Scene", "SimulateOptions", "Sonar",
+    "TankReproduction", "UsageError", "__version__", "calibrate", "compare", "compare_images", "environment",
+    "environment_parameters", "environments", "explain", "fit", "judge_noise", "known_bomb", "locate",
     "open_recording", "read_parameters", "read_poses", "read_scene", "recording", "reproduce_tank", "residual_view",
     "resolve_parameters", "segment", "simulate", "sonar", "sonar_presets", "viewpoints", "write_parameters",
     "write_poses",
@@ -99,7 +104,8 @@ _log = logging.getLogger("sonarcal")
 _warned: set[str] = set()
 
 for _options_class in (
-        CompareOptions, ComparisonOptions, ExplainOptions, FitOptions, LocateOptions, RayOptions, SimulateOptions):
+        CalibrateOptions, CompareOptions, ComparisonOptions, ExplainOptions, FitOptions, JudgeNoiseOptions,
+        LocateOptions, RayOptions, SimulateOptions):
     _give_signature(_options_class)
 del _options_class
 
@@ -295,6 +301,55 @@ def fit(
     """
     settings = FitOptions(options, **keywords)
     return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], _params(params), settings, progress, _say))
+
+
+@_takes(CalibrateOptions)
+def calibrate(
+    recording: Union[Recording, _Path],
+    scene: Union[Scene, _Path],
+    options: Union[CalibrateOptions, _Options, None] = None,
+    *,
+    background: Optional[Union[Recording, _Path]] = None,
+    plan: Optional[Union[Mapping[str, Any], _Path]] = None,
+    progress: Optional[_Progress] = None,
+    **keywords: Unpack[CalibrateKeywords],
+) -> Calibration:
+    """Calibrates a simulator to a recording with rough poses and a scene: decides in stages what to fit, and fits it.
+
+    background: pings without targets, for the noise law. plan: decisions to take as they are, plan.json of an earlier
+    run as a dict or a file, whole or in part. The result has the fit to all frames, the one that did not see the
+    held-out frames, the decisions with their reasons, the calibrated sonar, _repr_html_ and plot().
+    """
+    settings = CalibrateOptions(options, **keywords)
+    pings = None if background is None else _recording(background)
+    fit_, evaluation, decisions, sonar_, moved, open_ = _sonarcal._calibrate(
+        _recording(recording), _scene(scene)[0], settings, pings, plan, progress, _say)
+    return Calibration(FitResult(*fit_), FitResult(*evaluation), decisions, sonar_, moved, open_)
+
+
+@_takes(JudgeNoiseOptions)
+def judge_noise(
+    recording: Union[Recording, _Path],
+    params: _Params,
+    options: Union[JudgeNoiseOptions, _Options, None] = None,
+    *,
+    frames: Optional[Union[str, Sequence[int]]] = None,
+    progress: Optional[_Progress] = None,
+    **keywords: Unpack[JudgeNoiseKeywords],
+) -> NoiseJudgement:
+    """Measures how well a noise law describes pings without targets, without fitting it again.
+
+    params: the law, params.json of `sonarcal fit --noise-only`. Of a file, the fit.json beside it gives window and
+    speckle. frames: pings to judge, such as range(60, 80) or "60:80" (default: all). The result is judgement.json as
+    a dict (docs/guide/noise.md), with _repr_html_ and plot().
+    """
+    settings = JudgeNoiseOptions(options, **keywords)
+    pings = _recording(recording)
+    if isinstance(frames, str):
+        frames = _sonarcal._frames(frames, len(pings))
+    file = os.fspath(params) if isinstance(params, (str, os.PathLike)) else ""
+    return NoiseJudgement(_sonarcal._judge_noise(
+        pings, _params(params), [] if frames is None else list(frames), settings, file, progress, _say))
 
 
 @_takes(LocateOptions)

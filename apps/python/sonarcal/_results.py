@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Sequence
 
 import numpy as np
 
-from ._sonarcal import CauseMap, ComparedFrame, Image, Pose, Recording, Scene
+from ._sonarcal import CauseMap, ComparedFrame, Image, Pose, Recording, Scene, Sonar
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -210,6 +210,116 @@ class FitResult:
         return text + _table(["parameter", "initial", "fitted", "standard error", "unit", "status"],
                              [[p["name"], p["initial"], p["value"], p["sigma"], p["unit"], p["status"]]
                               for p in self.free])
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Calibration:
+    """A calibrated simulator, by calibrate()."""
+
+    fit: FitResult  # to all frames used
+    evaluation: FitResult  # did not see the held-out frames; the same as `fit` if none is held out
+    plan: dict[str, Any]  # plan.json: the decisions, and what the last fit started from
+    sonar: Sonar  # the calibrated sonar: Recording.with_sonar() takes it, and save() writes it
+    scene: Optional[Scene]  # the scene with objects where they were found; None if none moved
+    open: list[str]  # what the recording could not determine, one sentence each
+
+    @property
+    def parameters(self) -> Optional[dict[str, Any]]:
+        """params.json of the fit to all frames."""
+        return self.fit.parameters
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """fit.json of the fit to all frames."""
+        return self.fit.report
+
+    @property
+    def poses(self) -> list[Pose]:
+        """Pose of every frame."""
+        return self.fit.poses
+
+    @property
+    def decisions(self) -> list[dict[str, str]]:
+        """What each stage decided: stage, choice and reason."""
+        return self.plan["decided"]
+
+    @property
+    def metrics_before(self) -> Optional[Comparison]:
+        """Images by the start values against the held-out frames."""
+        return self.evaluation.metrics_before
+
+    @property
+    def metrics_after(self) -> Optional[Comparison]:
+        """Images by the values of the evaluation against the held-out frames, which it did not see."""
+        return self.evaluation.metrics_after
+
+    @property
+    def warnings(self) -> list[str]:
+        """Reasons to doubt the fit, one sentence each."""
+        return self.fit.warnings
+
+    def __getitem__(self, name: str) -> dict[str, Any]:
+        """The entry of fit.json of a parameter."""
+        return self.fit[name]
+
+    def __repr__(self) -> str:
+        decisions = ", ".join(each["stage"] + ": " + each["choice"] for each in self.decisions)
+        return f"Calibration({decisions})"
+
+    def plot(self, frame: Optional[int] = None) -> Figure:
+        """A held-out frame: recorded image, expected image and their difference (FitResult.plot)."""
+        return self.evaluation.plot(frame)
+
+    def _repr_html_(self) -> str:
+        decisions = _table(["stage", "decision", "reason"],
+                           [[each["stage"], each["choice"], each["reason"]] for each in self.decisions])
+        return decisions + _paragraphs(self.open, "Open") + self.fit._repr_html_()
+
+
+class NoiseJudgement(dict):
+    """A noise law on pings without targets, by judge_noise(): judgement.json as a dict (docs/guide/noise.md)."""
+
+    @property
+    def agreement(self) -> dict[str, Any]:
+        """Figures of all pings together."""
+        return self["agreement"]
+
+    @property
+    def pings(self) -> list[dict[str, Any]]:
+        """Figures of each ping."""
+        return self["pings"]
+
+    @property
+    def cells(self) -> list[dict[str, Any]]:
+        """Figures of each cell of range bins and beams."""
+        return self["cells"]
+
+    @property
+    def drift(self) -> Optional[dict[str, Any]]:
+        """Level of the pings over time."""
+        return self["drift"]
+
+    def __repr__(self) -> str:
+        return f"NoiseJudgement({len(self.pings)} pings, KS {self.agreement['ks']:.4f})"
+
+    def plot(self) -> Figure:
+        """KS and level of each ping."""
+        figure, panels = _panels(2)
+        frames = [ping["frame"] for ping in self.pings]
+        panels[0].plot(frames, [ping["ks"] for ping in self.pings], ".", label="ping")
+        panels[0].plot(frames, [ping["chance_ks"] for ping in self.pings], "-", color="gray", label="chance")
+        panels[0].set(xlabel="frame", ylabel="KS")
+        panels[0].legend()
+        panels[1].plot(frames, [ping["level_db"] for ping in self.pings], ".")
+        panels[1].set(xlabel="frame", ylabel="level relative to the law, dB")
+        figure.tight_layout()
+        return figure
+
+    def _repr_html_(self) -> str:
+        rows = [["pings", len(self.pings)], ["pings beyond chance", self["pings_beyond_chance"]],
+                ["cells", len(self.cells)], ["cells beyond chance", self["cells_beyond_chance"]],
+                ["KS", self.agreement["ks"]], ["Wasserstein-1, grey", self.agreement["wasserstein_1_grey"]]]
+        return _table(["", "value"], rows)
 
 
 @dataclasses.dataclass(frozen=True)

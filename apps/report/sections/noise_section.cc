@@ -361,6 +361,12 @@ Json NoiseJudgementJson(const calib::NoiseJudgement& judgement) {
           {"cells", cells}};
 }
 
+Json NoiseJudgementFileJson(const calib::NoiseJudgement& judgement) {
+  Json json = {{"format", "sonar-noise-judgement/1"}};
+  json.update(NoiseJudgementJson(judgement));
+  return json;
+}
+
 std::string NoiseAgreementText(const calib::NoiseAgreement& agreement) {
   return fmt::format(
       "  KS {:.4f}, Wasserstein-1 {:.3f} grey, KS by cell {:.3f} median, {:.3f} at 95 %\n"

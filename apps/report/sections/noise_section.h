@@ -40,5 +40,7 @@ void AddNoiseJudgement(HtmlReport& report, const calib::NoiseJudgement& judgemen
 nlohmann::ordered_json NoiseAgreementJson(const calib::NoiseAgreement& agreement);
 nlohmann::ordered_json NoiseDriftJson(const calib::NoiseJudgement& judgement);
 nlohmann::ordered_json NoiseJudgementJson(const calib::NoiseJudgement& judgement);
+// Members of judgement.json: those above and the format.
+nlohmann::ordered_json NoiseJudgementFileJson(const calib::NoiseJudgement& judgement);
 
 }  // namespace sonarcal::report

@@ -15,8 +15,9 @@ bool CalibrationPlan::Has(CalibrationStage stage) const {
   return std::ranges::find(decided, stage, &CalibrationDecision::stage) != decided.end();
 }
 
-CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file) {
-  const auto json = data_io::JsonReader::FromFile(file);
+namespace {
+
+CalibrationPlan PlanFrom(const data_io::JsonReader& json) {
   json.CheckFormat(kPlanFormat);
   CalibrationPlan plan;
   for (const data_io::JsonReader& item : json.At("decided").Items()) {
@@ -33,6 +34,16 @@ CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file) {
   if (const auto fit = json.Find("fit")) plan.fit = calib::FitConfigFrom(*fit);
   json.Finish();
   return plan;
+}
+
+}  // namespace
+
+CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file) {
+  return PlanFrom(data_io::JsonReader::FromFile(file));
+}
+
+CalibrationPlan ParseCalibrationPlan(std::string_view text, const std::string& name) {
+  return PlanFrom(data_io::JsonReader::FromText(text, name));
 }
 
 nlohmann::ordered_json CalibrationPlanJson(const CalibrationPlan& plan) {

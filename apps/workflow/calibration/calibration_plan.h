@@ -13,6 +13,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -54,6 +55,8 @@ struct CalibrationPlan {
 
 // Throws DataError with file, line and key.
 CalibrationPlan ReadCalibrationPlan(const std::filesystem::path& file);
+// As ReadCalibrationPlan; `name` is the name for messages.
+CalibrationPlan ParseCalibrationPlan(std::string_view text, const std::string& name);
 
 nlohmann::ordered_json CalibrationPlanJson(const CalibrationPlan& plan);
 
