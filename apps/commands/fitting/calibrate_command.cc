@@ -11,6 +11,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -23,7 +24,7 @@
 #include "apps/cli/scene_option.h"
 #include "apps/commands/commands.h"
 #include "apps/commands/fitting/fit_command.h"
-#include "apps/report/html/paper_files.h"
+#include "apps/commands/fitting/fit_ending.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/calibration_section.h"
 #include "apps/report/sections/comparison_section.h"
@@ -33,6 +34,7 @@
 #include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pose_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
 
@@ -46,6 +48,7 @@ struct CalibrateCommandOptions {
   std::filesystem::path real;
   std::filesystem::path scene;
   cli::SceneFormat scene_format;
+  std::filesystem::path poses;  // empty: those of the recording
   std::filesystem::path background;
   std::filesystem::path plan;
   std::filesystem::path out;
@@ -57,11 +60,9 @@ constexpr const char* kStarted = "started.json";  // what a run that is under wa
 constexpr const char* kPlan = "plan.json";
 
 Json ConfigurationJson(const CalibrateCommandOptions& options) {
-  Json json = {{"real", options.real.string()},
-               {"scene", options.scene.string()},
-               {"background", options.background.string()},
-               {"plan", options.plan.string()},
-               {"out", options.out.string()}};
+  Json json = {{"real", options.real.string()},   {"scene", options.scene.string()},
+               {"poses", options.poses.string()}, {"background", options.background.string()},
+               {"plan", options.plan.string()},   {"out", options.out.string()}};
   json.update(cli::SceneFormatJson(options.scene_format));
   json.update(cli::OptionsJson(options.calibrate));
   return json;
@@ -94,7 +95,12 @@ report::HtmlReport MakeReport(const workflow::Calibration& calibration, const Re
 }
 
 cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
-  const auto recording = data_io::OpenRecording(options.real);
+  std::unique_ptr<RecordingSource> recording = data_io::OpenRecording(options.real);
+  if (!options.poses.empty()) {
+    recording =
+        data_io::WithPoses(std::move(recording), data_io::ReadPosesOrRecording(options.poses), options.poses);
+  }
+  data_io::PosesOfRecording(*recording);  // refuses a frame without a pose before the first stage
   std::unique_ptr<RecordingSource> background;
   if (!options.background.empty()) background = data_io::OpenRecording(options.background);
   const Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
@@ -122,7 +128,7 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
 
   cli::Provenance provenance{
       .command = "calibrate", .configuration = configuration, .inputs = {options.real, options.scene}};
-  for (const std::filesystem::path& path : {options.background, options.plan}) {
+  for (const std::filesystem::path& path : {options.poses, options.background, options.plan}) {
     if (!path.empty()) provenance.inputs.push_back(path);
   }
   const workflow::RecordingFit& fit = calibration.fit;
@@ -137,16 +143,10 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
   sonar.sonar.axes = Corrected(sonar.sonar.axes, fit.geometry);
   data_io::WriteSonarFile(output / "sonar.json", sonar);
   cli::WriteProvenance(output.staging(), provenance);
-  report::WriteReport(MakeReport(calibration, recording->info(), cli::ProvenanceToJson(provenance)),
-                      output.staging());
-  output.Commit();
-  if (options.common.json) {
-    cli::PrintJson(Json::parse(fit_json));
-  } else {
-    cli::PrintResult(report::CalibrationText(calibration) +
-                     fmt::format("report: {}\n", (options.out / "report.html").string()));
-  }
-  return cli::ExitStatus::kDone;
+  return EndFit(MakeReport(calibration, recording->info(), cli::ProvenanceToJson(provenance)), fit_json,
+                report::CalibrationText(calibration) +
+                    fmt::format("report: {}\n", (options.out / "report.html").string()),
+                options.common, output);
 }
 
 }  // namespace
@@ -156,11 +156,19 @@ void SetupCalibrate(CLI::App& app) {
   CLI::App* command = cli::AddCommand(
       app, "calibrate",
       "Calibrates a simulator to a recording and a scene, and says each decision and its reason");
-  command->add_option("--real", options->real, "Recording to calibrate to; each frame needs a rough pose")
+  command
+      ->add_option("--real", options->real,
+                   "Recording to calibrate to; each frame needs a rough pose, except with --poses")
       ->type_name("REC")
       ->required();
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
+  command
+      ->add_option(
+          "--poses", options->poses,
+          "Rough poses, one per frame, in place of those of --real: a recording with poses, or a JSON file "
+          "(default: none)")
+      ->type_name("REC|FILE");
   command
       ->add_option("--background", options->background,
                    "Recording of pings without targets, for the noise law")

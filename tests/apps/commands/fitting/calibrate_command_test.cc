@@ -51,7 +51,8 @@ class CalibrateCommand : public ::testing::Test {
     for (const char* key : {"range_min_m", "range_max_m"}) recording["sonar"][key] = declared["sonar"][key];
     testing::WriteFile(*world_ / "real/recording.json", recording.dump());
   }
-  // Places around the box, in different directions and heights: three of them do not tell the sonar from its poses.
+  // Places around the box, in different directions and heights: three of them do not tell the sonar from its
+  // poses.
   static std::vector<data_io::TimedPose> Around() {
     std::vector<data_io::TimedPose> poses;
     for (int i = 0; i < kPoses; ++i) {
@@ -66,8 +67,9 @@ class CalibrateCommand : public ::testing::Test {
 
   static void TearDownTestSuite() { delete world_; }
 
-  static std::string Arguments(const std::string& out, const std::string& extra = "") {
-    return "calibrate -q --rays 96x200 --real " + Quoted(*world_ / "real") + " --scene " +
+  static std::string Arguments(const std::string& out, const std::string& extra = "",
+                               const std::string& real = "real") {
+    return "calibrate -q --rays 96x200 --real " + Quoted(*world_ / real) + " --scene " +
            Quoted(world_->scene()) + " --out " + Quoted(*world_ / out) + " " + extra;
   }
 
@@ -119,8 +121,9 @@ TEST_F(CalibrateCommand, APlanDecidesAndTheRestIsDecidedAnew) {
 }
 
 TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
-  const auto refuses = [&](const std::string& extra, const std::string& part) {
-    const Outcome outcome = RunSonarcal(Arguments("refused", extra));
+  const auto refuses = [&](const std::string& extra, const std::string& part,
+                           const std::string& real = "real") {
+    const Outcome outcome = RunSonarcal(Arguments("refused", extra, real));
     EXPECT_EQ(outcome.status, 1) << extra;
     EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(part));
@@ -128,6 +131,13 @@ TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
   testing::WriteFile(*world_ / "bad.json", R"({"format": "sonar-calibration-plan/1",
     "decided": [{"stage": "weather"}]})");
   refuses("--plan " + Quoted(*world_ / "bad.json"), "is \"weather\", expected one of frames, water");
+  nlohmann::json recording = ReadJsonFile(*world_ / "real/recording.json");
+  for (nlohmann::json& frame : recording["frames"]) frame.erase("world_from_sonar");
+  std::filesystem::copy(*world_ / "real", *world_ / "blind");
+  testing::WriteFile(*world_ / "blind/recording.json", recording.dump());
+  refuses("", "has no 'world_from_sonar'", "blind");
+  refuses("--target lighthouse --poses " + Quoted(world_->poses()), "no object 'lighthouse' in the scene",
+          "blind");
   refuses("--target lighthouse", "no object 'lighthouse' in the scene, expected one of floor, box");
 }
 
