@@ -1,5 +1,5 @@
-// Other explanations of the fitted geometry of a sonar: a data sheet that is wrong looks like a scene, a mount or a
-// position that is wrong.
+// Other explanations of the fitted geometry of a sonar: a data sheet that is wrong looks like a scene, a
+// mount or a position that is wrong.
 #pragma once
 
 #include <string>

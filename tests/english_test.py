@@ -1,4 +1,4 @@
-"""The English of comments and identifiers: refuses patterns that a reader has to read twice.
+"""The English of comments and identifiers: refuses patterns that a reader has to read twice, and long lines.
 
     english_test.py ROOT         checks the tree, one line a violation, status 1 if there are any
     english_test.py --self-test  shows on made-up sources that each rule holds
@@ -12,6 +12,15 @@ import tempfile
 FOLDERS = ["apps", "calib", "core", "data_io", "metrics", "sim"]
 
 SUFFIXES = (".h", ".cc")
+
+# A line of nothing but comment, in these folders too. Python: "#".
+MAX_COLUMNS = 110
+ALSO_FOR_COLUMNS = ["scripts", "tests"]
+COMMENT_LINE = {".h": re.compile(r"\s*//"), ".cc": re.compile(r"\s*//"), ".py": re.compile(r"\s*#")}
+# Files whose long comment lines are still to be wrapped.
+NOT_WRAPPED = (
+    "apps/workflow/calibration/calibrate.", "calib/acoustic_fit.", "calib/models/", "calib/parameters/",
+)
 
 # A comment begins with a noun phrase or a verb.
 OPENINGS = re.compile(r"(Of|What|The same|Where)\b")
@@ -62,8 +71,22 @@ def faults(text):
     return sorted(found)
 
 
+def long_lines(root):
+    """Comment lines beyond the limit, one sentence each."""
+    for folder in FOLDERS + ALSO_FOR_COLUMNS:
+        for path in sorted((root / folder).rglob("*")):
+            name = path.relative_to(root).as_posix()
+            begins = COMMENT_LINE.get(path.suffix)
+            if begins is None or name.startswith(NOT_WRAPPED):
+                continue
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+                if len(line) > MAX_COLUMNS and begins.match(line):
+                    yield f"{name}:{number}: a comment of {len(line)} columns, expected {MAX_COLUMNS} or fewer"
+
+
 def violations(root):
-    return [f"{name}:{line}: {fault}" for name, text in sources(root) for line, fault in faults(text)]
+    found = [f"{name}:{line}: {fault}" for name, text in sources(root) for line, fault in faults(text)]
+    return found + list(long_lines(root))
 
 
 def is_violation(text):
@@ -96,6 +119,10 @@ def self_test():
         ("constexpr int kMostly = 3;", False),
         ("constexpr int kMaxFrames = 3;", False),
         ("// For whoever calls it.", True),
+        ("// " + 107 * "x", False),
+        ("// " + 108 * "x", True),
+        ("  // " + 106 * "x", True),
+        ("int a = 0;" + 101 * " ", False),
     ]
     return [
         f"{text!r}: expected {'a' if expected else 'no'} violation"

@@ -195,7 +195,8 @@ ACCEPTED = {
     ],
 }
 
-# What the complete documents need where all numbers stand at their lower or upper limits: relations must hold.
+# What the complete documents need where all numbers stand at their lower or upper limits: relations must
+# hold.
 AT_LIMITS = {
     ("params", "lower"): {"display.db_max": -499},
     ("params", "upper"): {"display.db_min": 499},

@@ -15,8 +15,10 @@ namespace sonarcal::batch {
 
 // Returns the summary as JSON:
 //
-//   {"format": "sonarcal-batch-summary/1", "jobs": [{"job", "command", "state": "done" | "failed" | "waiting",
-//     "status", "wall_s", "why", "options": {...}, "figures": {...}}], "done": n, "failed": n, "waiting": n}
+//   {"format": "sonarcal-batch-summary/1",
+//    "jobs": [{"job", "command", "state": "done" | "failed" | "waiting", "status", "wall_s",
+//              "why", "options": {...}, "figures": {...}}],
+//    "done": n, "failed": n, "waiting": n}
 //
 // Figures of a comparison: the ratios and intensity errors of `macro` in its metrics.json. Figures of a fit:
 // cost_initial, cost_final, iterations, and those of `macro` in metrics_after. `states` correspond to the

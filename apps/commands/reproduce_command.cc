@@ -1,5 +1,5 @@
-// `sonarcal reproduce`: runs the case studies of the cases folder (apps/reproduce/case_plan.h): the paper's tank
-// comparison, start to end, and the same on a real sonar's frames if the recordings are present.
+// `sonarcal reproduce`: runs the case studies of the cases folder (apps/reproduce/case_plan.h): the paper's
+// tank comparison, start to end, and the same on a real sonar's frames if the recordings are present.
 #include <fmt/format.h>
 
 #include <cstdlib>

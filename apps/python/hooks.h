@@ -24,8 +24,8 @@ class Listener {
   void Progress(const std::string& what, int done, int in_all) const;
   void Say(const std::string& sentence) const;
 
-  // Runs `task(const workflow::Listener&)`. Ceres is not written to be left by an exception: a solver is asked
-  // to stop, and what Python raised is thrown after it.
+  // Runs `task(const workflow::Listener&)`. Ceres is not written to be left by an exception: a solver is
+  // asked to stop, and what Python raised is thrown after it.
   template <typename Task>
   auto Run(Task&& task) {
     try {

@@ -12,13 +12,14 @@ namespace sonarcal::python {
 // Objects, arrays, texts and numbers as dict, list, str and float or int.
 pybind11::object ObjectFromJson(const std::string& text);
 
-// NumPy arrays and numbers are taken as lists and numbers. Raises TypeError for anything else that JSON lacks.
+// NumPy arrays and numbers are taken as lists and numbers. Raises TypeError for anything else that JSON
+// lacks.
 std::string JsonFromObject(const pybind11::object& value);
 
 pybind11::object DictFromParameters(const ParameterSet& parameters);
 
-// `source`: Parameters, a dict in the form of params.json, or the path of such a file. Throws DataError naming
-// the key of anything wrong, raises TypeError for another type.
+// `source`: Parameters, a dict in the form of params.json, or the path of such a file. Throws DataError
+// naming the key of anything wrong, raises TypeError for another type.
 ParameterSet ParametersFromObject(const pybind11::object& source);
 
 bool IsMapping(const pybind11::handle& value);

@@ -1,5 +1,5 @@
-// Case studies as data: cases/NAME/case.json says which recording is studied, what is known beforehand and where
-// that comes from, what is fitted and what is held out (docs/reference/cases.md lists all keys).
+// Case studies as data: cases/NAME/case.json says which recording is studied, what is known beforehand and
+// where that comes from, what is fitted and what is held out (docs/reference/cases.md lists all keys).
 //
 //   const CasePlan plan = FindCase("bomb");
 //   if (const auto* target = std::get_if<TargetCase>(&plan.study)) ...
@@ -30,8 +30,8 @@ struct KnownBeforehand {
   std::string source;
 };
 
-// Two frames of one target in a static scene, whose outline and pose are known. One frame is fitted, the other
-// is held out. An optional fan picture shows the target in another pose.
+// Two frames of one target in a static scene, whose outline and pose are known. One frame is fitted, the
+// other is held out. An optional fan picture shows the target in another pose.
 struct TargetCase {
   std::string recording;  // folder of the images, below the recordings folder
   int fitted_frame = 0;
@@ -132,8 +132,8 @@ std::filesystem::path CasesFolder();
 // Names of the cases in `cases`, sorted.
 std::vector<std::string> CaseNames(const std::filesystem::path& cases);
 
-// Reads the case of this name in CasesFolder(). A hyphen stands for an underscore. Throws UsageError that lists
-// the names for an unknown one.
+// Reads the case of this name in CasesFolder(). A hyphen stands for an underscore. Throws UsageError that
+// lists the names for an unknown one.
 CasePlan FindCase(std::string_view name);
 
 // "outline: found outside the project, ...": each known thing with its origin.

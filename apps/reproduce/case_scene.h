@@ -4,8 +4,8 @@
 //   {"environment": "tank", "max_edge_m": 0.2, "size": "standard" | "alternative", "surface": false,
 //    "seed": 1, "bed": false}
 //   {"turned_solid": {"length_m", "max_edge_m", "material", "radii_mm": [[x, radius], ...]}}
-//   {"ogive_body": {"length_m", "diameter_m", "nose_length_m", "tail_length_m", "tail_diameter_m", "max_edge_m",
-//                   "material"}}
+//   {"ogive_body": {"length_m", "diameter_m", "nose_length_m", "tail_length_m", "tail_diameter_m",
+//                   "max_edge_m", "material"}}
 //
 // turned_solid  radii by x, the position along the axis in parts of the length, rising from the tail (0) to
 //               the tip (1). Origin on the axis at mid-length, +x through the tip.
@@ -24,7 +24,8 @@
 
 namespace sonarcal::reproduce {
 
-// A relative path that does not leave its folder. Throws DataError with file, line and key, as all of these do.
+// A relative path that does not leave its folder. Throws DataError with file, line and key, as all of these
+// do.
 std::string ReadPathBelow(const data_io::JsonReader& json);
 
 // Returns `find` of the text of `json`. Turns a UsageError for an unknown name into a DataError.

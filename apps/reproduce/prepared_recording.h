@@ -1,13 +1,15 @@
-// Recordings of case studies that can be explained (apps/commands/explain_command.cc) although they came without
-// scene, pose or parameters: with what the plan of the case knows or assumes in place of these. Recordings lie
-// in the user's folder and never in the project. What is made of them is written where the user says.
+// Recordings of case studies that can be explained (apps/commands/explain_command.cc) although they came
+// without scene, pose or parameters: with what the plan of the case knows or assumes in place of these.
+// Recordings lie in the user's folder and never in the project. What is made of them is written where the
+// user says.
 //
-// The recording of a TargetCase has two or three frames: 0 the fitted one, 1 the held-out one, 2 the other view.
-// Beam, pulse and curve are fitted to frame 0; the pose of frame 2 is fitted to frame 2 with all else held.
+// The recording of a TargetCase has two or three frames: 0 the fitted one, 1 the held-out one, 2 the other
+// view. Beam, pulse and curve are fitted to frame 0; the pose of frame 2 is fitted to frame 2 with all else
+// held.
 //
-// The recording of a MarkedSurfaceCase has the marked pings. The scene is a strip of surface through the marks
-// of each ping (apps/reproduce/marked_surface.h), the noise is that of the target-free pings. The lean of the
-// strips is chosen by the likelihood of the pings used.
+// The recording of a MarkedSurfaceCase has the marked pings. The scene is a strip of surface through the
+// marks of each ping (apps/reproduce/marked_surface.h), the noise is that of the target-free pings. The lean
+// of the strips is chosen by the likelihood of the pings used.
 #pragma once
 
 #include <filesystem>

@@ -41,10 +41,10 @@ struct Reproduction {
 report::HtmlReport MakeReproductionReport(const Reproduction& reproduction,
                                           const nlohmann::ordered_json& provenance);
 
-// The text of metrics.json: the held-out frames of the synthetic case after the fit of the paper's model in the
-// form of `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a
-// sample), "summary" (apps/reproduce/summary_rows.h), "data_sets" with the published values, and one member per
-// target, such as "bomb".
+// The text of metrics.json: the held-out frames of the synthetic case after the fit of the paper's model in
+// the form of `compare`, and beside it "metrics_before", "acoustic" (the same of the acoustic model, and of a
+// sample), "summary" (apps/reproduce/summary_rows.h), "data_sets" with the published values, and one member
+// per target, such as "bomb".
 std::string ReproductionMetricsJson(const Reproduction& reproduction);
 
 }  // namespace sonarcal::reproduce

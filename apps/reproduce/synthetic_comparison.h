@@ -1,8 +1,8 @@
 // A published comparison of a model with recordings (Park 2024, Section 6), start to end, on a SYNTHETIC
 // recording, because the recordings were never published (SyntheticCase of apps/reproduce/case_plan.h). The
-// coherent model (sim/coherent/coherent_image.h) makes the recorded side, with another image formation than the
-// two models that are fitted: fields of point scatterers of random phase at the elements of an array, receiver
-// noise at each element, a beamformer, a logarithmic display.
+// coherent model (sim/coherent/coherent_image.h) makes the recorded side, with another image formation than
+// the two models that are fitted: fields of point scatterers of random phase at the elements of an array,
+// receiver noise at each element, a beamformer, a logarithmic display.
 //
 // The paper's model and the acoustic model are fitted to the same frames.
 #pragma once

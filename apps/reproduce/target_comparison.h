@@ -2,8 +2,8 @@
 // fitted to one frame and evaluated on another, twice:
 //
 //   - both models with outline and pose as known beforehand: what the models can do if the geometry is good;
-//   - the paper's model with the plain outline and a pose that is searched for on the fitted frame, beside the
-//     acoustic model without a fit.
+//   - the paper's model with the plain outline and a pose that is searched for on the fitted frame, beside
+//     the acoustic model without a fit.
 #pragma once
 
 #include <filesystem>
@@ -42,7 +42,8 @@ struct TargetComparison {
   struct Fitted {
     workflow::RecordingFit paper;
     workflow::RecordingFit acoustic;  // without metrics and pictures, which are these
-    // On the held-out frame. `samples` pools kDraws samples, because a single one moves the occupancy by 0.02.
+    // On the held-out frame. `samples` pools kDraws samples, because a single one moves the occupancy by
+    // 0.02.
     metrics::MetricsReport expected;
     metrics::MetricsReport samples;
     std::vector<report::FramePictures> expected_pictures;

@@ -4,7 +4,7 @@
 //   {"parameters": {params.json, data_io/parameters/parameters_io.h},
 //    "sonar": {"frequency_hz": 9e5, "range_bins": 512, ...},      see SonarChanges; absent: as the sonar is
 //    "frame": 0,
-//    "poses": {"0": {"position_m": [x, y, z], "yaw_deg", "pitch_deg", "roll_deg"}},   frames with a changed pose
+//    "poses": {"0": {"position_m": [x, y, z], "yaw_deg", "pitch_deg", "roll_deg"}},   frames moved by hand
 //    "noise": false, "seed": 1,
 //    "client": "a1b2", "sequence": 17}      identify the newest request of a page
 //

@@ -1,5 +1,5 @@
-// Values that are assumed where neither a recording nor the parameters state them, as for a viewer's picture. Each
-// command that assumes one says so.
+// Values that are assumed where neither a recording nor the parameters state them, as for a viewer's picture.
+// Each command that assumes one says so.
 #pragma once
 
 namespace sonarcal::workflow {

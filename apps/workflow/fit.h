@@ -99,8 +99,8 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                           const ParameterSet& parameters);
 
-// Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence for
-// each. `find_display`: the caller finds the display, so that none is assumed.
+// Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence
+// for each. `find_display`: the caller finds the display, so that none is assumed.
 std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
                                        ParameterSet& parameters);
 
@@ -178,8 +178,8 @@ struct FitOptions {
   }
 };
 
-// Returns free parameters, bounds and held-out frames from the options, the model of `start`, the materials of
-// `scene` and the number of frames of the recording.
+// Returns free parameters, bounds and held-out frames from the options, the model of `start`, the materials
+// of `scene` and the number of frames of the recording.
 calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene,
                                   int frame_count);
 

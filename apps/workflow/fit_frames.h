@@ -14,7 +14,8 @@ namespace sonarcal::workflow {
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options);
 
-// Returns the echoes behind each pixel, one histogram per pose; empty ones for poses that are not in `frames`.
+// Returns the echoes behind each pixel, one histogram per pose; empty ones for poses that are not in
+// `frames`.
 std::vector<sim::EchoHistogram> TraceFrames(const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
                                             const std::vector<int>& frames,

@@ -24,8 +24,8 @@
 namespace sonarcal::workflow {
 namespace {
 
-// Half-power width of a beam in elevation over the nominal field of view: outside that field targets are still
-// visible (docs/studies/bomb.md).
+// Half-power width of a beam in elevation over the nominal field of view: outside that field targets are
+// still visible (docs/studies/bomb.md).
 constexpr double kNominalWidths = 2.0;
 constexpr std::array kTapers = {1.0, 0.6, 0.4};  // of the beams' aperture: without and with side lobes
 constexpr double kMinSpanDeg = 28.0;  // targets are visible outside the nominal vertical field of view

@@ -44,8 +44,8 @@ SonarChoice ChooseSonar(const std::string& name_or_file);
 // Water in words, such as "15 C, 0 ppt, pH 7, 1 m deep".
 std::string WaterText(const Water& water);
 
-// Opens a recording. `sonar`: replaces its description of the sonar, as in ChooseSonar; empty: as recorded. Throws
-// DataError if the sonar has another number of range bins or beams.
+// Opens a recording. `sonar`: replaces its description of the sonar, as in ChooseSonar; empty: as recorded.
+// Throws DataError if the sonar has another number of range bins or beams.
 std::unique_ptr<RecordingSource> OpenRecordingWith(const std::filesystem::path& path,
                                                    const std::string& sonar);
 

@@ -76,8 +76,8 @@ struct NoiseWindow {
 // Throws DataError if images of `info` are not grey or if the window holds less than one band.
 NoiseCells NoiseCellsOf(const RecordingInfo& info, const NoiseWindow& window);
 
-// `weight`: per cell, 0 or 1; empty: all 1. `progress` gets the pings done and the pings in all after each of them.
-// Throws DataError if law and recording do not fit together.
+// `weight`: per cell, 0 or 1; empty: all 1. `progress` gets the pings done and the pings in all after each of
+// them. Throws DataError if law and recording do not fit together.
 NoiseJudgement JudgeNoise(const NoiseLaw& law, const RecordingSource& recording,
                           const std::vector<int>& frames, const NoiseCells& cells,
                           const std::vector<double>& weight, double absorption_db_per_m = 0.0,

@@ -1,5 +1,6 @@
-// Steps of Gauss and Newton, damped (Levenberg, Marquardt), that are taken only where a cost falls. Slopes are
-// the caller's: the images that they are differences of are traced, so that one set may serve several steps.
+// Steps of Gauss and Newton, damped (Levenberg, Marquardt), that are taken only where a cost falls. Slopes
+// are the caller's: the images that they are differences of are traced, so that one set may serve several
+// steps.
 #pragma once
 
 #include <Eigen/Cholesky>

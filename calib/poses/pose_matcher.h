@@ -1,5 +1,5 @@
-// Predicts the smoothed grey image of a target at a pose, compares it with a recorded one and refines the pose.
-// Part of the pose search (calib/poses/pose_search.h).
+// Predicts the smoothed grey image of a target at a pose, compares it with a recorded one and refines the
+// pose. Part of the pose search (calib/poses/pose_search.h).
 #pragma once
 
 #include <array>
@@ -63,8 +63,8 @@ class PoseMatcher {
   const PolarAxes& axes() const { return simulator_->sonar().axes; }
 
   EchoPowers Echoes(const Pose& sonar_from_body) const;
-  // Expected display of echoes and noise floor, smoothed, full scale 1. A gain belongs to the target or to the
-  // floor and does not change the noise.
+  // Expected display of echoes and noise floor, smoothed, full scale 1. A gain belongs to the target or to
+  // the floor and does not change the noise.
   Grid<float> Displayed(const EchoPowers& echoes, double gain_db, double floor_gain_db) const;
   // Predicts the image and its cost.
   void Evaluate(MatchState& state) const;

@@ -4,9 +4,9 @@
 // paper's sum of decibels differs too much from a real image. Both images are smoothed and compared by grey
 // levels. A coarse sweep over all directions of the target's longest axis, and over its roll unless it is a
 // body of revolution, gives starts. Each is moved so that its echo lies on the recorded one. The best starts
-// that differ are refined by damped steps (calib/poses/damped_steps.h, slopes by central differences of traced
-// images), first on a coarse image, then the best on the full one. The strength of the target's echo is fitted
-// at the same time. The scene may hold a floor: a material with a strength of its own.
+// that differ are refined by damped steps (calib/poses/damped_steps.h, slopes by central differences of
+// traced images), first on a coarse image, then the best on the full one. The strength of the target's echo
+// is fitted at the same time. The scene may hold a floor: a material with a strength of its own.
 //
 // Limit: one image does not determine everything. The result lists other poses with their likelihood, among
 // them the mirror image in the plane of the beams and the reversed target, and states what is open.

@@ -26,8 +26,8 @@ class PoseView {
  public:
   using Rays = AcousticFrameModel::Rays;
 
-  // The model must outlive the view. For a smoothed view, the size of speckle comes from the difference of the
-  // frame and its expected image at `about`.
+  // The model must outlive the view. For a smoothed view, the size of speckle comes from the difference of
+  // the frame and its expected image at `about`.
   PoseView(const AcousticFrameModel& model, int frame, const ParameterSet& parameters,
            const PoseSmoothing& smoothing, const Rays& rays, const Pose& about);
 

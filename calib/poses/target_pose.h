@@ -1,6 +1,6 @@
 // Pose of a target relative to a sonar, in coordinates that an image constrains differently. Range and
-// azimuth are visible directly, yaw, pitch and roll through the shape, elevation hardly, and the roll of a body
-// of revolution not at all.
+// azimuth are visible directly, yaw, pitch and roll through the shape, elevation hardly, and the roll of a
+// body of revolution not at all.
 #pragma once
 
 #include <algorithm>

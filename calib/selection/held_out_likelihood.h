@@ -2,8 +2,8 @@
 // values themselves, so that display laws can be compared too. The probability of a grey level is that of its
 // quantisation interval under speckle about the mean power of the pixel, through the display
 // (calib/noise/noise_likelihood.h). A clipped value has the probability of all values that are shown there. A
-// fraction kOutlierFraction of the pixels are outliers, with equal probability of every level. Otherwise a few
-// pixels that no variant describes would dominate the sum and its standard error.
+// fraction kOutlierFraction of the pixels are outliers, with equal probability of every level. Otherwise a
+// few pixels that no variant describes would dominate the sum and its standard error.
 //
 // Sums are kept per block of pixels. Speckle is correlated over beam and pulse, and over frames of one pose,
 // so pixels are not independent but blocks nearly are. Models are compared on the same pixels. Their

@@ -85,7 +85,8 @@ class Chooser {
     return free.at(static_cast<std::size_t>(FindEntry(catalog, name)));
   }
 
-  // Configuration with the same priors for any start. Placements have priors about their declared values only.
+  // Configuration with the same priors for any start. Placements have priors about their declared values
+  // only.
   FitConfig WithPriorsAbout(const ParameterSet& initial, const FitConfig& config) const {
     const std::vector<std::string>& materials = simulator_.caster().material_names();
     ParameterSet complete = sim::WithResponse(simulator_.sonar(), initial);

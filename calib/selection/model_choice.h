@@ -80,7 +80,8 @@ struct ModelChoice {
 
 // The rays of `simulator` must suffice for every pattern: for kElevation, those of a pattern with side lobes.
 // A noise level missing in `initial` is estimated. Throws DataError if no frame is held out for an axis other
-// than kDisplay, an axis has nothing to select, the first fit has no usable solution, and as FitAcousticModel does.
+// than kDisplay, an axis has nothing to select, the first fit has no usable solution, and as FitAcousticModel
+// does.
 ModelChoice ChooseModel(const sim::Simulator& simulator, const std::vector<GreyFrame>& used,
                         const std::vector<GreyFrame>& held_out, const ParameterSet& initial,
                         const FitConfig& config, const ModelChoiceOptions& options);

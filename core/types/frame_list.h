@@ -42,8 +42,9 @@ class FrameList {
   // The frames in their order. Nothing if a range is open to the last frame.
   std::optional<std::vector<int>> Numbers() const;
 
-  // The frames, in their order, of a recording with `frame_count` frames. `kind` names one of them in messages.
-  // Throws DataError for a frame that does not exist, and UsageError for a frame that is named twice.
+  // The frames, in their order, of a recording with `frame_count` frames. `kind` names one of them in
+  // messages. Throws DataError for a frame that does not exist, and UsageError for a frame that is named
+  // twice.
   std::vector<int> In(int frame_count, std::string_view kind = "frame") const;
 
   bool operator==(const FrameList&) const = default;

@@ -10,12 +10,12 @@
 //     template <typename Self, typename Visitor>
 //     static void Visit(Self& self, Visitor&& visit) {
 //       visit(OptionInfo{.name = "normals", .help = "Source of the surface normals"}, self.normals);
-//       visit(OptionInfo{.name = "threads", .help = "Threads to use, 0 for all cores", .min = 0}, self.threads);
+//       visit(OptionInfo{.name = "threads", .help = "Threads, 0 for all cores", .min = 0}, self.threads);
 //     }
 //   };
 //
-// The default is the value of a default-constructed struct. A member may be a bool, a number, text, a path, an
-// enumeration with words (core/types/words.h), one of the types below, or std::optional or std::vector of
+// The default is the value of a default-constructed struct. A member may be a bool, a number, text, a path,
+// an enumeration with words (core/types/words.h), one of the types below, or std::optional or std::vector of
 // these.
 #pragma once
 

@@ -1,6 +1,7 @@
 // Physical parameters that describe themselves. Each key of params.json stands once, in
-// core/types/parameter_table.h: meaning, unit, limits, scale and label. The reader and the writer of the file,
-// the catalogue of a fit, the controls of the live view, the reference page and the schema are made from it.
+// core/types/parameter_table.h: meaning, unit, limits, scale and label. The reader and the writer of the
+// file, the catalogue of a fit, the controls of the live view, the reference page and the schema are made
+// from it.
 //
 //   VisitParameters(set.beam, [](const auto& info, const auto& value) { ... });   // ParameterInfo, member
 //

@@ -1,5 +1,6 @@
-// The table of all physical parameters: each key of params.json (core/types/parameters.h), in the order of the
-// file. To add a parameter, add its member and its entry here; file, fit, live view and reference page follow.
+// The table of all physical parameters: each key of params.json (core/types/parameters.h), in the order of
+// the file. To add a parameter, add its member and its entry here; file, fit, live view and reference page
+// follow.
 #pragma once
 
 #include <numbers>
@@ -20,8 +21,8 @@ inline constexpr double kMaxPowerRatio = 1e30;
 inline constexpr double kPowerStep = std::numbers::ln10;
 inline constexpr double kLevelStepDb = 20.0;
 
-// Amplitude of a backscatter curve. A fit of the acoustic model keeps it within the curves of real surfaces, as
-// backscattering strength per unit area.
+// Amplitude of a backscatter curve. A fit of the acoustic model keeps it within the curves of real surfaces,
+// as backscattering strength per unit area.
 constexpr ParameterInfo CurveAmplitude(std::string_view key, std::string_view meaning, std::string_view label,
                                        double max_fit) {
   return {.key = key,
@@ -38,8 +39,8 @@ constexpr ParameterInfo CurveAmplitude(std::string_view key, std::string_view me
           .acoustic_fit = FitLimits{1e-7, max_fit}};
 }
 
-// Half-width of a peak. Widths below 0.1 degrees are not distinguishable from a mirror, widths above 60 degrees
-// not from the cosine.
+// Half-width of a peak. Widths below 0.1 degrees are not distinguishable from a mirror, widths above 60
+// degrees not from the cosine.
 constexpr ParameterInfo CurveWidth(std::string_view key, std::string_view meaning, std::string_view label,
                                    FitLimits real_surfaces) {
   return {.key = key,

@@ -1,5 +1,5 @@
-// Triangle mesh in world coordinates (metres, Z up). Each triangle has one named material. Parts of the mesh may
-// have names too: the nodes of a scene file.
+// Triangle mesh in world coordinates (metres, Z up). Each triangle has one named material. Parts of the mesh
+// may have names too: the nodes of a scene file.
 #pragma once
 
 #include <Eigen/Core>

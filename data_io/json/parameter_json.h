@@ -62,8 +62,8 @@ bool IsPresent(const Info& info, const T& value) {
 
 }  // namespace internal
 
-// Reads the keys that are there; the other members keep their values. Throws DataError with file, line and key
-// for a required key that is missing and a value out of its limits.
+// Reads the keys that are there; the other members keep their values. Throws DataError with file, line and
+// key for a required key that is missing and a value out of its limits.
 template <typename Group>
 void ReadGroup(const JsonReader& json, Group& group) {
   VisitParameters(group, [&](const auto& info, auto& member) {

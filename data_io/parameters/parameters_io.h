@@ -2,11 +2,12 @@
 //
 //   {"format": "sonar-parameters/1", "model": "acoustic", "source_level_db": 200,
 //    "display": {"db_min": 80, "db_max": 190},
-//    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...}, ...}
+//    "materials": {"floor": {"gsab": {"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}, ...},
+//    ...}
 //
-// Its keys, their units and limits are those of core/types/parameter_table.h; docs/reference/parameters.md lists
-// them. A key that is absent keeps the default of core/types/parameters.h, unless it is required. Throws
-// DataError with file, line and key for a value out of its limits and for every unknown key.
+// Its keys, their units and limits are those of core/types/parameter_table.h; docs/reference/parameters.md
+// lists them. A key that is absent keeps the default of core/types/parameters.h, unless it is required.
+// Throws DataError with file, line and key for a value out of its limits and for every unknown key.
 #pragma once
 
 #include <filesystem>

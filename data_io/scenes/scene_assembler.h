@@ -42,7 +42,8 @@ class SceneAssembler {
   void AddTriangles(TriangleMode mode, const std::vector<std::uint32_t>& corners, const VertexRange& vertices,
                     bool mirrored, int material);
 
-  // Names the vertices from `first_vertex` up to the last one added. Has no effect without a name or vertices.
+  // Names the vertices from `first_vertex` up to the last one added. Has no effect without a name or
+  // vertices.
   void NameObject(const std::string& name, std::size_t first_vertex);
 
   // Returns the scene; call once. `names` are those of the file's materials: "" becomes "material_N", no

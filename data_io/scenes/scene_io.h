@@ -4,10 +4,10 @@
 //
 //   Read:      The default scene (otherwise the first; otherwise all nodes without a parent), with node
 //              transforms applied. A mirroring transform reverses its triangles, so they keep facing
-//              outwards. Triangles, strips and fans; indices of 8, 16 or 32 bits or none. Names of nodes. Only the names of
-//              materials: primitives without one get "default", an unnamed material at position N
-//              "material_N", and materials with one name are merged. Names without triangles are dropped; the
-//              others keep the order of the file, with "default" last.
+//              outwards. Triangles, strips and fans; indices of 8, 16 or 32 bits or none. Names of nodes.
+//              Only the names of materials: primitives without one get "default", an unnamed material at
+//              position N "material_N", and materials with one name are merged. Names without triangles are
+//              dropped; the others keep the order of the file, with "default" last.
 //   Rejected:  Points and lines, positions that are not 32-bit floats or not finite, sparse accessors,
 //              required extensions that change the geometry (Draco, meshopt, quantisation), nodes with two
 //              parents or in a cycle, buffers outside the file's own directory, and sizes beyond the limits

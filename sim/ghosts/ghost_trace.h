@@ -6,8 +6,8 @@
 // mirror:
 //
 //   mirror - P - mirror    Out and back by the same leg.
-//   straight - P - mirror  If P is also visible directly. Together with its reverse, mirror - P - straight, it
-//                          is one entry of the list: both have one length and arrive from two directions.
+//   straight - P - mirror  If P is also visible directly. Together with its reverse, mirror - P - straight,
+//                          it is one entry of the list: both have one length and arrive from two directions.
 //
 // The legs are found by casting rays, so occlusion and the extent of a mirror are exact. A ray of the fan
 // that hits a mirror continues from there, and its next intersection is P. This leg arrives from the ray's

@@ -13,10 +13,10 @@ namespace sonarcal::sim {
 // Source of the surface normal at a hit.
 //
 //   geometric  Normal of the mesh.
-//   depth      Normal of the point cloud (Park 2024 Eq. 8): the cross product of differences to the rays `step`
-//              columns right and rows down. If one of those missed, or lies across a jump in range of more
-//              than `jump_ratio`, the ray on the other side is used. If that fails too, the mesh's normal is
-//              used.
+//   depth      Normal of the point cloud (Park 2024 Eq. 8): the cross product of differences to the rays
+//              `step` columns right and rows down. If one of those missed, or lies across a jump in range of
+//              more than `jump_ratio`, the ray on the other side is used. If that fails too, the normal
+//              of the mesh is used.
 enum class NormalSource { kGeometric, kDepth };
 constexpr auto WordsOf(std::type_identity<NormalSource>) {
   return Words<NormalSource, 2>{{{"geometric", NormalSource::kGeometric}, {"depth", NormalSource::kDepth}}};

@@ -50,8 +50,8 @@ int SectorsFor(double radius_m, double max_edge_m, int at_least);
 Scene MakeRevolution(const std::vector<ProfilePoint>& profile, int sectors, bool ring,
                      const std::string& material);
 
-// The closed solid of revolution about the +X axis through a table of radii, with flat ends: `outline` (two or
-// more points, positive radii) runs from its lowest to its highest end.
+// The closed solid of revolution about the +X axis through a table of radii, with flat ends: `outline` (two
+// or more points, positive radii) runs from its lowest to its highest end.
 Scene MakeTurnedSolid(const std::vector<ProfilePoint>& outline, double max_edge_m,
                       const std::string& material);
 

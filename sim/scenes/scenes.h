@@ -59,7 +59,8 @@ Scene MakeMockupTank(const MockupTankOptions& options = {});
 
 // Poses world_from_sonar for recordings of the tank, in three sets: 1 shows the first mock-up of
 // MockupTankOptions, 2 the second, 3 both. All look along +y, parallel to the floor and 0.75 m above it. The
-// middles of the targets lie 3 to 6 m away and well within +-22.5 degrees. Throws DataError for another number.
+// middles of the targets lie 3 to 6 m away and well within +-22.5 degrees. Throws DataError for another
+// number.
 std::vector<Pose> MockupTankPoses(int set);
 inline constexpr int kMockupTankPoseSets = 3;
 

@@ -6,8 +6,8 @@
 // on the other pose alone, and are held in the first fit: about them the likelihood trades the wrong outline
 // for worse images. Beam and pulse end at or near their upper bounds: take neither width for the sonar's.
 //
-// The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried, and 1.0
-// misses the bound on overlap by 0.0003.
+// The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried,
+// and 1.0 misses the bound on overlap by 0.0003.
 //
 // Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038). The bound named kRegression...
 // holds what is reached and claims no more.

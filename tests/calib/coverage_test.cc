@@ -1,9 +1,9 @@
 // Whether a fit's standard errors are true, in a quick form. scripts/coverage.sh is the long one.
 //
-// 20 data sets leave a share of one parameter to chance by 10 %, and that of all parameters by 3 to 5 %. The limits
-// are wider by chance and nothing else: three standard deviations of a binomial share, of a mean of data sets, or
-// of a mean square. Two comparisons leave less to chance, but hold only for independent pixels: stated standard
-// errors are not below the bound, and the variance of the fit is that of the linear estimate.
+// 20 data sets leave a share of one parameter to chance by 10 %, and that of all parameters by 3 to 5 %. The
+// limits are wider by chance and nothing else: three standard deviations of a binomial share, of a mean of
+// data sets, or of a mean square. Two comparisons leave less to chance, but hold only for independent pixels:
+// stated standard errors are not below the bound, and the variance of the fit is that of the linear estimate.
 #include "tests/calib/coverage.h"
 
 #include <gtest/gtest.h>

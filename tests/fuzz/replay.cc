@@ -1,5 +1,5 @@
-// Replays the corpus of one parser: each file as it is, and COPIES damaged copies of it, the same on every run.
-// The parser must read the files, except those whose name begins with refused_.
+// Replays the corpus of one parser: each file as it is, and COPIES damaged copies of it, the same on every
+// run. The parser must read the files, except those whose name begins with refused_.
 //
 //   fuzz_replay TARGET COPIES CORPUS_FOLDER
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
-// How well each method of segmentation finds what people outlined, as Markdown: docs/studies/segmentation.md shows
-// what it printed.
+// How well each method of segmentation finds what people outlined, as Markdown: docs/studies/segmentation.md
+// shows what it printed.
 //
 //   segmentation_study FOLDER [candidates=120] [methods=a,b] [chosen]
 //

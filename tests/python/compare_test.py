@@ -77,7 +77,8 @@ def test_tells_progress(recorded, simulated):
     assert told == [("Comparing", done, 4) for done in range(5)]
 
 
-# What the figures are, worked out the slow way. No smoothing, no tidying: a pixel is object above the threshold.
+# What the figures are, worked out the slow way. No smoothing, no tidying: a pixel is object above the
+# threshold.
 PLAIN = {"segmentation": "fixed_threshold", "threshold": 0.25, "blur": (0, 0), "opening": (0, 0), "closing": (0, 0),
          "all_components": True}
 EDGES_M = np.linspace(1.0, 5.0, 41)

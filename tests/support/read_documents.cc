@@ -1,5 +1,5 @@
-// Reads JSON documents by the readers of the program, many in one process. Prints the sentence of each refusal,
-// which begins with the file.
+// Reads JSON documents by the readers of the program, many in one process. Prints the sentence of each
+// refusal, which begins with the file.
 //
 //   sonarcal_read_documents params|fit_config|poses FILE...
 #include <cstdio>

@@ -1,4 +1,5 @@
-// `sonarcal calibrate`: from a recording and a scene to a calibrated simulator, with every decision and its reason.
+// `sonarcal calibrate`: from a recording and a scene to a calibrated simulator, with every decision and its
+// reason.
 //
 //   params.json    fitted parameters, as of every fit
 //   fit.json       the last fit, to all frames used

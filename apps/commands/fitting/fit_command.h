@@ -26,8 +26,8 @@ struct FitCommandOptions {
   std::filesystem::path poses;  // empty: those of the recording
   std::filesystem::path out;
   workflow::FitOptions fit;
-  // --noise-only (apps/commands/fitting/fit_noise.h): without scene and poses. Uses real, out, held_out, and params
-  // for the display.
+  // --noise-only (apps/commands/fitting/fit_noise.h): without scene and poses. Uses real, out, held_out, and
+  // params for the display.
   bool noise_only = false;
   bool still = false;  // --still (apps/workflow/still_poses.h): without scene; uses real, out and params
   std::optional<double> range_min_m;

@@ -11,8 +11,8 @@ namespace sonarcal::report {
 // Adds a table of the candidates, best first. Must be within a section.
 void AddCandidates(HtmlReport& report, const calib::PoseSearchResult& search);
 
-// Adds a section for each frame: candidates, what is open, and the recorded image beside the expected one of the
-// first candidates.
+// Adds a section for each frame: candidates, what is open, and the recorded image beside the expected one of
+// the first candidates.
 void AddLocation(HtmlReport& report, const workflow::Location& location, bool real_is_synthetic);
 
 // Summary of a frame for a terminal, with newlines.

@@ -1,14 +1,14 @@
-// Decisions of a calibration (calibrate.h), as a file: a run with the plan of another one repeats its last fit
-// exactly, and a plan with some of the stages decides the others anew.
+// Decisions of a calibration (calibrate.h), as a file: a run with the plan of another one repeats its last
+// fit exactly, and a plan with some of the stages decides the others anew.
 //
 //   {"format": "sonar-calibration-plan/1",
 //    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it"}, ...],
 //    "absorption": "auto",
-//    "parameters": {...},     // params.json: start values of the last fit, with display, beam forms and mirrors
+//    "parameters": {...},     // params.json: start values of the last fit
 //    "fit": {...}}            // configuration of the last fit (calib/parameters/fit_config.h)
 //
-// Stages that `decided` does not name are decided anew. Then `parameters` and `fit` need hold only what the named
-// stages decide.
+// Stages that `decided` does not name are decided anew. Then `parameters` and `fit` need hold only what the
+// named stages decide.
 #pragma once
 
 #include <filesystem>

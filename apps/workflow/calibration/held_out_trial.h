@@ -1,4 +1,5 @@
-// A fit to some frames of a recording, and the likelihood of others: how a calibration tries what it may free.
+// A fit to some frames of a recording, and the likelihood of others: how a calibration tries what it may
+// free.
 #pragma once
 
 #include <optional>
@@ -35,8 +36,8 @@ class HeldOutTrials {
   calib::AcousticFit Search(const ParameterSet& parameters, const calib::FitConfig& config,
                             const calib::FitOptions& options) const;
 
-  // Likelihood of `a` minus that of `b`, nats per pixel, and how many standard errors that is. With no held-out
-  // frame, both are 0.
+  // Likelihood of `a` minus that of `b`, nats per pixel, and how many standard errors that is. With no
+  // held-out frame, both are 0.
   static calib::LikelihoodDifference Gain(const Trial& a, const Trial& b);
 
   const std::vector<calib::GreyFrame>& used() const { return used_; }

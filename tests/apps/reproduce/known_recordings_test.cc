@@ -254,7 +254,8 @@ TEST(KnownRecordings, SpeckleIsASignificantPartOfTheBomb) {
   const workflow::JudgedSteps& same = explained.by_frame[0];
   const workflow::JudgedSteps& other = explained.by_frame[1];
   EXPECT_EQ(same.verdict[3], calib::Verdict::kWorthIt) << "the noise floor";
-  // What docs/studies/bomb.md holds its own fit to, over the whole image. A draw moves the IoU by 0.02: two of these.
+  // What docs/studies/bomb.md holds its own fit to, over the whole image. A draw moves the IoU by 0.02: two
+  // of these.
   EXPECT_LE(*same.figures.back().intensity_error, 0.053);
   EXPECT_LE(*other.figures.back().intensity_error, 0.050);
   EXPECT_GE(*same.figures.back().iou, 0.80 - 0.04);

@@ -1,5 +1,5 @@
-// Geometry of the sonar and placement of objects, found from small SYNTHETIC recordings of the coherent model,
-// which is not the one fitted.
+// Geometry of the sonar and placement of objects, found from small SYNTHETIC recordings of the coherent
+// model, which is not the one fitted.
 #include <gtest/gtest.h>
 
 #include <cmath>

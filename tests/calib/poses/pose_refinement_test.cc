@@ -92,7 +92,8 @@ class SmallTankFrames : public ::testing::Test {
     return options;
   }
 
-  // Half of the rows that a fit has by default: twice as fast, and the cost is rougher. The bounds are the same.
+  // Half of the rows that a fit has by default: twice as fast, and the cost is rougher. The bounds are the
+  // same.
   static sim::SimulationOptions Options() {
     sim::SimulationOptions options = AllRays();
     options.fan.rows /= 2;
@@ -127,9 +128,9 @@ TEST(OtherPoses, AFrameGoesToTheBestThatIsBetterByMoreThanAsked) {
   EXPECT_EQ(TakeBetterPoses({}, 0.0, values), 0);
 }
 
-// Bounds of today, not of the theory: three frames of a box on a bare floor do not separate pitch from the slope
-// of a backscatter curve over range. Measured: angles end up to 1.3 deg off, positions up to 8 mm; with all rows
-// of rays 2.2 deg and 27 mm.
+// Bounds of today, not of the theory: three frames of a box on a bare floor do not separate pitch from the
+// slope of a backscatter curve over range. Measured: angles end up to 1.3 deg off, positions up to 8 mm; with
+// all rows of rays 2.2 deg and 27 mm.
 TEST_F(SmallTankFrames, PosesWithUnknownCurvesEndWithin4CmAnd3Degrees) {
   const std::vector<Pose> poses = SmallTankPoses();
   std::vector<AcousticFrame> frames;
@@ -302,8 +303,9 @@ TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
 
 // A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.
 //
-// Roll has a bound of today. Measured: frame 1 keeps -0.24 +- 0.047 deg, five standard errors. At the true curves
-// the poses that explain these frames best are rolled by -0.05 to -0.10 deg, so the model is a little off there.
+// Roll has a bound of today. Measured: frame 1 keeps -0.24 +- 0.047 deg, five standard errors. At the true
+// curves the poses that explain these frames best are rolled by -0.05 to -0.10 deg, so the model is a little
+// off there.
 TEST(SyntheticTankPoses, ErrorsAreRemovedAndRollStaysWithinItsBound) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
   const testing::SyntheticTank tank(folder);

@@ -44,8 +44,8 @@ class ExplanationTest : public ::testing::Test {
     std::vector<GreyFrame> used;
     std::vector<GreyFrame> held_out;
   };
-  // Each pose. Held out: two of them, moved to the side. The frames used have 4,000 speckle cells. That is enough,
-  // because ghosts gain nine of their standard errors, noise twelve.
+  // Each pose. Held out: two of them, moved to the side. The frames used have 4,000 speckle cells. That is
+  // enough, because ghosts gain nine of their standard errors, noise twelve.
   static Frames MakeFrames(const ParameterSet& truth) {
     const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), Options());
     Frames frames;
@@ -141,7 +141,8 @@ TEST_F(ExplanationTest, GhostsAreNotSignificantIfTheTankHasNone) {
   EXPECT_NE(StepOf(explanation, ExplainedPart::kGhosts).verdict, Verdict::kWorthIt);
 }
 
-// Pixels without an echo do not change a curve: before there is a noise floor its level is about the same as after.
+// Pixels without an echo do not change a curve: before there is a noise floor its level is about the same as
+// after.
 TEST_F(ExplanationTest, WithoutMirrorsGhostsAreLeftOutAndCurvesAreNotBentByTheDark) {
   const Frames frames = MakeFrames(Truth(false));
   ParameterSet given = Given();

@@ -69,8 +69,8 @@ class ModelChoiceTest : public ::testing::Test {
     return frames;
   }
 
-  // Starts from the curves of the truth: a fit of them is tested elsewhere. Two frames are enough for axes whose
-  // variants differ in many pixels. Azimuth patterns differ in few, and need all four.
+  // Starts from the curves of the truth: a fit of them is tested elsewhere. Two frames are enough for axes
+  // whose variants differ in many pixels. Azimuth patterns differ in few, and need all four.
   ModelChoice Choose(const ParameterSet& truth, const ParameterSet& start,
                      const std::vector<ChoiceAxis>& axes, std::size_t frames = 2) const {
     ModelChoiceOptions options{.axes = axes};
