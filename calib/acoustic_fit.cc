@@ -49,8 +49,8 @@ constexpr double kBetterNats = 1.0;
 // Rounds of reducing the weight of pixels that do not match the scene.
 constexpr int kWeightRounds = 2;
 
-// Reach of a geometric parameter in one round: for placements a quarter of a speckle cell, otherwise a fifth of
-// its value.
+// Reach of a geometric parameter in one round: for placements a quarter of a speckle cell, otherwise a fifth
+// of its value.
 double Reach(const CatalogEntry& entry, double value, const AcousticFrameModel& model) {
   constexpr double kOfWidth = 0.2;
   constexpr double kOfCell = 0.25;
@@ -243,8 +243,8 @@ class AcousticFitter {
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
   double NoiseOfCost() const { return 0.5 * model_.speckle_cell().bins * model_.speckle_cell().beams; }
 
-  // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at edges. They do
-  // so as well from one grid of rays to another, which is what is measured.
+  // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at
+  // edges. They do so as well from one grid of rays to another, which is what is measured.
   double RoughnessOfCost(const ParameterValues& values) const {
     constexpr int kOtherRows = 31;  // one row more for so many rows
     sim::SimulationOptions other = simulator_.options();

@@ -35,8 +35,8 @@ namespace sonarcal::calib {
 std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
                                                const std::vector<std::string>& material_names);
 
-// Returns the parameters with a start value of the noise level, from the darkest fifth of the recorded pixels, if they
-// have none.
+// Returns the parameters with a start value of the noise level, from the darkest fifth of the recorded
+// pixels, if they have none.
 ParameterSet WithNoiseStart(ParameterSet parameters, const std::vector<AcousticFrame>& frames);
 
 struct AcousticFit {
@@ -45,7 +45,8 @@ struct AcousticFit {
   bool moved_poses = false;
   Pose mount;              // offset behind every recorded pose, with the tilt; identity if neither is free
   SonarGeometry geometry;  // as declared if not free
-  // Traces with the fitted geometry and placement of objects. The given one if neither is free, and then not owned.
+  // Traces with the fitted geometry and placement of objects. The given one if neither is free, and then not
+  // owned.
   std::shared_ptr<const sim::Simulator> simulator;
   std::vector<std::vector<float>> weights;  // per frame and pixel; empty: all are 1
   FitReport report;

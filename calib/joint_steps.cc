@@ -20,11 +20,12 @@ constexpr double kLeastDamping = 1e-3;
 constexpr int kTries = 7;
 constexpr double kHarder = 8.0;
 
-// Number of steps without a lower cost that end the search. Points of a flat valley are averaged, so more than one.
+// Number of steps without a lower cost that end the search. Points of a flat valley are averaged, so more
+// than one.
 constexpr int kStepsInValley = 4;
 
-// The roughness of the cost is measured again when the cost fell to this fraction: where the scene fits badly, each
-// ray counts for more.
+// The roughness of the cost is measured again when the cost fell to this fraction: where the scene fits
+// badly, each ray counts for more.
 constexpr double kRoughAgain = 0.9;
 
 class Stepper {
@@ -58,8 +59,8 @@ class Stepper {
     double cost = 0.0;
   };
 
-  // Returns a step from the point of linearisation to a cost below `limit`. Nullopt if no damping finds one, or if
-  // none promises a gain of `least`.
+  // Returns a step from the point of linearisation to a cost below `limit`. Nullopt if no damping finds one,
+  // or if none promises a gain of `least`.
   std::optional<Found> Step(const ParameterValues& values, double least, double limit) {
     const Directions along = DirectionsAt(values);
     for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {

@@ -20,9 +20,9 @@ struct JointStepOptions {
   int steps = 6;  // max
   // Min predicted fall of the cost, half of -2 log likelihood.
   double least = 1.0;
-  // Returns the variation of the cost of all frames from one pose to the next at a point where the model was traced,
-  // because rays appear and disappear at edges. A step may raise the cost by this over the lowest one. Otherwise a low
-  // cost by chance would stop the steps in a flat valley.
+  // Returns the variation of the cost of all frames from one pose to the next at a point where the model was
+  // traced, because rays appear and disappear at edges. A step may raise the cost by this over the lowest
+  // one. Otherwise a low cost by chance would stop the steps in a flat valley.
   std::function<double(const ParameterValues&)> roughness;
 };
 

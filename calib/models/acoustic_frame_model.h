@@ -149,8 +149,9 @@ class AcousticFrameModel final : public FrameModel {
   FrameEchoes EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
 
-  // Slopes along poses and azimuths from those along moves of the sonar. A turn of the sonar and a turn of its beams
-  // then cancel exactly, as they do in an image; separate differences would seem to tell them apart.
+  // Slopes along poses and azimuths from those along moves of the sonar. A turn of the sonar and a turn of
+  // its beams then cancel exactly, as they do in an image; separate differences would seem to tell them
+  // apart.
   void AddSlopesOfMoves(const Rays& rays, int frame, const ParameterValues& values,
                         const std::vector<int>& geometric, FrameEchoes& echoes) const;
   void AddCommonSlopes(const ParameterValues& values, const std::vector<int>& geometric,

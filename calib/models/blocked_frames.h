@@ -1,5 +1,5 @@
-// Frames with fewer pixels, for searches: the mean power of blocks of neighbouring pixels, on coarser axes. A search
-// over blocks smaller than a speckle cell loses little.
+// Frames with fewer pixels, for searches: the mean power of blocks of neighbouring pixels, on coarser axes. A
+// search over blocks smaller than a speckle cell loses little.
 #pragma once
 
 #include <vector>

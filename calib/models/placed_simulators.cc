@@ -7,7 +7,8 @@
 namespace sonarcal::calib {
 namespace {
 
-// A central difference needs two, and the point between them is asked for again. A caster may hold a large scene.
+// A central difference needs two, and the point between them is asked for again. A caster may hold a large
+// scene.
 constexpr std::size_t kMaxKept = 4;
 
 // Values of the entries of one kind if any differs from what is declared; empty: all are as declared.

@@ -25,8 +25,8 @@ class PlacedSimulators {
 
   const std::vector<OutlineForm>& outlines() const { return forms_; }
 
-  // Returns the simulator for the values of a catalog with these objects. Builds a ray caster on all cores if an
-  // object moved, so it must not be called from within a parallel loop.
+  // Returns the simulator for the values of a catalog with these objects. Builds a ray caster on all cores if
+  // an object moved, so it must not be called from within a parallel loop.
   std::shared_ptr<const sim::Simulator> At(const std::vector<CatalogEntry>& catalog,
                                            const ParameterValues& values) const;
 

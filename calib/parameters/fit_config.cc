@@ -69,8 +69,8 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
       pattern, names);
 }
 
-// How closely a pattern that matches the entry names it: the name itself most, then a pattern by its characters
-// that are no wildcards, then a group, then a pattern of wildcards alone.
+// How closely a pattern that matches the entry names it: the name itself most, then a pattern by its
+// characters that are no wildcards, then a group, then a pattern of wildcards alone.
 int Specificity(const std::string& pattern, const CatalogEntry& entry) {
   if (pattern == entry.name) return std::numeric_limits<int>::max();
   constexpr std::string_view kWildcards = "*?[]";

@@ -16,9 +16,9 @@
 // noise, psf (beam and pulse), mirrors (every loss), pose (of each frame), mount, geometry, object:NODE (its
 // position and angles), outline:NODE (its shape; plain `outline` for all of them), display, jitter,
 // source_level. `fixed` takes precedence over `free`. A prior is a value and its sigma, in the unit of the
-// parameter, or "none". `start` gives values at which the fit starts, in place of those of the parameters, the
-// recorded poses and the declared geometry; priors stay about the latter. Priors have an effect only in a fit by likelihood. There every parameter has a
-// default prior (parameter_catalog.h).
+// parameter, or "none". `start` gives values at which the fit starts, in place of those of the parameters,
+// the recorded poses and the declared geometry; priors stay about the latter. Priors have an effect only in a
+// fit by likelihood. There every parameter has a default prior (parameter_catalog.h).
 #pragma once
 
 #include <filesystem>
@@ -72,7 +72,8 @@ FitConfig FitConfigFrom(const data_io::JsonReader& root);
 
 nlohmann::ordered_json FitConfigJson(const FitConfig& config);
 
-// Names of the parts of the scene whose placement the configuration frees: "object:NODE" or "object.NODE.x_m".
+// Names of the parts of the scene whose placement the configuration frees: "object:NODE" or
+// "object.NODE.x_m".
 std::vector<std::string> ObjectsNamed(const FitConfig& config);
 
 // As above, for the parts whose outline it frees: "outline:NODE" or "outline.NODE.*".
@@ -95,8 +96,8 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
 std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitConfig& config,
                                            std::vector<CatalogEntry>& catalog);
 
-// Returns the initial values with those of config.start, within the bounds. Throws DataError for a name that is not
-// in the catalog.
+// Returns the initial values with those of config.start, within the bounds. Throws DataError for a name that
+// is not in the catalog.
 ParameterValues StartValues(const FitConfig& config, const std::vector<CatalogEntry>& catalog,
                             ParameterValues initial);
 

@@ -1,4 +1,5 @@
-// A part of a scene that stands elsewhere than the scene file says, such as a mock-up that was lowered by hand.
+// A part of a scene that stands elsewhere than the scene file says, such as a mock-up that was lowered by
+// hand.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +11,8 @@
 
 namespace sonarcal::calib {
 
-// Change of the placement, in world coordinates: m, then degrees of roll about Y, pitch about X and yaw about Z,
-// as for a pose. Rotation and scale are about the centre of the object's bounding box.
+// Change of the placement, in world coordinates: m, then degrees of roll about Y, pitch about X and yaw about
+// Z, as for a pose. Rotation and scale are about the centre of the object's bounding box.
 struct ObjectPlacement {
   PoseStep step = PoseStep::Zero();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();

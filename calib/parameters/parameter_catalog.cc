@@ -171,8 +171,8 @@ void AddPoses(const std::vector<int>& frames, std::vector<CatalogEntry>& catalog
   }
 }
 
-// Priors from what data sheets and tape measures leave open: `step` is their standard deviation. The tilt and the
-// offset of the azimuth are as well known as a mount is built.
+// Priors from what data sheets and tape measures leave open: `step` is their standard deviation. The tilt and
+// the offset of the azimuth are as well known as a mount is built.
 struct GeometryEntry {
   const char* name;
   const char* unit;

@@ -1,5 +1,5 @@
-// The parameters of a fit by name, with unit, bounds and place. The entries of an image model are made from the
-// table of all parameters (core/types/parameter_table.h); poses are added.
+// The parameters of a fit by name, with unit, bounds and place. The entries of an image model are made from
+// the table of all parameters (core/types/parameter_table.h); poses are added.
 //
 // Names are those of `fit.json`: the path in params.json, such as receiver.gain_db, with material.<name> in
 // place of materials.<name>; pose.<frame>.{x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg}; pose.mount.* for an
@@ -10,8 +10,9 @@
 // (calib/shapes/object_outline.h).
 //
 // A solver moves the coordinate of a value: the logarithm of a value that must stay positive, otherwise the
-// value itself. `typical_step` is a surprising change of the coordinate. A parameter that the data leave freer
-// than that is called unidentifiable. In a fit by likelihood it is also the standard deviation of the prior.
+// value itself. `typical_step` is a surprising change of the coordinate. A parameter that the data leave
+// freer than that is called unidentifiable. In a fit by likelihood it is also the standard deviation of the
+// prior.
 #pragma once
 
 #include <algorithm>
@@ -103,8 +104,8 @@ using ParameterValues = std::vector<double>;
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
 // Returns every parameter of the acoustic model that a fit may move. `frames`: their indices in the
-// recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects. `objects`: names
-// of the parts of the scene that may stand elsewhere. `outlines`: those whose shape may be another.
+// recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects. `objects`:
+// names of the parts of the scene that may stand elsewhere. `outlines`: those whose shape may be another.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors = {},
@@ -137,8 +138,8 @@ inline bool IsSharedPlacement(const CatalogEntry& entry) {
   return IsPlacement(entry) && (entry.group != ParameterGroup::kPose || entry.frame == kMountFrame);
 }
 
-// Returns true for beam, pulse and placement, which decide where an echo arrives, and for the transmitter's end,
-// which decides if it arrives. A change of these needs new tracing or gathering.
+// Returns true for beam, pulse and placement, which decide where an echo arrives, and for the transmitter's
+// end, which decides if it arrives. A change of these needs new tracing or gathering.
 inline bool IsGeometric(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kBeam || entry.group == ParameterGroup::kPulse ||
          entry.group == ParameterGroup::kTransmit || IsPlacement(entry);
@@ -153,8 +154,8 @@ void SetGeometry(std::string_view entry_name, double value, SonarGeometry& geome
 // Sonar geometry with the entries of a catalog at these values.
 SonarGeometry GeometryOf(const std::vector<CatalogEntry>& catalog, const ParameterValues& values);
 
-// Reference to a parameter of the acoustic model, except placements. Materials and mirrors must have entries of
-// their own, and the receiver a noise level.
+// Reference to a parameter of the acoustic model, except placements. Materials and mirrors must have entries
+// of their own, and the receiver a noise level.
 double& AcousticSlot(ParameterSet& parameters, const std::vector<std::string>& material_names,
                      const CatalogEntry& entry);
 

@@ -27,10 +27,10 @@ struct FineRows {
     if (row + 1 < count) take(row + 1, fraction * power);
   }
 
-  // As Share, for an echo from a patch that covers `depth_m` of range: parts at even steps over it, which the pulse
-  // joins. A sloping surface then gives an even level, however far apart in range its rays are. A pulse is at least
-  // 4 rows long, and steps of 3 rows leave a ripple of 0.4 % behind a Gaussian one. A part that would lie outside of
-  // the rows is reflected at their end, because patches beyond are not traced.
+  // As Share, for an echo from a patch that covers `depth_m` of range: parts at even steps over it, which the
+  // pulse joins. A sloping surface then gives an even level, however far apart in range its rays are. A pulse
+  // is at least 4 rows long, and steps of 3 rows leave a ripple of 0.4 % behind a Gaussian one. A part that
+  // would lie outside of the rows is reflected at their end, because patches beyond are not traced.
   template <typename Take>
   void Spread(double range_m, double depth_m, double power, const Take& take) const {
     constexpr double kRowsPerPart = 3.0;

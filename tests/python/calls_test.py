@@ -97,7 +97,7 @@ RUNS = {
     "fit": ("Fitting", lambda w, r, s, f, p: fit(w, r, progress=p)),
     "explain": ("Fitting", lambda w, r, s, f, p: explain(w, progress=p)),
     "calibrate": ("Fitting", lambda w, r, s, f, p: calibrate(w, progress=p)),
-    "judge_noise": ("Judging", lambda w, r, s, f, p: sonarcal.judge_noise(r, PARAMETERS, progress=p)),
+    "judge_noise": ("Judging", lambda w, r, s, f, p: sonarcal.judge_noise(r, ACOUSTIC, progress=p)),
     "residual_view": ("Tracing", lambda w, r, s, f, p: sonarcal.residual_view(r, w.scene, PARAMETERS, progress=p)),
 }
 

@@ -72,8 +72,8 @@ double Moved(const FittedParameter& parameter) {
   return IsAngle(parameter.name) ? std::remainder(moved, 360.0) : moved;
 }
 
-// Scatter of the corrections of the recorded poses about the correction that all have in common, which belongs to a
-// mount or to the geometry.
+// Scatter of the corrections of the recorded poses about the correction that all have in common, which
+// belongs to a mount or to the geometry.
 calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
   struct Sums {
     double squares = 0.0;
@@ -222,7 +222,8 @@ class Calibrator {
         assumed_};
   }
 
-  // Display and noise law. The level of the noise is fitted with the curves unless pings without targets gave it.
+  // Display and noise law. The level of the noise is fitted with the curves unless pings without targets gave
+  // it.
   CalibrationDecision ChooseNoise() {
     ParameterSet& start = plan_.parameters;
     const ImageScale& scale = recording_.info().scale;
@@ -275,8 +276,8 @@ class Calibrator {
     return options;
   }
 
-  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames do not move by two
-  // standard errors stay as declared.
+  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames do not move
+  // by two standard errors stay as declared.
   CalibrationDecision ChoosePlacement() {
     std::vector<std::string> objects = MovableObjects(scene_);
     if (!options_.target.empty()) objects = {options_.target};
@@ -302,8 +303,8 @@ class Calibrator {
     blocks.pulse = as_recorded.fit.parameters.pulse;
     listener_.Message("placement: searching poses, geometry of the sonar and objects on blocks of pixels");
     calib::FitReport found = trials.Search(blocks, config, search).report;
-    // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from the
-    // geometry.
+    // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from
+    // the geometry.
     if (plan_.fit.used->size() > 1) {
       config.pose_prior = ScatterOfPoses(found);
       listener_.Message(
@@ -524,8 +525,8 @@ class Calibrator {
     return FitRecording(recording_, scene_, plan_.parameters, fit);
   }
 
-  // Material of the target, or of the only object that may stand elsewhere. A node without a material of its name
-  // is scored as the whole image is.
+  // Material of the target, or of the only object that may stand elsewhere. A node without a material of its
+  // name is scored as the whole image is.
   std::string ScoredMaterial() const {
     const std::vector<std::string> objects = MovableObjects(scene_);
     const std::string name =

@@ -3,10 +3,11 @@
 //
 //   const Calibration calibration = Calibrate(*recording, scene);
 //
-// Stages (calibration_plan.h): frames to fit and to hold out; water; display and noise law; placement, that is
-// poses, geometry of the sonar and objects that stand elsewhere; beam, pulse and looks; mirrors. A stage is
-// evaluated by the likelihood of held-out frames, and what does not raise it stays as declared. Two fits end the
-// calibration: one that does not see the held-out frames, for figures, and one to all frames, for values.
+// Stages (calibration_plan.h): frames to fit and to hold out; water; display and noise law; placement, that
+// is poses, geometry of the sonar and objects that stand elsewhere; beam, pulse and looks; mirrors. A stage
+// is evaluated by the likelihood of held-out frames, and what does not raise it stays as declared. Two fits
+// end the calibration: one that does not see the held-out frames, for figures, and one to all frames, for
+// values.
 #pragma once
 
 #include <functional>
@@ -54,16 +55,16 @@ struct CalibrationInput {
   CalibrationPlan plan = {};                    // stages that are decided; empty: none
 };
 
-// `on_stage` gets the plan after each stage, for a run that goes on where it stopped. Each frame needs a rough pose.
-// Throws DataError if the recording or the scene cannot be used, or if a fit has no usable solution; and
-// calib::FitStopped if the listener stops it.
+// `on_stage` gets the plan after each stage, for a run that goes on where it stopped. Each frame needs a
+// rough pose. Throws DataError if the recording or the scene cannot be used, or if a fit has no usable
+// solution; and calib::FitStopped if the listener stops it.
 Calibration Calibrate(const RecordingSource& recording, const Scene& scene,
                       const CalibrateOptions& options = {}, const CalibrationInput& input = {},
                       const Listener& listener = {},
                       const std::function<void(const CalibrationPlan&)>& on_stage = {});
 
-// Names of the parts of a scene that may stand elsewhere: nodes, or else materials, that stand inside it, no wider
-// than half of it and not flat. Largest first, at most three.
+// Names of the parts of a scene that may stand elsewhere: nodes, or else materials, that stand inside it, no
+// wider than half of it and not flat. Largest first, at most three.
 std::vector<std::string> MovableObjects(const Scene& scene);
 
 }  // namespace sonarcal::workflow

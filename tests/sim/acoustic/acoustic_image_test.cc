@@ -100,9 +100,9 @@ double Db(double ratio) {
 // m))^2, at most 0.12 / (pi m)^2, and m >= 2 here: 0.3 %, 0.013 dB. A forgotten factor 2 in absorption shows
 // as 1 dB, R for R^2 as 5 dB.
 //
-// With an eighth of the rows, rays lie up to d = 7 cm apart in range, more than a bin. Each patch is spread evenly
-// over the range that it covers. Echoes without depth would leave a ripple of 2 exp(-2 pi^2 (s / d)^2) = 34 %, 1.5 dB.
-// What is left, up to 0.15 dB, is that power and spacing change within a patch.
+// With an eighth of the rows, rays lie up to d = 7 cm apart in range, more than a bin. Each patch is spread
+// evenly over the range that it covers. Echoes without depth would leave a ripple of 2 exp(-2 pi^2 (s / d)^2)
+// = 34 %, 1.5 dB. What is left, up to 0.15 dB, is that power and spacing change within a patch.
 TEST(ExpectedPower, FloorInClosedForm) {
   const Acoustics acoustics;
   const double height = kAboveFloor.position_m.z();

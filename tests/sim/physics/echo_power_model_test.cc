@@ -89,8 +89,8 @@ TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
   }
 }
 
-// A patch of depth d is an even distribution over d: its variance is d^2 / 12, and sharing between rows adds at most
-// step^2 / 4.
+// A patch of depth d is an even distribution over d: its variance is d^2 / 12, and sharing between rows adds
+// at most step^2 / 4.
 TEST(FineRowsTest, APatchIsSpreadOverItsDepth) {
   const FineRows rows(Sonar().axes, 4);
   const double step_m = Sonar().axes.range_bin_m() / 4;
