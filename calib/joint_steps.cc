@@ -114,8 +114,8 @@ class Stepper {
     Eigen::ArrayXd curvature;
   };
 
-  // Where the frames tell less than the priors, the priors alone count: there the slopes of images are mostly
-  // errors, from rays that appear and disappear at edges.
+  // Priors alone count where the frames tell less than they do: there the slopes of images are mostly errors,
+  // from rays that appear and disappear at edges.
   Directions DirectionsAt(const ParameterValues& values) const {
     const NormalEquations equations =
         Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});

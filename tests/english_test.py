@@ -17,6 +17,7 @@ SUFFIXES = (".h", ".cc")
 MAX_COLUMNS = 110
 ALSO_FOR_COLUMNS = ["scripts", "tests"]
 COMMENT_LINE = {".h": re.compile(r"\s*//"), ".cc": re.compile(r"\s*//"), ".py": re.compile(r"\s*#")}
+
 # A comment begins with a noun phrase or a verb.
 OPENINGS = re.compile(r"(Of|What|The same|Where)\b")
 IDENTIFIERS = re.compile(r"\bk(Most|Fewest)(?=[A-Z0-9]|\b)\w*")

@@ -18,6 +18,7 @@
 #include "calib/noise/noise_fit.h"
 #include "calib/parameters/object_placement.h"
 #include "core/types/error.h"
+#include "data_io/pose_io.h"
 
 namespace sonarcal::workflow {
 namespace {
@@ -176,6 +177,7 @@ class Calibrator {
 
   // Fills in what a plan leaves open.
   void PrepareStart() {
+    data_io::PosesOfRecording(recording_);  // throws if a frame has none
     ParameterSet& start = plan_.parameters;
     start.model = EchoModel::kAcoustic;
     if (plan_.decided.empty() && recording_.info().source_level_db)
@@ -478,17 +480,17 @@ class Calibrator {
   Calibration LastFits() {
     Calibration calibration;
     if (plan_.fit.held_out->empty()) {
-      calibration.fit = LastFit(plan_.fit);
+      calibration.fit = LastFit(plan_.fit, /*test_curves=*/true);
       calibration.evaluation = calibration.fit;
     } else {
       listener_.Message("last fit without the held-out frames, for the figures");
-      calibration.evaluation = LastFit(plan_.fit);
+      calibration.evaluation = LastFit(plan_.fit, /*test_curves=*/false);
       FitConfig all = plan_.fit;
       all.used->insert(all.used->end(), all.held_out->begin(), all.held_out->end());
       std::ranges::sort(*all.used);
       all.held_out->clear();
       listener_.Message("last fit to all frames, for the values");
-      calibration.fit = LastFit(all);
+      calibration.fit = LastFit(all, /*test_curves=*/true);
     }
     for (const CalibrationDecision& decision : plan_.decided)
       calibration.open.insert(calibration.open.end(), decision.open.begin(), decision.open.end());
@@ -502,7 +504,8 @@ class Calibrator {
     return calibration;
   }
 
-  RecordingFit LastFit(FitConfig config) {
+  // `test_curves`: whether other curves fit equally well.
+  RecordingFit LastFit(FitConfig config, bool test_curves) {
     // Start values of poses that are not among the frames of this fit have no parameter.
     std::erase_if(config.start, [&](const auto& start) {
       if (!start.first.starts_with("pose.")) return false;
@@ -519,7 +522,7 @@ class Calibrator {
     fit.fit.starts = 1;
     fit.fit.near_start = true;
     fit.fit.joint_steps = kLastSteps;
-    fit.fit.test_curves = true;
+    fit.fit.test_curves = test_curves;
     fit.on_note = listener_.message;
     fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
     return FitRecording(recording_, scene_, plan_.parameters, fit);

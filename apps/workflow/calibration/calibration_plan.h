@@ -2,7 +2,8 @@
 // fit exactly, and a plan with some of the stages decides the others anew.
 //
 //   {"format": "sonar-calibration-plan/1",
-//    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it", "open": []}, ...],
+//    "decided": [{"stage": "water", "choice": "fresh, 15 C", "reason": "the recording states it",
+//                 "open": []}, ...],
 //    "absorption": "auto",
 //    "parameters": {...},     // params.json: start values of the last fit
 //    "fit": {...}}            // configuration of the last fit (calib/parameters/fit_config.h)
