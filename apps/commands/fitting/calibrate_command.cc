@@ -101,7 +101,6 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
     recording =
         data_io::WithPoses(std::move(recording), data_io::ReadPosesOrRecording(options.poses), options.poses);
   }
-  data_io::PosesOfRecording(*recording);  // refuses a frame without a pose before the first stage
   std::unique_ptr<RecordingSource> background;
   if (!options.background.empty()) background = data_io::OpenRecording(options.background);
   const Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
