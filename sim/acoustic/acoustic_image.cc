@@ -146,7 +146,7 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const int row = static_cast<int>(echoes.ray[echo] / echoes.cols);
     const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
-    const double depth_m = PatchDepthM(echoes.range_m[echo], fan.SpreadHeightRad(row, col),
+    const double depth_m = PatchDepthM(echoes.range_m[echo], fan.CellHeightRad(row, col),
                                        std::cos(double{echoes.incidence_rad[echo]}));
     scatter.Add(rows, echoes.range_m[echo], depth_m, col, powers[echo]);
   }

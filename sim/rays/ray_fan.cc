@@ -260,7 +260,7 @@ double RayFan::ElevationRad(int row, int col) const {
   return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
-double RayFan::SpreadHeightRad(int row, int col) const {
+double RayFan::CellHeightRad(int row, int col) const {
   constexpr double kOfStaggered = 0.5;
   if (sampling_ == Sampling::kFrustum) return std::sqrt(SolidAngleSr(row, col));
   return elevation_offset_.empty() ? row_height_rad_[row] : kOfStaggered * row_height_rad_[row];

@@ -104,6 +104,21 @@ calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
   return prior;
 }
 
+// Names of the parameters that priors decide. Coefficients of curves are named once per material, and
+// components of poses once for all frames.
+std::vector<std::string> UndeterminedIn(const calib::FitReport& report) {
+  std::vector<std::string> names;
+  for (const FittedParameter& parameter : report.parameters) {
+    if (parameter.status != ParameterStatus::kUnidentifiable) continue;
+    std::string name = parameter.name;
+    if (const std::size_t curve = name.find(".gsab."); curve != std::string::npos)
+      name = fmt::format("some coefficients of the curve of {}", name.substr(9, curve - 9));
+    if (name.starts_with("pose.")) name = fmt::format("{} of poses", Component(name));
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  }
+  return names;
+}
+
 // Root mean square of the corrections of the poses, in standard errors.
 double PosesMovedBySigmas(const calib::FitReport& report) {
   double squares = 0.0;
@@ -494,12 +509,9 @@ class Calibrator {
     }
     for (const CalibrationDecision& decision : plan_.decided)
       calibration.open.insert(calibration.open.end(), decision.open.begin(), decision.open.end());
-    std::vector<std::string> unidentified;
-    for (const FittedParameter& parameter : calibration.fit.fit.report.parameters) {
-      if (parameter.status == ParameterStatus::kUnidentifiable) unidentified.push_back(parameter.name);
-    }
-    if (!unidentified.empty())
-      calibration.open.push_back(fmt::format("{}: priors decide", Names(unidentified)));
+    const std::vector<std::string> undetermined = UndeterminedIn(calibration.fit.fit.report);
+    if (!undetermined.empty())
+      calibration.open.push_back(fmt::format("{}: priors decide", Names(undetermined)));
     calibration.plan = plan_;
     return calibration;
   }
