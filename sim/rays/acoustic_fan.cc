@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kGaussianWidths = 4.0;  // elevation beam widths, if there are no side lobes
 constexpr double kMaxElevationDeg = 176.0;
-constexpr double kRowDeg = 0.25;  // mean row height; with crowding, a sixth of it at the horizon
+constexpr double kRowDeg = 0.107;  // mean row height; with crowding, a sixth of it at the horizon
 constexpr double kCrowding = 6.0;
 // Azimuth margin in beam widths. It holds the main lobe of every pattern, and the side lobes above -35 dB of
 // a Hann-shaded array.

@@ -261,7 +261,7 @@ double RayFan::ElevationRad(int row, int col) const {
 }
 
 double RayFan::CellHeightRad(int row, int col) const {
-  constexpr double kOfStaggered = 0.5;
+  constexpr double kOfStaggered = 0.35;
   if (sampling_ == Sampling::kFrustum) return std::sqrt(SolidAngleSr(row, col));
   return elevation_offset_.empty() ? row_height_rad_[row] : kOfStaggered * row_height_rad_[row];
 }

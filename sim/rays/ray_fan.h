@@ -97,8 +97,9 @@ class RayFan {
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
-  double CellHeightRad(int row,
-                       int col) const;  // in elevation; kFrustum: of a square cell of its solid angle
+  // Elevation over which the echo of a ray is spread: the height of its row, or a part of it if rows are
+  // staggered, because the other columns of a beam lie in between. kFrustum: that of a square cell.
+  double CellHeightRad(int row, int col) const;
 
   // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x ElevationOffset(col), with an offset in
   // -1/2 .. 1/2. Its solid angle is ColumnWidthRad x RowHeight x cos(elevation).
