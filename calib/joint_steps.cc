@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "calib/identifiability.h"
 #include "calib/parameters/fit_options.h"
 #include "calib/problem_builder.h"
 
@@ -114,8 +115,8 @@ class Stepper {
     Eigen::ArrayXd curvature;
   };
 
-  // Priors alone count where the frames tell less than they do: there the slopes of images are mostly errors,
-  // from rays that appear and disappear at edges.
+  // Priors alone count along directions that the frames do not determine (kOpenShare): there the slopes of
+  // images are mostly errors, from rays that appear and disappear at edges.
   Directions DirectionsAt(const ParameterValues& values) const {
     const NormalEquations equations =
         Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
@@ -128,7 +129,7 @@ class Stepper {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * equations.information *
                                                                 sigma.asDiagonal());
     const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
-    const Eigen::ArrayXd told = (solver.eigenvalues().array() >= pixels_per_cell).cast<double>();
+    const Eigen::ArrayXd told = (solver.eigenvalues().array() >= pixels_per_cell / kOpenShare).cast<double>();
     const Eigen::MatrixXd& vectors = solver.eigenvectors();
     return {.vectors = vectors,
             .slope = told * (vectors.transpose() * sigma.cwiseProduct(score)).array() +
@@ -179,7 +180,8 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   bool ended = false;
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
-    const auto found = stepper.Step(values, options.least, lowest + roughness);
+    // The first one is taken for any gain: directions that the frames do not determine go to their priors.
+    const auto found = stepper.Step(values, step == 0 ? 0.0 : options.least, lowest + roughness);
     ended = !found;
     if (!found) continue;
     if (progress) {
