@@ -247,10 +247,10 @@ TEST_F(FitNoiseCommand, InvalidOptionsAreRefusedInOneSentence) {
     EXPECT_THAT(outcome.err, HasSubstr(part));
     EXPECT_FALSE(std::filesystem::exists(world_ / "out"));
   };
-  expect_failure(Arguments("--held-out 99"), 1, "frame 99 is held out");
-  expect_failure(Arguments("--held-out 14:16"), 1, "frame 15 is held out");
-  for (const char* range : {"5:2", "5:", "-1:3", "1:x", "0:2000000000"})
-    expect_failure(Arguments(fmt::format("--held-out={}", range)), 2, "whole numbers or ranges A:B");
+  expect_failure(Arguments("--held-out 99"), 1, "held-out frame 99 of a recording of 15 frames");
+  expect_failure(Arguments("--held-out 14:16"), 1, "held-out frames 14:16 of a recording of 15 frames");
+  for (const char* range : {"5:2", "-1:3", "1:x", "0:2000000000"})
+    expect_failure(Arguments(fmt::format("--held-out={}", range)), 2, "expected frames K and ranges A:B");
   expect_failure(Arguments("--range-min 4.4"), 1, "range bins in the window");
   expect_failure(Arguments("--range-min 4 --range-max 1"), 1, "range bins in the window");
   expect_failure(Arguments("--params " + Quoted(world_ / "none.json")), 1, "none.json");
