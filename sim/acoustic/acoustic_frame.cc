@@ -134,7 +134,7 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
       if (!(range_m > 0.0F && range_m >= nearest_m && range_m < farthest_m)) continue;
       const double square = double{hits.half_tangent[i]} * hits.half_tangent[i];
       const double depth_m =
-          PatchDepthM(range_m, fan.CellHeightRad(hits.row, 0), (1.0 - square) / (1.0 + square));
+          PatchDepthM(range_m, fan.SpreadHeightRad(hits.row, 0), (1.0 - square) / (1.0 + square));
       scatter.Add(rows, range_m, depth_m, hits.col[i], shader.factor() * of.power[i]);
     }
   });

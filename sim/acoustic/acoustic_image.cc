@@ -113,6 +113,7 @@ ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
   ScatterMap scatter;
   for (int col = 0; col < fan.cols(); ++col) scatter.column_azimuth_rad.push_back(fan.AzimuthRad(col));
   scatter.range_steps = RangeStepsFor(geometry.sonar, parameters);
+  scatter.pulse_m = PulseLengthM(geometry.sonar, parameters);
   scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
   return scatter;
 }
@@ -146,7 +147,7 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
     const int row = static_cast<int>(echoes.ray[echo] / echoes.cols);
     const int col = static_cast<int>(echoes.ray[echo] % echoes.cols);
-    const double depth_m = PatchDepthM(echoes.range_m[echo], fan.CellHeightRad(row, col),
+    const double depth_m = PatchDepthM(echoes.range_m[echo], fan.SpreadHeightRad(row, col),
                                        std::cos(double{echoes.incidence_rad[echo]}));
     scatter.Add(rows, echoes.range_m[echo], depth_m, col, powers[echo]);
   }

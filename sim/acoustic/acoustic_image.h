@@ -34,9 +34,10 @@ namespace sonarcal::sim {
 struct ScatterMap {
   Grid<double> power;
   int range_steps = 4;
+  double pulse_m = 0.0;  // half-power length
   std::vector<double> column_azimuth_rad;
 
-  FineRows RowsOf(const PolarAxes& axes) const { return {axes, range_steps}; }
+  FineRows RowsOf(const PolarAxes& axes) const { return {axes, range_steps, pulse_m}; }
 
   // Adds the power of an echo that covers `depth_m` of range.
   void Add(const FineRows& rows, double range_m, double depth_m, int col, double echo) {

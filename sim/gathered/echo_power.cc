@@ -28,7 +28,8 @@ std::vector<EchoShare> Shares(const EchoList& echoes, const RayFan& fan, const E
     const auto first_node = static_cast<std::uint32_t>(echoes.material[echo] * kIncidenceNodes + node);
     const auto row_of_ray = static_cast<int>(echoes.ray[echo] / echoes.cols);
     const auto col = static_cast<int>(echoes.ray[echo] % echoes.cols);
-    const double depth_m = PatchDepthM(range_m, fan.CellHeightRad(row_of_ray, col), std::cos(incidence_rad));
+    const double depth_m =
+        PatchDepthM(range_m, fan.SpreadHeightRad(row_of_ray, col), std::cos(incidence_rad));
     rows.Spread(range_m, depth_m, power, [&](int row, double of_row) {
       const auto cell = static_cast<std::uint32_t>(row * echoes.cols + col);
       shares.push_back({cell, first_node, static_cast<float>(of_row * (1.0 - between))});
@@ -81,7 +82,7 @@ EchoPower GatherEchoPower(const EchoList& echoes, const RayFan& fan, const Acous
                           const ParameterSet& parameters) {
   EchoPower frame;
   frame.range_steps = RangeStepsFor(geometry.sonar, parameters);
-  const FineRows rows(geometry.sonar.axes, frame.range_steps);
+  const FineRows rows(geometry.sonar.axes, frame.range_steps, PulseLengthM(geometry.sonar, parameters));
   frame.rows = rows.count;
   frame.cols = echoes.cols;
   frame.materials = static_cast<int>(echoes.material_names.size());

@@ -90,7 +90,7 @@ GhostEchoes GatherGhostEchoes(const Simulator& simulator, const GhostList& ghost
   GhostEchoes gathered{.ways = WaysOf(ghosts), .materials = static_cast<int>(ghosts.material_names.size())};
   EchoPower frame;
   frame.range_steps = RangeStepsFor(simulator.sonar(), parameters);
-  const FineRows rows(axes, frame.range_steps);
+  const FineRows rows(axes, frame.range_steps, PulseLengthM(simulator.sonar(), parameters));
   frame.rows = rows.count;
   frame.cols = fan.cols();
   frame.materials = static_cast<int>(gathered.ways.size()) * gathered.materials * kCurveParts;

@@ -9,11 +9,12 @@
 namespace sonarcal::sim {
 
 struct FineRows {
-  // `steps` rows per range bin.
-  FineRows(const PolarAxes& axes, int steps)
+  // `steps` rows per range bin, for a pulse of this half-power length.
+  FineRows(const PolarAxes& axes, int steps, double pulse_length_m)
       : count(axes.range_bins * steps),
         per_m(steps / axes.range_bin_m()),
-        first_m(axes.range_min_m + 0.5 / per_m) {}
+        first_m(axes.range_min_m + 0.5 / per_m),
+        part_m(0.75 * pulse_length_m) {}
 
   // Shares an echo between the two rows whose middles are nearest, so that an image changes smoothly with
   // range: calls take(row, part of the power) for those that exist.
@@ -28,15 +29,13 @@ struct FineRows {
   }
 
   // As Share, for an echo from a patch that covers `depth_m` of range: parts at even steps over it, which the
-  // pulse joins. A sloping surface then gives an even level, however far apart in range its rays are. A pulse
-  // is at least 4 rows long, and steps of 3 rows leave a ripple of 0.4 % behind a Gaussian one. A part that
-  // would lie outside of the rows is reflected at their end, because patches beyond are not traced.
+  // pulse joins. A sloping surface then gives an even level, however far apart in range its rays are. A part
+  // that would lie outside of the rows is reflected at their end, because patches beyond are not traced.
   template <typename Take>
   void Spread(double range_m, double depth_m, double power, const Take& take) const {
-    constexpr double kRowsPerPart = 3.0;
     constexpr int kMaxParts = 64;
-    depth_m = std::min(depth_m, kMaxParts * kRowsPerPart / per_m);
-    const int parts = std::max(1, static_cast<int>(std::ceil(depth_m * per_m / kRowsPerPart)));
+    depth_m = std::min(depth_m, kMaxParts * part_m);
+    const int parts = std::max(1, static_cast<int>(std::ceil(depth_m / part_m)));
     const double near_m = first_m - 0.5 / per_m;
     const double far_m = near_m + count / per_m;
     for (int i = 0; i < parts; ++i) {
@@ -50,6 +49,7 @@ struct FineRows {
   int count;
   double per_m;
   double first_m;  // middle of row 0
+  double part_m;   // largest step between parts: they leave a ripple of 0.4 % behind a Gaussian pulse
 };
 
 }  // namespace sonarcal::sim

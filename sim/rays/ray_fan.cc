@@ -81,7 +81,7 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
     slope_width_ = (right - left) / cols_;
     slope_height_ = 2.0 * top / rows_;
   } else {
-    const int cols_per_beam = (options.cols + beams - 1) / beams;
+    cols_per_beam_ = (options.cols + beams - 1) / beams;
     // Columns of the margin are as wide as the nearest column within the beams.
     const auto add_margin = [&](double edge_rad, double width, bool left) {
       const int count = static_cast<int>(std::ceil(margin_rad / width - 1e-9));
@@ -90,15 +90,15 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
         column_width_rad_.push_back(width);
       }
     };
-    add_margin(beam_edges_rad_[0], (beam_edges_rad_[1] - beam_edges_rad_[0]) / cols_per_beam, true);
+    add_margin(beam_edges_rad_[0], (beam_edges_rad_[1] - beam_edges_rad_[0]) / cols_per_beam_, true);
     for (int beam = 0; beam < beams; ++beam) {
-      const double width = (beam_edges_rad_[beam + 1] - beam_edges_rad_[beam]) / cols_per_beam;
-      for (int i = 0; i < cols_per_beam; ++i) {
+      const double width = (beam_edges_rad_[beam + 1] - beam_edges_rad_[beam]) / cols_per_beam_;
+      for (int i = 0; i < cols_per_beam_; ++i) {
         azimuth_rad_.push_back(beam_edges_rad_[beam] + (i + 0.5) * width);
         column_width_rad_.push_back(width);
       }
     }
-    add_margin(beam_edges_rad_[beams], (beam_edges_rad_[beams] - beam_edges_rad_[beams - 1]) / cols_per_beam,
+    add_margin(beam_edges_rad_[beams], (beam_edges_rad_[beams] - beam_edges_rad_[beams - 1]) / cols_per_beam_,
                false);
     cols_ = static_cast<int>(azimuth_rad_.size());
     const double even = 1.0 / options.row_crowding;
@@ -260,10 +260,9 @@ double RayFan::ElevationRad(int row, int col) const {
   return std::atan(row_slope_[row] * column_cosine_[col]);
 }
 
-double RayFan::CellHeightRad(int row, int col) const {
-  constexpr double kOfStaggered = 0.35;
+double RayFan::SpreadHeightRad(int row, int col) const {
   if (sampling_ == Sampling::kFrustum) return std::sqrt(SolidAngleSr(row, col));
-  return elevation_offset_.empty() ? row_height_rad_[row] : kOfStaggered * row_height_rad_[row];
+  return row_height_rad_[row] / (elevation_offset_.empty() ? 1 : cols_per_beam_);
 }
 
 double RayFan::SolidAngleSr(int row, int col) const {

@@ -97,9 +97,9 @@ class RayFan {
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
-  // Elevation over which the echo of a ray is spread: the height of its row, or a part of it if rows are
-  // staggered, because the other columns of a beam lie in between. kFrustum: that of a square cell.
-  double CellHeightRad(int row, int col) const;
+  // Elevation over which the echo of a ray is spread: the height of its row. If rows are staggered, the columns
+  // of a beam share that height, because they lie at different elevations. kFrustum: that of a square cell.
+  double SpreadHeightRad(int row, int col) const;
 
   // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x ElevationOffset(col), with an offset in
   // -1/2 .. 1/2. Its solid angle is ColumnWidthRad x RowHeight x cos(elevation).
@@ -139,6 +139,7 @@ class RayFan {
   Sampling sampling_;
   int rows_;
   int cols_;
+  int cols_per_beam_ = 1;  // kBeams
   std::vector<double> beam_edges_rad_;
   std::vector<double> azimuth_rad_;       // per column
   std::vector<double> column_width_rad_;  // kBeams: azimuth interval of a column

@@ -6,11 +6,11 @@
 // on the other pose alone, and are held in the first fit: about them the likelihood trades the wrong outline
 // for worse images. Beam and pulse end at or near their upper bounds: take neither width for the sonar's.
 //
-// The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried,
-// and 1.0 misses the bound on overlap by 0.0003.
+// The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried.
 //
-// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038). The bound named kRegression...
-// holds what is reached and claims no more.
+// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038), and the overlap error of frame 1,
+// 0.085 (reached 0.0854; with many more rays 0.0852). The bounds named kRegression... hold what is reached and
+// claim no more.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -32,6 +32,7 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr double kRegressionKs = 0.045;
+constexpr double kRegressionOverlap = 0.086;
 
 // Of the two frames 97 counts are full scale, of the other pose 255. Errors of both are given of 97.
 constexpr double kFullScaleOfOther = 255.0 / 97.0;
@@ -148,8 +149,7 @@ TEST(Aris3000BombTest, FitOfOneFramePredictsTheOther) {
   Print("expected image", expected);
   EXPECT_LE(expected.Error(metrics::IntensityDomain::kWhole), 0.053);
   EXPECT_LE(expected.Error(metrics::IntensityDomain::kUnion), 0.085);
-  // The goal is 0.085. It is missed: grids of rays, also much denser ones, give 0.0852 to 0.0854.
-  EXPECT_LE(expected.Error(metrics::IntensityDomain::kOverlap), 0.086);
+  EXPECT_LE(expected.Error(metrics::IntensityDomain::kOverlap), kRegressionOverlap);
 
   const Judgement samples = JudgeSamples(simulator, fit, judged);
   Print("speckled samples, pooled", samples);

@@ -98,14 +98,19 @@ Found Summary(const FitReport& report, double truth_m) {
   return found;
 }
 
+// A fit of `start` to frames of `truth`, with these things free.
+AcousticFit FitOutline(const Scene& truth, const Scene& start, const std::vector<Pose>& poses,
+                       const FitConfig& config) {
+  return FitAcousticModel(sim::Simulator(start, FineSonar(), Options()), Recorded(truth, poses),
+                          testing::BodyParameters(), config);
+}
+
 TEST(OutlineFit, TheRadiusOfACylinderIsFound) {
   constexpr double kRadius = 0.1;
   constexpr double kLarger = 0.03 * kRadius;
-  const std::vector<AcousticFrame> frames =
-      Recorded(Cylinder(kRadius + kLarger, 0.01), {Looking(0, 0), Looking(40, -15), Looking(160, 10)});
-  const sim::Simulator simulator(Cylinder(kRadius, 0.02), FineSonar(), Options());
-  const FitConfig config{.free = std::vector<std::string>{"outline:body"}};
-  const AcousticFit fit = FitAcousticModel(simulator, frames, testing::BodyParameters(), config);
+  const AcousticFit fit = FitOutline(Cylinder(kRadius + kLarger, 0.01), Cylinder(kRadius, 0.02),
+                                     {Looking(0, 0), Looking(40, -15), Looking(160, 10)},
+                                     {.free = std::vector<std::string>{"outline:body"}});
   ASSERT_TRUE(fit.usable);
   const Found found = Summary(fit.report, kLarger);
   EXPECT_GE(found.determined, 8);
@@ -122,11 +127,9 @@ TEST(OutlineFit, TheRadiusOfACylinderIsFound) {
 TEST(OutlineFit, TheNearSideOfASphereIsFoundAndTheFarSideKeepsItsPrior) {
   constexpr double kRadius = 0.15;
   constexpr double kLarger = 0.03 * kRadius;
-  const std::vector<AcousticFrame> frames =
-      Recorded(Sphere(kRadius + kLarger, 48), {Looking(0, 0), Looking(30, 0), Looking(-30, -20)});
-  const sim::Simulator simulator(Sphere(kRadius, 36), FineSonar(), Options());
-  const FitConfig config{.free = std::vector<std::string>{"outline"}};
-  const AcousticFit fit = FitAcousticModel(simulator, frames, testing::BodyParameters(), config);
+  const AcousticFit fit = FitOutline(Sphere(kRadius + kLarger, 48), Sphere(kRadius, 36),
+                                     {Looking(0, 0), Looking(30, 0), Looking(-30, -20)},
+                                     {.free = std::vector<std::string>{"outline"}});
   ASSERT_TRUE(fit.usable);
   const Found found = Summary(fit.report, kLarger);
   EXPECT_GE(found.determined, 5);
@@ -137,12 +140,11 @@ TEST(OutlineFit, TheNearSideOfASphereIsFoundAndTheFarSideKeepsItsPrior) {
 
 TEST(OutlineFit, ThePriorDecidesWhereNothingIsSeen) {
   // Half of the cylinder lies beside the beams.
-  const std::vector<AcousticFrame> frames = Recorded(Cylinder(0.103, 0.01), {Looking(0, 0, 12.0)});
-  const sim::Simulator simulator(Cylinder(0.1, 0.02), FineSonar(), Options());
   const FitConfig config{.free = std::vector<std::string>{"outline:body"},
                          .priors = {{"outline:body", std::pair{0.0, 0.004}},
                                     {"outline.body.radius_13_m", std::pair{0.001, 0.002}}}};
-  const AcousticFit fit = FitAcousticModel(simulator, frames, testing::BodyParameters(), config);
+  const AcousticFit fit =
+      FitOutline(Cylinder(0.103, 0.01), Cylinder(0.1, 0.02), {Looking(0, 0, 12.0)}, config);
   ASSERT_TRUE(fit.usable);
   for (int station = 10; station <= 13; ++station) {
     const FittedParameter* p = fit.report.Find(fmt::format("outline.body.radius_{:02}_m", station));

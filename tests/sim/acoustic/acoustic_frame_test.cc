@@ -42,7 +42,7 @@ class AcousticFrame : public ::testing::TestWithParam<Case> {
 };
 
 // Cell by cell; where a table's straight lines and single precision count, against the cell's neighbours, as
-// an echo at the end of a row may fall to either side, and one that covers many rows may have one part more.
+// an echo at the end of a row may fall to either side.
 TEST_P(AcousticFrame, IsTheMapOfTheEchoes) {
   const ScatterMap slow =
       MakeScatterMap(Trace(caster_, fan_, pose_, sonar_.axes), fan_, geometry_, Parameters());
@@ -53,12 +53,9 @@ TEST_P(AcousticFrame, IsTheMapOfTheEchoes) {
   const double largest = *std::max_element(slow.power.values().begin(), slow.power.values().end());
   ASSERT_GT(largest, 0.0);
   double lit = 0.0;
-  constexpr int kRowsOfAPart = 4;
-  for (int row = kRowsOfAPart; row + kRowsOfAPart < slow.power.rows(); ++row) {
+  for (int row = 1; row + 1 < slow.power.rows(); ++row) {
     for (int col = 0; col < slow.power.cols(); ++col) {
-      double near = 0.0;
-      for (int other = row - kRowsOfAPart; other <= row + kRowsOfAPart; ++other)
-        near += slow.power(other, col);
+      const double near = slow.power(row - 1, col) + slow.power(row, col) + slow.power(row + 1, col);
       lit += near > 0.0 ? 1.0 : 0.0;
       ASSERT_NEAR(quick.power(row, col), slow.power(row, col), 2e-3 * near + 1e-9 * largest)
           << row << ' ' << col;

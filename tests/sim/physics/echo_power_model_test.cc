@@ -56,7 +56,7 @@ TEST(EchoPowerModelTest, AMaterialWithoutParametersIsRefused) {
 // The mean of the middles of the rows that share an echo, by their parts, is the echo's range.
 TEST(FineRowsTest, KeepThePowerAndTheRangeOfAnEcho) {
   const PolarAxes axes = Sonar().axes;
-  const FineRows rows(axes, 4);
+  const FineRows rows(axes, 4, axes.range_bin_m());
   EXPECT_EQ(rows.count, 32);
   const double step_m = axes.range_bin_m() / 4;
   for (double range_m = 1.0 + 0.5 * step_m; range_m < 3.0 - 0.51 * step_m; range_m += 0.0137) {
@@ -75,7 +75,7 @@ TEST(FineRowsTest, KeepThePowerAndTheRangeOfAnEcho) {
 }
 
 TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
-  const FineRows rows(Sonar().axes, 4);
+  const FineRows rows(Sonar().axes, 4, Sonar().axes.range_bin_m());
   const double step_m = Sonar().axes.range_bin_m() / 4;
   const auto shares = [&](double range_m) {
     std::vector<double> by_row(static_cast<std::size_t>(rows.count), 0.0);
@@ -92,7 +92,7 @@ TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
 // A patch of depth d is an even distribution over d: its variance is d^2 / 12, and sharing between rows adds
 // at most step^2 / 4.
 TEST(FineRowsTest, APatchIsSpreadOverItsDepth) {
-  const FineRows rows(Sonar().axes, 4);
+  const FineRows rows(Sonar().axes, 4, Sonar().axes.range_bin_m());
   const double step_m = Sonar().axes.range_bin_m() / 4;
   for (const double depth_m : {0.0, 0.1, 0.4, 0.9}) {
     double power = 0.0;
@@ -113,7 +113,7 @@ TEST(FineRowsTest, APatchIsSpreadOverItsDepth) {
 }
 
 TEST(FineRowsTest, APatchAtTheEndOfTheWindowKeepsItsPower) {
-  const FineRows rows(Sonar().axes, 4);
+  const FineRows rows(Sonar().axes, 4, Sonar().axes.range_bin_m());
   const double step_m = Sonar().axes.range_bin_m() / 4;
   for (const double range_m : {1.0 + step_m, 3.0 - step_m}) {
     double power = 0.0;
