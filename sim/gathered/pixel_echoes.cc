@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "core/types/error.h"
@@ -33,29 +32,72 @@ std::array<NodeShare, kIncidenceNodes> CoarseShares() {
   return shares;
 }
 
-// Power by incidence node and column of the ray fan: one line of columns per node that occurs. Reused from
-// bin to bin.
+// Powers of each cell by coarse node. Several bins receive a cell, so its nodes are merged once.
+struct CoarseCells {
+  std::vector<std::uint32_t> start;  // first entry of each cell; cells + 1 values
+  std::vector<EchoPower::Entry> entries;
+};
+
+CoarseCells MergeNodes(const EchoPower& echoes) {
+  const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
+  const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
+  CoarseCells merged;
+  merged.start.reserve(echoes.cells.size() + 1);
+  merged.entries.reserve(echoes.entries.size());
+  for (const EchoPower::Cell& cell : echoes.cells) {
+    const auto first = static_cast<std::uint32_t>(merged.entries.size());
+    merged.start.push_back(first);
+    // The nodes of a cell are sorted, so a coarse node is among the last two.
+    const auto add = [&](std::uint32_t node, double power) {
+      for (std::size_t i = merged.entries.size(); i > first && merged.entries[i - 1].node >= node; --i) {
+        if (merged.entries[i - 1].node != node) continue;
+        merged.entries[i - 1].power += static_cast<float>(power);
+        return;
+      }
+      merged.entries.push_back({node, static_cast<float>(power)});
+    };
+    for (std::uint32_t e = cell.first_entry; e < cell.last_entry; ++e) {
+      const std::uint32_t fine = echoes.entries[e].node;
+      const NodeShare& share = shares[fine % kIncidenceNodes];
+      const std::uint32_t node = fine / kIncidenceNodes * coarse_count + share.node;
+      const double power = echoes.entries[e].power;
+      if (share.of_next < 1.0) add(node, power * (1.0 - share.of_next));
+      if (share.of_next > 0.0) add(node + 1, power * share.of_next);
+    }
+  }
+  merged.start.push_back(static_cast<std::uint32_t>(merged.entries.size()));
+  return merged;
+}
+
+// Range bins that are gathered together, because neighbours receive almost the same cells.
+constexpr int kBlock = row_math::kWideSum;
+using BlockPowers = std::array<double, kBlock>;  // one value per bin
+
+// Powers of a block of bins by incidence node and column of the ray fan: one line of columns per node that
+// occurs. Reused from block to block.
 class NodeLines {
  public:
   NodeLines(std::size_t nodes, int columns) : columns_(columns), slot_(nodes, -1) {}
 
   void Clear() {
-    for (const std::uint32_t node : nodes_) slot_[node] = -1;
+    for (std::size_t slot = 0; slot < nodes_.size(); ++slot) {
+      slot_[nodes_[slot]] = -1;
+      const auto line = power_.begin() + static_cast<std::ptrdiff_t>(slot * columns_);
+      std::fill(line + reach_[slot].first, line + reach_[slot].second + 1, BlockPowers{});
+    }
     nodes_.clear();
+    reach_.clear();
   }
-  void Add(std::uint32_t node, int column, double power) {
+  void Add(std::uint32_t node, int column, double power, const BlockPowers& pulse) {
     int& slot = slot_[node];
     if (slot < 0) {
       slot = static_cast<int>(nodes_.size());
       nodes_.push_back(node);
-      const std::size_t end = nodes_.size() * columns_;
-      if (power_.size() < end) power_.resize(end);
-      std::fill(power_.begin() + static_cast<std::ptrdiff_t>(end - columns_),
-                power_.begin() + static_cast<std::ptrdiff_t>(end), 0.0);
-      reach_.resize(nodes_.size());
-      reach_.back() = {column, column};
+      reach_.emplace_back(column, column);
+      if (power_.size() < nodes_.size() * columns_) power_.resize(nodes_.size() * columns_);
     }
-    power_[static_cast<std::size_t>(slot) * columns_ + column] += power;
+    BlockPowers& at = power_[static_cast<std::size_t>(slot) * columns_ + column];
+    for (int k = 0; k < kBlock; ++k) at[k] += power * pulse[k];
     reach_[slot].first = std::min(reach_[slot].first, column);
     reach_[slot].second = std::max(reach_[slot].second, column);
   }
@@ -65,22 +107,35 @@ class NodeLines {
     std::sort(sorted.begin(), sorted.end());
     return sorted;
   }
-  double Through(const ResponseWindow& window, std::uint32_t node) const {
+  BlockPowers Through(const ResponseWindow& window, std::uint32_t node) const {
+    BlockPowers sums{};
     const auto [first_column, last_column] = reach_[slot_[node]];
     const int first = std::max(first_column, window.first);
     const int last = std::min(last_column, window.first + static_cast<int>(window.weight.size()) - 1);
-    if (last < first) return 0.0;
-    const double* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + first];
-    return row_math::Dot(window.weight.data() + (first - window.first), line, last - first + 1);
+    if (last < first) return sums;
+    const BlockPowers* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + first];
+    row_math::WideSum(window.weight.data() + (first - window.first), line->data(), last - first + 1,
+                      sums.data());
+    return sums;
   }
 
  private:
   std::size_t columns_;
   std::vector<int> slot_;  // per node, -1 if it does not occur
   std::vector<std::uint32_t> nodes_;
-  std::vector<double> power_;
+  std::vector<BlockPowers> power_;          // 0 outside of the reach
   std::vector<std::pair<int, int>> reach_;  // first and last column with data, per line
 };
+
+// Weights of a row for the bins of a block; 0 for bins that do not receive it or do not exist.
+BlockPowers PulseWeights(const PowerResponse& response, int first_bin, int row) {
+  BlockPowers weights{};
+  for (int k = 0; k < kBlock && first_bin + k < response.bins(); ++k) {
+    const auto [first_row, last_row] = response.RowsOfBin(first_bin + k);
+    if (row >= first_row && row < last_row) weights[k] = response.PulseWeight(first_bin + k, row);
+  }
+  return weights;
+}
 
 }  // namespace
 
@@ -97,42 +152,44 @@ const std::vector<double>& CoarseIncidenceDeg() {
 
 PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,
                               double negligible_share) {
-  const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
-  const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
-  const std::size_t nodes = static_cast<std::size_t>(echoes.materials) * coarse_count;
+  const std::size_t nodes = static_cast<std::size_t>(echoes.materials) * CoarseIncidenceDeg().size();
+  const CoarseCells coarse = MergeNodes(echoes);
   const int bins = response.bins();
   const int beams = response.beams();
   const std::vector<std::size_t> row_start = RowStarts(echoes);
   std::vector<std::vector<PixelEchoes::Entry>> of_pixel(static_cast<std::size_t>(bins) * beams);
 
-  tbb::parallel_for(tbb::blocked_range<int>(0, bins, 8), [&](const tbb::blocked_range<int>& range) {
+  const int blocks = (bins + kBlock - 1) / kBlock;
+  tbb::parallel_for(tbb::blocked_range<int>(0, blocks), [&](const tbb::blocked_range<int>& range) {
     NodeLines lines(nodes, echoes.cols);
-    std::vector<double> weights;
-    for (int bin = range.begin(); bin != range.end(); ++bin) {
+    std::vector<BlockPowers> weights;
+    for (int block = range.begin(); block != range.end(); ++block) {
+      const int first_bin = block * kBlock;
+      const int last_bin = std::min(first_bin + kBlock, bins) - 1;
       lines.Clear();
-      const auto [first_row, last_row] = response.RowsOfBin(bin);
-      for (std::size_t i = row_start[first_row]; i < row_start[last_row]; ++i) {
-        const EchoPower::Cell& cell = echoes.cells[i];
-        const double pulse = response.PulseWeight(bin, cell.row);
-        for (std::uint32_t e = cell.first_entry; e < cell.last_entry; ++e) {
-          const std::uint32_t fine = echoes.entries[e].node;
-          const NodeShare& share = shares[fine % kIncidenceNodes];
-          const std::uint32_t node = fine / kIncidenceNodes * coarse_count + share.node;
-          const double power = pulse * echoes.entries[e].power;
-          if (share.of_next < 1.0) lines.Add(node, cell.col, power * (1.0 - share.of_next));
-          if (share.of_next > 0.0) lines.Add(node + 1, cell.col, power * share.of_next);
+      const int last_row = response.RowsOfBin(last_bin).second;
+      for (int row = response.RowsOfBin(first_bin).first; row < last_row; ++row) {
+        const BlockPowers pulse = PulseWeights(response, first_bin, row);
+        for (std::size_t i = row_start[row]; i < row_start[row + 1]; ++i) {
+          for (std::uint32_t e = coarse.start[i]; e < coarse.start[i + 1]; ++e)
+            lines.Add(coarse.entries[e].node, echoes.cells[i].col, coarse.entries[e].power, pulse);
         }
       }
       const std::vector<std::uint32_t> present = lines.Sorted();
       for (int beam = 0; beam < beams; ++beam) {
-        const ResponseWindow& window = response.azimuth(beam);
         weights.clear();
-        for (const std::uint32_t node : present) weights.push_back(lines.Through(window, node));
-        const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
-        auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
-        for (std::size_t i = 0; i < present.size(); ++i) {
-          if (weights[i] > negligible_share * total)
-            pixel.push_back({present[i], static_cast<float>(weights[i])});
+        BlockPowers total{};
+        for (const std::uint32_t node : present) {
+          weights.push_back(lines.Through(response.azimuth(beam), node));
+          for (int k = 0; k < kBlock; ++k) total[k] += weights.back()[k];
+        }
+        for (int bin = first_bin; bin <= last_bin; ++bin) {
+          auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
+          for (std::size_t i = 0; i < present.size(); ++i) {
+            const double weight = weights[i][bin - first_bin];
+            if (weight > negligible_share * total[bin - first_bin])
+              pixel.push_back({present[i], static_cast<float>(weight)});
+          }
         }
       }
     }

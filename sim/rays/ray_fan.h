@@ -97,8 +97,9 @@ class RayFan {
   void RowAzimuths(int row, float* azimuth_rad) const;
   double ElevationRad(int row, int col) const;
   double SolidAngleSr(int row, int col) const;
-  // Elevation over which the echo of a ray is spread: the height of its row. If rows are staggered, the columns
-  // of a beam share that height, because they lie at different elevations. kFrustum: that of a square cell.
+  // Elevation over which the echo of a ray is spread: the height of its row. If rows are staggered, the
+  // columns of a beam share that height, because they lie at different elevations. kFrustum: that of a
+  // square cell.
   double SpreadHeightRad(int row, int col) const;
 
   // kBeams: a ray's elevation is RowElevationRad + RowHeightRad x ElevationOffset(col), with an offset in

@@ -7,12 +7,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "core/math/random.h"
 #include "sim/rays/vector_versions.h"
 
 namespace sonarcal::sim::row_math {
+
+SONARCAL_VECTOR_VERSIONS
+void WideSum(const double* __restrict weight, const double* __restrict values, int count,
+             double* __restrict sums) {
+  // A vector type, because GCC otherwise makes vectors of values of different i, which it has to shuffle.
+  using Half = double __attribute__((vector_size(kWideSum / 2 * sizeof(double))));
+  Half first = {};
+  Half second = {};
+  for (int i = 0; i < count; ++i, values += kWideSum) {
+    Half of_first;
+    Half of_second;
+    std::memcpy(&of_first, values, sizeof of_first);
+    std::memcpy(&of_second, values + kWideSum / 2, sizeof of_second);
+    first += weight[i] * of_first;
+    second += weight[i] * of_second;
+  }
+  std::memcpy(sums, &first, sizeof first);
+  std::memcpy(sums + kWideSum / 2, &second, sizeof second);
+}
 
 SONARCAL_VECTOR_VERSIONS
 double Dot(const double* __restrict a, const double* __restrict b, int count) {

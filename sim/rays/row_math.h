@@ -1,4 +1,4 @@
-// Vectorised arithmetic for rows of rays, on arrays in single precision (Dot in double precision). The
+// Vectorised arithmetic for rows of rays, on arrays in single precision (sums in double precision). The
 // formulas are defined in sim/physics; this file only evaluates them. All other code for rays uses double
 // precision, one ray at a time; tests compare the two.
 //
@@ -81,6 +81,10 @@ void PatchPowers(const Table& table, float per_m, const float* range_m, const fl
                  const float* weight, int count, float* power);
 
 double Dot(const double* a, const double* b, int count);
+
+// sums[k] = sum over i of weight[i] x values[i kWideSum + k].
+inline constexpr int kWideSum = 8;
+void WideSum(const double* weight, const double* values, int count, double* sums);
 
 // floor((value - first) x per_step), or -1 if that is outside 0 .. bins - 1.
 void Bins(const float* value, float first, float per_step, int bins, int count, std::int32_t* bin);

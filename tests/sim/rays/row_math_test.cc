@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -257,6 +258,24 @@ TEST(RowMath, PatchPowersFarAndNear) {
     const double r = range_m;
     const double expected = 6.0 * std::exp(-0.05 * r) / (r * r);
     for (const float of : power) EXPECT_NEAR(of, expected, 1e-5 * expected + 1e-37) << range_m;
+  }
+}
+
+TEST(RowMath, AWideSumIsASumForEachPlace) {
+  std::vector<double> weight;
+  std::vector<double> values;
+  for (int i = 0; i < 23; ++i) {
+    weight.push_back(0.5 * i - 3.0);
+    for (int k = 0; k < row_math::kWideSum; ++k) values.push_back(i * i - 7.0 * k);
+  }
+  for (const int count : {0, 1, 4, 23}) {
+    std::array<double, row_math::kWideSum> sums{};
+    row_math::WideSum(weight.data(), values.data(), count, sums.data());
+    for (int k = 0; k < row_math::kWideSum; ++k) {
+      double expected = 0.0;
+      for (int i = 0; i < count; ++i) expected += weight[i] * values[i * row_math::kWideSum + k];
+      EXPECT_NEAR(sums[k], expected, 1e-12 * std::abs(expected)) << count << ' ' << k;
+    }
   }
 }
 
