@@ -101,8 +101,13 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
     curve_columns_.push_back(
         {columns_.size() - 1, static_cast<std::size_t>(of.material * sim::kCurveStride + 1 + of.index)});
   }
-  for (const EchoSlope& slope : echoes.slopes)
-    moved_.push_back(state.values[slope.entry] - state.point[slope.entry]);
+  for (std::size_t g = 0; g < echoes.slopes.size(); ++g) {
+    const int entry = echoes.slopes[g].entry;
+    moved_.push_back(state.values[entry] - state.point[entry]);
+    const bool differentiated =
+        wanted != FrameModel::Terms::kResiduals && std::ranges::find(active, entry) != active.end();
+    if (moved_.back() != 0.0 || differentiated) counting_.push_back(g);
+  }
   const ReceiverParameters& receiver = state.parameters.receiver;
   for (int bin = 0; bin < bins_; ++bin) {
     range_m_.push_back(state.sonar.axes.range_centre_m(bin));
@@ -151,7 +156,7 @@ bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& 
       end_of_bin += beams_;
     }
     const int beam = static_cast<int>(pixels[i] + beams_ - end_of_bin);
-    if (!moved_.empty()) MoveGeometry(pixels[i], i, scratch, sums);
+    if (!counting_.empty()) MoveGeometry(pixels[i], i, scratch, sums);
     const double power = AllMaterials(&sums.curves[i * stride]);
     const double before_gain = noise_.BeforeGain(bin, beam);
     const double mean = gain_[bin] * std::max(power, 0.0) + noise_.Power(bin, beam);
@@ -174,8 +179,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
   const std::span<double> ghosts(sums.ghosts.data() + i * passed_.size(), passed_.size());
   const std::span<double> slopes(&sums.slopes[i * moved_.size()], moved_.size());
   double grown = 0.0;  // by poses, in nepers
-  for (std::size_t g = 0; g < moved_.size(); ++g) {
-    if (wanted_ == FrameModel::Terms::kResiduals && moved_[g] == 0.0) continue;
+  for (const std::size_t g : counting_) {
     const EchoSlope& slope = echoes_.slopes[g];
     if (!slope.logarithm.empty()) {
       grown += moved_[g] * slope.logarithm[pixel];
@@ -196,7 +200,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
   for (double& value : curves) value *= factor;
   for (double& value : ghosts) value *= factor;
   const double power = AllMaterials(curves.data());
-  for (std::size_t g = 0; g < moved_.size(); ++g) {
+  for (const std::size_t g : counting_) {
     const EchoSlope& slope = echoes_.slopes[g];
     if (slope.logarithm.empty()) {
       slopes[g] *= factor;
