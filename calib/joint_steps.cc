@@ -21,8 +21,8 @@ constexpr double kLeastDamping = 1e-3;
 constexpr int kTries = 7;
 constexpr double kHarder = 8.0;
 
-// Number of steps without a lower cost that end the search. Points of a flat valley are averaged, so more
-// than one.
+// Number of steps that end the search if they lower the cost by less than its roughness together. Points of a
+// flat valley are averaged, so more than one.
 constexpr int kStepsInValley = 4;
 
 // The roughness of the cost is measured again when the cost fell to this fraction: where the scene fits
@@ -176,7 +176,8 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   double roughness = options.roughness(values);
   double rough_at = reached.front().cost;
   double lowest = rough_at;
-  int since_lowest = 0;
+  double of_valley = rough_at;  // cost at its entrance
+  int in_valley = 0;            // steps
   bool ended = false;
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
@@ -190,9 +191,11 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
     }
     values = found->values;
     reached.push_back(*found);
-    since_lowest = found->cost < lowest - options.least ? 0 : since_lowest + 1;
     lowest = std::min(lowest, found->cost);
-    ended = since_lowest >= kStepsInValley;
+    const bool lower = found->cost < of_valley - std::max(options.least, roughness);
+    in_valley = lower ? 0 : in_valley + 1;
+    if (lower) of_valley = found->cost;
+    ended = in_valley >= kStepsInValley;
     if (lowest < kRoughAgain * rough_at) {
       rough_at = lowest;
       roughness = options.roughness(values);
