@@ -7,7 +7,7 @@
 namespace sonarcal::calib {
 
 PlaceableObject::PlaceableObject(Scene& scene, const std::string& name)
-    : name_(name), vertices_(VerticesOfObject(scene, name)) {
+    : vertices_(VerticesOfObject(scene, name)) {
   Eigen::AlignedBox3d box;
   for (const std::size_t vertex : vertices_) box.extend(scene.vertices_m[vertex].cast<double>());
   centre_m_ = box.center();

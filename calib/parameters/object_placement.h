@@ -24,13 +24,10 @@ class PlaceableObject {
   // it shares them with another. Throws DataError if there is neither.
   PlaceableObject(Scene& scene, const std::string& name);
 
-  const std::string& name() const { return name_; }
-
   // Moves the vertices of `scene`, which holds the object where the scene file says.
   void Place(const ObjectPlacement& placement, Scene& scene) const;
 
  private:
-  std::string name_;
   std::vector<std::size_t> vertices_;
   Eigen::Vector3d centre_m_;
 };

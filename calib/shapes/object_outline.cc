@@ -28,21 +28,10 @@ double ResolutionCell(const PolarAxes& axes) {
   return std::max(axes.range_bin_m(), middle_m * axes.beam_spacing_rad());
 }
 
-double AreaOf(const Scene& mesh) {
-  double area_m2 = 0.0;
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    const Eigen::Vector3f a = mesh.vertices_m[t(0)];
-    area_m2 += 0.5 * double{(mesh.vertices_m[t(1)] - a).cross(mesh.vertices_m[t(2)] - a).norm()};
-  }
-  return area_m2;
-}
-
 OutlineForm FormOf(Scene scene, const PolarAxes& axes, const std::string& name) {
   const Scene mesh = MeshOfVertices(scene, VerticesOfObject(scene, name));
   const MeshSymmetry symmetry = FindSymmetry(mesh);
-  OutlineForm form{.name = name,
-                   .revolution = symmetry.revolution == Revolution::kAxis,
-                   .mesh_from_body = symmetry.mesh_from_body};
+  OutlineForm form{.name = name, .mesh_from_body = symmetry.mesh_from_body};
   const Pose body_from_mesh = form.mesh_from_body.Inverse();
   Eigen::AlignedBox3d box;
   double radius_m = 0.0;
@@ -52,6 +41,8 @@ OutlineForm FormOf(Scene scene, const PolarAxes& axes, const std::string& name) 
     radius_m = std::max(radius_m, std::hypot(point.y(), point.z()));
   }
   const double length_m = box.sizes().x();
+  // A disc has hardly any length along its axis.
+  form.revolution = symmetry.revolution == Revolution::kAxis && length_m > 2.0 * kThinnest * radius_m;
   const double wanted_m = kCellsApart * ResolutionCell(axes);
   const auto count = [](double value) {
     return static_cast<int>(std::lround(std::clamp<double>(value, kMinOutlineValues, kMaxOutlineValues)));
@@ -62,9 +53,10 @@ OutlineForm FormOf(Scene scene, const PolarAxes& axes, const std::string& name) 
     form.start_m = box.min().x();
     form.half_size_m = std::min(radius_m, 0.5 * length_m);
   } else {
-    const double area_m2 = AreaOf(mesh);
+    const double area_m2 = SurfaceAreaM2(mesh);
     form.count = count(area_m2 / (wanted_m * wanted_m));
-    form.spacing_m = std::sqrt(area_m2 / form.count);
+    // A strip has hardly any area: its length alone limits the number of triangles.
+    form.spacing_m = std::max(std::sqrt(area_m2 / form.count), box.sizes().maxCoeff() / kMaxOutlineValues);
     form.half_size_m = 0.5 * std::max(box.sizes().minCoeff(), kThinnest * box.sizes().maxCoeff());
   }
   return form;

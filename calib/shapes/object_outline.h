@@ -4,9 +4,9 @@
 // - Body of revolution (mesh_symmetry.h): changes of its radius at stations that are evenly spaced along its
 //   axis, from its lower to its upper end. A cubic curve through them (Catmull-Rom) gives the change between
 //   them. A radius stays positive, and the length stays the same.
-// - Any other shape, also a sphere: bumps, which are displacements along the normal about points that are
-//   spread evenly over the surface. The weights of all bumps at a vertex sum to 1. So equal values displace
-//   the whole surface equally.
+// - Any other shape, also a sphere or a disc: bumps, which are displacements along the normal about points
+//   that are spread evenly over the surface. The weights of all bumps at a vertex sum to 1. So equal values
+//   displace the whole surface equally.
 //
 // Stations and points are as far apart as four resolution cells of the sonar in the middle of its window, and
 // there are between kMinOutlineValues and kMaxOutlineValues of them.
@@ -35,8 +35,8 @@ struct OutlineForm {
   double spacing_m = 0.0;
   Pose mesh_from_body = {};  // +x is the axis of revolution
   double start_m = 0.0;      // lower end along it
-  double half_size_m =
-      0.0;  // half the smallest side of the part; of a body of revolution its largest radius, at most
+  // Half the smallest side of the part; of a body of revolution its largest radius, at most.
+  double half_size_m = 0.0;
 
   // Name of a number, such as "radius_07_m".
   std::string NameOf(int index) const;

@@ -152,6 +152,15 @@ Scene MeshOfVertices(const Scene& scene, const std::vector<std::size_t>& vertice
   return mesh;
 }
 
+double SurfaceAreaM2(const Scene& mesh) {
+  double area_m2 = 0.0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3f a = mesh.vertices_m[t(0)];
+    area_m2 += 0.5 * double{(mesh.vertices_m[t(1)] - a).cross(mesh.vertices_m[t(2)] - a).norm()};
+  }
+  return area_m2;
+}
+
 void DivideObject(Scene& scene, const std::string& name, double max_edge_m) {
   const std::vector<std::size_t> vertices = VerticesOfObject(scene, name);
   const std::size_t first_added = scene.vertices_m.size();

@@ -8,9 +8,9 @@
 //
 // The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried.
 //
-// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038), and the overlap error of frame 1,
-// 0.085 (reached 0.0854; with many more rays 0.0852). The bounds named kRegression... hold what is reached and
-// claim no more.
+// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038), and the overlap error of frame
+// 1, 0.085 (reached 0.0854; with many more rays 0.0852). The bounds named kRegression... hold what is
+// reached and claim no more.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -15,15 +15,6 @@ namespace {
 
 using testing::CoarseSonar;
 
-double AreaOf(const Scene& scene) {
-  double area = 0.0;
-  for (const Eigen::Vector3i& t : scene.triangles) {
-    const Eigen::Vector3f a = scene.vertices_m[t(0)];
-    area += 0.5 * double{(scene.vertices_m[t(1)] - a).cross(scene.vertices_m[t(2)] - a).norm()};
-  }
-  return area;
-}
-
 OutlineForm FormOf(const Scene& scene, const std::string& name) {
   return OutlineForms(scene, CoarseSonar().axes, {name}).front();
 }
@@ -77,6 +68,19 @@ TEST(ObjectOutline, ABodyOfRevolutionHasRadiiAtStationsAlongItsAxis) {
   EXPECT_EQ(form.NameOf(7), "radius_07_m");
 }
 
+TEST(ObjectOutline, ADiscAndAStripHaveBumpsOfABoundedNumberOfTriangles) {
+  const Scene disc = sim::MakeTurnedSolid({{-1e-6, 0.1}, {1e-6, 0.1}}, sim::kUndivided, "body");
+  const Scene strip = sim::MakeBox({0.0, 0.0, 0.0}, {1.0, 1e-3, 1e-7}, sim::kUndivided, "body");
+  for (const Scene& scene : {disc, strip}) {
+    const OutlineForm form = FormOf(scene, "body");
+    EXPECT_FALSE(form.revolution);
+    Scene divided = scene;
+    DivideForOutline(form, divided);
+    EXPECT_LT(divided.triangles.size(), 100'000U);
+    EXPECT_NEAR(SurfaceAreaM2(divided), SurfaceAreaM2(scene), 1e-5 * SurfaceAreaM2(scene));
+  }
+}
+
 TEST(ObjectOutline, EqualValuesWidenACylinderAndKeepItsLength) {
   const OutlineForm form = FormOf(Cylinder(), "body");
   const Scene wide = Reshaped(Cylinder(), form, std::vector<double>(form.count, 0.01));
@@ -87,9 +91,9 @@ TEST(ObjectOutline, EqualValuesWidenACylinderAndKeepItsLength) {
     most = std::max(most, double{std::hypot(v.y(), v.z())});
   }
   EXPECT_NEAR(most, 0.11, 1e-5);
-  EXPECT_NEAR(AreaOf(wide),
-              AreaOf(sim::MakeTurnedSolid({{-0.3, 0.11}, {0.3, 0.11}}, sim::kUndivided, "body")),
-              0.02 * AreaOf(wide));
+  EXPECT_NEAR(SurfaceAreaM2(wide),
+              SurfaceAreaM2(sim::MakeTurnedSolid({{-0.3, 0.11}, {0.3, 0.11}}, sim::kUndivided, "body")),
+              0.02 * SurfaceAreaM2(wide));
 }
 
 TEST(ObjectOutline, OneValueChangesTheRadiusNearItsStationOnly) {
@@ -142,7 +146,7 @@ TEST(ObjectOutline, ABumpIsLocalAndOpensNoCrack) {
   values[2] = 0.01;
   Scene divided = hook;
   DivideForOutline(form, divided);
-  EXPECT_NEAR(AreaOf(divided), AreaOf(hook), 1e-5);
+  EXPECT_NEAR(SurfaceAreaM2(divided), SurfaceAreaM2(hook), 1e-5);
   const Scene bumped = Reshaped(hook, form, values);
   EXPECT_EQ(IsClosed(divided), IsClosed(bumped));
   int moved = 0;
@@ -163,10 +167,10 @@ TEST(ObjectOutline, DivisionKeepsTheVerticesOfEachPartConsecutive) {
                    {"bomb", 0, first},
                    {"nose", 0, 3},
                    {"crate", first, scene.vertices_m.size() - first}};
-  const double area = AreaOf(scene);
+  const double area = SurfaceAreaM2(scene);
   DivideObject(scene, "bomb", 0.05);
   scene.Validate("scene");
-  EXPECT_NEAR(AreaOf(scene), area, 1e-5);
+  EXPECT_NEAR(SurfaceAreaM2(scene), area, 1e-5);
   ASSERT_EQ(scene.objects.size(), 3U) << "a part of the divided part loses its name";
   EXPECT_EQ(scene.objects[0].vertex_count, scene.vertices_m.size());
   EXPECT_GT(scene.objects[1].vertex_count, first);
