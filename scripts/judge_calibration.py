@@ -4,7 +4,8 @@
     scripts/judge_calibration.py RECORDING CALIBRATED
 
 RECORDING: folder with truth.json. CALIBRATED: output folder of `sonarcal calibrate` or `sonarcal fit`. Prints what
-the calibration found beside the truth: geometry, objects, poses, curves where at least 90 pixels show them.
+the calibration found beside the truth: noise, pulse, mirrors, geometry, objects, poses, and curves where at least
+90 pixels show them.
 """
 
 import json
@@ -33,6 +34,10 @@ def true_values(truth):
         if key.endswith("_declared_minus_true"):
             node = key.removesuffix("_declared_minus_true")
             values.update({f"object.{node}.{name}": -value for name, value in moved.items()})
+    values["receiver.noise_db"] = truth["noise_level_db"]
+    values["pulse.length_m"] = truth["cell"]["range_half_power_m"]
+    for material, pressure in (truth.get("reflection_pressure") or {}).items():
+        values[f"mirror.{material}.loss_db"] = -20 * math.log10(abs(pressure))
     for index, frame in enumerate(truth["frames"]):
         values.update({f"pose.{index}.{name}": value for name, value in pose_values(frame).items()})
     return values
@@ -47,7 +52,8 @@ def judge_values(parameters, values):
     print(f"{'value':32} {'found':>9} {'sigma':>7} {'truth':>9} {'off':>8} {'sigmas':>6}")
     for parameter in parameters:
         name = parameter["name"]
-        if not name.startswith(("geometry.", "object.")) or parameter["sigma"] is None:
+        declared = name.startswith(("geometry.", "object."))
+        if name.startswith("pose.") or parameter["sigma"] is None or not (declared or name in values):
             continue
         error = off(parameter, values.get(name, 1.0 if "scale" in name else 0.0))
         print(f"{name:32} {parameter['value']:9.4f} {parameter['sigma']:7.4f} {parameter['value'] - error:9.4f} "
