@@ -94,7 +94,10 @@ class Search {
  public:
   Search(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FittedPoint& point,
          const std::function<bool()>& stop)
-      : catalog_(catalog), point_(point), stop_(stop), coarse_(model.Coarse(kCoarsePixels)) {
+      : catalog_(catalog),
+        point_(point),
+        stop_(stop),
+        coarse_(model.CoarseAbout(point.values, kCoarsePixels)) {
     model_ = coarse_ != nullptr ? coarse_.get() : &model;
     result_.widening.assign(catalog.size(), 1.0);
   }

@@ -295,13 +295,19 @@ std::vector<float> AcousticFrameModel::LogarithmSlope(const EchoPair& echoes,
   return slope;
 }
 
+std::vector<FrameEchoes> AcousticFrameModel::FramesAbout(const Rays& rays, const ParameterValues& values,
+                                                         const std::vector<int>& geometric) const {
+  std::vector<FrameEchoes> echoes(frames_.size());
+  tbb::parallel_for(0, frame_count(),
+                    [&](int frame) { echoes[frame] = EchoesAbout(rays, frame, values, geometric); });
+  return echoes;
+}
+
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
   point_ = values;
   const Rays rays = RaysAt(values, 1);
   at_point_ = rays.simulator;
-  std::vector<FrameEchoes> echoes(frames_.size());
-  tbb::parallel_for(0, frame_count(),
-                    [&](int frame) { echoes[frame] = EchoesAbout(rays, frame, values, geometric); });
+  std::vector<FrameEchoes> echoes = FramesAbout(rays, values, geometric);
   AddCommonSlopes(values, geometric, echoes);
   echoes_ = std::move(echoes);
 }
@@ -404,19 +410,36 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
                                               differentiated, wanted);
 }
 
-std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels) const {
+std::optional<PixelBlock> AcousticFrameModel::BlockFor(std::size_t wanted_pixels) const {
   // Curves change faster along range than from beam to beam.
   constexpr int kMaxBins = 4;
   constexpr int kMaxBeams = 8;
   constexpr double kWorthwhile = 4.0;  // fewer pixels by a smaller factor are hardly faster, and less exact
-  const bool bent = std::any_of(echoes_.begin(), echoes_.end(),
-                                [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
   const double factor =
       static_cast<double>(pixel_count() * frames_.size()) / static_cast<double>(wanted_pixels);
-  const PixelBlock block{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMaxBins),
-                         .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMaxBeams)};
-  if (bent || factor < kWorthwhile) return nullptr;
-  return std::make_unique<CoarseFrameModel>(*this, block);
+  if (factor < kWorthwhile) return std::nullopt;
+  return PixelBlock{.bins = std::clamp(static_cast<int>(std::sqrt(0.5 * factor)), 1, kMaxBins),
+                    .beams = std::clamp(static_cast<int>(std::sqrt(2.0 * factor)), 1, kMaxBeams)};
+}
+
+bool AcousticFrameModel::HasSlopes() const {
+  return std::ranges::any_of(echoes_, [](const FrameEchoes& echoes) { return !echoes.slopes.empty(); });
+}
+
+std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels) const {
+  const std::optional<PixelBlock> block = BlockFor(wanted_pixels);
+  if (HasSlopes() || !block) return nullptr;
+  return std::make_unique<CoarseFrameModel>(*this, sonar_at_point(), echoes_, *block);
+}
+
+std::unique_ptr<FrameModel> AcousticFrameModel::CoarseAbout(const ParameterValues& values,
+                                                            std::size_t wanted_pixels) const {
+  if (!HasSlopes()) return Coarse(wanted_pixels);
+  const std::optional<PixelBlock> block = BlockFor(wanted_pixels);
+  if (!block) return nullptr;
+  const Rays rays = RaysAt(values, 1);
+  return std::make_unique<CoarseFrameModel>(*this, rays.simulator->sonar(), FramesAbout(rays, values, {}),
+                                            *block);
 }
 
 }  // namespace sonarcal::calib

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@
 #include "sim/simulator.h"
 
 namespace sonarcal::calib {
+
+struct PixelBlock;
 
 struct AcousticFrame {
   int index = 0;  // in the recording
@@ -127,10 +130,12 @@ class AcousticFrameModel final : public FrameModel {
     return share * (weights_[frame].empty() ? 1.0 : weights_[frame][pixel]);
   }
 
-  // Echoes of a frame about the point of the last Linearise.
-  const FrameEchoes& echoes(int frame) const { return echoes_[frame]; }
+  // Echoes per frame about the point of the last Linearise.
+  const std::vector<FrameEchoes>& echoes() const { return echoes_; }
 
   std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
+  std::unique_ptr<FrameModel> CoarseAbout(const ParameterValues& values,
+                                          std::size_t wanted_pixels) const override;
 
  private:
   Pose PoseEntries(int frame, const ParameterValues& values) const;
@@ -146,6 +151,11 @@ class AcousticFrameModel final : public FrameModel {
   // Ghosts in a frame, as far beside the beams as a free transmitter angle may reach.
   sim::GhostList GhostsOf(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
+  bool HasSlopes() const;
+  // Block of pixels for a coarse model; nullopt if that would be no cheaper.
+  std::optional<PixelBlock> BlockFor(std::size_t wanted_pixels) const;
+  std::vector<FrameEchoes> FramesAbout(const Rays& rays, const ParameterValues& values,
+                                       const std::vector<int>& geometric) const;
   FrameEchoes EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
 

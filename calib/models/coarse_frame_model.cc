@@ -39,18 +39,19 @@ std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_on
   return coarse;
 }
 
-CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block)
-    : fine_(fine), block_(block), sonar_(fine.sonar_at_point()) {
-  sonar_.axes = CoarseAxes(fine.sonar_at_point().axes, block);
+CoarseFrameModel::CoarseFrameModel(const AcousticFrameModel& fine, const SonarModel& sonar,
+                                   const std::vector<FrameEchoes>& echoes, const PixelBlock& block)
+    : fine_(fine), block_(block), sonar_(sonar) {
+  sonar_.axes = CoarseAxes(sonar.axes, block);
   const TimeVariedGain law = fine.Parameters(fine.initial_values()).receiver.time_varied_gain;
   const double absorption_db_per_m = fine.simulator().absorption_db_per_m();
   for (int bin = 0; bin < fine.range_bins(); ++bin) {
     gain_of_centre_.push_back(PowerFromDb(
-        sim::TimeVariedGainDb(law, fine.sonar_at_point().axes.range_centre_m(bin), absorption_db_per_m) -
+        sim::TimeVariedGainDb(law, sonar.axes.range_centre_m(bin), absorption_db_per_m) -
         sim::TimeVariedGainDb(law, sonar_.axes.range_centre_m(bin / block.bins), absorption_db_per_m)));
   }
   frames_.resize(fine.frame_count());
-  tbb::parallel_for(0, fine.frame_count(), [&](int frame) { frames_[frame] = Gather(frame); });
+  tbb::parallel_for(0, fine.frame_count(), [&](int frame) { frames_[frame] = Gather(frame, echoes[frame]); });
 }
 
 sim::PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const sim::PixelEchoes& fine) const {
@@ -80,8 +81,7 @@ sim::PixelEchoes CoarseFrameModel::BlockEchoes(int frame, const sim::PixelEchoes
   return echoes;
 }
 
-CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame) const {
-  const FrameEchoes& fine = fine_.echoes(frame);
+CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame, const FrameEchoes& fine) const {
   CoarseFrame coarse;
   coarse.echoes.at_point = BlockEchoes(frame, fine.at_point);
   if (!fine.ghosts.empty()) {

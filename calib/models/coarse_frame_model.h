@@ -35,7 +35,9 @@ std::vector<double> CoarseTaper(const std::vector<double>& fine, int beams_at_on
 class CoarseFrameModel final : public FrameModel {
  public:
   // The fine model must outlive this one and must not change.
-  CoarseFrameModel(const AcousticFrameModel& fine, const PixelBlock& block);
+  // `sonar` and `echoes`, per frame, are those of the fine model at the point of interest, without slopes.
+  CoarseFrameModel(const AcousticFrameModel& fine, const SonarModel& sonar,
+                   const std::vector<FrameEchoes>& echoes, const PixelBlock& block);
 
   const std::vector<CatalogEntry>& catalog() const override { return fine_.catalog(); }
   int frame_count() const override { return fine_.frame_count(); }
@@ -58,7 +60,7 @@ class CoarseFrameModel final : public FrameModel {
     std::vector<std::uint8_t> use;
     std::vector<float> weight;
   };
-  CoarseFrame Gather(int frame) const;
+  CoarseFrame Gather(int frame, const FrameEchoes& fine) const;
   // Echoes of the used pixels of each block, node by node, as a mean over those pixels.
   sim::PixelEchoes BlockEchoes(int frame, const sim::PixelEchoes& fine) const;
 

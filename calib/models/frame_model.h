@@ -92,6 +92,12 @@ class FrameModel {
   // if that would be no cheaper.
   virtual std::unique_ptr<FrameModel> Coarse(std::size_t /*wanted_pixels*/) const { return nullptr; }
 
+  // As above, for fits of curves and receiver alone: the geometric parameters stay at `values`.
+  virtual std::unique_ptr<FrameModel> CoarseAbout(const ParameterValues& /*values*/,
+                                                  std::size_t wanted_pixels) const {
+    return Coarse(wanted_pixels);
+  }
+
   std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
 };
 

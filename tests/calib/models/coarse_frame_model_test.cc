@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
+#include "calib/fit_starts.h"
+#include "calib/problem_builder.h"
 #include "sim/physics/receiver.h"
 #include "tests/calib/small_tank.h"
 
@@ -45,7 +48,7 @@ TEST_F(CoarseFrameModelTest, ABlocksMeanIsThatOfItsPixels) {
     }
     const AcousticFrameModel fine(simulator_, frames, truth);
     const PixelBlock block{.bins = 3, .beams = 5};
-    const CoarseFrameModel coarse(fine, block);
+    const CoarseFrameModel coarse(fine, fine.sonar_at_point(), fine.echoes(), block);
     ParameterValues values = fine.initial_values();
     for (double& value : values) value *= 1.03;
     for (const int frame : {0, 1}) {
@@ -81,12 +84,32 @@ TEST_F(CoarseFrameModelTest, ABlocksMeanIsThatOfItsPixels) {
   }
 }
 
+// A model with slopes has no coarse one of its own, as its geometry may move. About a held point it has that
+// of a model which was traced there.
+TEST_F(CoarseFrameModelTest, AboutAPointItIsThatOfAModelTracedThere) {
+  const ParameterSet truth = testing::SmallTankAcousticTruth();
+  const std::vector<AcousticFrame> frames = Frames(truth);
+  AcousticFrameModel fine(simulator_, frames, truth);
+  const int pulse = FindEntry(fine.catalog(), "pulse.length_m");
+  ASSERT_GE(pulse, 0);
+  ParameterValues moved = fine.initial_values();
+  moved[pulse] *= 1.3;
+  fine.Linearise(fine.initial_values(), {pulse});
+  constexpr std::size_t kPixels = 500;
+  EXPECT_EQ(fine.Coarse(kPixels), nullptr);
+  const std::unique_ptr<FrameModel> about = fine.CoarseAbout(moved, kPixels);
+  fine.Linearise(moved, {});
+  const std::unique_ptr<FrameModel> traced = fine.Coarse(kPixels);
+  ASSERT_TRUE(about != nullptr && traced != nullptr);
+  EXPECT_EQ(CostAt(*about, moved, fine.frame_count()), CostAt(*traced, moved, fine.frame_count()));
+}
+
 // The best curves of the blocks are those of the pixels, within what these can tell.
 TEST_F(CoarseFrameModelTest, BlocksAreBestExplainedNearThePixelsOptimum) {
   const ParameterSet truth = testing::SmallTankAcousticTruth();
   const std::vector<AcousticFrame> frames = Frames(truth);
   const AcousticFrameModel fine(simulator_, frames, truth);
-  const CoarseFrameModel coarse(fine, {.bins = 2, .beams = 4});
+  const CoarseFrameModel coarse(fine, fine.sonar_at_point(), fine.echoes(), {.bins = 2, .beams = 4});
   const FitConfig config{.free = std::vector<std::string>{"material.floor.gsab.C", "receiver.noise_db"}};
   FitOptions options;
   options.starts = 1;

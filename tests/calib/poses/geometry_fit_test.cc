@@ -124,8 +124,8 @@ TEST_F(GeometryFit, SlopesAlongScalesAreThoseOfTracedImages) {
   }
   const ParameterValues values = model.initial_values();
   model.Linearise(values, geometric);
-  ASSERT_EQ(model.echoes(0).slopes.size(), 5U);
-  for (const EchoSlope& slope : model.echoes(0).slopes) {
+  ASSERT_EQ(model.echoes()[0].slopes.size(), 5U);
+  for (const EchoSlope& slope : model.echoes()[0].slopes) {
     const double step = PlacementDifference(SmallSonar().axes, model.catalog()[slope.entry]);
     const auto traced = [&](double by) {
       ParameterValues moved = values;
