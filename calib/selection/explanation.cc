@@ -96,6 +96,14 @@ std::vector<std::vector<double>> MedianGrey(const ExplainedStep& step, const std
   return grey;
 }
 
+// Counts the values of a step that the data determine and that the other step does not fit.
+int DeterminedOnlyIn(const std::vector<FittedParameter>& step, const std::vector<FittedParameter>& other) {
+  return static_cast<int>(std::ranges::count_if(step, [&](const FittedParameter& value) {
+    return value.status != ParameterStatus::kUnidentifiable &&
+           std::ranges::find(other, value.name, &FittedParameter::name) == other.end();
+  }));
+}
+
 class Explainer {
  public:
   Explainer(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
@@ -208,12 +216,9 @@ class Explainer {
   // Changes the law of grey values. Only its looks are fitted.
   void AddSpeckle() {
     if (options_.on_step) options_.on_step(ExplainedPart::kSpeckle);
-    ExplainedStep step = result_.steps.back();
+    ExplainedStep step = WithSpeckle(result_.steps.back());
     step.part = ExplainedPart::kSpeckle;
-    step.knows_speckle = true;
-    step.parameters.receiver.looks = BestLooks(used_, mean_used_, step.parameters);
-    step.determined += 1;
-    Weigh(std::move(step));
+    Keep(std::move(step));
   }
 
   void AddPoses(std::vector<std::string> free) {
@@ -224,7 +229,6 @@ class Explainer {
   void Step(ExplainedPart part, const sim::Simulator& simulator, const ParameterSet& start,
             const std::vector<std::string>& free) {
     if (options_.on_step) options_.on_step(part);
-    const bool moves = part == ExplainedPart::kPoses;
     const bool hides_floor = part < ExplainedPart::kNoise;
     FitConfig config{.free = free, .pose_prior = options_.pose_prior};
     fit_options_.search_level = part == ExplainedPart::kStart;
@@ -247,15 +251,12 @@ class Explainer {
                       fit.report.termination);
     }
     ExplainedStep step{.part = part, .parameters = std::move(fit.parameters)};
-    for (const FittedParameter& parameter : fit.report.parameters) {
-      if (parameter.status == ParameterStatus::kFixed) continue;
-      step.fitted.push_back(parameter);
-      if (parameter.status != ParameterStatus::kUnidentifiable) ++step.determined;
-    }
-    step.knows_speckle = moves;
+    std::ranges::copy_if(
+        fit.report.parameters, std::back_inserter(step.fitted),
+        [](const FittedParameter& parameter) { return parameter.status != ParameterStatus::kFixed; });
     for (std::size_t f = 0; f < used.size(); ++f) used[f].world_from_sonar = fit.world_from_sonar[f];
     std::vector<AcousticFrame> held_out = FramesFor(held_out_, start.display);
-    if (moves) {
+    if (part == ExplainedPart::kPoses) {
       const std::vector<Pose> poses =
           FitPosesOnly(simulator, held_out, step.parameters, options_.pose_prior, fit_options_.progress);
       for (std::size_t f = 0; f < held_out.size(); ++f) held_out[f].world_from_sonar = poses[f];
@@ -266,15 +267,23 @@ class Explainer {
     const AcousticFrameModel unseen(simulator, held_out, step.parameters);
     step.mean_held_out = MeanPowers(unseen);
     for (const AcousticFrame& frame : held_out) step.poses_held_out.push_back(frame.world_from_sonar);
-    if (!step.knows_speckle) {
-      step.grey = FindNormalGreyLaw(used_, GreyOf(mean_used_, used_, step.parameters));
-      step.determined += 2;  // offset and spread
+    if (part > ExplainedPart::kSpeckle) {
+      Keep(WithSpeckle(std::move(step)));
+      return;
     }
-    Weigh(std::move(step));
+    step.grey = FindNormalGreyLaw(used_, GreyOf(mean_used_, used_, step.parameters));
+    Evaluate(step);
+    Keep(std::move(step));
   }
 
-  // Evaluates a step and adds it to the result.
-  void Weigh(ExplainedStep step) {
+  ExplainedStep WithSpeckle(ExplainedStep step) const {
+    step.knows_speckle = true;
+    step.parameters.receiver.looks = BestLooks(used_, mean_used_, step.parameters);
+    Evaluate(step);
+    return step;
+  }
+
+  void Evaluate(ExplainedStep& step) const {
     step.nats_used = Likelihood(step, used_, mean_used_).PerPixel();
     step.held_out = Likelihood(step, held_out_, step.mean_held_out);
     step.error_held_out = Error(step, held_out_, step.mean_held_out);
@@ -283,6 +292,15 @@ class Explainer {
       step.by_frame.push_back({.likelihood = Likelihood(step, {held_out_[f]}, {step.mean_held_out[f]}),
                                .error = Error(step, {held_out_[f]}, {step.mean_held_out[f]})});
     }
+  }
+
+  // Adds an evaluated step to the result.
+  void Keep(ExplainedStep step) {
+    const std::vector<FittedParameter> none;
+    const std::vector<FittedParameter>& before = result_.steps.empty() ? none : result_.steps.back().fitted;
+    determined_ += DeterminedOnlyIn(step.fitted, before) - DeterminedOnlyIn(before, step.fitted);
+    step.determined = determined_ + (step.knows_speckle ? 1 : 2);  // looks, or offset and spread
+    with_speckle_.push_back(step.knows_speckle ? step : WithSpeckle(step));
     result_.steps.push_back(std::move(step));
   }
 
@@ -318,6 +336,8 @@ class Explainer {
     return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kMin));
   }
 
+  // Materials and ghosts concern few pixels, so they are compared under the law of speckle: a part can make up
+  // for a little of what is wrong with the normal law in every pixel.
   void Judge() {
     result_.pixels_used = Likelihood(result_.steps.back(), used_, mean_used_).Pixels();
     result_.pixels_per_cell =
@@ -326,8 +346,11 @@ class Explainer {
     for (std::size_t i = 1; i < result_.steps.size(); ++i) {
       ExplainedStep& step = result_.steps[i];
       const ExplainedStep& before = result_.steps[i - 1];
-      step.gain = Difference(step.held_out, before.held_out);
-      const double nats = cells * (step.nats_used - before.nats_used);
+      const bool by_speckle = step.part == ExplainedPart::kMaterials || step.part == ExplainedPart::kGhosts;
+      const ExplainedStep& with = by_speckle ? with_speckle_[i] : step;
+      const ExplainedStep& without = by_speckle ? with_speckle_[i - 1] : before;
+      step.gain = Difference(with.held_out, without.held_out);
+      const double nats = cells * (with.nats_used - without.nats_used);
       const int values = step.determined - before.determined;
       step.aic_change = 2.0 * values - 2.0 * nats;
       step.bic_change = values * std::log(cells) - 2.0 * nats;
@@ -335,7 +358,7 @@ class Explainer {
       step.verdict = VerdictOn(step.gain, step.bic_change, step.error_change, options_.tie_sigmas);
       for (std::size_t f = 0; f < step.by_frame.size(); ++f) {
         JudgedFrame& frame = step.by_frame[f];
-        frame.gain = Difference(frame.likelihood, before.by_frame[f].likelihood);
+        frame.gain = Difference(with.by_frame[f].likelihood, without.by_frame[f].likelihood);
         frame.error_change = Difference(frame.error, before.by_frame[f].error);
         frame.verdict = VerdictOn(frame.gain, step.bic_change, frame.error_change, options_.tie_sigmas);
       }
@@ -382,6 +405,8 @@ class Explainer {
   std::optional<sim::Simulator> all_;
   std::vector<std::vector<double>> mean_used_;  // for the last step
   FrameModel::SpeckleCell speckle_cell_;
+  int determined_ = 0;                       // fitted values of the last step, as in ExplainedStep
+  std::vector<ExplainedStep> with_speckle_;  // each step under the law of speckle
   Explanation result_;
 };
 

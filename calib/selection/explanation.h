@@ -15,7 +15,9 @@
 // images lack, in place of the constant in the law of their evaluation. Without it, the fit would bend a
 // curve to light pixels without echoes through the skirts of beam and pulse. Before `speckle`, a grey value
 // is normal about the expected value plus a constant (NormalGreyLaw), because such a model does not know
-// speckle. From there on it has the law of speckle.
+// speckle. From there on it has the law of speckle. Materials and ghosts concern few pixels. Their likelihood
+// and criteria are those of the law of speckle, with and without the part, with the number of looks that fits
+// each best. Otherwise a part can gain by making up for what is wrong with the normal law in every pixel.
 //
 // Criterion for a significant step: the likelihood of the held-out frames rises by more than two standard
 // errors, the Bayesian criterion on the frames used falls, and the error does not rise by more than two
@@ -28,7 +30,7 @@
 // count n independent cells, not pixels. ln L is the sum over pixels, divided by the number of pixels per
 // cell. For Gaussian responses a cell is 1.505 half-power widths of the beam times as many of the pulse (the
 // area under the autocorrelation of speckle power). k counts the values that the data determine, not those
-// that priors determine.
+// that priors determine. A value that several steps fit counts as in the first of them.
 #pragma once
 
 #include <functional>
@@ -89,7 +91,7 @@ struct ExplainedStep {
   ExplainedPart part = ExplainedPart::kStart;
   ParameterSet parameters = {};              // fitted
   std::vector<FittedParameter> fitted = {};  // free parameters with their status
-  int determined = 0;  // number of fitted values that the data determine more closely than their priors
+  int determined = 0;  // values of all steps so far that the data determine more closely than their priors
   bool knows_speckle = false;
   NormalGreyLaw grey = {};                              // if the step models no speckle
   std::vector<std::vector<double>> mean_held_out = {};  // power per frame and pixel

@@ -121,7 +121,8 @@ Table StepTable(const workflow::ExplainedRecording& explained, const workflow::J
       "object: the error within 20 range bins and 4 beams of the object in the recorded image. Before "
       "speckle is added, a constant is subtracted, and occupancy is that of the expected image. From there "
       "on it is that of a speckled sample, and means little if the segmentation does not find an object. "
-      "Fitted values: those that the data determine.");
+      "Gain and criteria of materials and ghosts are those of the law of speckle. "
+      "Fitted values: those of all steps so far that the data determine.");
   return table;
 }
 
