@@ -104,6 +104,9 @@ class AcousticFitter {
     again_.search_level = false;
     again_.rough = true;
     fit_ = {.values = StartValues(config_, catalog_, model_.initial_values()), .report = {}, .usable = true};
+    for (std::size_t i = 0; i < catalog_.size(); ++i) {
+      if (free_[i]) fit_.values[i] = std::clamp(fit_.values[i], catalog_[i].lower, catalog_[i].upper);
+    }
     if (fit_.values != model_.initial_values()) model_.Linearise(fit_.values, {});
   }
 

@@ -99,6 +99,13 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                           const ParameterSet& parameters);
 
+// Width of the beam that is assumed because neither the sonar nor the parameters state it.
+struct AssumedWidth {
+  std::string name;  // of the parameter
+  double deg = 0.0;
+};
+std::vector<AssumedWidth> AssumeWidths(const SonarModel& sonar, BeamParameters& beam);
+
 // Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence
 // for each. `find_display`: the caller finds the display, so that none is assumed.
 std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,

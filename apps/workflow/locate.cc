@@ -128,8 +128,9 @@ class Locator {
 
  private:
   void Prepare(const PolarImage& image) {
-    const RecordingInfo& info = recording_.info();
+    RecordingInfo info = recording_.info();
     std::vector<std::string> notes;
+    if (const auto sentence = AssumeFrequency(info.sonar)) notes.push_back(*sentence);
     if (options_.params) {
       parameters_ = *options_.params.value;
       if (parameters_.model != EchoModel::kAcoustic)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/workflow/assumptions.h"
 #include "apps/workflow/compare.h"
 #include "core/types/units.h"
 #include "sim/rays/trace.h"
@@ -25,6 +26,7 @@ sim::RayFanOptions FanOptionsFor(const SonarModel& sonar) {
   options.sampling = sim::Sampling::kBeams;
   options.cols = kColumnsPerBeam * sonar.axes.beam_count();
   options.rows = kRows;
+  if (!(sonar.elevation_beam_width_deg > 0.0)) options.elevation_span_deg = kAssumedElevationWidthDeg;
   return options;
 }
 

@@ -106,7 +106,7 @@ AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEc
     moved_.push_back(state.values[entry] - state.point[entry]);
     const bool differentiated =
         wanted != FrameModel::Terms::kResiduals && std::ranges::find(active, entry) != active.end();
-    if (moved_.back() != 0.0 || differentiated) counting_.push_back(g);
+    if (moved_.back() != 0.0 || differentiated) needed_slopes_.push_back(g);
   }
   const ReceiverParameters& receiver = state.parameters.receiver;
   for (int bin = 0; bin < bins_; ++bin) {
@@ -156,7 +156,7 @@ bool AcousticEvaluation::SumEchoes(std::span<const std::uint32_t> pixels, Sums& 
       end_of_bin += beams_;
     }
     const int beam = static_cast<int>(pixels[i] + beams_ - end_of_bin);
-    if (!counting_.empty()) MoveGeometry(pixels[i], i, scratch, sums);
+    if (!needed_slopes_.empty()) MoveGeometry(pixels[i], i, scratch, sums);
     const double power = AllMaterials(&sums.curves[i * stride]);
     const double before_gain = noise_.BeforeGain(bin, beam);
     const double mean = gain_[bin] * std::max(power, 0.0) + noise_.Power(bin, beam);
@@ -179,7 +179,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
   const std::span<double> ghosts(sums.ghosts.data() + i * passed_.size(), passed_.size());
   const std::span<double> slopes(&sums.slopes[i * moved_.size()], moved_.size());
   double grown = 0.0;  // by poses, in nepers
-  for (const std::size_t g : counting_) {
+  for (const std::size_t g : needed_slopes_) {
     const EchoSlope& slope = echoes_.slopes[g];
     if (!slope.logarithm.empty()) {
       grown += moved_[g] * slope.logarithm[pixel];
@@ -200,7 +200,7 @@ void AcousticEvaluation::MoveGeometry(std::uint32_t pixel, std::size_t i, Scratc
   for (double& value : curves) value *= factor;
   for (double& value : ghosts) value *= factor;
   const double power = AllMaterials(curves.data());
-  for (const std::size_t g : counting_) {
+  for (const std::size_t g : needed_slopes_) {
     const EchoSlope& slope = echoes_.slopes[g];
     if (slope.logarithm.empty()) {
       slopes[g] *= factor;

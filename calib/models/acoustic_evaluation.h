@@ -123,13 +123,13 @@ class AcousticEvaluation final : public FrameEvaluation {
   std::size_t materials_;
   std::vector<Column> columns_;
   std::vector<CurveColumn> curve_columns_;
-  std::vector<double> curves_;         // kCurveStride values per node and material
-  std::vector<double> parts_;          // kCurveStride values per node, part and material, for ghosts
-  std::vector<double> passed_;         // power that the mirrors of each path leave
-  std::vector<double> moved_;          // change of each geometric parameter from the point
-  std::vector<std::size_t> counting_;  // those that moved or are differentiated
-  std::vector<double> gain_;           // per bin
-  std::vector<double> range_m_;        // per bin
+  std::vector<double> curves_;              // kCurveStride values per node and material
+  std::vector<double> parts_;               // kCurveStride values per node, part and material, for ghosts
+  std::vector<double> passed_;              // power that the mirrors of each path leave
+  std::vector<double> moved_;               // change of each geometric parameter from the point
+  std::vector<std::size_t> needed_slopes_;  // those that moved or are differentiated
+  std::vector<double> gain_;                // per bin
+  std::vector<double> range_m_;             // per bin
   sim::ReceiverNoise noise_;
   double looks_;
   bool clips_;

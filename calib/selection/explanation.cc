@@ -336,8 +336,8 @@ class Explainer {
     return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kMin));
   }
 
-  // Materials and ghosts concern few pixels, so they are compared under the law of speckle: a part can make up
-  // for a little of what is wrong with the normal law in every pixel.
+  // Materials and ghosts concern few pixels, so the law of speckle compares them: a part can make up for a
+  // little of what is wrong with the normal law in every pixel.
   void Judge() {
     result_.pixels_used = Likelihood(result_.steps.back(), used_, mean_used_).Pixels();
     result_.pixels_per_cell =

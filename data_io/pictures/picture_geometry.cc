@@ -95,9 +95,10 @@ PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
   PictureGeometry geometry;
   const JsonReader range_m = json.At("range_m");
   const std::vector<double> range = range_m.Numbers(NumberRange::Between(0.0, kMaxRangeM));
-  if (range.size() != 2 || !(range[1] > range[0])) range_m.Fail("must be two ranges, the nearer first");
-  geometry.range_min_m = range[0];
-  geometry.range_max_m = range[1];
+  if (range.empty() || range.size() > 2 || !(range.back() > (range.size() == 2 ? range.front() : 0.0)))
+    range_m.Fail("must be two ranges, the nearer first, or the farthest one of a fan");
+  if (range.size() == 2) geometry.range_min_m = range.front();
+  geometry.range_max_m = range.back();
   if (const auto name = json.Find("name")) geometry.name = name->String();
   json.Update("frequency_hz", geometry.frequency_hz, NumberRange::AboveUpTo(0.0, 1e8));
   json.Update("sound_speed_m_per_s", geometry.sound_speed_m_per_s, NumberRange::Between(1300.0, 1700.0));
@@ -108,6 +109,7 @@ PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
   const auto polar = json.Find("polar");
   const auto fan = json.Find("fan");
   if (polar && fan) json.Fail("has both 'polar' and 'fan', expected one");
+  if (polar && !geometry.range_min_m) range_m.Fail("has one range, expected two for 'polar'");
   if (polar) geometry.polar = ReadPolar(*polar);
   if (fan) ReadFan(*fan, geometry);
   json.Finish();
@@ -141,8 +143,11 @@ std::string JsonOf(const FanGeometry& fan) {
 PictureSampler::PictureSampler(const PictureGeometry& geometry, int rows, int cols, const std::string& where)
     : rows_(rows), cols_(cols) {
   SONARCAL_CHECK(geometry.polar || geometry.fan, "{}: neither polar nor a fan", where);
-  axes_.range_min_m = geometry.range_min_m;
+  SONARCAL_CHECK(geometry.range_min_m || geometry.fan, "{}: no nearest range", where);
   axes_.range_max_m = geometry.range_max_m;
+  axes_.range_min_m = geometry.range_min_m.value_or(0.0);
+  if (!geometry.range_min_m)
+    axes_.range_min_m = geometry.range_max_m * geometry.fan->radius_min_px / geometry.fan->radius_max_px;
   if (geometry.polar && cols < 2)
     throw DataError("{}: a picture of {} columns, expected at least 2 beams", where, cols);
   geometry.polar ? LayOutPolar(geometry) : LayOutFan(geometry);

@@ -13,6 +13,7 @@
 //
 //    "polar": {"azimuth_first_deg": -30, "azimuth_last_deg": 30, "nearest_row": "top" | "bottom"}
 //
+//   range_m  Of a fan, the farthest edge alone is enough: [3.0]. The radii of its arcs then give the nearest.
 //   fan    Forward is up (data_io/pictures/fan_geometry.h). apex_px and radius_px must occur together.
 //          Without them, or without "fan" and "polar", the fan is found by its edges. half_angle_deg may
 //          occur alone if the sonar's is known; it determines x_scale, which edges determine least. Default
@@ -38,7 +39,7 @@ namespace sonarcal::data_io {
 class JsonReader;
 
 struct PictureGeometry {
-  double range_min_m = 0.0;
+  std::optional<double> range_min_m = {};  // absent: by the radii of the fan
   double range_max_m = 0.0;
   std::string name = {};
   double frequency_hz = 0.0;  // 0 = unknown; the following members likewise

@@ -117,6 +117,11 @@ class PictureRecording final : public RecordingSource {
     info_.format = geometry.polar ? "polar pictures" : "fan pictures";
     if (pictures_->is_lossy()) info_.format += ", compressed with losses";
     info_.sonar.axes = sampler_->axes();
+    if (!geometry.range_min_m) {
+      info_.notes.push_back(
+          fmt::format("The nearest range, {:.3f} m, was determined by the radii of the fan.",
+                      info_.sonar.axes.range_min_m));
+    }
     if (geometry.fan) {
       info_.details.emplace_back("fan in the picture", JsonOf(*geometry.fan));
       info_.notes.push_back(fmt::format("The position of the fan in the picture was {}.",
@@ -177,7 +182,7 @@ std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path) {
   if (!fs::exists(file, error)) {
     throw DataError(
         "{}: a picture does not contain its range; write it into {}: {{\"format\": "
-        "\"sonar-picture-geometry/1\", \"range_m\": [nearest, farthest], \"fan\": {{{}}}}}",
+        "\"sonar-picture-geometry/1\", \"range_m\": [farthest], \"fan\": {{{}}}}}",
         path.string(), file.string(), JsonOf(FoundIn(*pictures, path)));
   }
   return std::make_unique<PictureRecording>(path, std::move(pictures), ReadPictureGeometry(file));

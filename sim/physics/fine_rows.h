@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/error.h"
 #include "core/types/image.h"
 
 namespace sonarcal::sim {
@@ -14,7 +15,9 @@ struct FineRows {
       : count(axes.range_bins * steps),
         per_m(steps / axes.range_bin_m()),
         first_m(axes.range_min_m + 0.5 / per_m),
-        part_m(0.75 * pulse_length_m) {}
+        part_m(0.75 * pulse_length_m) {
+    SONARCAL_CHECK(pulse_length_m > 0.0, "a pulse of {} m, expected one above 0", pulse_length_m);
+  }
 
   // Shares an echo between the two rows whose middles are nearest, so that an image changes smoothly with
   // range: calls take(row, part of the power) for those that exist.

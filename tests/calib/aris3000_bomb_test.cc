@@ -32,7 +32,7 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr double kRegressionKs = 0.045;
-constexpr double kRegressionOverlap = 0.086;
+constexpr double kRegressionOverlap = 0.0855;
 
 // Of the two frames 97 counts are full scale, of the other pose 255. Errors of both are given of 97.
 constexpr double kFullScaleOfOther = 255.0 / 97.0;

@@ -184,9 +184,12 @@ class Calibrator {
     if (stage == CalibrationStage::kPlacement) plan_.fit = Radiometry();
     if (stage == CalibrationStage::kNoise) std::erase(free, "receiver.noise_db");
     if (stage == CalibrationStage::kMirrors) {
-      std::erase_if(free, [](const std::string& name) {
+      const auto of_mirrors = [](const std::string& name) {
         return name.starts_with("mirror.") || name == "beam.transmit_end_deg";
-      });
+      };
+      std::erase_if(free, of_mirrors);
+      std::erase_if(plan_.fit.start, [&](const auto& start) { return of_mirrors(start.first); });
+      plan_.parameters.mirrors.clear();
     }
   }
 
@@ -203,7 +206,13 @@ class Calibrator {
     }
     if (start.materials.empty()) start.materials["default"].gsab = kStartCurve;
     if (!plan_.fit.free) plan_.fit.free = std::vector<std::string>{"materials"};
-    assumed_ = AssumeMissing(recording_.info().scale, /*find_display=*/true, sonar_, start);
+    // A wrong width would turn and shift the objects, so a width that nobody states is fitted.
+    for (const AssumedWidth& width : AssumeWidths(sonar_, start.beam)) {
+      plan_.fit.free->push_back(width.name);
+      assumed_.push_back(fmt::format("{}: nobody states it, so it is fitted", width.name));
+    }
+    std::ranges::copy(AssumeMissing(recording_.info().scale, /*find_display=*/true, sonar_, start),
+                      std::back_inserter(assumed_));
   }
 
   CalibrationDecision ChooseFrames() {
@@ -305,7 +314,14 @@ class Calibrator {
     FitConfig config = Radiometry();
     const ParameterSet start = WithNoiseLevel(trials.used());
     listener_.Message("placement: fitting curves at the recorded poses");
-    const Trial as_recorded = trials.Try(start, config, solver_);
+    Trial as_recorded = trials.Try(start, config, solver_);
+    // Poses and objects would otherwise move to make up for ghosts.
+    if (FoundMirrors mirrors = FindMirrors(trials, as_recorded); !mirrors.names.empty()) {
+      FreeMirrors(mirrors.names, plan_.fit);
+      as_recorded = std::move(mirrors.with);
+      listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
+                                    GainText(mirrors.gain)));
+    }
     KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
 
     config = Radiometry();
@@ -318,6 +334,7 @@ class Calibrator {
     search.joint_steps = kSearchSteps;
     ParameterSet blocks = start;
     blocks.pulse = as_recorded.fit.parameters.pulse;
+    blocks.beam = as_recorded.fit.parameters.beam;
     listener_.Message("placement: searching poses, geometry of the sonar and objects on blocks of pixels");
     calib::FitReport found = trials.Search(blocks, config, search).report;
     // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from
@@ -385,7 +402,8 @@ class Calibrator {
         poses ? fmt::format("poses fitted, recorded ones scatter by {:.3g} m and {:.2g} degrees; ",
                             config.pose_prior.position_m, config.pose_prior.angle_deg)
               : "poses as recorded; ";
-    return {choice + "moved: " + Names(kept), GainText(gain), open};
+    return {choice + "moved: " + Names(kept),
+            plan_.fit.held_out->empty() ? "no frame is held out" : GainText(gain), open};
   }
 
   // Stages after the placement keep it fixed: what a beam looks like does not move a wall.
@@ -430,7 +448,8 @@ class Calibrator {
 
   CalibrationDecision ChooseBeam() {
     if (plan_.fit.held_out->empty()) {
-      return {"as the sonar states them",
+      const bool stated = sonar_.azimuth_beam_width_deg > 0.0;
+      return {stated ? "widths as the sonar states them" : "widths fitted",
               "no frame is held out",
               {"the pattern of the beams and the looks: a second frame decides them"}};
     }
@@ -458,38 +477,56 @@ class Calibrator {
     return {Names(words), "the likelihood of the held-out frames is the best, or as good with fewer values"};
   }
 
-  // Every material is tried as a mirror; those without ghosts drop out.
   CalibrationDecision ChooseMirrors() {
     if (plan_.fit.held_out->empty()) {
       return {"none", "no frame is held out", {"mirrors: a second frame decides them"}};
     }
-    std::vector<std::string> mirrors;
-    for (const std::string& material : scene_.material_names) {
-      if (material != options_.target) mirrors.push_back(material);
-    }
     const Placed placed = PlacedFrames(plan_.parameters);
     HeldOutTrials trials(*placed.simulator, placed.used, placed.held_out);
-    const FitConfig radiometry = Radiometry();
-    const Trial without = trials.Try(WithNoiseLevel(placed.used), radiometry, solver_);
-    calib::LikelihoodDifference gain;
-    while (!mirrors.empty()) {
-      FitConfig config = radiometry;
-      for (const std::string& name : mirrors) config.free->push_back(fmt::format("mirror.{}.loss_db", name));
-      config.free->push_back("beam.transmit_end_deg");
-      const Trial with = trials.Try(WithNoiseLevel(placed.used), config, solver_);
-      gain = HeldOutTrials::Gain(with, without);
-      const std::size_t before = mirrors.size();
-      std::erase_if(mirrors, [&](const std::string& name) {
-        const FittedParameter* loss = with.fit.report.Find(fmt::format("mirror.{}.loss_db", name));
+    const Trial without = trials.Try(WithNoiseLevel(placed.used), Radiometry(), solver_);
+    const FoundMirrors mirrors = FindMirrors(trials, without);
+    if (mirrors.names.empty())
+      return {"none", "ghosts do not raise the likelihood: " + GainText(mirrors.gain)};
+    FreeMirrors(mirrors.names, plan_.fit);
+    return {Names(mirrors.names), "their ghosts raise the likelihood: " + GainText(mirrors.gain)};
+  }
+
+  struct FoundMirrors {
+    std::vector<std::string> names = {};  // materials
+    Trial with = {};
+    calib::LikelihoodDifference gain = {};
+  };
+
+  // Tries every material as a mirror; those without ghosts drop out. Finds none without held-out frames.
+  FoundMirrors FindMirrors(HeldOutTrials& trials, const Trial& without) const {
+    FoundMirrors found;
+    if (trials.held_out().empty()) return found;
+    for (const std::string& material : scene_.material_names) {
+      if (material != options_.target) found.names.push_back(material);
+    }
+    while (!found.names.empty()) {
+      FitConfig config = Radiometry();
+      FreeMirrors(found.names, config);
+      found.with = trials.Try(WithNoiseLevel(trials.used()), config, solver_);
+      found.gain = HeldOutTrials::Gain(found.with, without);
+      const std::size_t before = found.names.size();
+      std::erase_if(found.names, [&](const std::string& name) {
+        const FittedParameter* loss = found.with.fit.report.Find(MirrorLoss(name));
         return loss == nullptr || loss->status != ParameterStatus::kFree || loss->value > kNoMirrorDb;
       });
-      if (!IsSignificant(gain)) mirrors.clear();
-      if (mirrors.size() == before) break;
+      if (!IsSignificant(found.gain)) found.names.clear();
+      if (found.names.size() == before) break;
     }
-    if (mirrors.empty()) return {"none", "ghosts do not raise the likelihood: " + GainText(gain)};
-    for (const std::string& name : mirrors) plan_.fit.free->push_back(fmt::format("mirror.{}.loss_db", name));
-    plan_.fit.free->push_back("beam.transmit_end_deg");
-    return {Names(mirrors), "their ghosts raise the likelihood: " + GainText(gain)};
+    return found;
+  }
+
+  static std::string MirrorLoss(const std::string& material) {
+    return fmt::format("mirror.{}.loss_db", material);
+  }
+
+  static void FreeMirrors(const std::vector<std::string>& materials, FitConfig& config) {
+    std::ranges::transform(materials, std::back_inserter(*config.free), MirrorLoss);
+    config.free->emplace_back("beam.transmit_end_deg");
   }
 
   Calibration LastFits() {
@@ -537,7 +574,14 @@ class Calibrator {
     fit.fit.test_curves = test_curves;
     fit.on_note = listener_.message;
     fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
-    return FitRecording(recording_, scene_, plan_.parameters, fit);
+    RecordingFit last = FitRecording(recording_, scene_, plan_.parameters, fit);
+    // The decisions say what is assumed.
+    SonarModel stated = recording_.info().sonar;
+    ParameterSet of_plan = plan_.parameters;
+    for (const std::string& sentence :
+         AssumeMissing(recording_.info().scale, /*find_display=*/false, stated, of_plan))
+      std::erase(last.fit.report.warnings, sentence);
+    return last;
   }
 
   // Material of the target, or of the only object that may stand elsewhere. A node without a material of its

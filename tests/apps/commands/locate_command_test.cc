@@ -6,8 +6,10 @@
 #include <string>
 
 #include "core/types/units.h"
+#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/fan_pictures.h"
 #include "data_io/pose_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
@@ -55,8 +57,8 @@ class LocateCommandTest : public ::testing::Test {
     data_io::WriteRecording(MemoryRecording(info, frames), dir_ / "rec");
   }
 
-  std::string Arguments(const std::string& more) const {
-    return "locate --real " + Quoted(dir_ / "rec") + " --target " + Quoted(dir_ / "body.gltf") +
+  std::string Arguments(const std::string& more, const std::string& real = "rec") const {
+    return "locate --real " + Quoted(dir_ / real) + " --target " + Quoted(dir_ / "body.gltf") +
            " --spacing 30 --starts 2 --ray-height 0.15 --max-iterations 10 --out " + Quoted(dir_ / "out") +
            more;
   }
@@ -95,6 +97,21 @@ TEST_F(LocateCommandTest, WritesFilesThatOtherCommandsRead) {
   const Outcome compared = RunSonarcal("compare --real " + Quoted(dir_ / "out/recording") + " --sim " +
                                        Quoted(dir_ / "sim") + " --out " + Quoted(dir_ / "cmp"));
   EXPECT_EQ(compared.status, 0) << compared.err;
+}
+
+// A picture of a viewer, of which only the farthest range is known.
+TEST_F(LocateCommandTest, FindsTheTargetInABarePicture) {
+  const auto recording = data_io::OpenRecording(dir_ / "rec");
+  const data_io::FanPainter painter(recording->info(), {});
+  data_io::WritePng(dir_ / "fan.png", painter.Paint(recording->ReadFrame(0)));
+  testing::WriteFile(dir_ / "fan.png.geometry.json",
+                     fmt::format(R"({{"format": "sonar-picture-geometry/1", "range_m": [{}]}})",
+                                 recording->info().sonar.axes.range_max_m));
+  const Outcome outcome = RunSonarcal(Arguments(" --frame 0", "fan.png"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("states no frequency"));
+  const data_io::TimedPose found = data_io::ReadPoses(dir_ / "out/poses.json").at(0);
+  EXPECT_NEAR(found.world_from_sonar.position_m.norm(), testing::BodyPose().range_m, 0.05);
 }
 
 TEST_F(LocateCommandTest, RefinesStartPosesOfAllFrames) {

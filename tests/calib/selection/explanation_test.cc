@@ -126,8 +126,8 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   EXPECT_LT(speckle.error_held_out.PerPixel(),
             ErrorOf(speckle, frames.held_out) / 255.0 / speckle.error_held_out.Pixels())
       << "no image has a lower mean absolute error than the median";
-  // By hand: the criteria are twice the nats of independent cells, and what values cost. The nats are those of
-  // speckle about the images with and without ghosts.
+  // By hand: the criteria are twice the nats of independent cells, and what values cost. The nats are those
+  // of speckle about the images with and without ghosts.
   const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), Options());
   const auto nats_per_pixel = [&](const ExplainedStep& step) {
     ParameterSet with = step.parameters;

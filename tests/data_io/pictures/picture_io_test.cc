@@ -120,6 +120,23 @@ TEST(Pictures, GeometryAndGridAsGiven) {
   }
 }
 
+// A fan is to scale: its arcs lie at 1 m and 4 m.
+TEST(Pictures, TheFarthestRangeIsEnoughForAFan) {
+  const TempDir dir;
+  WritePng(dir / "fan.png", Picture());
+  testing::WriteFile(dir / "fan.png.geometry.json",
+                     R"({"format": "sonar-picture-geometry/1", "range_m": [4]})");
+  const auto recording = OpenRecording(dir / "fan.png");
+  EXPECT_NEAR(recording->info().sonar.axes.range_min_m, 1.0, 0.016) << "two pixels";
+  EXPECT_EQ(recording->info().sonar.axes.range_max_m, 4.0);
+  EXPECT_LT(WorstDifference(recording->ReadFrame(0)), 2.0);
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("by the radii of the fan")));
+  testing::WriteFile(dir / "fan.png.geometry.json",
+                     R"({"format": "sonar-picture-geometry/1", "range_m": [4], "polar": {
+                         "azimuth_first_deg": -30, "azimuth_last_deg": 30, "nearest_row": "top"}})");
+  EXPECT_THAT(RefusalOf(dir / "fan.png"), HasSubstr("has one range, expected two for 'polar'"));
+}
+
 TEST(Pictures, FramesAreInTheOrderOfTheirNumbers) {
   const TempDir dir;
   for (const int k : {10, 2, 1}) WritePng(dir / fmt::format("frame_{}.png", k), Picture(k));
@@ -246,7 +263,7 @@ TEST(Pictures, WithoutADescriptionTheSentenceHoldsOne) {
   WritePng(dir / "fan.png", Picture());
   const std::string refusal = RefusalOf(dir / "fan.png");
   EXPECT_THAT(refusal, HasSubstr("fan.png.geometry.json"));
-  EXPECT_THAT(refusal, HasSubstr("\"range_m\": [nearest, farthest], \"fan\": {\"apex_px\": ["));
+  EXPECT_THAT(refusal, HasSubstr("\"range_m\": [farthest], \"fan\": {\"apex_px\": ["));
   WritePng(dir / "square.png", Grid<std::uint8_t>(40, 40, 200));
   EXPECT_THAT(RefusalOf(dir / "square.png"), HasSubstr("no fan could be made out"));
 }
@@ -262,6 +279,9 @@ TEST(Pictures, DescriptionsAreRefusedByKey) {
   EXPECT_EQ(refusal(R"(, "range_m": [1, 4])"), "");
   EXPECT_THAT(refusal(""), HasSubstr("range_m"));
   EXPECT_THAT(refusal(R"(, "range_m": [4, 1])"), HasSubstr("'range_m' must be two ranges"));
+  EXPECT_EQ(refusal(R"(, "range_m": [4])"), "");
+  EXPECT_THAT(refusal(R"(, "range_m": [0])"), HasSubstr("'range_m' must be two ranges"));
+  EXPECT_THAT(refusal(R"(, "range_m": [])"), HasSubstr("'range_m' must be two ranges"));
   EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "beam": 3)"), HasSubstr("unknown key 'beam'"));
   EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "fan": {"beams": 1})"), HasSubstr("beams"));
   EXPECT_THAT(refusal(R"(, "range_m": [1, 4], "fan": {"apex_px": [1, 2]})"), HasSubstr("together"));

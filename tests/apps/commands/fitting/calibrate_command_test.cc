@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/workflow/calibration/calibrate.h"
@@ -21,6 +22,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::IsOneSentence;
+using ::testing::Not;
 using testing::Outcome;
 using testing::Quoted;
 using testing::ReadJsonFile;
@@ -106,6 +108,51 @@ TEST_F(CalibrateCommand, FindsTheOffsetOfTheWindowAndRepeatsItselfFromItsPlan) {
             0);
   const auto corrected = data_io::OpenRecording(*world_ / "corrected");
   EXPECT_TRUE(corrected->info().sonar.axes.Matches(sonar.sonar.axes));
+}
+
+// The poses, the box and the window of this recording are declared rightly. They could move to make up for
+// ghosts, if ghosts were looked for afterwards.
+TEST_F(CalibrateCommand, GhostsMoveNothing) {
+  const TinyWorld world;
+  ParameterSet truth = testing::TinyAcousticParameters();
+  truth.mirrors["floor"].loss_db = 3.0;
+  data_io::WriteParameters(world.params(), truth);
+  data_io::WritePoses(world.poses(), Around());
+  const Outcome simulated =
+      RunSonarcal(world.SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(world / "real"));
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  const Outcome outcome =
+      RunSonarcal("calibrate -q --rays 96x200 --real " + Quoted(world / "real") + " --scene " +
+                  Quoted(world.scene()) + " --out " + Quoted(world / "out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const workflow::CalibrationPlan plan = workflow::ReadCalibrationPlan(world / "out/plan.json");
+  EXPECT_THAT(plan.decided.back().choice, HasSubstr("floor"));
+  const PolarAxes declared = data_io::OpenRecording(world / "real")->info().sonar.axes;
+  const PolarAxes found = data_io::ReadSonarFile(world / "out/sonar.json").sonar.axes;
+  EXPECT_NEAR(found.range_min_m, declared.range_min_m, 0.01);
+  EXPECT_NEAR(found.range_max_m, declared.range_max_m, 0.01);
+  EXPECT_NEAR(data_io::ReadParameters(world / "out/params.json").mirrors.at("floor").loss_db, 3.0, 1.0);
+}
+
+// What a picture of a viewer leaves: no frequency, no widths of the beam, no scale, a single frame.
+TEST_F(CalibrateCommand, AFrameOfWhichNothingIsKnownIsCalibrated) {
+  nlohmann::json recording = ReadJsonFile(*world_ / "real/recording.json");
+  for (const char* key : {"frequency_hz", "azimuth_beam_width_deg", "elevation_beam_width_deg"})
+    recording["sonar"].erase(key);
+  for (const char* key : {"db_min", "db_max"}) recording["image"].erase(key);
+  recording["frames"].erase(recording["frames"].begin() + 1, recording["frames"].end());
+  std::filesystem::copy(*world_ / "real", *world_ / "bare");
+  testing::WriteFile(*world_ / "bare/recording.json", recording.dump());
+  const Outcome outcome = RunSonarcal(Arguments("of_bare", "", "bare"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("beam.azimuth_width_deg: nobody states it, so it is fitted"));
+  EXPECT_THAT(outcome.out, HasSubstr("states no frequency"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("nats a pixel"))) << "no frame is held out";
+  const nlohmann::json fit = ReadJsonFile(*world_ / "of_bare/fit.json");
+  const auto& values = fit["parameters"];
+  EXPECT_TRUE(std::ranges::any_of(values, [](const nlohmann::json& value) {
+    return value["name"] == "beam.azimuth_width_deg" && value["status"] != "fixed";
+  }));
 }
 
 TEST_F(CalibrateCommand, APlanDecidesAndTheRestIsDecidedAnew) {
