@@ -19,8 +19,10 @@ std::atomic<bool> command_was_asked = false;
 
 // Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
-  RemoveUnfinishedOutputs();
-  std::cerr << "\nsonarcal: " << why << std::endl;
+  const bool is_kept = RemoveUnfinishedOutputs();
+  std::cerr << "\nsonarcal: " << why
+            << (is_kept ? "; the same command with --resume goes on" : ", unfinished outputs were removed")
+            << std::endl;
   std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::raise(signal);
@@ -30,7 +32,7 @@ std::atomic<bool> command_was_asked = false;
 void WaitForSignals(const sigset_t& signals) {
   int signal = 0;
   if (sigwait(&signals, &signal) != 0) return;
-  if (!command_can_stop) EndBy(signal, signals, "interrupted, unfinished outputs were removed");
+  if (!command_can_stop) EndBy(signal, signals, "interrupted");
   command_was_asked = true;
   // Most commands stop at once. For others, a message tells the user to wait.
   constexpr timespec kMoment = {1, 0};

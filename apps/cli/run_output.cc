@@ -28,6 +28,7 @@ constexpr const char* kProvenance = "provenance.json";
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> staging;
+  bool is_kept = false;  // something for a later run
 };
 
 Registry& Unfinished() {
@@ -113,6 +114,7 @@ RunOutput::RunOutput(const fs::path& folder, data_io::Aside aside) : directory_(
 void RunOutput::Keep() {
   const std::lock_guard lock(Unfinished().mutex);
   Unfinished().staging.erase(directory_.staging());
+  Unfinished().is_kept = true;
   directory_.Keep();
 }
 
@@ -138,7 +140,7 @@ RunOutput::~RunOutput() {
   Unfinished().staging.erase(directory_.staging());
 }
 
-void RemoveUnfinishedOutputs() {
+bool RemoveUnfinishedOutputs() {
   const std::lock_guard lock(Unfinished().mutex);
   for (const fs::path& staging : Unfinished().staging) {
     // Repeats the removal: it fails if another thread writes a file meanwhile.
@@ -148,6 +150,7 @@ void RemoveUnfinishedOutputs() {
       if (!error) break;
     }
   }
+  return Unfinished().is_kept;
 }
 
 }  // namespace sonarcal::cli

@@ -70,7 +70,8 @@ class RunOutput {
   data_io::OutputDirectory directory_;
 };
 
-// Removes staged files of runs that are not committed. For the end of an interrupted program.
-void RemoveUnfinishedOutputs();
+// Removes staged files of runs that are not committed. For the end of an interrupted program. Returns whether
+// something was kept for a later run.
+bool RemoveUnfinishedOutputs();
 
 }  // namespace sonarcal::cli

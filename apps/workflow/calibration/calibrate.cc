@@ -231,9 +231,21 @@ class Calibrator {
       return {"the only frame is fitted",
               "nothing else is there, so that no choice can be tried on another frame"};
     }
-    return {
+    CalibrationDecision decision{
         fmt::format("{} of {} frames are fitted, {} are held out", used.size(), all.size(), held_out.size()),
         "the held-out ones decide the choices below"};
+    const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording_);
+    const auto is_fitted_pose = [&](int frame) {
+      return std::ranges::any_of(used, [&](int other) {
+        return IsSamePose(poses[other].world_from_sonar, poses[frame].world_from_sonar);
+      });
+    };
+    if (std::ranges::all_of(held_out, is_fitted_pose)) {
+      decision.open.emplace_back(
+          "whether the choices hold elsewhere: the held-out frames have poses of fitted ones, and their "
+          "speckle if the scene is static");
+    }
+    return decision;
   }
 
   CalibrationDecision ChooseWaterAndAbsorption() {

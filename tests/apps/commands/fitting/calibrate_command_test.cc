@@ -155,6 +155,23 @@ TEST_F(CalibrateCommand, AFrameOfWhichNothingIsKnownIsCalibrated) {
   }));
 }
 
+TEST_F(CalibrateCommand, SaysThatHeldOutFramesOfFittedPosesTestLittle) {
+  nlohmann::json recording = ReadJsonFile(*world_ / "real/recording.json");
+  for (nlohmann::json& frame : recording["frames"])
+    frame["world_from_sonar"] = recording["frames"][0]["world_from_sonar"];
+  std::filesystem::copy(*world_ / "real", *world_ / "still");
+  testing::WriteFile(*world_ / "still/recording.json", recording.dump());
+  testing::WriteFile(*world_ / "later.json", R"({"format": "sonar-calibration-plan/1",
+    "decided": [{"stage": "placement"}, {"stage": "beam"}, {"stage": "mirrors"}]})");
+  const std::string plan = "--plan " + Quoted(*world_ / "later.json");
+  const Outcome still = RunSonarcal(Arguments("of_still", plan, "still"));
+  ASSERT_EQ(still.status, 0) << still.err;
+  EXPECT_THAT(still.out, HasSubstr("whether the choices hold elsewhere"));
+  const Outcome around = RunSonarcal(Arguments("of_real", plan));
+  ASSERT_EQ(around.status, 0) << around.err;
+  EXPECT_THAT(around.out, Not(HasSubstr("whether the choices hold elsewhere")));
+}
+
 TEST_F(CalibrateCommand, APlanDecidesAndTheRestIsDecidedAnew) {
   testing::WriteFile(*world_ / "plan.json", R"({"format": "sonar-calibration-plan/1",
     "decided": [{"stage": "frames"}, {"stage": "placement", "choice": "as declared"},
