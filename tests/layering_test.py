@@ -48,6 +48,7 @@ FOLDERS = [
     "calib/noise",
     "calib/selection",
     "calib/markers",
+    "apps/workflow/rays",
     "apps/workflow",
     "apps/workflow/calibration",
     "apps/workflow/noise",

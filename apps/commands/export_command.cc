@@ -24,7 +24,7 @@
 #include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
 #include "apps/export/simulator_configs.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "core/types/words.h"

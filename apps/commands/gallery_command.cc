@@ -30,7 +30,7 @@
 #include "apps/report/html/html_report.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/pictures/gallery_pictures.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "core/types/units.h"

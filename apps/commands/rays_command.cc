@@ -1,5 +1,5 @@
 // `sonarcal rays`: errors of images with several ray counts, relative to an image of very many rays, for both
-// samplings (apps/workflow/ray_errors.h). Output as a table, JSON, and a report with a chart.
+// samplings (apps/workflow/rays/ray_errors.h). Output as a table, JSON, and a report with a chart.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@
 #include "apps/commands/commands.h"
 #include "apps/report/html/html_report.h"
 #include "apps/report/html/report_end.h"
-#include "apps/workflow/ray_errors.h"
+#include "apps/workflow/rays/ray_errors.h"
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "core/types/printable.h"

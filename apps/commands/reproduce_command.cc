@@ -23,7 +23,7 @@
 #include "apps/report/pictures/shown_frames.h"
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"

@@ -13,7 +13,7 @@
 #include "apps/cli/scene_option.h"
 #include "apps/view/view_session.h"
 #include "apps/workflow/comparison_options.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 
 namespace sonarcal::commands {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "calib/acoustic_fit.h"
 #include "core/types/error.h"

@@ -22,7 +22,7 @@
 
 #include "apps/view/view_state.h"
 #include "apps/workflow/compare.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/scene_geometry.h"
 #include "core/types/recording.h"
 #include "data_io/pose_io.h"

@@ -2,11 +2,13 @@
 // Each command that assumes one says so.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "core/types/image.h"
+#include "core/types/parameters.h"
 #include "core/types/sonar_model.h"
 
 namespace sonarcal::workflow {
@@ -17,11 +19,18 @@ inline constexpr double kAssumedElevationWidthDeg = 20.0;
 inline constexpr double kAssumedSpanDb = 60.0;  // of the display
 
 // Assumes a frequency if the sonar states none. Returns a sentence then.
-inline std::optional<std::string> AssumeFrequency(SonarModel& sonar) {
-  if (sonar.frequency_hz > 0.0) return std::nullopt;
-  sonar.frequency_hz = kAssumedFrequencyHz;
-  return fmt::format("the recording states no frequency: {:g} MHz is assumed for the absorption",
-                     kAssumedFrequencyHz / 1e6);
-}
+std::optional<std::string> AssumeFrequency(SonarModel& sonar);
+
+// Assumes the widths that neither the sonar nor `beam` states, and returns them.
+struct AssumedWidth {
+  std::string_view name;  // of the parameter
+  double deg = 0.0;
+};
+std::vector<AssumedWidth> AssumeWidths(const SonarModel& sonar, BeamParameters& beam);
+
+// Assumes what neither the sonar of a recording nor the parameters state. Returns a sentence for each.
+// `find_display`: the caller finds the display, so that none is assumed.
+std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
+                                       ParameterSet& parameters);
 
 }  // namespace sonarcal::workflow

@@ -12,7 +12,7 @@
 #include "apps/workflow/compare.h"
 #include "apps/workflow/comparison_options.h"
 #include "apps/workflow/listener.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "calib/parameters/fit_config.h"
 #include "calib/selection/explanation.h"
 #include "core/types/frame_list.h"

@@ -17,7 +17,7 @@
 #include "apps/workflow/compare.h"
 #include "apps/workflow/comparison_options.h"
 #include "apps/workflow/listener.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/still_poses.h"
 #include "calib/fit.h"
 #include "calib/parameters/fit_config.h"
@@ -98,18 +98,6 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters);
 // speckled samples unless the expected image is requested.
 sim::SimulationOptions AcousticSimulation(const RayOptions& rays, const SonarModel& sonar, const Water& water,
                                           const ParameterSet& parameters);
-
-// Width of the beam that is assumed because neither the sonar nor the parameters state it.
-struct AssumedWidth {
-  std::string name;  // of the parameter
-  double deg = 0.0;
-};
-std::vector<AssumedWidth> AssumeWidths(const SonarModel& sonar, BeamParameters& beam);
-
-// Assumes what neither the sonar of a recording nor the parameters state (assumptions.h). Returns a sentence
-// for each. `find_display`: the caller finds the display, so that none is assumed.
-std::vector<std::string> AssumeMissing(const ImageScale& scale, bool find_display, SonarModel& sonar,
-                                       ParameterSet& parameters);
 
 // Throws DataError if frames of the split have different sonar settings, because the fit would attribute the
 // difference to echoes.

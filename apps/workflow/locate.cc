@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "apps/workflow/assumptions.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "calib/noise/background_display.h"
 #include "core/math/statistics.h"

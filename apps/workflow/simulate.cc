@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "core/types/error.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "apps/workflow/listener.h"
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "core/types/option.h"
 #include "core/types/parameters.h"
 #include "core/types/recording.h"

@@ -206,10 +206,11 @@ class Calibrator {
     }
     if (start.materials.empty()) start.materials["default"].gsab = kStartCurve;
     if (!plan_.fit.free) plan_.fit.free = std::vector<std::string>{"materials"};
-    // A wrong width would turn and shift the objects, so a width that nobody states is fitted.
+    // A wrong width would turn and shift the objects, so a width that is not stated is fitted.
     for (const AssumedWidth& width : AssumeWidths(sonar_, start.beam)) {
-      plan_.fit.free->push_back(width.name);
-      assumed_.push_back(fmt::format("{}: nobody states it, so it is fitted", width.name));
+      plan_.fit.free->emplace_back(width.name);
+      assumed_.push_back(
+          fmt::format("{}: neither the recording nor the parameters state it, so it is fitted", width.name));
     }
     std::ranges::copy(AssumeMissing(recording_.info().scale, /*find_display=*/true, sonar_, start),
                       std::back_inserter(assumed_));
@@ -323,17 +324,12 @@ class Calibrator {
     const sim::Simulator simulator = MakeSimulator(plan_.parameters);
     HeldOutTrials trials(simulator, GreyFrames(recording_, *plan_.fit.used),
                          GreyFrames(recording_, *plan_.fit.held_out));
+    if (!plan_.Has(CalibrationStage::kMirrors)) Forget(CalibrationStage::kMirrors);
     FitConfig config = Radiometry();
     const ParameterSet start = WithNoiseLevel(trials.used());
     listener_.Message("placement: fitting curves at the recorded poses");
     Trial as_recorded = trials.Try(start, config, solver_);
-    // Poses and objects would otherwise move to make up for ghosts.
-    if (FoundMirrors mirrors = FindMirrors(trials, as_recorded); !mirrors.names.empty()) {
-      FreeMirrors(mirrors.names, plan_.fit);
-      as_recorded = std::move(mirrors.with);
-      listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
-                                    GainText(mirrors.gain)));
-    }
+    if (!plan_.Has(CalibrationStage::kMirrors)) TryMirrors(trials, as_recorded);
     KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
 
     config = Radiometry();
@@ -376,6 +372,17 @@ class Calibrator {
               "moving them does not raise the likelihood: " + GainText(gain)};
     }
     return TakePlacement(moved, config, gain);
+  }
+
+  // Frees the mirrors whose ghosts show at the recorded poses. Poses and objects would otherwise move to make
+  // up for ghosts.
+  void TryMirrors(HeldOutTrials& trials, Trial& as_recorded) {
+    FoundMirrors mirrors = FindMirrors(trials, as_recorded);
+    if (mirrors.names.empty()) return;
+    FreeMirrors(mirrors.names, plan_.fit);
+    as_recorded = std::move(mirrors.with);
+    listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
+                                  GainText(mirrors.gain)));
   }
 
   // Frees what moved, and starts the last fit there.
@@ -460,8 +467,7 @@ class Calibrator {
 
   CalibrationDecision ChooseBeam() {
     if (plan_.fit.held_out->empty()) {
-      const bool stated = sonar_.azimuth_beam_width_deg > 0.0;
-      return {stated ? "widths as the sonar states them" : "widths fitted",
+      return {"as stated; a width that is not stated is fitted",
               "no frame is held out",
               {"the pattern of the beams and the looks: a second frame decides them"}};
     }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "apps/workflow/ray_errors.h"
+#include "apps/workflow/rays/ray_errors.h"
 #include "core/types/error.h"
 #include "sim/scenes/scene_primitives.h"
 #include "sim/scenes/scenes.h"

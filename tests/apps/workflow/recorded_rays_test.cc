@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 
 namespace sonarcal::workflow {
 namespace {

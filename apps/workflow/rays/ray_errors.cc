@@ -1,4 +1,4 @@
-#include "apps/workflow/ray_errors.h"
+#include "apps/workflow/rays/ray_errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>

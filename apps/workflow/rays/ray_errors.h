@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "apps/workflow/ray_options.h"
+#include "apps/workflow/rays/ray_options.h"
 #include "sim/simulator.h"
 
 namespace sonarcal::workflow {
