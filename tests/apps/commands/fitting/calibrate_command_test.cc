@@ -121,9 +121,11 @@ TEST_F(CalibrateCommand, GhostsMoveNothing) {
   const Outcome simulated =
       RunSonarcal(world.SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(world / "real"));
   ASSERT_EQ(simulated.status, 0) << simulated.err;
-  const Outcome outcome =
-      RunSonarcal("calibrate -q --rays 96x200 --real " + Quoted(world / "real") + " --scene " +
-                  Quoted(world.scene()) + " --out " + Quoted(world / "out"));
+  const auto calibrate = [&](const char* out, const std::string& extra) {
+    return RunSonarcal("calibrate -q --rays 96x200 --real " + Quoted(world / "real") + " --scene " +
+                       Quoted(world.scene()) + " --out " + Quoted(world / out) + extra);
+  };
+  const Outcome outcome = calibrate("out", "");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const workflow::CalibrationPlan plan = workflow::ReadCalibrationPlan(world / "out/plan.json");
   EXPECT_THAT(plan.decided.back().choice, HasSubstr("floor"));
@@ -132,6 +134,12 @@ TEST_F(CalibrateCommand, GhostsMoveNothing) {
   EXPECT_NEAR(found.range_min_m, declared.range_min_m, 0.01);
   EXPECT_NEAR(found.range_max_m, declared.range_max_m, 0.01);
   EXPECT_NEAR(data_io::ReadParameters(world / "out/params.json").mirrors.at("floor").loss_db, 3.0, 1.0);
+
+  testing::WriteFile(world / "no_mirrors.json", R"({"format": "sonar-calibration-plan/1",
+    "decided": [{"stage": "mirrors", "choice": "none"}]})");
+  const Outcome without = calibrate("without", " --plan " + Quoted(world / "no_mirrors.json"));
+  ASSERT_EQ(without.status, 0) << without.err;
+  EXPECT_TRUE(data_io::ReadParameters(world / "without/params.json").mirrors.empty());
 }
 
 // What a picture of a viewer leaves: no frequency, no widths of the beam, no scale, a single frame.
@@ -145,7 +153,8 @@ TEST_F(CalibrateCommand, AFrameOfWhichNothingIsKnownIsCalibrated) {
   testing::WriteFile(*world_ / "bare/recording.json", recording.dump());
   const Outcome outcome = RunSonarcal(Arguments("of_bare", "", "bare"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("beam.azimuth_width_deg: nobody states it, so it is fitted"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("beam.azimuth_width_deg: neither the recording nor the parameters state it"));
   EXPECT_THAT(outcome.out, HasSubstr("states no frequency"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("nats a pixel"))) << "no frame is held out";
   const nlohmann::json fit = ReadJsonFile(*world_ / "of_bare/fit.json");
