@@ -28,7 +28,7 @@ constexpr const char* kProvenance = "provenance.json";
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> staging;
-  bool is_kept = false;  // something for a later run
+  std::set<fs::path> kept;  // for a later run
 };
 
 Registry& Unfinished() {
@@ -114,7 +114,7 @@ RunOutput::RunOutput(const fs::path& folder, data_io::Aside aside) : directory_(
 void RunOutput::Keep() {
   const std::lock_guard lock(Unfinished().mutex);
   Unfinished().staging.erase(directory_.staging());
-  Unfinished().is_kept = true;
+  Unfinished().kept.insert(directory_.staging());
   directory_.Keep();
 }
 
@@ -138,6 +138,7 @@ void RunOutput::Commit() {
 RunOutput::~RunOutput() {
   const std::lock_guard lock(Unfinished().mutex);
   Unfinished().staging.erase(directory_.staging());
+  Unfinished().kept.erase(directory_.staging());
 }
 
 bool RemoveUnfinishedOutputs() {
@@ -150,7 +151,7 @@ bool RemoveUnfinishedOutputs() {
       if (!error) break;
     }
   }
-  return Unfinished().is_kept;
+  return !Unfinished().kept.empty();
 }
 
 }  // namespace sonarcal::cli
