@@ -145,9 +145,9 @@ PictureSampler::PictureSampler(const PictureGeometry& geometry, int rows, int co
   SONARCAL_CHECK(geometry.polar || geometry.fan, "{}: neither polar nor a fan", where);
   SONARCAL_CHECK(geometry.range_min_m || geometry.fan, "{}: no nearest range", where);
   axes_.range_max_m = geometry.range_max_m;
-  axes_.range_min_m = geometry.range_min_m.value_or(0.0);
-  if (!geometry.range_min_m)
-    axes_.range_min_m = geometry.range_max_m * geometry.fan->radius_min_px / geometry.fan->radius_max_px;
+  axes_.range_min_m = geometry.range_min_m
+                          ? *geometry.range_min_m
+                          : geometry.range_max_m * geometry.fan->radius_min_px / geometry.fan->radius_max_px;
   if (geometry.polar && cols < 2)
     throw DataError("{}: a picture of {} columns, expected at least 2 beams", where, cols);
   geometry.polar ? LayOutPolar(geometry) : LayOutFan(geometry);
