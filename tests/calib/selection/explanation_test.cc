@@ -140,11 +140,11 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   const double nats = cells * (nats_per_pixel(ghosts) - nats_per_pixel(before));
   const int values = ghosts.determined - before.determined;
   EXPECT_EQ(values, 2) << "the losses of floor and wall";
-  EXPECT_NEAR(ghosts.aic_change, 2.0 * (values - nats), 1e-6);
-  EXPECT_NEAR(ghosts.bic_change, values * std::log(cells) - 2.0 * nats, 1e-6);
+  EXPECT_NEAR(ghosts.aic_change, 2.0 * (values - nats), 1e-9);
+  EXPECT_NEAR(ghosts.bic_change, values * std::log(cells) - 2.0 * nats, 1e-9);
 }
 
-// Under the normal law of grey values, ghosts gained likelihood in one of six tanks without mirrors.
+// Under the normal law of grey values, ghosts are significant in one of six tanks without mirrors.
 TEST_F(ExplanationTest, GhostsAreNotSignificantIfTheTankHasNone) {
   for (const int seed : {11, 12, 13, 14}) {
     const Frames frames = MakeFrames(Truth(false), seed);
