@@ -174,8 +174,20 @@ TEST(RunOutputTest, AnInterruptionLeavesNothingBehind) {
   RunOutput output(dir / "out", "convert", /*force=*/false);
   testing::WriteFile(output / "half.json", "{");
   ASSERT_FALSE(std::filesystem::is_empty(dir.path()));
-  RemoveUnfinishedOutputs();
+  EXPECT_FALSE(RemoveUnfinishedOutputs()) << "nothing is kept";
   EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
+}
+
+TEST(RunOutputTest, AnInterruptionLeavesWhatIsKeptUntilItEnds) {
+  const testing::TempDir dir;
+  {
+    RunOutput output(dir / "out", "calibrate", /*force=*/false, data_io::Aside::kAnew);
+    testing::WriteFile(output / "half.json", "{");
+    output.Keep();
+    EXPECT_TRUE(RemoveUnfinishedOutputs());
+    EXPECT_TRUE(std::filesystem::exists(output / "half.json"));
+  }
+  EXPECT_FALSE(RemoveUnfinishedOutputs()) << "that run has ended";
 }
 
 }  // namespace
