@@ -5,7 +5,7 @@
 man -l --warnings must have nothing to say of any page, each command of --help has its page with all options that
 its --help lists, and bash offers these options, the commands, and the words of options that take one of a few. The table of
 docs/reference/sonars.md is what `sonarcal sonars` lists. The tables and the schema of params.json in docs/reference are those
-that the program makes from its table of parameters.
+that the program makes from its table of parameters. Examples of the pages write into folders that no clone has.
 """
 
 import functools
@@ -18,7 +18,8 @@ import sys
 import tempfile
 
 SONARCAL = sys.argv[1]
-REFERENCE = pathlib.Path(__file__).parent.parent / "docs" / "reference"
+PROJECT = pathlib.Path(__file__).parent.parent
+REFERENCE = PROJECT / "docs" / "reference"
 
 
 def output_of(*command, **more):
@@ -44,6 +45,16 @@ def completed(folder, *words):
         'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _sonarcal; printf "%s\\n" "${COMPREPLY[@]}"'
     )
     return output_of("bash", "-c", script, "bash", *words, cwd=folder).split()
+
+
+def check_examples():
+    """No example writes into a folder of the sources: the program would refuse it in a clone."""
+    sources = {path.parent.name for path in PROJECT.glob("*/CMakeLists.txt")}
+    pages = [*PROJECT.glob("*.md"), *PROJECT.glob("docs/**/*.md"), *PROJECT.glob("notebooks/*.md")]
+    for page in pages:
+        for out in re.findall(r"--out ([\w./-]+)", page.read_text(encoding="utf-8")):
+            assert out.split("/")[0] not in sources, f"{page.name}: --out {out}"
+    assert "sim" in sources and len(pages) > 20
 
 
 def check_pages(folder, commands):
@@ -140,6 +151,7 @@ def main():
     commands = re.findall(r"^  (\w+) +[A-Z]", help_text.split("Commands:")[1], re.MULTILINE)
     assert len(commands) > 10 and "documentation" not in commands, commands
     check_sonars()
+    check_examples()
     with tempfile.TemporaryDirectory() as folder:
         output_of(SONARCAL, "documentation", "--out", folder)
         check_pages(folder, commands)

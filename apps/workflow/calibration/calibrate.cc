@@ -17,6 +17,8 @@
 #include "apps/workflow/simulate.h"
 #include "calib/noise/noise_fit.h"
 #include "calib/parameters/object_placement.h"
+#include "calib/selection/model_choice.h"
+#include "calib/selection/model_variants.h"
 #include "core/types/error.h"
 #include "data_io/pose_io.h"
 
@@ -38,6 +40,9 @@ constexpr int kSearchSteps = 40;
 
 // As above for fits that start at the end of a search.
 constexpr int kLastSteps = 6;
+
+// As above for other patterns of the beam, from where the search ended.
+constexpr int kPatternSteps = 3;
 
 // A mirror that loses more than this shows no ghosts.
 constexpr double kNoMirrorDb = 40.0;
@@ -102,6 +107,17 @@ calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
     prior.position_m = std::max(kMinPositionM, std::sqrt(position.squares / position.freedom));
   if (angle.freedom > 0) prior.angle_deg = std::max(kMinAngleDeg, std::sqrt(angle.squares / angle.freedom));
   return prior;
+}
+
+// Names of the chosen forms.
+std::vector<std::string> FormOf(const calib::ModelChoice& choice) {
+  std::vector<std::string> names;
+  for (const calib::JudgedAxis& axis : choice.axes) {
+    for (const calib::JudgedVariant& variant : axis.variants) {
+      if (variant.chosen) names.push_back(fmt::format("{} {}", ToString(axis.axis), variant.name));
+    }
+  }
+  return names;
 }
 
 // Names of the parameters that priors decide. Coefficients of curves are named once per material, and
@@ -321,18 +337,17 @@ class Calibrator {
     std::vector<std::string> objects = MovableObjects(scene_);
     if (!options_.target.empty()) objects = {options_.target};
     if (!(plan_.parameters.pulse.length_m > 0.0)) plan_.fit.free->push_back("pulse.length_m");
-    const sim::Simulator simulator = MakeSimulator(plan_.parameters);
+    const sim::Simulator simulator = MakeSimulator(WithLobes());
     HeldOutTrials trials(simulator, GreyFrames(recording_, *plan_.fit.used),
                          GreyFrames(recording_, *plan_.fit.held_out));
     if (!plan_.Has(CalibrationStage::kMirrors)) Forget(CalibrationStage::kMirrors);
-    FitConfig config = Radiometry();
-    const ParameterSet start = WithNoiseLevel(trials.used());
     listener_.Message("placement: fitting curves at the recorded poses");
-    Trial as_recorded = trials.Try(start, config, solver_);
+    Trial as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
     if (!plan_.Has(CalibrationStage::kMirrors)) TryMirrors(trials, as_recorded);
+    if (!plan_.Has(CalibrationStage::kBeam)) TryPatterns(trials, as_recorded);
     KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
 
-    config = Radiometry();
+    FitConfig config = Radiometry();
     config.start = plan_.fit.start;
     for (const char* name : {"pose", "geometry.range_*", "geometry.azimuth_offset_deg",
                              "geometry.azimuth_scale", "geometry.azimuth_cubic"})
@@ -340,7 +355,7 @@ class Calibrator {
     for (const std::string& object : objects) config.free->push_back("object:" + object);
     calib::FitOptions search = solver_;
     search.joint_steps = kSearchSteps;
-    ParameterSet blocks = start;
+    ParameterSet blocks = WithNoiseLevel(trials.used());
     blocks.pulse = as_recorded.fit.parameters.pulse;
     blocks.beam = as_recorded.fit.parameters.beam;
     listener_.Message("placement: searching poses, geometry of the sonar and objects on blocks of pixels");
@@ -358,12 +373,13 @@ class Calibrator {
     }
     KeepStart(found, [](const FittedParameter&) { return true; });
     config.start = plan_.fit.start;
+    if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
+      SearchElevation(trials, blocks, config, found);
+      KeepStart(found, [](const FittedParameter&) { return true; });
+      config.start = plan_.fit.start;
+    }
     listener_.Message("placement: fitting it to all pixels");
-    calib::FitOptions near = solver_;
-    near.near_start = true;
-    near.joint_steps = kLastSteps;
-    near.starts = 1;
-    const Trial moved = trials.Try(start, config, near);
+    const Trial moved = trials.Try(WithNoiseLevel(trials.used()), config, Near());
     const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
     if (!trials.held_out().empty() && !IsSignificant(gain)) {
       plan_.fit.start.clear();
@@ -383,6 +399,37 @@ class Calibrator {
     as_recorded = std::move(mirrors.with);
     listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
                                   GainText(mirrors.gain)));
+  }
+
+  // Chooses the patterns of the beam at the recorded poses. Poses and objects would otherwise move to make up
+  // for wrong ones.
+  void TryPatterns(HeldOutTrials& trials, Trial& as_recorded) {
+    if (trials.held_out().empty()) return;
+    const BeamParameters before = plan_.parameters.beam;
+    const calib::ModelChoice chosen =
+        ChooseForm(trials.simulator(), trials.used(), trials.held_out(),
+                   {calib::ChoiceAxis::kPattern, calib::ChoiceAxis::kElevation});
+    listener_.Message(fmt::format("placement: with {}", Names(FormOf(chosen))));
+    if (plan_.parameters.beam == before) return;
+    as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
+  }
+
+  // Tries the other elevation patterns, each with poses, geometry and objects free. Where those are wrong,
+  // they decide which pattern looks best at the recorded poses. `found`: the search with the given pattern.
+  void SearchElevation(const HeldOutTrials& trials, const ParameterSet& given, const FitConfig& config,
+                       calib::FitReport& found) {
+    calib::FitOptions near = Near();
+    near.joint_steps = kPatternSteps;
+    for (const calib::ModelVariant& variant : calib::ElevationVariants(given.beam)) {
+      if (variant.given) continue;
+      listener_.Message(fmt::format("placement: the same with elevation {}", variant.name));
+      ParameterSet other = given;
+      variant.apply(other);
+      calib::FitReport report = trials.Search(other, config, near).report;
+      if (report.cost_final >= found.cost_final) continue;
+      found = std::move(report);
+      variant.apply(plan_.parameters);
+    }
   }
 
   // Frees what moved, and starts the last fit there.
@@ -471,28 +518,34 @@ class Calibrator {
               "no frame is held out",
               {"the pattern of the beams and the looks: a second frame decides them"}};
     }
-    ParameterSet with_lobes = plan_.parameters;
-    with_lobes.beam.elevation_pattern = ElevationPattern::kCosine;
-    const Placed placed = PlacedFrames(with_lobes);
-    calib::ModelChoiceOptions choice{.axes = {calib::ChoiceAxis::kPattern, calib::ChoiceAxis::kElevation,
-                                              calib::ChoiceAxis::kLooks, calib::ChoiceAxis::kTrend},
-                                     .fit = solver_};
-    const FitConfig radiometry = Radiometry();
-    const calib::ModelChoice chosen = calib::ChooseModel(*placed.simulator, placed.used, placed.held_out,
-                                                         WithNoiseLevel(placed.used), radiometry, choice);
-    std::vector<std::string> words;
-    for (const calib::JudgedAxis& axis : chosen.axes) {
-      for (const calib::JudgedVariant& variant : axis.variants) {
-        if (variant.chosen) words.push_back(fmt::format("{} {}", ToString(axis.axis), variant.name));
-      }
-    }
+    const Placed placed = PlacedFrames(WithLobes());
+    const calib::ModelChoice chosen = ChooseForm(*placed.simulator, placed.used, placed.held_out,
+                                                 {calib::ChoiceAxis::kPattern, calib::ChoiceAxis::kElevation,
+                                                  calib::ChoiceAxis::kLooks, calib::ChoiceAxis::kTrend});
+    return {Names(FormOf(chosen)),
+            "the likelihood of the held-out frames is the best, or as good with fewer values"};
+  }
+
+  // Parameters for which the rays reach every lobe of any pattern.
+  ParameterSet WithLobes() const {
+    ParameterSet parameters = plan_.parameters;
+    parameters.beam.elevation_pattern = ElevationPattern::kCosine;
+    return parameters;
+  }
+
+  // Chooses forms of the model with the placement fixed, and takes them into the plan.
+  calib::ModelChoice ChooseForm(const sim::Simulator& simulator, const std::vector<calib::GreyFrame>& used,
+                                const std::vector<calib::GreyFrame>& held_out,
+                                std::vector<calib::ChoiceAxis> axes) {
+    calib::ModelChoice chosen = calib::ChooseModel(simulator, used, held_out, WithNoiseLevel(used),
+                                                   Radiometry(), {.axes = std::move(axes), .fit = solver_});
     const bool had_level = plan_.parameters.receiver.noise_db.has_value();
     plan_.parameters = chosen.parameters;
     if (!had_level) plan_.parameters.receiver.noise_db.reset();
     for (const std::string& name : chosen.config.free.value_or(std::vector<std::string>())) {
       if (std::ranges::find(*plan_.fit.free, name) == plan_.fit.free->end()) plan_.fit.free->push_back(name);
     }
-    return {Names(words), "the likelihood of the held-out frames is the best, or as good with fewer values"};
+    return chosen;
   }
 
   CalibrationDecision ChooseMirrors() {
@@ -585,10 +638,7 @@ class Calibrator {
     ComparisonOptions comparison;
     comparison.object = ScoredMaterial();
     fit.comparison = comparison.For(recording_.info().sonar.axes);
-    fit.fit = solver_;
-    fit.fit.starts = 1;
-    fit.fit.near_start = true;
-    fit.fit.joint_steps = kLastSteps;
+    fit.fit = Near();
     fit.fit.test_curves = test_curves;
     fit.on_note = listener_.message;
     fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
@@ -628,6 +678,15 @@ class Calibrator {
       if (parameter.status != ParameterStatus::kFixed && keep(parameter))
         plan_.fit.start[parameter.name] = parameter.value;
     }
+  }
+
+  // Of fits that start where an earlier one ended.
+  calib::FitOptions Near() const {
+    calib::FitOptions near = solver_;
+    near.near_start = true;
+    near.joint_steps = kLastSteps;
+    near.starts = 1;
+    return near;
   }
 
   RayOptions Rays() const {
