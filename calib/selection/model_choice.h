@@ -22,6 +22,7 @@
 // To add an axis: add a word in WordsOf, and a case in VariantsOf (model_choice.cc, model_variants.h).
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -66,6 +67,10 @@ struct JudgedAxis {
   ChoiceAxis axis = ChoiceAxis::kPattern;
   std::vector<JudgedVariant> variants;
   std::vector<std::string> notes;  // reasons for missing variants
+
+  const JudgedVariant& Chosen() const {
+    return *std::ranges::find_if(variants, [](const JudgedVariant& variant) { return variant.chosen; });
+  }
 };
 
 struct ModelChoice {

@@ -112,11 +112,8 @@ calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
 // Names of the chosen forms.
 std::vector<std::string> FormOf(const calib::ModelChoice& choice) {
   std::vector<std::string> names;
-  for (const calib::JudgedAxis& axis : choice.axes) {
-    for (const calib::JudgedVariant& variant : axis.variants) {
-      if (variant.chosen) names.push_back(fmt::format("{} {}", ToString(axis.axis), variant.name));
-    }
-  }
+  for (const calib::JudgedAxis& axis : choice.axes)
+    names.push_back(fmt::format("{} {}", ToString(axis.axis), axis.Chosen().name));
   return names;
 }
 
@@ -559,7 +556,10 @@ class Calibrator {
     if (mirrors.names.empty())
       return {"none", "ghosts do not raise the likelihood: " + GainText(mirrors.gain)};
     FreeMirrors(mirrors.names, plan_.fit);
-    return {Names(mirrors.names), "their ghosts raise the likelihood: " + GainText(mirrors.gain)};
+    const calib::ModelChoice lobes =
+        ChooseForm(*placed.simulator, placed.used, placed.held_out, {calib::ChoiceAxis::kMirrors});
+    return {fmt::format("{}, seen {}", Names(mirrors.names), lobes.axes.front().Chosen().name),
+            "their ghosts raise the likelihood: " + GainText(mirrors.gain)};
   }
 
   struct FoundMirrors {
@@ -680,7 +680,7 @@ class Calibrator {
     }
   }
 
-  // Of fits that start where an earlier one ended.
+  // Options of fits that start where an earlier one ended.
   calib::FitOptions Near() const {
     calib::FitOptions near = solver_;
     near.near_start = true;

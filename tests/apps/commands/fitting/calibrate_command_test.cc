@@ -19,6 +19,7 @@
 namespace sonarcal::commands {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::IsOneSentence;
@@ -88,7 +89,9 @@ TEST_F(CalibrateCommand, FindsTheOffsetOfTheWindowAndRepeatsItselfFromItsPlan) {
   EXPECT_NEAR(sonar.sonar.axes.range_min_m, 0.5 + kTrueOffsetM, 0.02);
   EXPECT_EQ(testing::HtmlFault(testing::ReadFile(*world_ / "out/report.html")), "");
   EXPECT_EQ(data_io::ReadPoses(*world_ / "out/poses.json").size(), static_cast<std::size_t>(kPoses));
-  data_io::ReadParameters(*world_ / "out/params.json");
+  // The search sees wrong poses, and still tells the pattern that recorded from the others.
+  EXPECT_EQ(data_io::ReadParameters(*world_ / "out/params.json").beam.elevation_pattern,
+            testing::TinyAcousticParameters().beam.elevation_pattern);
   EXPECT_FALSE(std::filesystem::exists(*world_ / "out/started.json"));
 
   // Its plan names every stage with a reason, and gives the same values again.
@@ -140,6 +143,29 @@ TEST_F(CalibrateCommand, GhostsMoveNothing) {
   const Outcome without = calibrate("without", " --plan " + Quoted(world / "no_mirrors.json"));
   ASSERT_EQ(without.status, 0) << without.err;
   EXPECT_TRUE(data_io::ReadParameters(world / "without/params.json").mirrors.empty());
+}
+
+// Calibrations start from a cosine in elevation, with which a box or the sonar would have to move.
+TEST_F(CalibrateCommand, APatternOfTheBeamMovesNothing) {
+  const TinyWorld world;
+  nlohmann::json sonar = ReadJsonFile(world.sonar());
+  sonar["sonar"]["elevation_beam_width_deg"] = 16;
+  testing::WriteFile(world.sonar(), sonar.dump());
+  ParameterSet truth = testing::TinyAcousticParameters();
+  truth.beam.elevation_pattern = ElevationPattern::kGaussian;
+  data_io::WriteParameters(world.params(), truth);
+  data_io::WritePoses(world.poses(), Around());
+  const Outcome simulated =
+      RunSonarcal(world.SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(world / "real"));
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  const Outcome outcome =
+      RunSonarcal("calibrate -q --rays 96x200 --real " + Quoted(world / "real") + " --scene " +
+                  Quoted(world.scene()) + " --out " + Quoted(world / "out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(data_io::ReadParameters(world / "out/params.json").beam.elevation_pattern,
+            ElevationPattern::kGaussian);
+  EXPECT_THAT(testing::ReadFile(world / "out/plan.json"),
+              AnyOf(HasSubstr("as declared"), HasSubstr("moved: none")));
 }
 
 // What a picture of a viewer leaves: no frequency, no widths of the beam, no scale, a single frame.
