@@ -20,8 +20,8 @@ def main():
         sys.exit(__doc__)
     report = Path(sys.argv[1])
     files = [
-        report / "bomb_outline_pictures/frame_0001_polar_real.png",
-        report / "bomb_outline_pictures/frame_0001_polar_simulated.png",
+        report / "bomb_pictures/frame_0001_polar_real.png",
+        report / "bomb_pictures/frame_0001_polar_simulated.png",
         report / "bomb_acoustic_pictures/frame_0001_polar_simulated.png",
         report / "bomb_acoustic_sample_pictures/frame_0001_polar_simulated.png",
     ]

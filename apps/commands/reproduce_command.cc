@@ -125,10 +125,7 @@ std::string SummaryText(const reproduce::Reproduction& reproduction, const std::
   for (const reproduce::TargetResult& result : reproduction.targets) {
     if (!result.comparison) continue;
     const reproduce::TargetComparison& target = *result.comparison;
-    add(target.plan.title + ", outline and pose found beforehand", reproduce::TargetRows(target),
-        {{"paper model", &target.fitted.paper}});
-    add(target.plan.title + ", plain outline, pose found by the search",
-        reproduce::SearchedTargetRows(target), {{"paper model", &target.fit}});
+    add(target.plan.title, reproduce::TargetRows(target), {{"paper model", &target.paper}});
     for (const std::string& sentence : reproduce::KnownSentences(target.plan))
       text += fmt::format("  known beforehand: {}\n", sentence);
   }
@@ -222,8 +219,7 @@ reproduce::TargetResult RunTarget(const reproduce::CasePlan& plan, const std::fi
         cli::PrintNote(options.common, plan.name + ": " + line);
       }};
   result.comparison = reproduce::CompareTarget(plan, images, target);
-  WriteFit(output, plan.name, result.comparison->fit);
-  WriteFit(output, plan.name + "_outline", result.comparison->fitted.paper);
+  WriteFit(output, plan.name, result.comparison->paper);
   WriteTargetAcoustic(output, plan.name + "_acoustic", result.comparison->fitted);
   return result;
 }

@@ -87,7 +87,6 @@ TargetCase ReadTarget(const JsonReader& json, const fs::path& folder) {
   target.azimuth_beam_width_deg = json.At("azimuth_beam_width_deg").Number(kWidthDeg);
   target.elevation_span_deg = json.At("elevation_span_deg").Number(kWidthDeg);
   target.scene = ReadCaseScene(json.At("scene"), folder);
-  target.plain_scene = ReadCaseScene(json.At("plain_scene"), folder);
   target.pose = ReadTargetPose(json.At("pose"));
   target.start = ReadStart(json.At("start"), folder, EchoModel::kAcoustic);
   target.fit = ReadTargetFit(json.At("fit"));

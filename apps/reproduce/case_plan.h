@@ -30,7 +30,7 @@ struct KnownBeforehand {
   std::string source;
 };
 
-// Two frames of one target in a static scene, whose outline and pose are known. One frame is fitted, the
+// Two frames of one target in a static scene, whose shape is known. One frame is fitted, the
 // other is held out. An optional fan picture shows the target in another pose.
 struct TargetCase {
   std::string recording;  // folder of the images, below the recordings folder
@@ -40,8 +40,7 @@ struct TargetCase {
   double azimuth_beam_width_deg = 0.0;
   double elevation_span_deg = 0.0;  // rays reach beyond the nominal field of view
   Scene scene;
-  Scene plain_scene;       // the outline before it is fitted to an image
-  calib::TargetPose pose;  // in the fitted and in the held-out frame
+  calib::TargetPose pose;  // in the fitted and in the held-out frame, as `sonarcal locate` finds it
   ParameterSet start;      // acoustic model; the background of the image gives the display
   calib::TargetFitOptions fit;
   metrics::SegmentationOptions segmentation;
@@ -136,7 +135,7 @@ std::vector<std::string> CaseNames(const std::filesystem::path& cases);
 // lists the names for an unknown one.
 CasePlan FindCase(std::string_view name);
 
-// "outline: found outside the project, ...": each known thing with its origin.
+// "length: published, ...": each known thing with its origin.
 std::vector<std::string> KnownSentences(const CasePlan& plan);
 
 }  // namespace sonarcal::reproduce

@@ -208,9 +208,10 @@ void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
   for (const TargetResult& target : reproduction.targets) {
     if (!target.comparison) continue;
     const TargetComparison::Fitted& fitted = target.comparison->fitted;
-    if (!fitted.paper.fit.usable || !fitted.acoustic.fit.usable) continue;
-    const auto of_target = figures_of(target.comparison->plan.label + " (recorded)", fitted.paper,
-                                      fitted.expected, fitted.samples);
+    const workflow::RecordingFit& paper = target.comparison->paper;
+    if (!paper.fit.usable || !fitted.acoustic.fit.usable) continue;
+    const auto of_target =
+        figures_of(target.comparison->plan.label + " (recorded)", paper, fitted.expected, fitted.samples);
     figures.insert(figures.end(), of_target.begin(), of_target.end());
   }
   report.KeyFigures(figures);
@@ -235,12 +236,11 @@ Json TargetJson(const TargetResult& result) {
                  {"not_told_by_one_frame", target.pose.open}}},
                {"acoustic_expected", Json::parse(metrics::MetricsJson(target.acoustic_expected))},
                {"acoustic_sample", Json::parse(metrics::MetricsJson(target.acoustic_sample))}};
-  if (target.fit.fit.usable) {
-    json["metrics_before"] = Json::parse(metrics::MetricsJson(target.fit.before));
-    json["metrics_after"] = Json::parse(metrics::MetricsJson(target.fit.after));
+  if (target.paper.fit.usable) {
+    json["metrics_before"] = Json::parse(metrics::MetricsJson(target.paper.before));
+    json["metrics_after"] = Json::parse(metrics::MetricsJson(target.paper.after));
   }
-  json["fitted_outline"] = {{"rows", Json::parse(SummaryJson(TargetRows(target)))}};
-  json["searched_pose"] = {{"rows", Json::parse(SummaryJson(SearchedTargetRows(target)))}};
+  json["rows"] = Json::parse(SummaryJson(TargetRows(target)));
   return json;
 }
 

@@ -24,29 +24,20 @@ std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic) {
 std::vector<SummaryRow> TargetRows(const TargetComparison& target) {
   std::vector<SummaryRow> rows;
   const TargetComparison::Fitted& fitted = target.fitted;
-  if (fitted.paper.fit.usable) {
-    rows.push_back({"paper_initial", "paper model, its own values", &fitted.paper.before});
-    rows.push_back({"paper_fitted", FittedName(fitted.paper), &fitted.paper.after, IsSound(fitted.paper)});
+  if (target.paper.fit.usable) {
+    rows.push_back({"paper_initial", "paper model, its own values", &target.paper.before});
+    rows.push_back({"paper_fitted", FittedName(target.paper), &target.paper.after, IsSound(target.paper)});
   }
+  rows.push_back({"acoustic_found_expected", "acoustic model as searched with, expected image",
+                  &target.acoustic_expected});
+  rows.push_back({"acoustic_found_sample", "acoustic model as searched with, a speckled sample",
+                  &target.acoustic_sample});
   if (fitted.acoustic.fit.usable) {
     rows.push_back({"acoustic_expected", "acoustic model, fitted, expected image", &fitted.expected, true});
     rows.push_back({"acoustic_samples", "acoustic model, fitted, speckled samples", &fitted.samples, true});
     rows.push_back({"floor", "the expected image against its own samples", &fitted.floor, false, true});
   }
   rows.push_back({"real_against_real", "the other recorded frame", &target.real_against_real, false, true});
-  return rows;
-}
-
-std::vector<SummaryRow> SearchedTargetRows(const TargetComparison& target) {
-  std::vector<SummaryRow> rows;
-  if (target.fit.fit.usable) {
-    rows.push_back({"paper_initial", "paper model, its own values", &target.fit.before});
-    rows.push_back({"paper_fitted", FittedName(target.fit), &target.fit.after});
-  }
-  rows.push_back(
-      {"acoustic_expected", "acoustic model, not fitted, expected image", &target.acoustic_expected});
-  rows.push_back(
-      {"acoustic_sample", "acoustic model, not fitted, a speckled sample", &target.acoustic_sample});
   return rows;
 }
 

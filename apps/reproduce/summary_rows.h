@@ -27,12 +27,8 @@ std::string FittedName(const workflow::RecordingFit& fit);
 // On the held-out frames of a synthetic case.
 std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic);
 
-// On the held-out frame of a target, with outline and pose as known beforehand. A fit without a usable
-// solution has no rows.
+// On the held-out frame of a target. A fit without a usable solution has no rows.
 std::vector<SummaryRow> TargetRows(const TargetComparison& target);
-
-// As TargetRows, with the plain outline and the pose that the search found.
-std::vector<SummaryRow> SearchedTargetRows(const TargetComparison& target);
 
 // {key: {"name", "iou", "ns_over_nr", "na_over_ns", "na_over_nr", "intensity_error": {"union", "overlap",
 // "whole"}}} of the polar images, as JSON text.

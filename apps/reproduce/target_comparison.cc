@@ -62,11 +62,10 @@ class Comparison {
 
   TargetComparison Run() {
     Search();
-    Say("fitting the paper's model at the pose found");
-    result_.fit = FitPaper(target_.plain_scene, result_.pose.best().WorldFromSonar());
     EvaluateAsFound();
-    Say("fitting both models with the outline and the pose found beforehand");
-    result_.fitted.paper = FitPaper(target_.scene, target_.pose.WorldFromSonar());
+    Say("fitting the paper's model at the pose found");
+    result_.paper = FitPaper();
+    Say("fitting the acoustic model at the pose found");
     FitAcoustic();
     result_.real_against_real = Compare({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
     return std::move(result_);
@@ -88,19 +87,19 @@ class Comparison {
       locate.max_iterations = 5;
     }
     workflow::Location location =
-        workflow::Locate(*recorded_, target_.plain_scene, {target_.fitted_frame}, locate, {},
+        workflow::Locate(*recorded_, target_.scene, {target_.fitted_frame}, locate, {},
                          {.progress = {}, .message = options_.on_note, .stop = {}});
     result_.pose = std::move(location.frames.front().search);
     result_.acoustic = std::move(location.parameters);
   }
 
   // A static scene: both frames have one pose.
-  workflow::RecordingFit FitPaper(const Scene& body, const Pose& world_from_sonar) const {
+  workflow::RecordingFit FitPaper() const {
     RecordingInfo info = recorded_->info();
     info.sonar.elevation_beam_width_deg = target_.elevation_span_deg;
     info.water = water_;
     std::vector<Frame> frames = frames_;
-    for (Frame& frame : frames) frame.info.world_from_sonar = world_from_sonar;
+    for (Frame& frame : frames) frame.info.world_from_sonar = result_.pose.best().WorldFromSonar();
     workflow::FitRecordingOptions fit;
     fit.rays = Rays();
     fit.comparison = comparison_;
@@ -116,19 +115,18 @@ class Comparison {
     fit.fit.block_beams = 4;
     SonarModel sonar = info.sonar;
     sonar.azimuth_beam_width_deg = target_.azimuth_beam_width_deg;
-    return workflow::FitRecording(MemoryRecording(info, frames), body,
-                                  sim::PaperValues(sonar, body.material_names), fit);
+    return workflow::FitRecording(MemoryRecording(info, frames), target_.scene,
+                                  sim::PaperValues(sonar, target_.scene.material_names), fit);
   }
 
   void EvaluateAsFound() {
     sim::SimulationOptions simulation = Rays().For(recorded_->info().sonar, water_, EchoModel::kAcoustic);
     simulation.noise = true;
     simulation.fan.elevation_span_deg = target_.elevation_span_deg;
-    const sim::Simulator simulator(target_.plain_scene, recorded_->info().sonar, simulation);
+    const sim::Simulator simulator(target_.scene, recorded_->info().sonar, simulation);
     const sim::EchoList echoes = simulator.TraceEchoes(result_.pose.best().WorldFromSonar());
-    result_.acoustic_expected =
-        Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
-                "expected image of the acoustic model", true, &result_.acoustic_pictures);
+    result_.acoustic_expected = Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
+                                        "expected image of the acoustic model", true);
     result_.acoustic_sample = Compare({frames_[1]}, {simulator.RenderEchoes(echoes, result_.acoustic)},
                                       "speckled sample of the acoustic model", true);
   }
@@ -145,8 +143,8 @@ class Comparison {
       options.fit.max_iterations = 5;
     }
     fitted.acoustic.initial = TargetStart(target_, image);
-    calib::TargetFit fit =
-        calib::FitTarget(target_.scene, sonar, water_, image, target_.pose, fitted.acoustic.initial, options);
+    calib::TargetFit fit = calib::FitTarget(target_.scene, sonar, water_, image, result_.pose.best().pose,
+                                            fitted.acoustic.initial, options);
     fitted.acoustic.fit = {std::move(fit.fit.parameters), std::move(fit.fit.report), fit.fit.usable};
     fitted.acoustic.fit.report.frames_held_out = {1};
     if (!fit.fit.usable) return;

@@ -1,9 +1,6 @@
-// The paper's comparison on real frames of a target (TargetCase of apps/reproduce/case_plan.h). Models are
-// fitted to one frame and evaluated on another, twice:
-//
-//   - both models with outline and pose as known beforehand: what the models can do if the geometry is good;
-//   - the paper's model with the plain outline and a pose that is searched for on the fitted frame, beside
-//     the acoustic model without a fit.
+// The paper's comparison on real frames of a target (TargetCase of apps/reproduce/case_plan.h). The pose is
+// searched for on one frame. There both models are fitted, and then evaluated on another frame, beside the
+// acoustic model of the search, which is not fitted.
 #pragma once
 
 #include <filesystem>
@@ -31,16 +28,13 @@ struct TargetComparison {
   CasePlan plan;
   RecordingInfo info;
   calib::PoseSearchResult pose;
-  ParameterSet acoustic;       // the model of the search, at the strength found
-  workflow::RecordingFit fit;  // of the paper's model, at the pose found
+  ParameterSet acoustic;  // the model of the search, at the strength found
+  workflow::RecordingFit paper;
   // The acoustic model without a fit on the held-out frame: its expected image and a speckled sample.
   metrics::MetricsReport acoustic_expected;
   metrics::MetricsReport acoustic_sample;
-  std::vector<report::FramePictures> acoustic_pictures;
 
-  // With outline and pose as known beforehand.
   struct Fitted {
-    workflow::RecordingFit paper;
     workflow::RecordingFit acoustic;  // without metrics and pictures, which are these
     // On the held-out frame. `samples` pools kDraws samples, because a single one moves the occupancy by
     // 0.02.
@@ -67,7 +61,7 @@ Water WaterOf(const TargetCase& target, const RecordingInfo& info);
 // The start of the case with the display of the background of `image`.
 ParameterSet TargetStart(const TargetCase& target, const PolarImage& image);
 
-// The recorded frames as a fit takes them: each with the known pose, the outline as scene, and the start.
+// The recorded frames as a fit takes them: each with the pose of the case, its scene, and the start.
 struct PosedTarget {
   std::unique_ptr<MemoryRecording> recording;
   Scene scene;

@@ -22,7 +22,7 @@ std::string Figure(const metrics::Statistic& statistic, int digits) {
 
 void AddPose(report::HtmlReport& report, const TargetComparison& target) {
   const calib::TargetPose& pose = target.pose.best().pose;
-  report.Subsection("From nothing: the pose found by a search");
+  report.Subsection("The pose, found by a search");
   report.Facts(
       {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
        {"Azimuth", fmt::format("{:.2f} deg", DegFromRad(pose.azimuth_rad))},
@@ -55,10 +55,10 @@ void AddPose(report::HtmlReport& report, const TargetComparison& target) {
   report.Add(starts);
 }
 
-void AddFittedOutline(report::HtmlReport& report, const TargetComparison& target) {
+void AddModels(report::HtmlReport& report, const TargetComparison& target) {
   report.Subsection("Both models on the other frame");
   report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);
-  report::AddFitWarnings(report, target.fitted.paper.fit.report, "paper model");
+  report::AddFitWarnings(report, target.paper.fit.report, "paper model");
   report.Add(RowTable(
       TargetRows(target), "The frame that was not fitted (recorded by a sonar), polar image",
       {"Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
@@ -72,6 +72,9 @@ void AddFittedOutline(report::HtmlReport& report, const TargetComparison& target
        "The expected image against its own samples: what speckle leaves of the error, were the model right. "
        "The "
        "other recorded frame has the speckle of the one judged, which no simulation has.",
+       "The acoustic model as searched with has a noise floor read off the fitted frame's background, and "
+       "the "
+       "strength found with the pose. Its curve is not fitted.",
        "Every figure is of one recorded frame, so no interval can be given."}));
   report.Paragraph(
       "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
@@ -79,15 +82,15 @@ void AddFittedOutline(report::HtmlReport& report, const TargetComparison& target
   const TargetComparison::Fitted& fitted = target.fitted;
   const bool synthetic = target.info.synthetic;
   report::AddPictureLegend(report, report::RealWord(synthetic));
-  const report::FitPictures paper_pictures = report::ShowFit(fitted.paper);
+  const report::FitPictures paper_pictures = report::ShowFit(target.paper);
   for (const report::FramePictures& frame : paper_pictures.after)
     report::AddFramePictures(report, frame, "The paper's model, fitted", synthetic);
   for (const report::FramePictures& frame : fitted.expected_pictures)
     report::AddFramePictures(report, frame, "The acoustic model, fitted: expected image", synthetic);
   for (const report::FramePictures& frame : fitted.sample_pictures)
     report::AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample", synthetic);
-  for (const workflow::RecordingFit* fit : {&fitted.paper, &fitted.acoustic}) {
-    const char* name = fit == &fitted.paper ? "paper's" : "acoustic";
+  for (const workflow::RecordingFit* fit : {&target.paper, &fitted.acoustic}) {
+    const char* name = fit == &target.paper ? "paper's" : "acoustic";
     report.Subsection(fmt::format("Values of the {} model, fitted to the target", name));
     if (fit->fit.usable) {
       report::AddFittedValues(report, *fit);
@@ -142,22 +145,8 @@ void AddTarget(report::HtmlReport& report, const TargetComparison& target) {
   AddKnown(report, target.plan);
   report.Callout(report::CalloutKind::kLimit, "What the held-out frame cannot show", study.limit);
   report.Paragraph("How the target is found: " + report::DetectorText(target.acoustic_expected.options));
-  AddFittedOutline(report, target);
   AddPose(report, target);
-  report::AddFitWarnings(report, target.fit.fit.report, "paper model at the pose found");
-  report.Add(RowTable(SearchedTargetRows(target),
-                      "The same frame with the plain outline and the pose found by the search",
-                      {"Acoustic model: the one the pose was searched with, its noise floor read off the "
-                       "fitted frame's background and its strength found with the pose; its curve is not "
-                       "fitted."}));
-  const bool synthetic = target.info.synthetic;
-  report::AddPictureLegend(report, report::RealWord(synthetic));
-  const report::FitPictures pictures = report::ShowFit(target.fit);
-  for (const report::FramePictures& frame : pictures.after)
-    report::AddFramePictures(report, frame, "The paper's model, fitted, at the pose found", synthetic);
-  for (const report::FramePictures& frame : target.acoustic_pictures)
-    report::AddFramePictures(report, frame,
-                             "The acoustic model, not fitted, at the pose found: expected image", synthetic);
+  AddModels(report, target);
 }
 
 }  // namespace sonarcal::reproduce

@@ -2,15 +2,16 @@
 // background of frame 0, model fitted on frame 0, judged on frame 1. It is one still scene, so frame 1 has
 // other receiver noise but the same speckle and the same pose.
 //
-// Outline and poses (cases/bomb) were found beforehand by least squares of images, on frame 0 and
-// on the other pose alone, and are held in the first fit: about them the likelihood trades the wrong outline
+// The shape has the published length and diameter, and an assumed nose and tail (cases/bomb). Its poses were
+// found by `sonarcal locate`, and are held in the first fit: about them the likelihood trades the wrong shape
 // for worse images. Beam and pulse end at or near their upper bounds: take neither width for the sonar's.
 //
 // The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried.
 //
-// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038), and the overlap error of frame
-// 1, 0.085 (reached 0.0854; with many more rays 0.0852). The bounds named kRegression... hold what is
-// reached and claim no more.
+// Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038). On frame 1: an overlap error of
+// 0.085 (reached 0.098), IoU 0.80 (0.77), Na/Nr 0.89 (0.88). The bounds named kRegression... hold what is
+// reached and claim no more. An outline of 29 radii that was fitted to frame 0 came near these goals, because
+// frame 1 has the same speckle. On the other pose it was worse: overlap 0.099, IoU 0.76.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -32,7 +33,9 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr double kRegressionKs = 0.045;
-constexpr double kRegressionOverlap = 0.0855;
+constexpr double kRegressionOverlap = 0.099;
+constexpr double kRegressionIou = 0.76;
+constexpr double kRegressionNaOverNr = 0.87;
 
 // Of the two frames 97 counts are full scale, of the other pose 255. Errors of both are given of 97.
 constexpr double kFullScaleOfOther = 255.0 / 97.0;
@@ -154,11 +157,11 @@ TEST(Aris3000BombTest, FitOfOneFramePredictsTheOther) {
   const Judgement samples = JudgeSamples(simulator, fit, judged);
   Print("speckled samples, pooled", samples);
   const metrics::Occupancy& occupancy = samples.metrics.polar.occupancy;
-  EXPECT_GE(*occupancy.iou(), 0.80);
+  EXPECT_GE(*occupancy.iou(), kRegressionIou);
   EXPECT_GE(*occupancy.ns_over_nr(), 0.94);
   EXPECT_LE(*occupancy.ns_over_nr(), 1.08);
   EXPECT_GE(*occupancy.na_over_ns(), 0.86);
-  EXPECT_GE(*occupancy.na_over_nr(), 0.89);
+  EXPECT_GE(*occupancy.na_over_nr(), kRegressionNaOverNr);
   EXPECT_LE(samples.grey_distance, 0.005);
 }
 
@@ -205,9 +208,9 @@ TEST(Aris3000BombTest, ModelOfOneFramePredictsAnotherPose) {
   std::cout << "means: whole " << errors[0] << ", union " << errors[1] << ", overlap " << errors[2]
             << "; IoU " << iou << "\n";
   EXPECT_LE(errors[0], 0.050);
-  EXPECT_LE(errors[1], 0.092);
-  EXPECT_LE(errors[2], 0.100);
-  EXPECT_GE(iou, 0.75);
+  EXPECT_LE(errors[1], 0.080);
+  EXPECT_LE(errors[2], 0.090);
+  EXPECT_GE(iou, 0.80);
 }
 
 }  // namespace

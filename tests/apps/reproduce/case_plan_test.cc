@@ -1,6 +1,7 @@
 // Plans of case studies: those of the project, and mistakes in a plan.
 #include "apps/reproduce/case_plan.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,8 +24,8 @@ TEST(CasePlan, TheCasesOfTheProjectAreRead) {
   const CasePlan bomb = ReadCase(kCases / "bomb");
   const auto& target = std::get<TargetCase>(bomb.study);
   EXPECT_EQ(target.recording, "aris3000_uxo");
-  EXPECT_EQ(target.pose.range_m, 1.267);
-  EXPECT_EQ(target.pose.yaw_rad, RadFromDeg(130.832));
+  EXPECT_EQ(target.pose.range_m, 1.286);
+  EXPECT_EQ(target.pose.yaw_rad, RadFromDeg(126.9));
   EXPECT_EQ(target.start.beam.azimuth_taper, 0.6);
   EXPECT_EQ(target.scene.material_names, std::vector<std::string>{"body"});
   ASSERT_TRUE(target.other);
@@ -40,9 +41,9 @@ TEST(CasePlan, TheCasesOfTheProjectAreRead) {
   EXPECT_EQ(synthetic.truth.model, EchoModel::kCoherent);
 }
 
-TEST(CasePlan, SaysWhereTheOutlineComesFrom) {
+TEST(CasePlan, SaysWhereThePoseComesFrom) {
   EXPECT_THAT(KnownSentences(ReadCase(kCases / "bomb")),
-              ::testing::Contains(::testing::AllOf(HasSubstr("29 radii"), HasSubstr("outside the project"))));
+              ::testing::Contains(::testing::AllOf(HasSubstr("Pose"), HasSubstr("`sonarcal locate`"))));
 }
 
 class CasesVariable : public ::testing::Test {
@@ -89,10 +90,17 @@ TEST(CasePlan, MistakesAreNamedWithFileLineAndKey) {
               HasSubstr("'target.held_out_frame' is fitted_frame"));
   EXPECT_THAT(Refusal("bomb", "\"db_span\"", "\"db_spam\""), HasSubstr("'target.other_view.db_span'"));
   EXPECT_THAT(Refusal("bomb", "\"label\"", "\"colour\": 3, \"label\""), HasSubstr("unknown key 'colour'"));
-  EXPECT_THAT(Refusal("bomb", "[0.015, 20.3]", "[0.0, 20.3]"), HasSubstr("nearer to the tip"));
-  EXPECT_THAT(Refusal("bomb", "[0.015, 20.3]", "[0.015, 0]"), HasSubstr("a radius above 0"));
+  const auto turned = [&](const char* radii_mm) {
+    return Refusal(
+        "bomb", R"("scene": {"ogive_body")",
+        fmt::format(R"("scene": {{"turned_solid": {{"length_m": 1, "max_edge_m": 0.1, "material": "body",
+                               "radii_mm": {}}}}}, "unused": {{"ogive_body")",
+                    radii_mm));
+  };
+  EXPECT_THAT(turned("[[0, 10], [0.5, 20], [0.5, 10]]"), HasSubstr("nearer to the tip"));
+  EXPECT_THAT(turned("[[0, 10], [0.5, 0]]"), HasSubstr("a radius above 0"));
   EXPECT_THAT(Refusal("bomb", "\"aris3000_uxo\"", "\"../secret\""), HasSubstr("a path below the folder"));
-  EXPECT_THAT(Refusal("bomb", "\"turned_solid\"", "\"solid\""), HasSubstr("needs one of file, environment"));
+  EXPECT_THAT(Refusal("bomb", "\"ogive_body\"", "\"solid\""), HasSubstr("needs one of file, environment"));
   EXPECT_THAT(Refusal("bomb", "\"start.json\"", "\"absent.json\""), HasSubstr("absent.json"));
   EXPECT_THAT(Refusal("bomb", "[0.1, 0.5]", "[0.5, 0.1]"), HasSubstr("the smaller first"));
   EXPECT_THAT(Refusal("hull_strip", "\"marked_surface\"", "\"surface\""), HasSubstr("needs exactly one of"));
