@@ -419,8 +419,8 @@ Verdict VerdictOn(const LikelihoodDifference& gain, double bic_change,
   if (gain.mean < -least) {
     return error_change.mean < -least_error ? Verdict::kContradicted : Verdict::kWorse;
   }
-  if (!(gain.mean > least && bic_change < 0.0)) return Verdict::kNoMore;
-  return error_change.mean > least_error ? Verdict::kContradicted : Verdict::kWorthIt;
+  if (!(gain.mean > least && bic_change < 0.0)) return Verdict::kNotSignificant;
+  return error_change.mean > least_error ? Verdict::kContradicted : Verdict::kSignificant;
 }
 
 Explanation Explain(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,

@@ -59,16 +59,16 @@ constexpr auto WordsOf(std::type_identity<ExplainedPart>) {
 }
 
 enum class Verdict {
-  kStart,         // the first step has no reference
-  kWorthIt,       // the held-out frames are significantly more likely
-  kNoMore,        // no significant change
-  kWorse,         // the held-out frames are significantly less likely
-  kContradicted,  // more likely, but the error rises; or less likely, but it falls
+  kStart,           // the first step has no reference
+  kSignificant,     // the held-out frames are significantly more likely
+  kNotSignificant,  // no significant change
+  kWorse,           // the held-out frames are significantly less likely
+  kContradicted,    // more likely, but the error rises; or less likely, but it falls
 };
 constexpr auto WordsOf(std::type_identity<Verdict>) {
   return Words<Verdict, 5>{{{"start", Verdict::kStart},
-                            {"worth it", Verdict::kWorthIt},
-                            {"no more than noise", Verdict::kNoMore},
+                            {"significant", Verdict::kSignificant},
+                            {"not significant", Verdict::kNotSignificant},
                             {"worse", Verdict::kWorse},
                             {"contradicted by the error", Verdict::kContradicted}}};
 }

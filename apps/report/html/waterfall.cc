@@ -15,7 +15,7 @@ namespace {
 // Sizes in units of the drawing, which the page scales.
 constexpr double kWidth = 720.0;
 constexpr double kLeft = 190.0;   // end of the labels
-constexpr double kRight = 170.0;  // start of the words, from the right
+constexpr double kRight = 210.0;  // start of the words, from the right
 constexpr double kRow = 34.0;
 constexpr double kBar = 20.0;
 constexpr double kTop = 8.0;

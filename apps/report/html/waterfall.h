@@ -14,7 +14,7 @@ struct WaterfallRow {
   std::string label;
   double value = 0.0;  // value after this step, 0 or more
   WaterfallMood mood = WaterfallMood::kStart;
-  std::string word;  // verdict, such as "worth it"
+  std::string word;  // verdict, such as "significant"
 };
 
 struct Waterfall {

@@ -53,9 +53,9 @@ WaterfallMood MoodOf(calib::Verdict verdict) {
   switch (verdict) {
     case calib::Verdict::kStart:
       return WaterfallMood::kStart;
-    case calib::Verdict::kWorthIt:
+    case calib::Verdict::kSignificant:
       return WaterfallMood::kBetter;
-    case calib::Verdict::kNoMore:
+    case calib::Verdict::kNotSignificant:
       return WaterfallMood::kSame;
     case calib::Verdict::kWorse:
       return WaterfallMood::kWorse;

@@ -89,7 +89,7 @@ TEST_F(ExplainCommand, ReportsTheGainOfEachPartAndTheCausesOfCells) {
 
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
-  for (const char* part : {"class=\"chart waterfall\"", "What each part is worth", "worth it", "+ ghosts",
+  for (const char* part : {"class=\"chart waterfall\"", "What each part is worth", "significant", "+ ghosts",
                            "What the bright cells come from", "synthetic"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
@@ -106,7 +106,7 @@ TEST_F(ExplainCommand, ReportsTheGainOfEachPartAndTheCausesOfCells) {
         step["gain_nats_per_pixel"].is_null() ? 0.0 : step["gain_nats_per_pixel"].get<double>();
     const double error =
         step["median_image_error_change"].is_null() ? 0.0 : step["median_image_error_change"].get<double>();
-    if (step["verdict"] == "worth it") {
+    if (step["verdict"] == "significant") {
       EXPECT_LE(error, 2.0 * step["median_image_error_change_sigma"].get<double>()) << step["part"];
     }
     if (contradicted) {

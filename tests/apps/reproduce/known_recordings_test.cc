@@ -249,11 +249,11 @@ TEST(KnownRecordings, SpeckleIsASignificantPartOfTheBomb) {
   for (const workflow::JudgedSteps& judged : explained.by_frame) {
     EXPECT_GT(judged.nats_per_pixel.back(), judged.nats_per_pixel.front());
     EXPECT_LT(*judged.figures.back().about_error, *judged.figures.front().about_error);
-    EXPECT_EQ(judged.verdict.back(), calib::Verdict::kWorthIt) << "speckle";
+    EXPECT_EQ(judged.verdict.back(), calib::Verdict::kSignificant) << "speckle";
   }
   const workflow::JudgedSteps& same = explained.by_frame[0];
   const workflow::JudgedSteps& other = explained.by_frame[1];
-  EXPECT_EQ(same.verdict[3], calib::Verdict::kWorthIt) << "the noise floor";
+  EXPECT_EQ(same.verdict[3], calib::Verdict::kSignificant) << "the noise floor";
   // What docs/studies/bomb.md holds its own fit to, over the whole image. A draw moves the IoU by 0.02: two
   // of these.
   EXPECT_LE(*same.figures.back().intensity_error, 0.053);
@@ -272,8 +272,8 @@ TEST(KnownRecordings, HullStripIsExplained) {
   EXPECT_THAT(PartsOf(explained), ElementsAre("start", "response", "elevation", "noise", "speckle"));
   const workflow::JudgedSteps& judged = explained.judged;
   EXPECT_THAT(judged.frames, ElementsAre(2));
-  EXPECT_EQ(judged.verdict[3], calib::Verdict::kWorthIt) << "the noise floor";
-  EXPECT_EQ(judged.verdict[4], calib::Verdict::kWorthIt) << "speckle";
+  EXPECT_EQ(judged.verdict[3], calib::Verdict::kSignificant) << "the noise floor";
+  EXPECT_EQ(judged.verdict[4], calib::Verdict::kSignificant) << "speckle";
   EXPECT_GT(judged.nats_per_pixel.back(), judged.nats_per_pixel.front());
   EXPECT_LT(*judged.figures.back().about_error, *judged.figures.front().about_error);
   // The noise law is that of the target-free pings: held, so that what the strips lack does not become noise.

@@ -79,15 +79,15 @@ TEST_F(SyntheticTankExplained, GhostsAreSignificantIfTheTankHasThem) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_ghosts");
   Explained(folder);
   const auto ghosts = StepOf(ExplainedPart::kGhosts);
-  EXPECT_EQ(ghosts->verdict, Verdict::kWorthIt);
+  EXPECT_EQ(ghosts->verdict, Verdict::kSignificant);
   EXPECT_LT(ErrorOf(*ghosts), ErrorOf(*(ghosts - 1)));
 }
 
 TEST_F(SyntheticTankExplained, GhostsAreNotSignificantIfTheTankHasNone) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank");
   Explained(folder);
-  EXPECT_NE(StepOf(ExplainedPart::kGhosts)->verdict, Verdict::kWorthIt);
-  EXPECT_EQ(StepOf(ExplainedPart::kNoise)->verdict, Verdict::kWorthIt);
+  EXPECT_NE(StepOf(ExplainedPart::kGhosts)->verdict, Verdict::kSignificant);
+  EXPECT_EQ(StepOf(ExplainedPart::kNoise)->verdict, Verdict::kSignificant);
 }
 
 }  // namespace

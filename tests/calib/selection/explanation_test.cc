@@ -104,12 +104,12 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   EXPECT_TRUE(explanation.left_out.empty());
   const ExplainedStep& before = StepOf(explanation, ExplainedPart::kMaterials);
   const ExplainedStep& ghosts = StepOf(explanation, ExplainedPart::kGhosts);
-  EXPECT_EQ(ghosts.verdict, Verdict::kWorthIt);
+  EXPECT_EQ(ghosts.verdict, Verdict::kSignificant);
   EXPECT_GT(ghosts.gain.mean, 2.0 * ghosts.gain.sigma);
   EXPECT_LT(ghosts.bic_change, 0.0);
   EXPECT_LT(ErrorOf(ghosts, frames.held_out), ErrorOf(before, frames.held_out));
-  EXPECT_EQ(StepOf(explanation, ExplainedPart::kNoise).verdict, Verdict::kWorthIt);
-  EXPECT_EQ(StepOf(explanation, ExplainedPart::kSpeckle).verdict, Verdict::kWorthIt);
+  EXPECT_EQ(StepOf(explanation, ExplainedPart::kNoise).verdict, Verdict::kSignificant);
+  EXPECT_EQ(StepOf(explanation, ExplainedPart::kSpeckle).verdict, Verdict::kSignificant);
   EXPECT_TRUE(StepOf(explanation, ExplainedPart::kSpeckle).knows_speckle);
   EXPECT_LT(ErrorOf(explanation.steps.back(), frames.held_out),
             ErrorOf(explanation.steps.front(), frames.held_out));
@@ -150,7 +150,7 @@ TEST_F(ExplanationTest, GhostsAreNotSignificantIfTheTankHasNone) {
     const Frames frames = MakeFrames(Truth(false), seed);
     const Explanation explanation = Explain(testing::SmallTankWithWall(), testing::SmallSonar(), frames.used,
                                             frames.held_out, Given(), Explaining());
-    EXPECT_NE(StepOf(explanation, ExplainedPart::kGhosts).verdict, Verdict::kWorthIt) << "seed " << seed;
+    EXPECT_NE(StepOf(explanation, ExplainedPart::kGhosts).verdict, Verdict::kSignificant) << "seed " << seed;
   }
 }
 
@@ -199,12 +199,12 @@ TEST(VerdictOnAStep, AStepIsSignificantOnlyIfLikelihoodAndErrorAgree) {
   const auto verdict = [](double gain, double bic, double error) {
     return VerdictOn({.mean = gain, .sigma = 0.1}, bic, {.mean = error, .sigma = 0.01}, 2.0);
   };
-  EXPECT_EQ(verdict(0.3, -10.0, -0.05), Verdict::kWorthIt);
-  EXPECT_EQ(verdict(0.3, -10.0, 0.0), Verdict::kWorthIt);
-  EXPECT_EQ(verdict(0.3, -10.0, 0.019), Verdict::kWorthIt) << "less than two standard errors";
+  EXPECT_EQ(verdict(0.3, -10.0, -0.05), Verdict::kSignificant);
+  EXPECT_EQ(verdict(0.3, -10.0, 0.0), Verdict::kSignificant);
+  EXPECT_EQ(verdict(0.3, -10.0, 0.019), Verdict::kSignificant) << "less than two standard errors";
   EXPECT_EQ(verdict(0.3, -10.0, 0.021), Verdict::kContradicted);
-  EXPECT_EQ(verdict(0.3, 10.0, 0.021), Verdict::kNoMore) << "the criterion on the frames used rises";
-  EXPECT_EQ(verdict(0.1, -10.0, -0.05), Verdict::kNoMore);
+  EXPECT_EQ(verdict(0.3, 10.0, 0.021), Verdict::kNotSignificant) << "the criterion on the frames used rises";
+  EXPECT_EQ(verdict(0.1, -10.0, -0.05), Verdict::kNotSignificant);
   EXPECT_EQ(verdict(-0.3, -10.0, 0.05), Verdict::kWorse);
   EXPECT_EQ(verdict(-0.3, -10.0, -0.021), Verdict::kContradicted);
 }
