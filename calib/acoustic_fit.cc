@@ -117,7 +117,7 @@ class AcousticFitter {
     RefinePosesWithRadiometry();
     FitGeometry();
     GoToBetterPoses();
-    again_.test_curves = options_.test_curves && !options_.down_weight;
+    again_.test_others = options_.test_others && !options_.down_weight;
     if (!geometric_.empty()) Refit(false);
     WeighDown();
     LookForOtherPoses();
@@ -168,7 +168,7 @@ class AcousticFitter {
     if (radiometric_.empty() && !geometric_.empty()) return;
     FitOptions start = options_;
     start.rough = !geometric_.empty();
-    start.test_curves = options_.test_curves && !options_.down_weight;
+    start.test_others = options_.test_others && !options_.down_weight;
     fit_ = Fit(model_, fit_.values, RadiometryOnly(), start);
     iterations_ += fit_.report.iterations;
     start_costs_ = fit_.report.start_costs;
@@ -303,7 +303,7 @@ class AcousticFitter {
       Say("reducing the weight of pixels that do not match the scene");
       model_.DownWeight(fit_.values);
       if (!poses_.empty()) FitJointly();
-      again_.test_curves = options_.test_curves && round + 1 == kWeightRounds;
+      again_.test_others = options_.test_others && round + 1 == kWeightRounds;
       Refit(false);
     }
   }
@@ -324,7 +324,7 @@ class AcousticFitter {
   }
 
   void LookForOtherPoses() {
-    if (poses_.empty() || !fit_.usable) return;
+    if (poses_.empty() || !fit_.usable || !options_.test_others) return;
     Say("searching for other poses that fit the frames equally well");
     for (OtherPose& other : OtherPoses(model_, catalog_, poses_, fit_.values))
       fit_.report.other_poses.push_back(std::move(other.sentence));

@@ -223,7 +223,7 @@ class Fitter {
       const NormalEquations equations = AccumulateInterior();
       covariance_ = JackknifeCovariance(equations);
       student_ = StudentFactors(equations);
-      if (!options_.test_curves || interior_.empty()) return {};
+      if (!options_.test_others || interior_.empty()) return {};
       Say("searching for other curves that fit equally well");
       CurveAlternatives curves = FindCurveAlternatives(
           model_, catalog_,

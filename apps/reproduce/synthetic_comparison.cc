@@ -96,7 +96,7 @@ workflow::FitRecordingOptions FitOptionsOf(const SyntheticCase& synthetic, const
   fit.comparison = ObjectRules(synthetic);
   fit.truth = synthetic.truth;
   fit.fit.starts = 1;
-  fit.fit.test_curves = !options.quick;
+  fit.fit.test_others = !options.quick;
   fit.fit.max_iterations = options.quick ? 10 : synthetic.max_iterations;
   fit.fit.function_tolerance = synthetic.function_tolerance;
   fit.fit.progress = options.on_note;

@@ -2,7 +2,7 @@
 //
 //   coverage_study [NAME=VALUE ...]   speckle=independent|grained sets= seed= beam_deg= pulse_bins= views=
 //                                     scatter= starts= block_bins= block_beams= from=truth|readme
-//                                     curves=small|tank test_curves=0|1
+//                                     curves=small|tank test_others=0|1
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -31,7 +31,7 @@ int Run(int argc, char** argv) {
       {"starts", [&](const auto& v) { options.fit.starts = std::stoi(v); }},
       {"from", [&](const auto& v) { options.start = v == "readme" ? Start::kReadme : Start::kAboutTruth; }},
       {"curves", [&](const auto& v) { options.tank_curves = v == "tank"; }},
-      {"test_curves", [&](const auto& v) { options.fit.test_curves = v != "0"; }},
+      {"test_others", [&](const auto& v) { options.fit.test_others = v != "0"; }},
       {"block_bins", [&](const auto& v) { options.fit.block_bins = std::stoi(v); }},
       {"block_beams", [&](const auto& v) { options.fit.block_beams = std::stoi(v); }}};
   for (int i = 1; i < argc; ++i) {

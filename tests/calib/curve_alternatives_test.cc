@@ -26,11 +26,11 @@ constexpr GsabParameters<double> kMockup = {
 constexpr GsabParameters<double> kFloor = {
     .a = 0.1, .b_deg = 5.0, .c = 0.002, .d = 1.8, .e = 0.01, .f_deg = 11.0};
 
-ModelFit FitCurve(const CurveModel& model, const ParameterValues& start, bool test_curves) {
+ModelFit FitCurve(const CurveModel& model, const ParameterValues& start, bool test_others) {
   FitOptions options;
   options.starts = 1;
   options.threads = 1;
-  options.test_curves = test_curves;
+  options.test_others = test_others;
   FitConfig config;
   config.free = {"materials"};
   return Fit(model, start, config, options);
@@ -44,12 +44,12 @@ struct Coverage {
 };
 
 // Over so many data sets of each of two curves.
-Coverage Cover(bool test_curves, int data_sets) {
+Coverage Cover(bool test_others, int data_sets) {
   Coverage coverage;
   for (const GsabParameters<double>& truth : {kMockup, kFloor}) {
     for (int set = 0; set < data_sets; ++set) {
       const CurveModel model({.truth = truth, .pixels = 12, .seed = static_cast<std::uint64_t>(1000 + set)});
-      const ModelFit fit = FitCurve(model, kReadmeStart, test_curves);
+      const ModelFit fit = FitCurve(model, kReadmeStart, test_others);
       EXPECT_TRUE(fit.usable);
       for (std::size_t k = 0; k < fit.report.parameters.size(); ++k) {
         const FittedParameter& parameter = fit.report.parameters[k];
@@ -68,7 +68,7 @@ Coverage Cover(bool test_curves, int data_sets) {
   // docs/studies/coverage.md has these lines.
   for (std::size_t k = 0; k < 6; ++k) {
     fmt::print("{} {}: fitted in {} of {}, 95 % intervals cover {:.1f} %\n",
-               test_curves ? "tested" : "untested", "ABCDEF"[k], coverage.fitted[k], 2 * data_sets,
+               test_others ? "tested" : "untested", "ABCDEF"[k], coverage.fitted[k], 2 * data_sets,
                100.0 * coverage.share(k));
   }
   return coverage;

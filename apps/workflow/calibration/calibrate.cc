@@ -161,7 +161,7 @@ class Calibrator {
     solver_.progress = listener.message;
     solver_.stop = listener.stop;
     solver_.starts = 2;
-    solver_.test_curves = false;
+    solver_.test_others = false;
   }
 
   Calibration Run() {
@@ -371,7 +371,8 @@ class Calibrator {
     KeepStart(found, [](const FittedParameter&) { return true; });
     config.start = plan_.fit.start;
     if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
-      SearchElevation(trials, blocks, config, found);
+      const double recorded_cost = trials.Search(blocks, Radiometry(), Near()).report.cost_final;
+      SearchElevation(trials, blocks, config, recorded_cost - found.cost_final, found);
       KeepStart(found, [](const FittedParameter&) { return true; });
       config.start = plan_.fit.start;
     }
@@ -413,15 +414,24 @@ class Calibrator {
 
   // Tries the other elevation patterns, each with poses, geometry and objects free. Where those are wrong,
   // they decide which pattern looks best at the recorded poses. `found`: the search with the given pattern.
+  // `fall`: of its cost from the recorded placement. A pattern that is worse by more than that at the
+  // placement found is not searched, because no placement can be expected to make up for it.
   void SearchElevation(const HeldOutTrials& trials, const ParameterSet& given, const FitConfig& config,
-                       calib::FitReport& found) {
+                       double fall, calib::FitReport& found) {
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
+    const Placed placed = PlacedFrames(WithLobes());
+    const HeldOutTrials at_found(*placed.simulator, placed.used, placed.held_out);
+    const auto cost_at_found = [&](const ParameterSet& parameters) {
+      return at_found.Search(parameters, Radiometry(), near).report.cost_final;
+    };
+    const double most = cost_at_found(given) + fall;
     for (const calib::ModelVariant& variant : calib::ElevationVariants(given.beam)) {
       if (variant.given) continue;
       listener_.Message(fmt::format("placement: the same with elevation {}", variant.name));
       ParameterSet other = given;
       variant.apply(other);
+      if (cost_at_found(other) > most) continue;
       calib::FitReport report = trials.Search(other, config, near).report;
       if (report.cost_final >= found.cost_final) continue;
       found = std::move(report);
@@ -603,17 +613,17 @@ class Calibrator {
   Calibration LastFits() {
     Calibration calibration;
     if (plan_.fit.held_out->empty()) {
-      calibration.fit = LastFit(plan_.fit, /*test_curves=*/true);
+      calibration.fit = LastFit(plan_.fit, /*test_others=*/true);
       calibration.evaluation = calibration.fit;
     } else {
       listener_.Message("last fit without the held-out frames, for the figures");
-      calibration.evaluation = LastFit(plan_.fit, /*test_curves=*/false);
+      calibration.evaluation = LastFit(plan_.fit, /*test_others=*/false);
       FitConfig all = plan_.fit;
       all.used->insert(all.used->end(), all.held_out->begin(), all.held_out->end());
       std::ranges::sort(*all.used);
       all.held_out->clear();
       listener_.Message("last fit to all frames, for the values");
-      calibration.fit = LastFit(all, /*test_curves=*/true);
+      calibration.fit = LastFit(all, /*test_others=*/true);
     }
     for (const CalibrationDecision& decision : plan_.decided)
       calibration.open.insert(calibration.open.end(), decision.open.begin(), decision.open.end());
@@ -624,8 +634,8 @@ class Calibrator {
     return calibration;
   }
 
-  // `test_curves`: whether other curves fit equally well.
-  RecordingFit LastFit(FitConfig config, bool test_curves) {
+  // `test_others`: whether other curves or poses fit equally well.
+  RecordingFit LastFit(FitConfig config, bool test_others) {
     // Start values of poses that are not among the frames of this fit have no parameter.
     std::erase_if(config.start, [&](const auto& start) {
       if (!start.first.starts_with("pose.")) return false;
@@ -639,7 +649,7 @@ class Calibrator {
     comparison.object = ScoredMaterial();
     fit.comparison = comparison.For(recording_.info().sonar.axes);
     fit.fit = Near();
-    fit.fit.test_curves = test_curves;
+    fit.fit.test_others = test_others;
     fit.on_note = listener_.message;
     fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
     RecordingFit last = FitRecording(recording_, scene_, plan_.parameters, fit);
