@@ -339,10 +339,71 @@ class Calibrator {
                          GreyFrames(recording_, *plan_.fit.held_out));
     if (!plan_.Has(CalibrationStage::kMirrors)) Forget(CalibrationStage::kMirrors);
     listener_.Message("placement: fitting curves at the recorded poses");
-    Trial as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
-    if (!plan_.Has(CalibrationStage::kMirrors)) TryMirrors(trials, as_recorded);
+    const Trial plain = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
+    FoundMirrors mirrors;
+    if (!plan_.Has(CalibrationStage::kMirrors)) mirrors = FindMirrors(trials, plain);
+    Searched searched;
+    if (mirrors.names.empty()) {
+      searched = SearchPlacement(trials, plain, objects);
+    } else {
+      searched = SearchWithMirrors(trials, plain, mirrors, objects);
+    }
+    plan_ = searched.plan;
+    listener_.Message("placement: fitting it to all pixels");
+    const Trial moved = trials.Try(WithNoiseLevel(trials.used()), searched.config, Near());
+    const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, searched.as_recorded);
+    if (!trials.held_out().empty() && !IsSignificant(gain)) {
+      plan_ = searched.plan_as_recorded;
+      return {"poses, geometry and objects as declared",
+              "moving them does not raise the likelihood: " + GainText(gain)};
+    }
+    return TakePlacement(moved, searched.config, gain);
+  }
+
+  struct FoundMirrors {
+    std::vector<std::string> names = {};  // materials
+    Trial with = {};
+    calib::LikelihoodDifference gain = {};
+  };
+
+  struct Searched {
+    Trial as_recorded = {};  // with the placement fixed
+    CalibrationPlan plan_as_recorded = {};
+    FitConfig config = {};  // with the placement free
+    CalibrationPlan plan = {};
+    calib::FitReport found = {};
+  };
+
+  // Ghosts of mirrors look like another placement of sonar and objects, and a wrong placement looks like
+  // ghosts. So the placement is searched with the mirrors that were found at the recorded poses, and without
+  // any. Mirrors must lower the cost by `kNatsPerValue` for each of their values.
+  Searched SearchWithMirrors(HeldOutTrials& trials, const Trial& plain, const FoundMirrors& mirrors,
+                             const std::vector<std::string>& objects) {
+    constexpr double kNatsPerValue = 10.0;
+    const CalibrationPlan before = plan_;
+    FreeMirrors(mirrors.names, plan_.fit);
+    const std::size_t values = plan_.fit.free->size() - before.fit.free->size();
+    listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
+                                  GainText(mirrors.gain)));
+    Searched with = SearchPlacement(trials, mirrors.with, objects);
+    plan_ = before;
+    listener_.Message("placement: the same without ghosts");
+    Searched without = SearchPlacement(trials, plain, objects);
+    if (with.found.cost_final + kNatsPerValue * static_cast<double>(values) < without.found.cost_final)
+      return with;
+    listener_.Message("placement: without ghosts, because the placement explains the frames as well");
+    // Staying at the recorded poses is still judged with ghosts.
+    without.as_recorded = std::move(with.as_recorded);
+    without.plan_as_recorded = std::move(with.plan_as_recorded);
+    return without;
+  }
+
+  Searched SearchPlacement(HeldOutTrials& trials, Trial as_recorded,
+                           const std::vector<std::string>& objects) {
+    Searched searched;
     if (!plan_.Has(CalibrationStage::kBeam)) TryPatterns(trials, as_recorded);
     KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
+    searched.plan_as_recorded = plan_;
 
     FitConfig config = Radiometry();
     config.start = plan_.fit.start;
@@ -376,27 +437,11 @@ class Calibrator {
       KeepStart(found, [](const FittedParameter&) { return true; });
       config.start = plan_.fit.start;
     }
-    listener_.Message("placement: fitting it to all pixels");
-    const Trial moved = trials.Try(WithNoiseLevel(trials.used()), config, Near());
-    const calib::LikelihoodDifference gain = HeldOutTrials::Gain(moved, as_recorded);
-    if (!trials.held_out().empty() && !IsSignificant(gain)) {
-      plan_.fit.start.clear();
-      KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
-      return {"poses, geometry and objects as declared",
-              "moving them does not raise the likelihood: " + GainText(gain)};
-    }
-    return TakePlacement(moved, config, gain);
-  }
-
-  // Frees the mirrors whose ghosts show at the recorded poses. Poses and objects would otherwise move to make
-  // up for ghosts.
-  void TryMirrors(HeldOutTrials& trials, Trial& as_recorded) {
-    FoundMirrors mirrors = FindMirrors(trials, as_recorded);
-    if (mirrors.names.empty()) return;
-    FreeMirrors(mirrors.names, plan_.fit);
-    as_recorded = std::move(mirrors.with);
-    listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
-                                  GainText(mirrors.gain)));
+    searched.as_recorded = std::move(as_recorded);
+    searched.config = std::move(config);
+    searched.plan = plan_;
+    searched.found = std::move(found);
+    return searched;
   }
 
   // Chooses the patterns of the beam at the recorded poses. Poses and objects would otherwise move to make up
@@ -572,18 +617,13 @@ class Calibrator {
             "their ghosts raise the likelihood: " + GainText(mirrors.gain)};
   }
 
-  struct FoundMirrors {
-    std::vector<std::string> names = {};  // materials
-    Trial with = {};
-    calib::LikelihoodDifference gain = {};
-  };
-
   // Tries every material as a mirror; those without ghosts drop out. Finds none without held-out frames.
   FoundMirrors FindMirrors(HeldOutTrials& trials, const Trial& without) const {
     FoundMirrors found;
     if (trials.held_out().empty()) return found;
+    const std::string scored = ScoredMaterial();
     for (const std::string& material : scene_.material_names) {
-      if (material != options_.target) found.names.push_back(material);
+      if (material != scored) found.names.push_back(material);
     }
     while (!found.names.empty()) {
       FitConfig config = Radiometry();
