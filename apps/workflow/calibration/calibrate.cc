@@ -398,12 +398,18 @@ class Calibrator {
     return without;
   }
 
-  Searched SearchPlacement(HeldOutTrials& trials, Trial as_recorded,
+  Searched SearchPlacement(HeldOutTrials& trials, const Trial& as_recorded,
                            const std::vector<std::string>& objects) {
-    Searched searched;
-    if (!plan_.Has(CalibrationStage::kBeam)) TryPatterns(trials, as_recorded);
-    KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
+    // At wrong poses, the pattern that looks best is often a wrong one, from which the search does not find the
+    // right placement. So it starts with the given pattern. Staying at the recorded poses is judged with the
+    // best one there.
+    Searched searched{.as_recorded = as_recorded};
+    const CalibrationPlan given = plan_;
+    if (!plan_.Has(CalibrationStage::kBeam)) TryElevation(trials, searched.as_recorded);
+    KeepStart(searched.as_recorded.fit.report, [](const FittedParameter&) { return true; });
     searched.plan_as_recorded = plan_;
+    plan_ = given;
+    KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
 
     FitConfig config = Radiometry();
     config.start = plan_.fit.start;
@@ -433,36 +439,33 @@ class Calibrator {
     config.start = plan_.fit.start;
     if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
       const double recorded_cost = trials.Search(blocks, Radiometry(), Near()).report.cost_final;
-      SearchElevation(trials, blocks, config, recorded_cost - found.cost_final, found);
+      SearchPatterns(trials, blocks, config, recorded_cost - found.cost_final, found);
       KeepStart(found, [](const FittedParameter&) { return true; });
       config.start = plan_.fit.start;
     }
-    searched.as_recorded = std::move(as_recorded);
     searched.config = std::move(config);
     searched.plan = plan_;
     searched.found = std::move(found);
     return searched;
   }
 
-  // Chooses the patterns of the beam at the recorded poses. Poses and objects would otherwise move to make up
-  // for wrong ones.
-  void TryPatterns(HeldOutTrials& trials, Trial& as_recorded) {
+  // Chooses the elevation pattern at the recorded poses. Poses and objects would otherwise seem to have
+  // moved, to make up for a wrong one.
+  void TryElevation(HeldOutTrials& trials, Trial& as_recorded) {
     if (trials.held_out().empty()) return;
     const BeamParameters before = plan_.parameters.beam;
     const calib::ModelChoice chosen =
-        ChooseForm(trials.simulator(), trials.used(), trials.held_out(),
-                   {calib::ChoiceAxis::kPattern, calib::ChoiceAxis::kElevation});
-    listener_.Message(fmt::format("placement: with {}", Names(FormOf(chosen))));
+        ChooseForm(trials.simulator(), trials.used(), trials.held_out(), {calib::ChoiceAxis::kElevation});
+    listener_.Message(fmt::format("placement: at the recorded poses, {}", Names(FormOf(chosen))));
     if (plan_.parameters.beam == before) return;
     as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
   }
 
-  // Tries the other elevation patterns, each with poses, geometry and objects free. Where those are wrong,
-  // they decide which pattern looks best at the recorded poses. `found`: the search with the given pattern.
-  // `fall`: of its cost from the recorded placement. A pattern that is worse by more than that at the
-  // placement found is not searched, because no placement can be expected to make up for it.
-  void SearchElevation(const HeldOutTrials& trials, const ParameterSet& given, const FitConfig& config,
-                       double fall, calib::FitReport& found) {
+  // Tries the other patterns of the beam, each with poses, geometry and objects free. `found`: the search with
+  // the given patterns. `fall`: of its cost from the recorded placement. A pattern that is worse by more than
+  // that at the placement found is not searched, because no placement can be expected to make up for it.
+  void SearchPatterns(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
+                      calib::FitReport& found) {
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
     const Placed placed = PlacedFrames(WithLobes());
@@ -470,17 +473,23 @@ class Calibrator {
     const auto cost_at_found = [&](const ParameterSet& parameters) {
       return at_found.Search(parameters, Radiometry(), near).report.cost_final;
     };
-    const double most = cost_at_found(given) + fall;
-    for (const calib::ModelVariant& variant : calib::ElevationVariants(given.beam)) {
-      if (variant.given) continue;
-      listener_.Message(fmt::format("placement: the same with elevation {}", variant.name));
-      ParameterSet other = given;
-      variant.apply(other);
-      if (cost_at_found(other) > most) continue;
-      calib::FitReport report = trials.Search(other, config, near).report;
-      if (report.cost_final >= found.cost_final) continue;
-      found = std::move(report);
-      variant.apply(plan_.parameters);
+    const double most = cost_at_found(best) + fall;
+    for (const bool azimuth : {true, false}) {
+      const BeamParameters given = best.beam;
+      for (const calib::ModelVariant& variant :
+           azimuth ? calib::AzimuthVariants(given) : calib::ElevationVariants(given)) {
+        if (variant.given) continue;
+        listener_.Message(
+            fmt::format("placement: the same with {} {}", azimuth ? "azimuth" : "elevation", variant.name));
+        ParameterSet other = best;
+        variant.apply(other);
+        if (cost_at_found(other) > most) continue;
+        calib::FitReport report = trials.Search(other, config, near).report;
+        if (report.cost_final >= found.cost_final) continue;
+        found = std::move(report);
+        best = std::move(other);
+        variant.apply(plan_.parameters);
+      }
     }
   }
 
