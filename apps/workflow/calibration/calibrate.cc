@@ -400,7 +400,7 @@ class Calibrator {
 
   Searched SearchPlacement(HeldOutTrials& trials, const Trial& as_recorded,
                            const std::vector<std::string>& objects) {
-    // At wrong poses, the pattern that looks best is often a wrong one, from which the search does not find the
+    // At wrong poses, the pattern that looks best is often a wrong one. From it the search does not find the
     // right placement. So it starts with the given pattern. Staying at the recorded poses is judged with the
     // best one there.
     Searched searched{.as_recorded = as_recorded};
@@ -461,9 +461,9 @@ class Calibrator {
     as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
   }
 
-  // Tries the other patterns of the beam, each with poses, geometry and objects free. `found`: the search with
-  // the given patterns. `fall`: of its cost from the recorded placement. A pattern that is worse by more than
-  // that at the placement found is not searched, because no placement can be expected to make up for it.
+  // Tries the other patterns of the beam, each with poses, geometry and objects free. `found`: the search
+  // with the given patterns. `fall`: of its cost from the recorded placement. A pattern that is worse by more
+  // than that at the placement found is not searched, because no placement can be expected to make up for it.
   void SearchPatterns(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
                       calib::FitReport& found) {
     calib::FitOptions near = Near();
