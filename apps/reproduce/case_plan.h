@@ -30,8 +30,8 @@ struct KnownBeforehand {
   std::string source;
 };
 
-// Two frames of one target in a static scene, whose shape is known. One frame is fitted, the
-// other is held out. An optional fan picture shows the target in another pose.
+// Two frames of one target in a static scene, whose shape is known. One frame is fitted, the other is held
+// out. An optional fan picture shows the target in another pose.
 struct TargetCase {
   std::string recording;  // folder of the images, below the recordings folder
   int fitted_frame = 0;

@@ -235,7 +235,7 @@ Json TargetJson(const TargetResult& result) {
                  {"rms_difference", std::sqrt(target.pose.best().cost)},
                  {"not_told_by_one_frame", target.pose.open}}},
                {"acoustic_expected", Json::parse(metrics::MetricsJson(target.acoustic_expected))},
-               {"acoustic_sample", Json::parse(metrics::MetricsJson(target.acoustic_sample))}};
+               {"acoustic_samples", Json::parse(metrics::MetricsJson(target.acoustic_samples))}};
   if (target.paper.fit.usable) {
     json["metrics_before"] = Json::parse(metrics::MetricsJson(target.paper.before));
     json["metrics_after"] = Json::parse(metrics::MetricsJson(target.paper.after));

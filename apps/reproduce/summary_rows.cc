@@ -28,10 +28,10 @@ std::vector<SummaryRow> TargetRows(const TargetComparison& target) {
     rows.push_back({"paper_initial", "paper model, its own values", &target.paper.before});
     rows.push_back({"paper_fitted", FittedName(target.paper), &target.paper.after, IsSound(target.paper)});
   }
-  rows.push_back({"acoustic_found_expected", "acoustic model as searched with, expected image",
-                  &target.acoustic_expected});
-  rows.push_back({"acoustic_found_sample", "acoustic model as searched with, a speckled sample",
-                  &target.acoustic_sample});
+  rows.push_back(
+      {"acoustic_found_expected", "acoustic model of the search, expected image", &target.acoustic_expected});
+  rows.push_back(
+      {"acoustic_found_samples", "acoustic model of the search, speckled samples", &target.acoustic_samples});
   if (fitted.acoustic.fit.usable) {
     rows.push_back({"acoustic_expected", "acoustic model, fitted, expected image", &fitted.expected, true});
     rows.push_back({"acoustic_samples", "acoustic model, fitted, speckled samples", &fitted.samples, true});

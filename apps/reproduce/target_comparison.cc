@@ -127,8 +127,22 @@ class Comparison {
     const sim::EchoList echoes = simulator.TraceEchoes(result_.pose.best().WorldFromSonar());
     result_.acoustic_expected = Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
                                         "expected image of the acoustic model", true);
-    result_.acoustic_sample = Compare({frames_[1]}, {simulator.RenderEchoes(echoes, result_.acoustic)},
-                                      "speckled sample of the acoustic model", true);
+    result_.acoustic_samples = CompareSamples(Samples(simulator, echoes, result_.acoustic),
+                                              "speckled samples of the acoustic model");
+  }
+
+  static std::vector<PolarImage> Samples(const sim::Simulator& simulator, const sim::EchoList& echoes,
+                                         const ParameterSet& parameters) {
+    std::vector<PolarImage> samples;
+    samples.reserve(TargetComparison::kDraws);
+    for (int draw = 0; draw < TargetComparison::kDraws; ++draw)
+      samples.push_back(simulator.RenderEchoes(echoes, parameters, draw));
+    return samples;
+  }
+
+  metrics::MetricsReport CompareSamples(const std::vector<PolarImage>& samples,
+                                        const std::string& name) const {
+    return Compare(std::vector<Frame>(samples.size(), frames_[1]), samples, name, true);
   }
 
   void FitAcoustic() {
@@ -155,16 +169,13 @@ class Comparison {
     const PolarImage expected = simulator.RenderExpected(echoes, parameters);
     fitted.expected = Compare({frames_[1]}, {expected}, "expected image of the fitted acoustic model", true,
                               &fitted.expected_pictures);
-    std::vector<PolarImage> draws;
-    draws.reserve(TargetComparison::kDraws);
-    for (int draw = 0; draw < TargetComparison::kDraws; ++draw)
-      draws.push_back(simulator.RenderEchoes(echoes, parameters, draw));
+    const std::vector<PolarImage> samples = Samples(simulator, echoes, parameters);
     const std::string name = "speckled samples of the fitted acoustic model";
-    fitted.samples = Compare(std::vector<Frame>(draws.size(), frames_[1]), draws, name, true);
-    Compare({frames_[1]}, {draws.front()}, name, true, &fitted.sample_pictures);
-    std::vector<Frame> sampled(draws.size(), frames_[1]);
-    for (std::size_t i = 0; i < draws.size(); ++i) sampled[i].image.value = draws[i].value;
-    fitted.floor = Compare(sampled, std::vector<PolarImage>(draws.size(), expected),
+    fitted.samples = CompareSamples(samples, name);
+    Compare({frames_[1]}, {samples.front()}, name, true, &fitted.sample_pictures);
+    std::vector<Frame> sampled(samples.size(), frames_[1]);
+    for (std::size_t i = 0; i < samples.size(); ++i) sampled[i].image.value = samples[i].value;
+    fitted.floor = Compare(sampled, std::vector<PolarImage>(samples.size(), expected),
                            "expected image against its own samples", true);
   }
 

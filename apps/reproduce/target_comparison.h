@@ -30,14 +30,14 @@ struct TargetComparison {
   calib::PoseSearchResult pose;
   ParameterSet acoustic;  // the model of the search, at the strength found
   workflow::RecordingFit paper;
-  // The acoustic model without a fit on the held-out frame: its expected image and a speckled sample.
+  // The acoustic model of the search on the held-out frame: its expected image and kDraws speckled samples,
+  // pooled, because a single one moves the occupancy by 0.02.
   metrics::MetricsReport acoustic_expected;
-  metrics::MetricsReport acoustic_sample;
+  metrics::MetricsReport acoustic_samples;
 
   struct Fitted {
     workflow::RecordingFit acoustic;  // without metrics and pictures, which are these
-    // On the held-out frame. `samples` pools kDraws samples, because a single one moves the occupancy by
-    // 0.02.
+    // On the held-out frame; `samples` pools kDraws samples, too.
     metrics::MetricsReport expected;
     metrics::MetricsReport samples;
     std::vector<report::FramePictures> expected_pictures;

@@ -61,19 +61,16 @@ void AddModels(report::HtmlReport& report, const TargetComparison& target) {
   report::AddFitWarnings(report, target.paper.fit.report, "paper model");
   report.Add(RowTable(
       TargetRows(target), "The frame that was not fitted (recorded by a sonar), polar image",
-      {"Intensity errors are mean absolute differences of grey levels over full scale; the frames' grey "
+      {"Intensity errors are mean absolute differences of grey levels over full scale. The frames' grey "
        "levels "
        "were stretched over their own range before they were published.",
        fmt::format(
-           "Speckled samples: means of {}. Occupancy of the acoustic model is to be read from them: no "
-           "detector finds an object of speckle in an image without any, and the expected image's "
-           "union is wide.",
+           "Speckled samples: means of {}. Take the occupancy of the acoustic model from them: no detector "
+           "finds an object of speckle in an image without any, and the expected image's union is wide.",
            TargetComparison::kDraws),
        "The expected image against its own samples: what speckle leaves of the error, were the model right. "
-       "The "
-       "other recorded frame has the speckle of the one judged, which no simulation has.",
-       "The acoustic model as searched with has a noise floor read off the fitted frame's background, and "
-       "the "
+       "The other recorded frame has the speckle of the one judged, which no simulation has.",
+       "The acoustic model of the search has a noise floor read off the fitted frame's background, and the "
        "strength found with the pose. Its curve is not fitted.",
        "Every figure is of one recorded frame, so no interval can be given."}));
   report.Paragraph(

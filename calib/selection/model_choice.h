@@ -68,6 +68,7 @@ struct JudgedAxis {
   std::vector<JudgedVariant> variants;
   std::vector<std::string> notes;  // reasons for missing variants
 
+  // ChooseModel always chooses one variant.
   const JudgedVariant& Chosen() const {
     return *std::ranges::find_if(variants, [](const JudgedVariant& variant) { return variant.chosen; });
   }

@@ -5,15 +5,15 @@
 // Two descriptions are tested. That of cases/bomb has the published length and diameter, and an assumed nose
 // and tail; `sonarcal locate` found its poses. The other has an outline that was fitted to frame 0
 // (tests/support/fitted_bomb.h), which helps on frame 1, because that frame has the same speckle. Poses are
-// held in the first fit: about them the likelihood trades the wrong shape for worse images. Beam and pulse end
+// held in the first fit, because the likelihood trades the wrong shape for worse images. Beam and pulse end
 // at or near their upper bounds: take neither width for the sonar's.
 //
 // The taper of the beam was chosen with frame 1 in sight (docs/studies/bomb.md): 1.0, 0.6 and 0.4 were tried.
 //
 // Wanted and not reached: KS of the background's grey, 0.03 (reached 0.038). On frame 1 an overlap error of
 // 0.085: reached 0.0854 with the fitted outline, and 0.098 with the plain shape, whose IoU of 0.77 (wanted
-// 0.80) and Na/Nr of 0.88 (0.89) fall short, too. The bounds named kRegression... and those of the plain shape
-// on frame 1 hold what is reached and claim no more.
+// 0.80) and Na/Nr of 0.88 (0.89) fall short, too. The bounds named kRegression... and those of the plain
+// shape on frame 1 hold what is reached and claim no more.
 #include <gtest/gtest.h>
 
 #include <array>

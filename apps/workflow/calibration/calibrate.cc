@@ -376,7 +376,8 @@ class Calibrator {
 
   // Ghosts of mirrors look like another placement of sonar and objects, and a wrong placement looks like
   // ghosts. So the placement is searched with the mirrors that were found at the recorded poses, and without
-  // any. Mirrors must lower the cost by `kNatsPerValue` for each of their values.
+  // any. Mirrors must lower the cost by `kNatsPerValue` for each of their values. Ten nats are more than the
+  // Bayesian criterion asks for a million pixels: half the logarithm of their number, 6.9.
   Searched SearchWithMirrors(HeldOutTrials& trials, const Trial& plain, const FoundMirrors& mirrors,
                              const std::vector<std::string>& objects) {
     constexpr double kNatsPerValue = 10.0;
