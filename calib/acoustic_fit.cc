@@ -131,14 +131,47 @@ class AcousticFitter {
     if (options_.progress) options_.progress(line);
   }
 
-  // Continues from the present values, about the point of the last linearisation.
+  // Continues from the present values, about the point of the last linearisation. Standard errors, which a
+  // rough fit has not, include those of the rays.
   void Refit(bool rough) {
     if (!fit_.usable) return;
     FitOptions options = again_;
     options.rough = rough;
-    fit_ = Fit(model_, fit_.values, near_, options);
+    if (rough) {
+      fit_ = Fit(model_, fit_.values, near_, options);
+    } else {
+      const OtherRays others(*this, fit_.values, geometric_);
+      fit_ = Fit(model_, fit_.values, near_, options, &others.model());
+    }
     iterations_ += fit_.report.iterations;
   }
+
+  // The same frames with another grid of rays, linearised about `values`.
+  class OtherRays {
+   public:
+    OtherRays(const AcousticFitter& fitter, const ParameterValues& values, const std::vector<int>& geometric)
+        : simulator_(fitter.simulator_.shared_caster(), fitter.simulator_.sonar(),
+                     OtherGrid(fitter.simulator_.options())),
+          model_(simulator_, fitter.frames_, fitter.model_.Parameters(values), ObjectsNamed(fitter.config_),
+                 OutlinesNamed(fitter.config_)) {
+      model_.Linearise(values, geometric);
+      model_.TakeWeightsOf(fitter.model_);
+    }
+    OtherRays(const OtherRays&) = delete;
+    OtherRays& operator=(const OtherRays&) = delete;
+
+    const AcousticFrameModel& model() const { return model_; }
+
+   private:
+    static sim::SimulationOptions OtherGrid(sim::SimulationOptions options) {
+      constexpr int kOtherRows = 31;  // one row more for so many rows
+      options.fan.rows += 1 + options.fan.rows / kOtherRows;
+      return options;
+    }
+
+    sim::Simulator simulator_;
+    AcousticFrameModel model_;
+  };
 
   // Configuration that fixes all geometric parameters.
   FitConfig RadiometryOnly() const {
@@ -249,19 +282,14 @@ class AcousticFitter {
   // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at
   // edges. They do so as well from one grid of rays to another, which is what is measured.
   double RoughnessOfCost(const ParameterValues& values) const {
-    constexpr int kOtherRows = 31;  // one row more for so many rows
-    sim::SimulationOptions other = simulator_.options();
-    other.fan.rows += 1 + other.fan.rows / kOtherRows;
-    const sim::Simulator simulator(simulator_.shared_caster(), simulator_.sonar(), other);
-    AcousticFrameModel model(simulator, frames_, model_.Parameters(values), ObjectsNamed(config_),
-                             OutlinesNamed(config_));
-    model.Linearise(values, {});
+    const OtherRays others(*this, values, {});
     double squares = 0.0;
-    for (int frame = 0; frame < model.frame_count(); ++frame) {
-      const double difference = CostOfFrame(model, values, frame) - CostOfFrame(model_, values, frame);
+    for (int frame = 0; frame < model_.frame_count(); ++frame) {
+      const double difference =
+          CostOfFrame(others.model(), values, frame) - CostOfFrame(model_, values, frame);
       squares += 0.5 * difference * difference;
     }
-    const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model.frame_count()));
+    const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model_.frame_count()));
     return 2.0 * std::max(std::sqrt(squares), least);
   }
 

@@ -34,8 +34,13 @@ constexpr double kBetterNats = 0.05;
 // State of a fit while it runs: the free parameters, and the reason why others are not free.
 class Fitter {
  public:
-  Fitter(const FrameModel& model, ParameterValues initial, const FitConfig& config, const FitOptions& options)
-      : model_(model), options_(options), catalog_(model.catalog()), initial_(std::move(initial)) {
+  Fitter(const FrameModel& model, ParameterValues initial, const FitConfig& config, const FitOptions& options,
+         const FrameModel* by_other_rays)
+      : model_(model),
+        by_other_rays_(by_other_rays),
+        options_(options),
+        catalog_(model.catalog()),
+        initial_(std::move(initial)) {
     const std::vector<bool> free = ApplyFitConfig(config, catalog_);
     state_.values = initial_;
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
@@ -206,6 +211,8 @@ class Fitter {
     const FitState interior{.active = interior_, .values = state_.values};
     ResidualSummary residuals;
     NormalEquations equations = Accumulate(model_, catalog_, interior, options_, &residuals);
+    if (by_other_rays_ != nullptr)
+      equations.numerical = ScoreErrors(model_, *by_other_rays_, catalog_, interior);
     if (model_.IsLikelihood()) {
       report_.whitened = residuals;
     } else {
@@ -393,6 +400,7 @@ class Fitter {
   }
 
   const FrameModel& model_;
+  const FrameModel* by_other_rays_;  // may be null
   const FitOptions& options_;
   std::vector<CatalogEntry> catalog_;
   ParameterValues initial_;
@@ -441,12 +449,12 @@ double GreyLevel(const PolarImage& image) {
 }
 
 ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
-             const FitOptions& options) {
+             const FitOptions& options, const FrameModel* by_other_rays) {
   options.Check();
   if (model.frame_count() == 0) throw DataError("fit: no frames");
-  if (options.threads == 0) return Fitter(model, initial, config, options).Run();
+  if (options.threads == 0) return Fitter(model, initial, config, options, by_other_rays).Run();
   tbb::task_arena arena(options.threads);
-  return arena.execute([&] { return Fitter(model, initial, config, options).Run(); });
+  return arena.execute([&] { return Fitter(model, initial, config, options, by_other_rays).Run(); });
 }
 
 }  // namespace sonarcal::calib

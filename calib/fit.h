@@ -7,6 +7,7 @@
 //
 // Standard errors come from a sandwich covariance over blocks of pixels. The plain least-squares covariance
 // would be too small, because neighbouring pixels share speckle cells and range errors.
+// If the model is given with other rays too, the difference that rays make is part of them.
 //
 // Parameters that the data do not determine are reported:
 //
@@ -43,9 +44,10 @@ struct ModelFit {
   bool usable = false;  // false: no usable solution
 };
 
-// Throws DataError if the configuration frees nothing.
+// `by_other_rays`, if given, is the model of the same frames about the same point with other rays. What both
+// differ by adds to the standard errors. Throws DataError if the configuration frees nothing.
 ModelFit Fit(const FrameModel& model, const ParameterValues& initial, const FitConfig& config,
-             const FitOptions& options = {});
+             const FitOptions& options = {}, const FrameModel* by_other_rays = nullptr);
 
 struct FitResult {
   ParameterSet parameters;

@@ -87,6 +87,7 @@ NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
     held.blocks[i].information = equations.blocks[i].information(kept, kept);
     held.blocks[i].score = equations.blocks[i].score(kept);
   }
+  for (Eigen::VectorXd& score : held.numerical) score = Eigen::VectorXd(score(kept));
   return held;
 }
 
@@ -134,6 +135,10 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
     const Eigen::MatrixXd of_prior =
         solve(information, Eigen::MatrixXd(equations.prior.cwiseSqrt().asDiagonal()));
     covariance += of_prior * of_prior.transpose();
+  }
+  for (const Eigen::VectorXd& score : equations.numerical) {
+    const Eigen::VectorXd change = solve(information, score);
+    covariance += change * change.transpose();
   }
   return covariance;
 }

@@ -18,6 +18,9 @@ struct NormalEquations {
   Eigen::MatrixXd information;  // J^T J
   Eigen::VectorXd prior;        // 1 / variance of the prior; empty: no priors
   std::vector<Block> blocks;    // blocks in which a residual depends on a parameter
+  // Independent numerical errors of the summed score, as vectors: the sum of their outer products is its
+  // covariance. Empty: the model is exact.
+  std::vector<Eigen::VectorXd> numerical;
   double residual_square = 0.0;
   long residual_count = 0;
 };
@@ -42,7 +45,8 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // its small-sample correction CR3 (Cameron & Miller, J. Human Resources 50(2), 2015, section VI.B). A
 // parameter that few blocks determine gets a correctly large sigma. Not finite if one block alone determines
 // a parameter. A prior P adds its information to J^T J, and (J^T J + P)^-1 P (J^T J + P)^-1 to the
-// covariance. So directions that the data do not determine keep the variance of the prior.
+// covariance. So directions that the data do not determine keep the variance of the prior. A numerical error s
+// of the score adds the outer product of the change that it makes, (J^T J + P)^-1 s.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
 // Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -341,6 +342,22 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
         std::sqrt(std::max(0.0, equations.residual_square / count - residuals->mean * residuals->mean));
   }
   return equations;
+}
+
+std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,
+                                         const std::vector<CatalogEntry>& catalog, const FitState& state) {
+  std::map<int, Eigen::VectorXd> of_pose;  // frames of one pose have the same rays
+  for (int frame = 0; frame < model.frame_count(); ++frame) {
+    const auto sums = SumFrame(model, catalog, state, frame, true);
+    const auto others = SumFrame(by_other_rays, catalog, state, frame, true);
+    SONARCAL_CHECK(sums && others, "the model gives no value here");
+    const Eigen::VectorXd error = (sums->gradient - others->gradient) / std::numbers::sqrt2;
+    const auto [found, added] = of_pose.try_emplace(model.first_of_pose(frame), error);
+    if (!added) found->second += error;
+  }
+  std::vector<Eigen::VectorXd> errors;
+  for (auto& [frame, error] : of_pose) errors.push_back(std::move(error));
+  return errors;
 }
 
 double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame) {

@@ -124,6 +124,12 @@ class AcousticFrameModel final : public FrameModel {
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
 
+  // Takes the weights of both kinds from a model of the same frames.
+  void TakeWeightsOf(const AcousticFrameModel& other) {
+    weights_ = other.weights_;
+    repeat_shares_ = other.repeat_shares_;
+  }
+
   // Weight of a pixel's likelihood: product of the weights of DownWeight and ShareRepeats.
   double Weight(int frame, std::size_t pixel) const {
     const double share = repeat_shares_[frame].empty() ? 1.0 : repeat_shares_[frame][pixel];

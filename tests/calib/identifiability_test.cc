@@ -56,6 +56,23 @@ TEST(JackknifeCovarianceTest, IsTheDeleteOneJackknifeOfAStraightLine) {
   EXPECT_TRUE(JackknifeCovariance(Line(x, residual)).isApprox(by_hand, 1e-9));
 }
 
+TEST(JackknifeCovarianceTest, AddsTheMovesThatNumericalErrorsOfTheScoreMake) {
+  NormalEquations equations = Line({0.0, 1.0, 2.0, 3.0}, {0.1, -0.2, 0.1, 0.3});
+  equations.prior = Eigen::Vector2d(0.0, 4.0);
+  const Eigen::MatrixXd exact = JackknifeCovariance(equations);
+  equations.numerical = {Eigen::Vector2d(0.5, -1.0), Eigen::Vector2d(0.2, 0.7)};
+  // By hand: sums of 1, x and x^2 are 4, 6 and 14, the last with the prior 18; the determinant is 36.
+  Eigen::Matrix2d inverse;
+  inverse << 18.0, -6.0, -6.0, 4.0;
+  inverse /= 36.0;
+  Eigen::Matrix2d added = Eigen::Matrix2d::Zero();
+  for (const Eigen::VectorXd& score : equations.numerical) {
+    const Eigen::Vector2d move = inverse * score;
+    added += move * move.transpose();
+  }
+  EXPECT_TRUE((JackknifeCovariance(equations) - exact).isApprox(added, 1e-9));
+}
+
 TEST(LeastDeterminedTest, NamesTheDirectionThatTheDataDoNotSee) {
   // All points at one x: only a + b x is seen.
   const NormalEquations equations = Line({1.0, 1.0, 1.0, 1.0}, {0.1, -0.1, 0.1, -0.1});

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "calib/acoustic_fit.h"
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/parameters/object_placement.h"
 #include "calib/parameters/placement_steps.h"
+#include "calib/problem_builder.h"
 #include "core/types/error.h"
 #include "sim/rays/acoustic_fan.h"
 #include "tests/calib/small_tank.h"
@@ -106,6 +108,48 @@ TEST_F(GeometryFit, AnObjectIsFoundWhereItStood) {
   // The top of the box, one metre up, lies where the fit says.
   const Scene& fitted = fit.simulator->caster().scene();
   EXPECT_NEAR(fitted.vertices_m.back().z(), 1.0, 1e-6);
+}
+
+// Two fits about one point, each with its own grid of rays, end apart by what the difference of their scores
+// predicts.
+TEST_F(GeometryFit, ErrorsOfTheScoreAreTheMoveFromOneGridOfRaysToAnother) {
+  const std::vector<AcousticFrame> frames = Recorded(SmallTank(), {});
+  sim::SimulationOptions options = Options();
+  options.fan.rows += options.fan.rows / 7;
+  const sim::Simulator other_simulator(SmallTank(), SmallSonar(), options);
+  AcousticFrameModel model(simulator_, frames, truth_, {"box"});
+  AcousticFrameModel by_other_rays(other_simulator, frames, truth_, {"box"});
+  FitConfig config{.free = std::vector<std::string>{"object.box.x_m", "object.box.y_m"}};
+  std::vector<CatalogEntry> catalog = model.catalog();
+  FitState state{.active = {}, .values = model.initial_values()};
+  const std::vector<bool> free = ApplyFitConfigWithPriors(state.values, config, catalog);
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (free[i]) state.active.push_back(static_cast<int>(i));
+  }
+  ASSERT_EQ(state.active.size(), 2U);
+  model.Linearise(state.values, state.active);
+  by_other_rays.Linearise(state.values, state.active);
+  state.values = Fit(model, state.values, config).values;
+  const ParameterValues others = Fit(by_other_rays, state.values, config).values;
+
+  NormalEquations equations = Accumulate(model, catalog, state, {});
+  Eigen::MatrixXd information = equations.information;
+  information.diagonal() += equations.prior;
+  Eigen::VectorXd difference = Eigen::VectorXd::Zero(2);
+  const std::vector<Eigen::VectorXd> errors = ScoreErrors(model, by_other_rays, catalog, state);
+  EXPECT_EQ(errors.size(), frames.size());
+  for (const Eigen::VectorXd& error : errors) difference += std::numbers::sqrt2 * error;
+  const Eigen::VectorXd predicted = information.ldlt().solve(difference);
+  Eigen::VectorXd moved(2);
+  for (int k = 0; k < 2; ++k) moved(k) = others[state.active[k]] - state.values[state.active[k]];
+  EXPECT_GT(moved.norm(), 1e-4) << "m, otherwise nothing is tested";
+  EXPECT_LT((moved - predicted).norm(), 0.2 * moved.norm()) << moved.transpose() << ", " << predicted.transpose();
+
+  // The standard errors of a fit grow by it.
+  const ModelFit alone = Fit(model, state.values, config);
+  const ModelFit with_others = Fit(model, state.values, config, {}, &by_other_rays);
+  for (const char* name : {"object.box.x_m", "object.box.y_m"})
+    EXPECT_GT(*with_others.report.Find(name)->sigma, *alone.report.Find(name)->sigma) << name;
 }
 
 TEST_F(GeometryFit, AnUnknownObjectIsRefused) {
