@@ -146,7 +146,7 @@ class AcousticFitter {
     iterations_ += fit_.report.iterations;
   }
 
-  // The same frames with another grid of rays, linearised about `values`.
+  // Model of the same frames with another grid of rays, linearised about `values`.
   class OtherRays {
    public:
     OtherRays(const AcousticFitter& fitter, const ParameterValues& values, const std::vector<int>& geometric)

@@ -45,8 +45,8 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // its small-sample correction CR3 (Cameron & Miller, J. Human Resources 50(2), 2015, section VI.B). A
 // parameter that few blocks determine gets a correctly large sigma. Not finite if one block alone determines
 // a parameter. A prior P adds its information to J^T J, and (J^T J + P)^-1 P (J^T J + P)^-1 to the
-// covariance. So directions that the data do not determine keep the variance of the prior. A numerical error s
-// of the score adds the outer product of the change that it makes, (J^T J + P)^-1 s.
+// covariance. So directions that the data do not determine keep the variance of the prior. A numerical error
+// s of the score adds the outer product of the change that it makes, (J^T J + P)^-1 s.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
 // Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over

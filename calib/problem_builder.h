@@ -44,8 +44,8 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);
 
-// Returns numerical errors of the score, one vector per pose, from the same frames in the same form seen by other
-// rays: the difference of both scores over the square root of 2. Both are about one point.
+// Returns numerical errors of the score, one vector per pose: its difference from the score by other rays,
+// over the square root of 2. Both models have the same frames and are about one point.
 std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,
                                          const std::vector<CatalogEntry>& catalog, const FitState& state);
 
