@@ -440,7 +440,7 @@ class Calibrator {
     config.start = plan_.fit.start;
     if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
       const double recorded_cost = trials.Search(blocks, Radiometry(), Near()).report.cost_final;
-      SearchPatterns(trials, blocks, config, recorded_cost - found.cost_final, found);
+      SearchElevation(trials, blocks, config, recorded_cost - found.cost_final, found);
       KeepStart(found, [](const FittedParameter&) { return true; });
       config.start = plan_.fit.start;
     }
@@ -462,10 +462,11 @@ class Calibrator {
     as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
   }
 
-  // Tries the other patterns of the beam, each with poses, geometry and objects free. `found`: the search
-  // with the given patterns. `fall`: of its cost from the recorded placement. A pattern that is worse by more
-  // than that at the placement found is not searched, because no placement can be expected to make up for it.
-  void SearchPatterns(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
+  // Tries the other elevation patterns, each with poses, geometry and objects free. `found`: the search with
+  // the given pattern. `fall`: of its cost from the recorded placement. A pattern that is worse by more than
+  // that at the placement found is not searched, because no placement can be expected to make up for it.
+  // Blocks of pixels are too wide to tell azimuth patterns apart.
+  void SearchElevation(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
                       calib::FitReport& found) {
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
@@ -475,22 +476,17 @@ class Calibrator {
       return at_found.Search(parameters, Radiometry(), near).report.cost_final;
     };
     const double most = cost_at_found(best) + fall;
-    for (const bool azimuth : {true, false}) {
-      const BeamParameters given = best.beam;
-      for (const calib::ModelVariant& variant :
-           azimuth ? calib::AzimuthVariants(given) : calib::ElevationVariants(given)) {
-        if (variant.given) continue;
-        listener_.Message(
-            fmt::format("placement: the same with {} {}", azimuth ? "azimuth" : "elevation", variant.name));
-        ParameterSet other = best;
-        variant.apply(other);
-        if (cost_at_found(other) > most) continue;
-        calib::FitReport report = trials.Search(other, config, near).report;
-        if (report.cost_final >= found.cost_final) continue;
-        found = std::move(report);
-        best = std::move(other);
-        variant.apply(plan_.parameters);
-      }
+    for (const calib::ModelVariant& variant : calib::ElevationVariants(best.beam)) {
+      if (variant.given) continue;
+      listener_.Message(fmt::format("placement: the same with elevation {}", variant.name));
+      ParameterSet other = best;
+      variant.apply(other);
+      if (cost_at_found(other) > most) continue;
+      calib::FitReport report = trials.Search(other, config, near).report;
+      if (report.cost_final >= found.cost_final) continue;
+      found = std::move(report);
+      best = std::move(other);
+      variant.apply(plan_.parameters);
     }
   }
 
