@@ -467,7 +467,7 @@ class Calibrator {
   // that at the placement found is not searched, because no placement can be expected to make up for it.
   // Blocks of pixels are too wide to tell azimuth patterns apart.
   void SearchElevation(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
-                      calib::FitReport& found) {
+                       calib::FitReport& found) {
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
     const Placed placed = PlacedFrames(WithLobes());
