@@ -11,6 +11,7 @@
 
 #include "calib/models/coarse_frame_model.h"
 #include "calib/models/down_weight.h"
+#include "calib/models/move_slopes.h"
 #include "calib/parameters/placement_steps.h"
 #include "calib/parameters/pose_step.h"
 #include "core/types/error.h"
@@ -195,35 +196,22 @@ sim::GhostList AcousticFrameModel::GhostsOf(const sim::Simulator& simulator, int
   return simulator.TraceGhosts(PoseOf(frame, values), parameters);
 }
 
-FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
+FrameEchoes AcousticFrameModel::EchoesAbout(const sim::Simulator& simulator, int frame,
+                                            const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
-  const sim::Simulator& simulator = *rays.simulator;
   const sim::EchoPower at_pose = sim::EchoesOfPose(simulator, PoseOf(frame, values), Parameters(values));
   FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(values))};
   const sim::GhostList ghosts = GhostsOf(simulator, frame, values, geometric);
   if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator, ghosts, Parameters(values));
-  const bool axes_move =
-      std::ranges::any_of(geometric, [&](int index) { return ChangesAxes(catalog_[index]); });
-  if (axes_move) AddSlopesOfMoves(rays, frame, values, geometric, echoes);
+  AddSlopesOfMoves(simulator, frame, values, geometric, echoes);
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
-    if (ChangesScene(entry) || ChangesAxes(entry)) continue;  // added below, or by Linearise
-    if (entry.group == ParameterGroup::kPose && entry.frame != frame && entry.frame != kMountFrame) continue;
+    if (IsPlacement(entry)) continue;  // above, or in AddSlopesOfScene
     const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
     above[index] += step;
     below[index] -= step;
-    if (IsPlacement(entry)) {
-      if (axes_move) continue;
-      const ParameterSet parameters = Parameters(values);
-      const auto from = [&](const ParameterValues& to) {
-        return EchoPowerFrom(PoseOf(frame, to), parameters, rays);
-      };
-      echoes.slopes.push_back(
-          {.entry = index, .logarithm = LogarithmSlope({from(above), from(below), 2.0 * step}, parameters)});
-      continue;
-    }
     echoes.slopes.push_back({.entry = index});
     if (!ghosts.echoes.empty()) {
       const auto gather = [&](const ParameterValues& at) {
@@ -243,83 +231,87 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const Rays& rays, int frame, const P
   return echoes;
 }
 
-void AcousticFrameModel::AddSlopesOfMoves(const Rays& rays, int frame, const ParameterValues& values,
-                                          const std::vector<int>& geometric, FrameEchoes& echoes) const {
+void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int frame,
+                                          const ParameterValues& values, const std::vector<int>& geometric,
+                                          FrameEchoes& echoes) const {
   constexpr double kDifference = 1e-5;
+  const auto of_frame = [&](int index) {
+    const CatalogEntry& entry = catalog_[index];
+    if (entry.group != ParameterGroup::kPose) return entry.group == ParameterGroup::kGeometry;
+    return entry.frame == frame || entry.frame == kMountFrame;
+  };
+  if (std::ranges::none_of(geometric, of_frame)) return;
   const ParameterSet parameters = Parameters(values);
   const Pose pose = PoseOf(frame, values);
-  std::vector<std::vector<float>> of_moves;
-  for (int k = 0; k < kPoseSteps; ++k) {
-    PoseStep move = PoseStep::Zero();
-    move(k) = PoseDifference(sonar().axes, k);
-    of_moves.push_back(LogarithmSlope({EchoPowerFrom(MovePose(pose, move), parameters, rays),
-                                       EchoPowerFrom(MovePose(pose, -move), parameters, rays), 2.0 * move(k)},
-                                      parameters));
-  }
+  const MoveSlopes moves = SlopesOfMoves(simulator, FanOfSlopes(simulator), pose, parameters);
+  const Grid<double> rest = FloorOfEchoes(parameters);
   for (const int index : geometric) {
+    if (!of_frame(index)) continue;
     const CatalogEntry& entry = catalog_[index];
-    const bool azimuth = TurnsBeams(entry);
-    const bool pose_entry =
-        entry.group == ParameterGroup::kPose && (entry.frame == frame || entry.frame == kMountFrame);
-    const bool tilt = entry.group == ParameterGroup::kGeometry && !ChangesAxes(entry);
-    if (!azimuth && !pose_entry && !tilt) continue;
     std::vector<float> slope(pixel_count(), 0.0F);
-    if (azimuth) {
-      std::ranges::transform(of_moves[kTurnOfSonar], slope.begin(), std::negate());
-      ScaleToEntry(sonar().axes, entry, slope);
+    const auto add = [&](double factor, const Grid<float>& of_move) {
+      for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) {
+        slope[pixel] += static_cast<float>(factor * of_move.values()[pixel] /
+                                           (moves.power.values()[pixel] + rest.values()[pixel]));
+      }
+    };
+    if (TurnsBeams(entry)) {
+      add(-1.0, moves.along[kTurnOfSonar]);
+    } else if (ChangesAxes(entry)) {
+      add(1.0, moves.range_offset);
     } else {
       ParameterValues at = values;
       at[index] += kDifference;
-      const PoseStep moves = StepBetween(pose, PoseOf(frame, at)) / kDifference;
-      for (int k = 0; k < kPoseSteps; ++k) {
-        const auto of = static_cast<float>(moves(k));
-        for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) slope[pixel] += of * of_moves[k][pixel];
-      }
+      const PoseStep step = StepBetween(pose, PoseOf(frame, at)) / kDifference;
+      for (int k = 0; k < kPoseSteps; ++k) add(step(k), moves.along[k]);
     }
+    if (ChangesAxes(entry)) ScaleToEntry(sonar().axes, entry, slope);
     echoes.slopes.push_back({.entry = index, .logarithm = std::move(slope)});
   }
 }
 
+Grid<double> AcousticFrameModel::FloorOfEchoes(const ParameterSet& parameters) const {
+  constexpr double kOfNoise = 1e-3;
+  Grid<double> floor = sim::NoiseFloorPower(GeometryWith(simulator_), parameters);
+  for (double& power : floor.values()) power *= kOfNoise;
+  return floor;
+}
+
 std::vector<float> AcousticFrameModel::LogarithmSlope(const EchoPair& echoes,
                                                       const ParameterSet& parameters) const {
-  // Echoes far below the noise have no effect. A floor keeps their logarithm constant.
-  constexpr double kOfNoise = 1e-3;
-  const Grid<double> noise = sim::NoiseFloorPower(GeometryWith(simulator_), parameters);
+  const Grid<double> floor = FloorOfEchoes(parameters);
   std::vector<float> slope;
   slope.reserve(pixel_count());
   for (std::size_t i = 0; i < pixel_count(); ++i) {
-    const double rest = kOfNoise * noise.values()[i];
+    const double rest = floor.values()[i];
     slope.push_back(static_cast<float>(
         std::log((echoes.above.values()[i] + rest) / (echoes.below.values()[i] + rest)) / echoes.difference));
   }
   return slope;
 }
 
-std::vector<FrameEchoes> AcousticFrameModel::FramesAbout(const Rays& rays, const ParameterValues& values,
+std::vector<FrameEchoes> AcousticFrameModel::FramesAbout(const sim::Simulator& simulator,
+                                                         const ParameterValues& values,
                                                          const std::vector<int>& geometric) const {
   std::vector<FrameEchoes> echoes(frames_.size());
   tbb::parallel_for(0, frame_count(),
-                    [&](int frame) { echoes[frame] = EchoesAbout(rays, frame, values, geometric); });
+                    [&](int frame) { echoes[frame] = EchoesAbout(simulator, frame, values, geometric); });
   return echoes;
 }
 
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
   point_ = values;
-  const Rays rays = RaysAt(values, 1);
-  at_point_ = rays.simulator;
-  std::vector<FrameEchoes> echoes = FramesAbout(rays, values, geometric);
-  AddCommonSlopes(values, geometric, echoes);
+  at_point_ = SimulatorAt(values);
+  std::vector<FrameEchoes> echoes = FramesAbout(*at_point_, values, geometric);
+  AddSlopesOfScene(values, geometric, echoes);
   echoes_ = std::move(echoes);
 }
 
-// Slopes along placements that need another simulator: objects, outlines and axes.
-void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const std::vector<int>& geometric,
-                                         std::vector<FrameEchoes>& echoes) const {
+void AcousticFrameModel::AddSlopesOfScene(const ParameterValues& values, const std::vector<int>& geometric,
+                                          std::vector<FrameEchoes>& echoes) const {
   const ParameterSet parameters = Parameters(values);
-  std::map<int, std::vector<std::vector<float>>> traced;  // per entry and frame
-  const auto trace = [&](int index) -> const std::vector<std::vector<float>>& {
-    const auto [found, added] = traced.try_emplace(index, frames_.size());
-    if (!added) return found->second;
+  for (const int index : geometric) {
+    if (!ChangesScene(catalog_[index])) continue;
     const double step = DifferenceStep(catalog_[index], values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
@@ -327,23 +319,14 @@ void AcousticFrameModel::AddCommonSlopes(const ParameterValues& values, const st
     below[index] -= step;
     const Rays rays_above = RaysAt(above, 1);
     const Rays rays_below = RaysAt(below, 1);
-    tbb::parallel_for(0, frame_count(), [&, &slopes = found->second](int frame) {
+    tbb::parallel_for(0, frame_count(), [&](int frame) {
       const Pose pose = PoseOf(frame, values);
-      slopes[frame] = LogarithmSlope({EchoPowerFrom(pose, parameters, rays_above),
-                                      EchoPowerFrom(pose, parameters, rays_below), 2.0 * step},
-                                     parameters);
+      echoes[frame].slopes.push_back(
+          {.entry = index,
+           .logarithm = LogarithmSlope({EchoPowerFrom(pose, parameters, rays_above),
+                                        EchoPowerFrom(pose, parameters, rays_below), 2.0 * step},
+                                       parameters)});
     });
-    return found->second;
-  };
-  for (const int index : geometric) {
-    const CatalogEntry& entry = catalog_[index];
-    const bool axes = ChangesAxes(entry);
-    if ((!axes && !ChangesScene(entry)) || TurnsBeams(entry)) continue;
-    const std::vector<std::vector<float>>& slopes = trace(axes ? RangeOffsetOf(catalog_) : index);
-    for (int frame = 0; frame < frame_count(); ++frame) {
-      echoes[frame].slopes.push_back({.entry = index, .logarithm = slopes[frame]});
-      if (axes) ScaleToEntry(sonar().axes, entry, echoes[frame].slopes.back().logarithm);
-    }
   }
 }
 
@@ -437,8 +420,8 @@ std::unique_ptr<FrameModel> AcousticFrameModel::CoarseAbout(const ParameterValue
   if (!HasSlopes()) return Coarse(wanted_pixels);
   const std::optional<PixelBlock> block = BlockFor(wanted_pixels);
   if (!block) return nullptr;
-  const Rays rays = RaysAt(values, 1);
-  return std::make_unique<CoarseFrameModel>(*this, rays.simulator->sonar(), FramesAbout(rays, values, {}),
+  const std::shared_ptr<const sim::Simulator> simulator = SimulatorAt(values);
+  return std::make_unique<CoarseFrameModel>(*this, simulator->sonar(), FramesAbout(*simulator, values, {}),
                                             *block);
 }
 

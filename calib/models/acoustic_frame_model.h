@@ -154,24 +154,26 @@ class AcousticFrameModel final : public FrameModel {
   };
   // Difference of the logarithms of the echoes, divided by that of the values.
   std::vector<float> LogarithmSlope(const EchoPair& echoes, const ParameterSet& parameters) const;
+  // Echoes far below the noise have no effect. This floor, added to them, keeps their logarithm constant.
+  Grid<double> FloorOfEchoes(const ParameterSet& parameters) const;
   // Ghosts in a frame, as far beside the beams as a free transmitter angle may reach.
   sim::GhostList GhostsOf(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
   bool HasSlopes() const;
   // Block of pixels for a coarse model; nullopt if that would be no cheaper.
   std::optional<PixelBlock> BlockFor(std::size_t wanted_pixels) const;
-  std::vector<FrameEchoes> FramesAbout(const Rays& rays, const ParameterValues& values,
+  std::vector<FrameEchoes> FramesAbout(const sim::Simulator& simulator, const ParameterValues& values,
                                        const std::vector<int>& geometric) const;
-  FrameEchoes EchoesAbout(const Rays& rays, int frame, const ParameterValues& values,
+  FrameEchoes EchoesAbout(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
 
-  // Slopes along poses and azimuths from those along moves of the sonar. A turn of the sonar and a turn of
-  // its beams then cancel exactly, as they do in an image; separate differences would seem to tell them
-  // apart.
-  void AddSlopesOfMoves(const Rays& rays, int frame, const ParameterValues& values,
+  // Slopes along poses and axes from those along moves of the sonar. A turn of the sonar and a turn of its
+  // beams then cancel exactly, as they do in an image; separate slopes would seem to tell them apart.
+  void AddSlopesOfMoves(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                         const std::vector<int>& geometric, FrameEchoes& echoes) const;
-  void AddCommonSlopes(const ParameterValues& values, const std::vector<int>& geometric,
-                       std::vector<FrameEchoes>& echoes) const;
+  // Slopes along placements that change the scene: objects and outlines.
+  void AddSlopesOfScene(const ParameterValues& values, const std::vector<int>& geometric,
+                        std::vector<FrameEchoes>& echoes) const;
 
   const sim::Simulator& simulator_;
   PlacedSimulators placed_;

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
+#include <memory>
 #include <utility>
 
+#include "calib/models/move_slopes.h"
 #include "calib/parameters/placement_steps.h"
 
 namespace sonarcal::calib {
@@ -41,56 +42,54 @@ PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
 }
 
 PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
-  const auto pixels = static_cast<Eigen::Index>(model_.pixel_count());
   const auto columns = static_cast<Eigen::Index>(kPoseSteps + common_.size());
-  Slopes slopes(frames_.size(), Eigen::MatrixXf(pixels, columns));
-  const PoseView::Rays rays = model_.RaysAt(values, decimation_);
-  tbb::parallel_for(std::size_t{0}, frames_.size() * kPoseSteps, [&](std::size_t task) {
-    const std::size_t i = task / kPoseSteps;
-    const auto k = static_cast<Eigen::Index>(task % kPoseSteps);
-    const Pose pose = model_.PoseOf(frames_[i], values);
-    PoseStep move = PoseStep::Zero();
-    move(k) = PoseDifference(model_.sonar().axes, static_cast<int>(k));
-    slopes[i].col(k) =
-        (views_[i].Expected(MovePose(pose, move), rays) - views_[i].Expected(MovePose(pose, -move), rays)) /
-        static_cast<float>(2.0 * move(k));
+  Slopes slopes(frames_.size());
+  const std::shared_ptr<const sim::Simulator> simulator = model_.SimulatorAt(values);
+  const sim::RayFan fan = FanOfSlopes(*simulator);
+  const ParameterSet parameters = model_.Parameters(values);
+  const PolarAxes& axes = model_.sonar().axes;
+  tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
+    const MoveSlopes moves = SlopesOfMoves(*simulator, fan, model_.PoseOf(frames_[i], values), parameters);
+    std::vector<const Grid<float>*> changes;
+    for (const Grid<float>& of_move : moves.along) changes.push_back(&of_move);
+    changes.push_back(&moves.range_offset);
+    const Eigen::MatrixXf of_moves = views_[i].Slopes(moves.power, changes);
+    slopes[i].resize(of_moves.rows(), columns);
+    slopes[i].leftCols(kPoseSteps) = of_moves.leftCols(kPoseSteps);
+    for (std::size_t k = 0; k < common_.size(); ++k) {
+      const CatalogEntry& entry = catalog_[common_[k]];
+      if (!ChangesAxes(entry)) continue;
+      auto column = slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k));
+      if (TurnsBeams(entry)) {
+        column = -of_moves.col(kTurnOfSonar);
+      } else {
+        column = of_moves.col(kPoseSteps);
+      }
+      ScaleToEntry(axes, entry, {column.data(), static_cast<std::size_t>(column.size())});
+    }
   });
-  AddCommonSlopes(values, slopes);
+  AddSlopesOfScene(values, slopes);
   return slopes;
 }
 
-void PoseProblem::AddCommonSlopes(const ParameterValues& values, Slopes& slopes) const {
-  const PolarAxes& axes = model_.sonar().axes;
-  std::map<int, std::vector<Eigen::VectorXf>> traced;  // per entry and frame
-  const auto trace = [&](int index) -> const std::vector<Eigen::VectorXf>& {
-    const auto [found, added] = traced.try_emplace(index, frames_.size());
-    if (!added) return found->second;
-    const double step = PlacementDifference(axes, catalog_[index]);
-    ParameterValues above = values;
-    ParameterValues below = values;
-    above[index] += step;
-    below[index] -= step;
-    const PoseView::Rays rays_above = model_.RaysAt(above, decimation_);
-    const PoseView::Rays rays_below = model_.RaysAt(below, decimation_);
-    tbb::parallel_for(std::size_t{0}, frames_.size(), [&, &of_frames = found->second](std::size_t i) {
-      of_frames[i] = (views_[i].Expected(model_.PoseOf(frames_[i], above), rays_above) -
-                      views_[i].Expected(model_.PoseOf(frames_[i], below), rays_below)) /
-                     static_cast<float>(2.0 * step);
-    });
-    return found->second;
-  };
+// Slopes along placements that change the scene, or turn the sonar at its mount.
+void PoseProblem::AddSlopesOfScene(const ParameterValues& values, Slopes& slopes) const {
   for (std::size_t k = 0; k < common_.size(); ++k) {
     const CatalogEntry& entry = catalog_[common_[k]];
-    for (std::size_t i = 0; i < frames_.size(); ++i) {
-      auto column = slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k));
-      if (TurnsBeams(entry)) {
-        column = -slopes[i].col(kTurnOfSonar);
-      } else {
-        column = trace(ChangesAxes(entry) ? RangeOffsetOf(catalog_) : common_[k])[i];
-      }
-      if (ChangesAxes(entry))
-        ScaleToEntry(axes, entry, {column.data(), static_cast<std::size_t>(column.size())});
-    }
+    if (ChangesAxes(entry)) continue;
+    const double step = PlacementDifference(model_.sonar().axes, entry);
+    ParameterValues above = values;
+    ParameterValues below = values;
+    above[common_[k]] += step;
+    below[common_[k]] -= step;
+    const PoseView::Rays rays_above = model_.RaysAt(above, decimation_);
+    const PoseView::Rays rays_below = model_.RaysAt(below, decimation_);
+    tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
+      slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k)) =
+          (views_[i].Expected(model_.PoseOf(frames_[i], above), rays_above) -
+           views_[i].Expected(model_.PoseOf(frames_[i], below), rays_below)) /
+          static_cast<float>(2.0 * step);
+    });
   }
 }
 

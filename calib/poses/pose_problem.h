@@ -57,7 +57,7 @@ class PoseProblem {
  private:
   // d column of the slopes / d value of each entry.
   Eigen::MatrixXd MovesOfEntries(int frame, const ParameterValues& values) const;
-  void AddCommonSlopes(const ParameterValues& values, Slopes& slopes) const;
+  void AddSlopesOfScene(const ParameterValues& values, Slopes& slopes) const;
   void Set(int entry, double value, ParameterValues& values) const;
 
   const AcousticFrameModel& model_;

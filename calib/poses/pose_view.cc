@@ -65,6 +65,39 @@ Eigen::VectorXf PoseView::Expected(const Grid<float>& power) const {
   return Eigen::Map<const Eigen::VectorXf>(shown.values().data(), static_cast<Eigen::Index>(shown.size()));
 }
 
+Eigen::MatrixXf PoseView::Slopes(const Grid<double>& echoes,
+                                 std::span<const Grid<float>* const> changes) const {
+  constexpr float kStep = 1e-3F;
+  Grid<double> total = echoes;
+  sim::AddNoiseFloor({model_.sonar_at_point(), model_.simulator().absorption_db_per_m()}, parameters_, total);
+  // Change of the expected value per relative change of the power.
+  Eigen::ArrayXf of_power = Eigen::ArrayXf::Ones(static_cast<Eigen::Index>(total.size()));
+  if (!smoothing_.none()) {
+    const auto shown = [&](float factor) {
+      Grid<float> power(total.rows(), total.cols());
+      std::ranges::transform(total.values(), power.values().begin(),
+                             [&](double value) { return factor * static_cast<float>(value); });
+      return ExpectedShown(power);
+    };
+    const Grid<float> above = shown(1.0F + kStep);
+    const Grid<float> below = shown(1.0F - kStep);
+    for (std::size_t i = 0; i < total.size(); ++i) {
+      of_power(static_cast<Eigen::Index>(i)) =
+          Counts(i) ? (above.values()[i] - below.values()[i]) / (2.0F * kStep) : 0.0F;
+    }
+  }
+  Eigen::MatrixXf slopes(of_power.size(), static_cast<Eigen::Index>(changes.size()));
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    Grid<float> change = *changes[k];
+    for (std::size_t i = 0; i < change.size(); ++i)
+      change.values()[i] *= of_power(static_cast<Eigen::Index>(i)) / static_cast<float>(total.values()[i]);
+    if (!smoothing_.none()) Smooth(change, smoothing_.bins, smoothing_.beams);
+    slopes.col(static_cast<Eigen::Index>(k)) =
+        Eigen::Map<const Eigen::VectorXf>(change.values().data(), of_power.size());
+  }
+  return slopes;
+}
+
 PoseView::Evaluation PoseView::Evaluate(const Eigen::VectorXf& expected) const {
   const Eigen::Index pixels = expected.size();
   if (!smoothing_.none()) {

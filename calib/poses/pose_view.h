@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "calib/models/acoustic_frame_model.h"
@@ -39,6 +40,10 @@ class PoseView {
   Eigen::VectorXf Expected(const Pose& world_from_sonar, const Rays& rays) const {
     return Expected(PowerFrom(world_from_sonar, rays));
   }
+
+  // Changes of the expected value of each pixel per unit of changes of the power of echoes, one column each.
+  // `echoes`: power of the echoes, without noise, at the pose.
+  Eigen::MatrixXf Slopes(const Grid<double>& echoes, std::span<const Grid<float>* const> changes) const;
 
   struct Evaluation {
     double cost = 0.0;            // half of -2 log likelihood, up to a constant

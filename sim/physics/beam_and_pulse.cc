@@ -17,6 +17,19 @@ constexpr double kSideLobeCutDb = -60.0;
 constexpr double kMinRangeSteps = 4.0;
 constexpr double kMaxRangeSteps = 64.0;
 
+// Half the step of the differences that give slopes, as a fraction of the width.
+constexpr double kSlopeStep = 1e-4;
+
+// Value of a response at an offset, of the kind `of`. `power` returns its power at any offset; `width` sets
+// the step of the slope.
+template <typename Power, typename Field>
+double Respond(ResponseOf of, double offset, double width, const Power& power, const Field& field) {
+  if (of == ResponseOf::kField) return field(offset);
+  if (of == ResponseOf::kPower) return power(offset);
+  const double step = kSlopeStep * width;
+  return (power(offset + step) - power(offset - step)) / (2.0 * step);
+}
+
 }  // namespace
 
 ParameterSet WithResponse(const SonarModel& sonar, const ParameterSet& parameters) {
@@ -95,9 +108,13 @@ std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const Parame
     const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(), lowest);
     windows[beam].first = static_cast<int>(first - column_azimuth_rad.begin());
     const double factor = of == ResponseOf::kField ? std::sqrt(sensitivity[beam]) : sensitivity[beam];
+    const double width_rad = shape.width_rad > 0.0 ? shape.width_rad : shape.beam_spacing_rad;
     for (auto it = first; it != column_azimuth_rad.end() && *it <= highest; ++it) {
       windows[beam].weight.push_back(
-          factor * (of == ResponseOf::kField ? response.Field(*it, centre) : response.Power(*it, centre)));
+          factor * Respond(
+                       of, *it, width_rad,
+                       [&](double azimuth_rad) { return response.Power(azimuth_rad, centre); },
+                       [&](double azimuth_rad) { return response.Field(azimuth_rad, centre); }));
     }
   });
   return windows;
@@ -111,8 +128,9 @@ ResponseWindow PulseWindow(const SonarModel& sonar, const ParameterSet& paramete
   ResponseWindow window{.first = -reach, .weight = {}};
   for (int row = -reach; row <= reach + range_steps; ++row) {
     const double offset_m = (row + 0.5) * step_m - 0.5 * sonar.axes.range_bin_m();
-    const double power = GaussianResponse(offset_m, length_m);
-    window.weight.push_back(of == ResponseOf::kField ? std::sqrt(power) : power);
+    const auto power = [&](double at_m) { return GaussianResponse(at_m, length_m); };
+    window.weight.push_back(
+        Respond(of, offset_m, length_m, power, [&](double at_m) { return std::sqrt(power(at_m)); }));
   }
   return window;
 }

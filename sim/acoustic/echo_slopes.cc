@@ -1,0 +1,308 @@
+#include "sim/acoustic/echo_slopes.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/types/error.h"
+#include "sim/acoustic/patch_shader.h"
+#include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/patch.h"
+
+namespace sonarcal::sim {
+namespace {
+
+using Eigen::Vector3f;
+
+// Eight numbers of a fine row or a range bin, in one column: of shifts along the three axes, of turns about
+// them, and two more.
+struct alignas(32) Lanes {
+  std::array<float, 8> value = {};
+
+  Lanes() = default;
+  Lanes(const Vector3f& shift, const Vector3f& turn, float seventh, float eighth)
+      : value{shift[0], shift[1], shift[2], turn[0], turn[1], turn[2], seventh, eighth} {}
+  void Add(float part, const Lanes& other) {
+    for (std::size_t k = 0; k < value.size(); ++k) value[k] += part * other.value[k];
+  }
+};
+
+struct FineTerms {
+  Lanes level;    // change of the power; then the power itself, and 0
+  Lanes azimuth;  // power times the change of azimuth
+  Lanes range;    // power times the change of range; then 0, and the power, whose range all echoes may change
+
+  void Add(float part, const FineTerms& other) {
+    level.Add(part, other.level);
+    azimuth.Add(part, other.azimuth);
+    range.Add(part, other.range);
+  }
+};
+
+// Terms that the response of a beam weights, and those that its slope weights.
+struct BinTerms {
+  Lanes by_response;
+  Lanes by_slope;
+};
+
+// First intersection of a hit.
+struct Hit {
+  Vector3f direction;  // in the sonar frame
+  Vector3f normal;     // towards the sonar
+  std::int32_t triangle = -1;  // -1: none
+  float range_m = 0.0F;
+  float inverse_m = 0.0F;
+  float cosine = 1.0F;  // of incidence
+
+  bool exists() const { return triangle >= 0; }
+  // Inverse range at which the plane of this hit crosses another direction.
+  float InverseRangeAt(const Vector3f& towards) const { return -inverse_m * normal.dot(towards) / cosine; }
+};
+
+// Three consecutive rows of hits, in some columns and one more on either side.
+class HitRows {
+ public:
+  HitRows(const RayCaster& caster, const RayFan& fan, const FanHits& hits, const Pose& world_from_sonar,
+          int first_col, int cols)
+      : caster_(caster),
+        fan_(fan),
+        hits_(hits),
+        sonar_from_world_(world_from_sonar.rotation.conjugate().toRotationMatrix().cast<float>()),
+        first_(first_col - 1),
+        begin_(std::max(0, first_)),
+        end_(std::min(fan.cols(), first_col + cols + 1)) {
+    for (std::vector<Hit>& row : rows_) row.resize(cols + 2);
+    for (std::vector<float>& component : direction_) component.resize(cols + 2);
+    Load(0, rows_[1]);
+    Load(1, rows_[2]);
+  }
+
+  const Hit& At(int row, int col) const { return rows_[row - row_ + 1][col - first_]; }
+
+  // Moves on by one row.
+  void Advance() {
+    std::rotate(rows_.begin(), rows_.begin() + 1, rows_.end());
+    ++row_;
+    Load(row_ + 1, rows_[2]);
+  }
+
+ private:
+  void Load(int row, std::vector<Hit>& to) {
+    if (row >= fan_.rows()) return;
+    fan_.RowDirections(row, begin_, end_ - begin_, Eigen::Matrix3f::Identity(), direction_[0].data(),
+                       direction_[1].data(), direction_[2].data());
+    for (int col = begin_; col < end_; ++col) {
+      Hit& hit = to[col - first_];
+      const std::size_t ray = static_cast<std::size_t>(row) * fan_.cols() + col;
+      hit.triangle = hits_.triangle[ray];
+      if (!hit.exists()) continue;
+      const int i = col - begin_;
+      hit.direction = {direction_[0][i], direction_[1][i], direction_[2][i]};
+      hit.normal = sonar_from_world_ * caster_.TriangleNormal(hit.triangle);
+      const float cosine = hit.normal.dot(hit.direction);
+      if (cosine > 0.0F) hit.normal = -hit.normal;
+      hit.cosine = std::max(std::abs(cosine), 1e-6F);
+      hit.range_m = hits_.range_m[ray];
+      hit.inverse_m = 1.0F / hit.range_m;
+    }
+  }
+
+  const RayCaster& caster_;
+  const RayFan& fan_;
+  const FanHits& hits_;
+  Eigen::Matrix3f sonar_from_world_;
+  int row_ = 0;
+  int first_;  // column of the first element of a row; may be -1
+  int begin_;
+  int end_;
+  std::array<std::vector<Hit>, 3> rows_;
+  std::array<std::vector<float>, 3> direction_;
+};
+
+// Difference of the inverse ranges of a surface that hides another one and of that one, if the edge of the
+// former lies between these rays and `far` is the ray on the latter; otherwise 0. Planes that meet between
+// the rays are no edge.
+float StepBetween(const Hit& far, const Hit& near) {
+  if (near.inverse_m <= far.inverse_m) return 0.0F;
+  constexpr float kSame = 1e-4F;  // of the inverse range
+  const float at_near = near.inverse_m - far.InverseRangeAt(near.direction);
+  const float at_far = near.InverseRangeAt(far.direction) - far.inverse_m;
+  const float least = kSame * near.inverse_m;
+  if (!(at_near > least && at_far > least)) return 0.0F;
+  return near.inverse_m - far.inverse_m;
+}
+
+class SlopeGatherer {
+ public:
+  SlopeGatherer(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                const AcousticGeometry& geometry, const ParameterSet& parameters)
+      : caster_(caster),
+        fan_(fan),
+        axes_(geometry.sonar.axes),
+        steps_(RangeStepsFor(geometry.sonar, parameters)),
+        rows_(axes_, steps_, PulseLengthM(geometry.sonar, parameters)),
+        shader_(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
+                ElevationWidthDeg(geometry.sonar, parameters.beam), /*slopes=*/true),
+        hits_(caster.Cast(fan, world_from_sonar, axes_.range_max_m)),
+        world_from_sonar_(world_from_sonar),
+        pulse_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPower)),
+        pulse_slope_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPowerSlope)),
+        in_bins_(static_cast<std::size_t>(axes_.range_bins) * fan.cols()) {}
+
+  // Terms per range bin and column, bin by bin.
+  std::vector<BinTerms> Run() {
+    constexpr int kBlockCols = 16;
+    const int blocks = (fan_.cols() + kBlockCols - 1) / kBlockCols;
+    tbb::parallel_for(0, blocks, [&](int block) {
+      const int first = block * kBlockCols;
+      const int cols = std::min(kBlockCols, fan_.cols() - first);
+      std::vector<FineTerms> fine(static_cast<std::size_t>(rows_.count) * cols);
+      std::vector<char> heard(rows_.count, 0);
+      HitRows around(caster_, fan_, hits_, world_from_sonar_, first, cols);
+      for (int row = 0; row < fan_.rows(); ++row, around.Advance()) {
+        for (int col = first; col < first + cols; ++col) {
+          const Hit& hit = around.At(row, col);
+          if (!hit.exists() || !InWindow(hit.range_m)) continue;
+          const FineTerms terms = TermsOf(around, row, col);
+          const double depth_m = PatchDepthM(hit.range_m, fan_.SpreadHeightRad(row, col), hit.cosine);
+          rows_.Spread(hit.range_m, depth_m, 1.0, [&](int at, double part) {
+            fine[static_cast<std::size_t>(at) * cols + (col - first)].Add(static_cast<float>(part), terms);
+            heard[at] = 1;
+          });
+        }
+      }
+      ThroughPulse(fine, heard, first, cols);
+    });
+    return std::move(in_bins_);
+  }
+
+ private:
+  bool InWindow(float range_m) const {
+    return range_m > 0.0F && range_m >= axes_.range_min_m && range_m < axes_.range_max_m;
+  }
+
+  FineTerms TermsOf(const HitRows& around, int row, int col) const {
+    const Hit& hit = around.At(row, col);
+    const float half_tangent = std::sqrt(std::max(0.0F, 1.0F - hit.cosine) / (1.0F + hit.cosine));
+    const PatchShader::Patch patch =
+        shader_.Shade(row, col, caster_.TriangleMaterial(hit.triangle), hit.range_m, half_tangent);
+    const Vector3f& u = hit.direction;
+    const float cosine = std::max(std::hypot(u.x(), u.y()), 1e-6F);  // of elevation
+    // Directions in which azimuth and elevation grow.
+    const Vector3f right(u.y() / cosine, -u.x() / cosine, 0.0F);
+    const Vector3f upward(-u.z() * u.x() / cosine, -u.z() * u.y() / cosine, cosine);
+    // A move of the sonar by t and a turn by w move a point p of the scene by -t - w x p in its frame.
+    Vector3f level_shift = patch.by_cosine * hit.inverse_m * (hit.normal + hit.cosine * u) -
+                           patch.by_elevation * hit.inverse_m * upward +
+                           patch.power * (4.0F * hit.inverse_m + shader_.loss_per_m()) * u;
+    Vector3f level_turn = -patch.by_elevation * right;
+    AddEdges(around, row, col, patch.power, right, upward, level_shift, level_turn);
+    const Vector3f azimuth_shift = -(patch.power * hit.inverse_m / cosine) * right;
+    const Vector3f azimuth_turn = (patch.power / cosine) * upward;
+    const Vector3f range_shift = -patch.power * u;
+    return {.level = {level_shift, level_turn, patch.power, 0.0F},
+            .azimuth = {azimuth_shift, azimuth_turn, 0.0F, 0.0F},
+            .range = {range_shift, Vector3f::Zero(), 0.0F, patch.power}};
+  }
+
+  // Adds what edges of nearer surfaces, and those of the fan, hide and show of a patch.
+  void AddEdges(const HitRows& around, int row, int col, float power, const Vector3f& right,
+                const Vector3f& upward, Vector3f& shift, Vector3f& turn) const {
+    const Hit& hit = around.At(row, col);
+    const auto height = static_cast<float>(fan_.RowHeightRad(row));
+    const float width = static_cast<float>(fan_.ColumnWidthRad(col)) *
+                        std::max(std::hypot(hit.direction.x(), hit.direction.y()), 1e-6F);
+    // `across`: from the near surface to this patch. `turned`: across x direction.
+    const auto edge = [&](int other_row, int other_col, const Vector3f& across, const Vector3f& turned, float size) {
+      if (other_row < 0 || other_row >= fan_.rows() || other_col < 0 || other_col >= fan_.cols()) {
+        // The fan moves with the sonar, as an edge at infinity does not.
+        shift -= (power * hit.inverse_m / size) * across;
+        turn -= (power / size) * turned;
+        return;
+      }
+      const Hit& other = around.At(other_row, other_col);
+      if (!other.exists()) return;
+      if (const float step = StepBetween(hit, other); step > 0.0F) shift += (power * step / size) * across;
+    };
+    edge(row - 1, col, -upward, -right, height);
+    edge(row + 1, col, upward, right, height);
+    edge(row, col - 1, right, -upward, width);
+    edge(row, col + 1, -right, upward, width);
+  }
+
+  void ThroughPulse(const std::vector<FineTerms>& fine, const std::vector<char>& heard, int first, int cols) {
+    for (int bin = 0; bin < axes_.range_bins; ++bin) {
+      BinTerms* out = &in_bins_[static_cast<std::size_t>(bin) * fan_.cols() + first];
+      for (std::size_t k = 0; k < pulse_.weight.size(); ++k) {
+        const int row = bin * steps_ + pulse_.first + static_cast<int>(k);
+        if (row < 0 || row >= rows_.count || heard[row] == 0) continue;
+        const auto weight = static_cast<float>(pulse_.weight[k]);
+        const auto slope = static_cast<float>(pulse_slope_.weight[k]);
+        const FineTerms* in = &fine[static_cast<std::size_t>(row) * cols];
+        for (int col = 0; col < cols; ++col) {
+          out[col].by_response.Add(weight, in[col].level);
+          out[col].by_response.Add(slope, in[col].range);
+          out[col].by_slope.Add(weight, in[col].azimuth);
+        }
+      }
+    }
+  }
+
+  const RayCaster& caster_;
+  const RayFan& fan_;
+  const PolarAxes& axes_;
+  int steps_;
+  FineRows rows_;
+  PatchShader shader_;
+  FanHits hits_;
+  Pose world_from_sonar_;
+  ResponseWindow pulse_;
+  ResponseWindow pulse_slope_;
+  std::vector<BinTerms> in_bins_;  // per range bin and column
+};
+
+}  // namespace
+
+EchoSlopes SlopesAlongMoves(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                            const AcousticGeometry& geometry, const ParameterSet& parameters) {
+  SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "slopes need rays per beam");
+  const PolarAxes& axes = geometry.sonar.axes;
+  const EchoPowerModel model(geometry, parameters, caster.material_names());
+  const std::vector<BinTerms> in_bins =
+      SlopeGatherer(caster, fan, world_from_sonar, geometry, parameters).Run();
+  std::vector<double> column_azimuth_rad;
+  for (int col = 0; col < fan.cols(); ++col) column_azimuth_rad.push_back(fan.AzimuthRad(col));
+  const std::vector<ResponseWindow> response =
+      AzimuthWindows(geometry.sonar, parameters, column_azimuth_rad, ResponseOf::kPower);
+  const std::vector<ResponseWindow> slope =
+      AzimuthWindows(geometry.sonar, parameters, column_azimuth_rad, ResponseOf::kPowerSlope);
+  const std::vector<double> gain = GainByBin(geometry, parameters);
+
+  EchoSlopes slopes{.power = Grid<double>(axes.range_bins, axes.beam_count()),
+                    .along = {},
+                    .farther = Grid<float>(axes.range_bins, axes.beam_count())};
+  for (Grid<float>& of_move : slopes.along) of_move = Grid<float>(axes.range_bins, axes.beam_count());
+  tbb::parallel_for(0, axes.range_bins, [&](int bin) {
+    const BinTerms* in = &in_bins[static_cast<std::size_t>(bin) * fan.cols()];
+    const double level = gain[bin] * model.level();
+    for (int beam = 0; beam < axes.beam_count(); ++beam) {
+      const ResponseWindow& window = response[beam];
+      Lanes sum;
+      for (std::size_t k = 0; k < window.weight.size(); ++k) {
+        const BinTerms& of = in[window.first + static_cast<int>(k)];
+        sum.Add(static_cast<float>(window.weight[k]), of.by_response);
+        sum.Add(static_cast<float>(slope[beam].weight[k]), of.by_slope);
+      }
+      for (int move = 0; move < kSonarMoves; ++move)
+        slopes.along[move](bin, beam) = static_cast<float>(level * sum.value[move]);
+      slopes.power(bin, beam) = level * sum.value[kSonarMoves];
+      slopes.farther(bin, beam) = static_cast<float>(level * sum.value[kSonarMoves + 1]);
+    }
+  });
+  return slopes;
+}
+
+}  // namespace sonarcal::sim
