@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "calib/geometry_ambiguity.h"
 #include "calib/joint_steps.h"
+#include "calib/models/move_slopes.h"
 #include "calib/mirror_start.h"
 #include "calib/parameters/placement_steps.h"
 #include "calib/poses/pose_ambiguity.h"
@@ -30,14 +34,12 @@ constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
 constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 
-// Max number of repeated refinements of poses and radiometry, and the min fall of cost for another one, in
-// nats per free entry of a pose. Noise moves one parameter by about half a nat.
-constexpr int kPoseRepeats = 3;
-constexpr double kPoseFall = 0.05;
-
 // Joint steps with outlines, as a multiple of those without: their many values move a surface by a bin or so
 // per step.
 constexpr int kOutlineFactor = 3;
+
+// Max number of joint steps with all rays, at the end.
+constexpr int kLastSteps = 2;
 
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
 constexpr double kHeld = 0.02;
@@ -77,6 +79,14 @@ FitConfig WithDefaults(FitConfig config, const ParameterSet& initial, const Scen
   return WithOutlineNamed(std::move(config), scene);
 }
 
+// True if a configuration may free placements.
+bool MayMove(const FitConfig& config) {
+  constexpr std::array<std::string_view, 6> kPlacements = {"pose", "mount", "geometry", "object", "outline", "*"};
+  return std::ranges::any_of(*config.free, [&](const std::string& name) {
+    return std::ranges::any_of(kPlacements, [&](std::string_view of) { return name.starts_with(of); });
+  });
+}
+
 // Runs the steps of a fit one after the other.
 class AcousticFitter {
  public:
@@ -86,11 +96,13 @@ class AcousticFitter {
         simulator_(simulator),
         frames_(frames),
         config_(WithDefaults(given, initial, simulator.caster().scene())),
-        model_(simulator, frames,
-               WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
-               ObjectsNamed(config_), OutlinesNamed(config_)),
-        catalog_(model_.catalog()) {
-    free_ = ApplyFitConfigWithPriors(model_.initial_values(), config_, catalog_);
+        few_rays_(simulator.shared_caster(), simulator.sonar(), WithFewerRays(simulator.options())),
+        model_(std::make_unique<AcousticFrameModel>(
+            MayMove(config_) ? few_rays_ : simulator, frames,
+            WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
+            ObjectsNamed(config_), OutlinesNamed(config_))),
+        catalog_(model_->catalog()) {
+    free_ = ApplyFitConfigWithPriors(model_->initial_values(), config_, catalog_);
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       if (!free_[i]) continue;
       (IsGeometric(catalog_[i]) ? geometric_ : radiometric_).push_back(static_cast<int>(i));
@@ -103,11 +115,12 @@ class AcousticFitter {
     again_.starts = 1;
     again_.search_level = false;
     again_.rough = true;
-    fit_ = {.values = StartValues(config_, catalog_, model_.initial_values()), .report = {}, .usable = true};
+    fit_ = {.values = StartValues(config_, catalog_, model_->initial_values()), .report = {}, .usable = true};
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       if (free_[i]) fit_.values[i] = std::clamp(fit_.values[i], catalog_[i].lower, catalog_[i].upper);
     }
-    if (fit_.values != model_.initial_values()) model_.Linearise(fit_.values, {});
+    if (fit_.values != model_->initial_values()) model_->Linearise(fit_.values, {});
+    if (poses_.empty()) TakeAllRays();
   }
 
   AcousticFit Run() {
@@ -117,6 +130,7 @@ class AcousticFitter {
     RefinePosesWithRadiometry();
     FitGeometry();
     GoToBetterPoses();
+    EndWithAllRays();
     again_.test_others = options_.test_others && !options_.down_weight;
     if (!geometric_.empty()) Refit(false);
     WeighDown();
@@ -138,10 +152,10 @@ class AcousticFitter {
     FitOptions options = again_;
     options.rough = rough;
     if (rough) {
-      fit_ = Fit(model_, fit_.values, near_, options);
+      fit_ = Fit(*model_, fit_.values, near_, options);
     } else {
       const OtherRays others(*this, fit_.values, geometric_);
-      fit_ = Fit(model_, fit_.values, near_, options, &others.model());
+      fit_ = Fit(*model_, fit_.values, near_, options, &others.model());
     }
     iterations_ += fit_.report.iterations;
   }
@@ -151,27 +165,51 @@ class AcousticFitter {
    public:
     OtherRays(const AcousticFitter& fitter, const ParameterValues& values, const std::vector<int>& geometric)
         : simulator_(fitter.simulator_.shared_caster(), fitter.simulator_.sonar(),
-                     OtherGrid(fitter.simulator_.options())),
-          model_(simulator_, fitter.frames_, fitter.model_.Parameters(values), ObjectsNamed(fitter.config_),
-                 OutlinesNamed(fitter.config_)) {
-      model_.Linearise(values, geometric);
-      model_.TakeWeightsOf(fitter.model_);
-    }
+                     Options(fitter.model_->simulator().options())),
+          model_(*fitter.model_, simulator_, values, geometric) {}
     OtherRays(const OtherRays&) = delete;
     OtherRays& operator=(const OtherRays&) = delete;
 
     const AcousticFrameModel& model() const { return model_; }
 
    private:
-    static sim::SimulationOptions OtherGrid(sim::SimulationOptions options) {
-      constexpr int kOtherRows = 31;  // one row more for so many rows
-      options.fan.rows += 1 + options.fan.rows / kOtherRows;
+    static sim::SimulationOptions Options(sim::SimulationOptions options) {
+      options.fan = OtherGrid(options.fan);
       return options;
     }
 
     sim::Simulator simulator_;
     AcousticFrameModel model_;
   };
+
+  static sim::RayFanOptions OtherGrid(sim::RayFanOptions fan) {
+    constexpr int kOtherRows = 31;  // one row more for so many rows
+    fan.rows += 1 + fan.rows / kOtherRows;
+    return fan;
+  }
+
+  // Rays of the search for poses.
+  static sim::SimulationOptions WithFewerRays(sim::SimulationOptions options) {
+    constexpr int kDecimation = 2;
+    options.fan = Decimated(options.fan, kDecimation);
+    return options;
+  }
+
+  // Returns false if the model has them already.
+  bool TakeAllRays() {
+    const sim::RayFanOptions& fan = model_->simulator().options().fan;
+    if (fan.rows == simulator_.options().fan.rows && fan.cols == simulator_.options().fan.cols) return false;
+    model_ = std::make_unique<AcousticFrameModel>(*model_, simulator_, fit_.values, std::vector<int>());
+    return true;
+  }
+
+  // Takes the last steps with all rays: edges are where they belong then.
+  void EndWithAllRays() {
+    if (poses_.empty() || !fit_.usable) return;
+    if (!TakeAllRays()) return;
+    Say("poses and curves with all rays");
+    FitJointly(kLastSteps);
+  }
 
   // Configuration that fixes all geometric parameters.
   FitConfig RadiometryOnly() const {
@@ -183,17 +221,17 @@ class AcousticFitter {
   // The correlation of frames from one pose depends on the echoes. A first rough fit gives them; its values
   // are discarded.
   void ShareRepeats() {
-    if (!model_.has_repeats()) return;
+    if (!model_->has_repeats()) return;
     ParameterValues values = fit_.values;
     if (!radiometric_.empty()) {
       FitOptions look = options_;
       look.starts = 1;
       look.rough = true;
-      const ModelFit first = Fit(model_, values, RadiometryOnly(), look);
+      const ModelFit first = Fit(*model_, values, RadiometryOnly(), look);
       if (first.usable) values = first.values;
     }
     Say("frames of one pose share their speckle and get less weight");
-    model_.ShareRepeats(values);
+    model_->ShareRepeats(values);
   }
 
   // Fits curves and receiver first, because a wrong level would lead the geometry astray.
@@ -202,42 +240,45 @@ class AcousticFitter {
     FitOptions start = options_;
     start.rough = !geometric_.empty();
     start.test_others = options_.test_others && !options_.down_weight;
-    fit_ = Fit(model_, fit_.values, RadiometryOnly(), start);
+    if (poses_.empty()) {
+      fit_ = Fit(*model_, fit_.values, RadiometryOnly(), start);
+    } else {
+      fit_ = FitOnBlocks(start);
+    }
     iterations_ += fit_.report.iterations;
     start_costs_ = fit_.report.start_costs;
     cost_initial_ = fit_.report.cost_initial;
   }
 
+  // Fits curves and receiver to blocks of pixels, which suffice while poses are not right.
+  ModelFit FitOnBlocks(const FitOptions& options) const {
+    constexpr std::size_t kPixelsPerBlock = 8;
+    const auto coarse = model_->CoarseAbout(
+        fit_.values, model_->pixel_count() * static_cast<std::size_t>(model_->frame_count()) / kPixelsPerBlock);
+    return Fit(coarse != nullptr ? *coarse : *model_, fit_.values, RadiometryOnly(), options);
+  }
+
   // Refines poses in stages of decreasing reach, each followed by the radiometry, because curves fitted at
-  // wrong poses are blurred. The last stage also searches along ridges. It repeats while it gains more than
-  // noise does.
+  // wrong poses are blurred.
   // The sonar's geometry is left to the joint steps: on smoothed images, wrong levels would move it far away.
   // So are outlines, which smoothed images hardly show.
   void RefinePosesWithRadiometry() {
     const bool geometry =
         std::ranges::any_of(poses_, [&](int entry) { return ChangesAxes(catalog_[entry]); });
-    if (rigid_.empty() || geometry) return;
-    const std::vector<PoseStage> stages = PoseStages(model_.speckle_cell());
-    if (!options_.near_start) {
-      for (const PoseStage& stage : stages) RefineStage(stage);
-    }
-    for (int again = 0; again < kPoseRepeats && fit_.usable && !radiometric_.empty(); ++again) {
-      if (RefineStage(stages.back()) < kPoseFall * static_cast<double>(rigid_.size())) break;
-    }
+    if (rigid_.empty() || geometry || options_.near_start) return;
+    for (const PoseStage& stage : PoseStages(model_->speckle_cell())) RefineStage(stage);
   }
 
-  // Returns the fall of cost from the poses alone.
-  double RefineStage(const PoseStage& stage) {
-    if (!fit_.usable) return 0.0;
-    const double fall = RefinePoses(model_, catalog_, rigid_, stage, fit_.values, options_.progress);
-    model_.Linearise(fit_.values, {});
+  void RefineStage(const PoseStage& stage) {
+    if (!fit_.usable) return;
+    RefinePoses(*model_, catalog_, rigid_, stage, fit_.values, options_.progress);
+    model_->Linearise(fit_.values, {});
     RefitRadiometry();
-    return fall;
   }
 
   void RefitRadiometry() {
     if (radiometric_.empty()) return;
-    fit_ = Fit(model_, fit_.values, RadiometryOnly(), again_);
+    fit_ = FitOnBlocks(again_);
     iterations_ += fit_.report.iterations;
   }
 
@@ -245,31 +286,27 @@ class AcousticFitter {
     if (poses_.empty()) {
       FitInRounds();
     } else {
-      FitJointly();
+      FitJointly(JointSteps());
     }
   }
 
   // Fits poses together with the parameters that are correlated with them. Each step is traced.
-  void FitJointly() {
+  void FitJointly(int steps) {
     if (!fit_.usable) return;
     std::vector<int> active = geometric_;
     active.insert(active.end(), radiometric_.begin(), radiometric_.end());
     std::sort(active.begin(), active.end());
-    const auto settle = [this](ParameterValues& values) {
-      if (radiometric_.empty()) return;
-      ModelFit fit = Fit(model_, values, RadiometryOnly(), again_);
-      iterations_ += fit.report.iterations;
-      if (fit.usable) values = std::move(fit.values);
-    };
+    const sim::RayFanOptions& fan = model_->simulator().options().fan;
     ParameterValues values = fit_.values;
-    settled_ =
-        TakeJointSteps(model_, catalog_, active,
-                       {.steps = JointSteps(),
-                        .least = NoiseOfCost(),
-                        .roughness = [this](const ParameterValues& at) { return RoughnessOfCost(at); }},
-                       settle, values, options_.progress);
+    settled_ = TakeJointSteps(
+        *model_, catalog_, active,
+        {.steps = steps,
+         .least = NoiseOfCost(),
+         .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
+         .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); }},
+        values, options_.progress);
     fit_.values = values;
-    near_ = Near(config_, model_, geometric_, values, kHeld);
+    near_ = Near(config_, *model_, geometric_, values, kHeld);
   }
 
   int JointSteps() const {
@@ -277,20 +314,16 @@ class AcousticFitter {
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
-  double NoiseOfCost() const { return 0.5 * model_.speckle_cell().bins * model_.speckle_cell().beams; }
+  double NoiseOfCost() const { return 0.5 * model_->speckle_cell().bins * model_->speckle_cell().beams; }
 
   // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at
   // edges. They do so as well from one grid of rays to another, which is what is measured.
   double RoughnessOfCost(const ParameterValues& values) const {
-    const OtherRays others(*this, values, {});
-    double squares = 0.0;
-    for (int frame = 0; frame < model_.frame_count(); ++frame) {
-      const double difference =
-          CostOfFrame(others.model(), values, frame) - CostOfFrame(model_, values, frame);
-      squares += 0.5 * difference * difference;
-    }
-    const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model_.frame_count()));
-    return 2.0 * std::max(std::sqrt(squares), least);
+    const sim::RayFanOptions& fan = model_->simulator().options().fan;
+    const double difference =
+        model_->TracedCost(values, OtherGrid(fan)) - model_->TracedCost(values, fan);
+    const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model_->frame_count()));
+    return 2.0 * std::max(std::abs(difference) * (1.0 / std::numbers::sqrt2), least);
   }
 
   // Solves for all parameters about a sequence of points. If a point proves worse after tracing, the fit goes
@@ -302,24 +335,24 @@ class AcousticFitter {
     ParameterValues best;
     double best_cost = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kRounds && fit_.usable && !settled_; ++round) {
-      model_.Linearise(fit_.values, geometric_);
-      const double cost = CostAt(model_, fit_.values, model_.frame_count());
+      model_->Linearise(fit_.values, geometric_);
+      const double cost = CostAt(*model_, fit_.values, model_->frame_count());
       Say(fmt::format("round {}: cost {:.1f}", round + 1, cost));
       if (cost > best_cost + noise) {
         scale *= kShrink;
         fit_.values = best;
-        model_.Linearise(best, geometric_);
+        model_->Linearise(best, geometric_);
       } else {
         settled_ = std::abs(cost - best_cost) < noise;
         best = fit_.values;
         best_cost = cost;
       }
-      near_ = Near(config_, model_, geometric_, best, scale);
+      near_ = Near(config_, *model_, geometric_, best, scale);
       if (!settled_) Refit(true);
       double largest = 0.0;
       for (const int entry : geometric_) {
         largest = std::max(largest, std::abs(fit_.values[entry] - best[entry]) /
-                                        Reach(catalog_[entry], best[entry], model_));
+                                        Reach(catalog_[entry], best[entry], *model_));
       }
       settled_ = settled_ || largest < kSettled;
     }
@@ -329,8 +362,8 @@ class AcousticFitter {
     if (!options_.down_weight) return;
     for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
       Say("reducing the weight of pixels that do not match the scene");
-      model_.DownWeight(fit_.values);
-      if (!poses_.empty()) FitJointly();
+      model_->DownWeight(fit_.values);
+      if (!poses_.empty()) FitJointly(JointSteps());
       again_.test_others = options_.test_others && round + 1 == kWeightRounds;
       Refit(false);
     }
@@ -341,41 +374,44 @@ class AcousticFitter {
     for (int move = 0; move < kMovesToBetter && !options_.near_start && !poses_.empty() && fit_.usable;
          ++move) {
       Say("searching for poses that fit the frames better");
-      const int moved =
-          TakeBetterPoses(OtherPoses(model_, catalog_, poses_, fit_.values), kBetterNats, fit_.values);
+      other_poses_ = OtherPoses(*model_, catalog_, poses_, fit_.values);
+      const int moved = TakeBetterPoses(*other_poses_, kBetterNats, fit_.values);
       if (moved == 0) return;
+      other_poses_.reset();
       Say(fmt::format("{} frame{} moved to a better pose", moved, moved == 1 ? "" : "s"));
-      model_.Linearise(fit_.values, {});
-      RefineStage(PoseStages(model_.speckle_cell()).back());
-      FitJointly();
+      model_->Linearise(fit_.values, {});
+      RefineStage(PoseStages(model_->speckle_cell()).back());
+      FitJointly(JointSteps());
     }
   }
 
   void LookForOtherPoses() {
     if (poses_.empty() || !fit_.usable || !options_.test_others) return;
-    Say("searching for other poses that fit the frames equally well");
-    for (OtherPose& other : OtherPoses(model_, catalog_, poses_, fit_.values))
-      fit_.report.other_poses.push_back(std::move(other.sentence));
+    if (!other_poses_ || options_.down_weight) {
+      Say("searching for other poses that fit the frames equally well");
+      other_poses_ = OtherPoses(*model_, catalog_, poses_, fit_.values);
+    }
+    for (OtherPose& other : *other_poses_) fit_.report.other_poses.push_back(std::move(other.sentence));
   }
 
   AcousticFit Result() {
-    AcousticFit result{.parameters = model_.Parameters(fit_.values),
+    AcousticFit result{.parameters = model_->Parameters(fit_.values),
                        .world_from_sonar = {},
                        .moved_poses = MovedPoses(),
-                       .mount = model_.MountOf(fit_.values),
+                       .mount = model_->MountOf(fit_.values),
                        .geometry = GeometryOf(catalog_, fit_.values),
-                       .simulator = model_.SimulatorAt(fit_.values),
+                       .simulator = model_->SimulatorAt(fit_.values),
                        .weights = {},
                        .report = std::move(fit_.report),
                        .usable = fit_.usable};
-    for (int frame = 0; frame < model_.frame_count(); ++frame) {
-      result.world_from_sonar.push_back(model_.PoseOf(frame, fit_.values));
-      if (options_.down_weight) result.weights.push_back(model_.weights(frame));
+    for (int frame = 0; frame < model_->frame_count(); ++frame) {
+      result.world_from_sonar.push_back(model_->PoseOf(frame, fit_.values));
+      if (options_.down_weight) result.weights.push_back(model_->weights(frame));
     }
     FitReport& report = result.report;
     if (options_.down_weight) report.down_weighted_share = DownWeightedShare();
     for (std::size_t i = 0; i < report.parameters.size(); ++i) {
-      report.parameters[i].initial = model_.initial_values()[i];
+      report.parameters[i].initial = model_->initial_values()[i];
       report.parameters[i].lower = catalog_[i].lower;
       report.parameters[i].upper = catalog_[i].upper;
     }
@@ -391,7 +427,7 @@ class AcousticFitter {
                       "can evaluate it",
                       name));
     }
-    report.ambiguities = GeometryAmbiguities(report, model_.distinct_poses());
+    report.ambiguities = GeometryAmbiguities(report, model_->distinct_poses());
     if (!start_costs_.empty()) report.start_costs = start_costs_;
     if (cost_initial_) report.cost_initial = *cost_initial_;
     report.iterations = iterations_;
@@ -412,11 +448,11 @@ class AcousticFitter {
   double DownWeightedShare() const {
     std::size_t low = 0;
     std::size_t counted = 0;
-    for (int frame = 0; frame < model_.frame_count(); ++frame) {
-      for (std::size_t pixel = 0; pixel < model_.pixel_count(); ++pixel) {
-        if (!model_.Counts(frame, pixel)) continue;
+    for (int frame = 0; frame < model_->frame_count(); ++frame) {
+      for (std::size_t pixel = 0; pixel < model_->pixel_count(); ++pixel) {
+        if (!model_->Counts(frame, pixel)) continue;
         ++counted;
-        if (model_.weights(frame)[pixel] < 0.5F) ++low;
+        if (model_->weights(frame)[pixel] < 0.5F) ++low;
       }
     }
     return static_cast<double>(low) / static_cast<double>(std::max<std::size_t>(1, counted));
@@ -427,7 +463,8 @@ class AcousticFitter {
   const std::vector<AcousticFrame>& frames_;
   FitConfig config_;  // with priors
   FitConfig near_;    // as above, with the trust region about the present point
-  AcousticFrameModel model_;
+  sim::Simulator few_rays_;
+  std::unique_ptr<AcousticFrameModel> model_;
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> free_;
   std::vector<int> radiometric_;  // free entries
@@ -436,6 +473,7 @@ class AcousticFitter {
   std::vector<int> rigid_;  // those that keep the shape of objects
   FitOptions again_;
   ModelFit fit_;
+  std::optional<std::vector<OtherPose>> other_poses_;  // of the present poses, if they were searched
   std::vector<double> start_costs_;
   std::optional<double> cost_initial_;
   int iterations_ = 0;

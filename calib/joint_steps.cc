@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "calib/identifiability.h"
-#include "calib/parameters/fit_options.h"
 #include "calib/problem_builder.h"
 
 namespace sonarcal::calib {
@@ -32,27 +31,21 @@ constexpr double kRoughAgain = 0.9;
 class Stepper {
  public:
   Stepper(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog, const std::vector<int>& active,
-          const std::function<void(ParameterValues&)>& settle)
-      : model_(model), catalog_(catalog), active_(active), settle_(settle) {
+          const JointStepOptions& options)
+      : model_(model), catalog_(catalog), active_(active), options_(options) {
     for (const int entry : active) {
       if (IsGeometric(catalog[entry])) geometric_.push_back(entry);
     }
   }
 
-  // Traces at `values`. Returns the cost there.
-  double CostAbout(const ParameterValues& values) {
-    model_.Linearise(values, {});
-    return CostHere(values);
-  }
-
-  // Cost in the model about the last traced point.
-  double CostHere(const ParameterValues& values) const {
-    double cost = CostAt(model_, values, model_.frame_count());
+  // Traces at `values`. Returns the cost there, with priors.
+  double CostAt(const ParameterValues& values) const {
+    double cost = options_.cost(values);
     for (const int entry : active_) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
     return cost;
   }
 
-  // Traces at `values`, with derivatives.
+  // Gathers the echoes at `values`, with derivatives.
   void Linearise(const ParameterValues& values) { model_.Linearise(values, geometric_); }
 
   struct Found {
@@ -69,12 +62,7 @@ class Stepper {
       const double promised = -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
       if (promised < least) return std::nullopt;
       Found trial{.values = Moved(values, Scales().cwiseProduct(along.vectors * step.matrix())), .cost = 0.0};
-      trial.cost = CostAbout(trial.values);
-      // Refits the curves before the comparison: the trial is about poses, and curves may adapt.
-      if (settle_) {
-        settle_(trial.values);
-        trial.cost = CostHere(trial.values);
-      }
+      trial.cost = CostAt(trial.values);
       if (!(trial.cost < limit)) continue;
       damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
       return trial;
@@ -99,12 +87,7 @@ class Stepper {
       for (const Found* found : alike) sum += catalog_[entry].CoordinateFromValue(found->values[entry]);
       mean[entry] = catalog_[entry].ValueFromCoordinate(sum / static_cast<double>(alike.size()));
     }
-    double cost = CostAbout(mean);
-    if (settle_) {
-      settle_(mean);
-      cost = CostHere(mean);
-    }
-    return cost < lowest->cost + roughness ? mean : lowest->values;
+    return CostAt(mean) < lowest->cost + roughness ? mean : lowest->values;
   }
 
  private:
@@ -118,21 +101,18 @@ class Stepper {
   // Priors alone count along directions that the frames do not determine (kOpenShare): there the slopes of
   // images are mostly errors, from rays that appear and disappear at edges.
   Directions DirectionsAt(const ParameterValues& values) const {
-    const NormalEquations equations =
-        Accumulate(model_, catalog_, {.active = active_, .values = values}, FitOptions{});
-    Eigen::VectorXd score = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active_.size()));
-    for (const NormalEquations::Block& block : equations.blocks) score += block.score;
-    Eigen::VectorXd off(score.size());
+    const CostSlopes slopes = SlopesOfCost(model_, catalog_, {.active = active_, .values = values});
+    Eigen::VectorXd off(slopes.gradient.size());
     for (std::size_t k = 0; k < active_.size(); ++k)
       off(static_cast<Eigen::Index>(k)) = catalog_[active_[k]].FromPrior(values[active_[k]]);
     const Eigen::VectorXd sigma = Scales();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * equations.information *
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * slopes.information *
                                                                 sigma.asDiagonal());
     const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
     const Eigen::ArrayXd told = (solver.eigenvalues().array() >= pixels_per_cell / kOpenShare).cast<double>();
     const Eigen::MatrixXd& vectors = solver.eigenvectors();
     return {.vectors = vectors,
-            .slope = told * (vectors.transpose() * sigma.cwiseProduct(score)).array() +
+            .slope = told * (vectors.transpose() * sigma.cwiseProduct(slopes.gradient)).array() +
                      (vectors.transpose() * off).array(),
             .curvature = told * solver.eigenvalues().array() + 1.0};
   }
@@ -160,7 +140,7 @@ class Stepper {
   AcousticFrameModel& model_;
   const std::vector<CatalogEntry>& catalog_;
   const std::vector<int>& active_;
-  const std::function<void(ParameterValues&)>& settle_;
+  const JointStepOptions& options_;
   std::vector<int> geometric_;
   double damping_ = kLeastDamping;
 };
@@ -168,11 +148,10 @@ class Stepper {
 }  // namespace
 
 bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                    const std::vector<int>& active, const JointStepOptions& options,
-                    const std::function<void(ParameterValues&)>& settle, ParameterValues& values,
+                    const std::vector<int>& active, const JointStepOptions& options, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress) {
-  Stepper stepper(model, catalog, active, settle);
-  std::vector<Stepper::Found> reached = {{values, stepper.CostAbout(values)}};
+  Stepper stepper(model, catalog, active, options);
+  std::vector<Stepper::Found> reached = {{values, stepper.CostAt(values)}};
   double roughness = options.roughness(values);
   double rough_at = reached.front().cost;
   double lowest = rough_at;

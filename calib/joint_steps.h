@@ -20,19 +20,19 @@ struct JointStepOptions {
   int steps = 6;  // max
   // Min predicted fall of the cost, half of -2 log likelihood.
   double least = 1.0;
-  // Returns the variation of the cost of all frames from one pose to the next at a point where the model was
-  // traced, because rays appear and disappear at edges. A step may raise the cost by this over the lowest
-  // one. Otherwise a low cost by chance would stop the steps in a flat valley.
+  // Returns the cost of all frames, without priors, traced at these values.
+  std::function<double(const ParameterValues&)> cost;
+  // Returns the variation of that cost from one pose to the next, because rays appear and disappear at edges.
+  // A step may raise the cost by this over the lowest one. Otherwise a low cost by chance would stop the
+  // steps in a flat valley.
   std::function<double(const ParameterValues&)> roughness;
 };
 
 // Moves the entries `active` of `values` within their bounds. `catalog` is that of the model, with bounds and
-// priors. `settle`, if given, fits the parameters that need no tracing, about the present point of the model,
-// in every trial. Afterwards the model is linearised about the final values in the geometric entries of
-// `active`. Returns false if the max number of steps ended the search.
+// priors. Afterwards the model is linearised about the final values in the geometric entries of `active`.
+// Returns false if the max number of steps ended the search.
 bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                    const std::vector<int>& active, const JointStepOptions& options,
-                    const std::function<void(ParameterValues&)>& settle, ParameterValues& values,
+                    const std::vector<int>& active, const JointStepOptions& options, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress = {});
 
 }  // namespace sonarcal::calib

@@ -108,6 +108,17 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
   return sums;
 }
 
+// Indices of the active entries that a frame depends on.
+std::vector<Eigen::Index> ColumnsOf(int frame, const std::vector<CatalogEntry>& catalog,
+                                    const FitState& state) {
+  std::vector<Eigen::Index> columns;
+  for (std::size_t k = 0; k < state.active.size(); ++k) {
+    const CatalogEntry& entry = catalog[state.active[k]];
+    if (entry.frame < 0 || entry.frame == frame) columns.push_back(static_cast<Eigen::Index>(k));
+  }
+  return columns;
+}
+
 // Replaces the hundred thousand residuals of a frame by one residual per parameter that it depends on and one
 // more. Cost and gradient g are the same. J^T J is replaced by the expected information V diag(l) V^T (Fisher
 // scoring; J^T J from the slopes of single pixels is a noisy estimate of it):
@@ -119,13 +130,12 @@ class FrameCost final : public ceres::CostFunction {
  public:
   FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
             int frame)
-      : model_(model), catalog_(catalog), state_(state), frame_(frame) {
-    for (std::size_t k = 0; k < state.active.size(); ++k) {
-      const CatalogEntry& entry = catalog[state.active[k]];
-      if (entry.frame >= 0 && entry.frame != frame) continue;
-      mine_.active.push_back(state.active[k]);
-      columns_.push_back(static_cast<Eigen::Index>(k));
-    }
+      : model_(model),
+        catalog_(catalog),
+        state_(state),
+        frame_(frame),
+        columns_(ColumnsOf(frame, catalog, state)) {
+    for (const Eigen::Index k : columns_) mine_.active.push_back(state.active[k]);
     set_num_residuals(static_cast<int>(columns_.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
   }
@@ -178,8 +188,8 @@ class FrameCost final : public ceres::CostFunction {
   mutable std::optional<FrameSums> sums_;  // at this point
   mutable std::vector<double> point_;
   mutable bool differentiated_ = false;
-  FitState mine_;                      // with its active entries only
-  std::vector<Eigen::Index> columns_;  // their indices among all active ones
+  std::vector<Eigen::Index> columns_;  // of the entries that it depends on, among all active ones
+  FitState mine_;                      // with these active entries only
 };
 
 // Prior of the active entries.
@@ -342,6 +352,22 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
         std::sqrt(std::max(0.0, equations.residual_square / count - residuals->mean * residuals->mean));
   }
   return equations;
+}
+
+CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                        const FitState& state) {
+  const auto n = static_cast<Eigen::Index>(state.active.size());
+  CostSlopes slopes{.information = Eigen::MatrixXd::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
+  for (int frame = 0; frame < model.frame_count(); ++frame) {
+    const std::vector<Eigen::Index> columns = ColumnsOf(frame, catalog, state);
+    FitState of_frame{.active = {}, .values = state.values};
+    for (const Eigen::Index k : columns) of_frame.active.push_back(state.active[k]);
+    const auto sums = SumFrame(model, catalog, of_frame, frame, true);
+    SONARCAL_CHECK(sums.has_value(), "the model gives no value here");
+    slopes.information(columns, columns) += sums->information;
+    slopes.gradient(columns) += sums->gradient;
+  }
+  return slopes;
 }
 
 std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,

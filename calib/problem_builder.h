@@ -44,6 +44,15 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);
 
+// Gradient of half the sum of squares of all frames by the coordinates of the active entries, and its expected
+// information; without priors.
+struct CostSlopes {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                        const FitState& state);
+
 // Returns numerical errors of the score, one vector per pose: its difference from the score by other rays,
 // over the square root of 2. Both models have the same frames and are about one point.
 std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,

@@ -6,7 +6,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 #include "calib/models/coarse_frame_model.h"
@@ -71,6 +72,8 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
                                        const std::vector<std::string>& objects,
                                        const std::vector<std::string>& outlines)
     : simulator_(simulator),
+      objects_(objects),
+      outlines_(outlines),
       placed_(simulator, objects, outlines),
       frames_(frames),
       material_names_(simulator.caster().material_names()),
@@ -119,6 +122,24 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
   }
 }
 
+AcousticFrameModel::AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,
+                                       const ParameterValues& values, const std::vector<int>& geometric)
+    : simulator_(simulator),
+      objects_(other.objects_),
+      outlines_(other.outlines_),
+      placed_(simulator, objects_, outlines_),
+      frames_(other.frames_),
+      material_names_(other.material_names_),
+      initial_(other.Parameters(values)),
+      catalog_(other.catalog_),
+      initial_values_(other.initial_values_),
+      weights_(other.weights_),
+      repeat_shares_(other.repeat_shares_),
+      shown_(other.shown_),
+      reflected_(other.reflected_) {
+  Linearise(values, geometric);
+}
+
 FrameModel::SpeckleCell AcousticFrameModel::speckle_cell() const {
   const SonarModel& sonar = simulator_.sonar();
   const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
@@ -156,12 +177,35 @@ Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) c
 }
 
 AcousticFrameModel::Rays AcousticFrameModel::RaysAt(const ParameterValues& values, int decimation) const {
+  return RaysAt(values, Decimated(simulator_.options().fan, decimation));
+}
+
+AcousticFrameModel::Rays AcousticFrameModel::RaysAt(const ParameterValues& values,
+                                                    const sim::RayFanOptions& fan) const {
   std::shared_ptr<const sim::Simulator> simulator = SimulatorAt(values);
-  sim::RayFanOptions options = simulator->options().fan;
-  options.cols = std::max(1, options.cols / decimation);
-  options.rows = std::max(1, options.rows / decimation);
-  sim::RayFan fan(simulator->sonar(), options);
-  return {std::move(simulator), std::move(fan)};
+  sim::RayFan of_sonar(simulator->sonar(), fan);
+  return {std::move(simulator), std::move(of_sonar)};
+}
+
+double AcousticFrameModel::TracedCost(const ParameterValues& values, const sim::RayFanOptions& fan) const {
+  const Rays rays = RaysAt(values, fan);
+  const ParameterSet parameters = Parameters(values);
+  std::vector<double> costs(frames_.size(), 0.0);
+  tbb::parallel_for(0, frame_count(), [&](int frame) {
+    const PolarImage power = ExpectedPowerFrom(PoseOf(frame, values), parameters, rays);
+    for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel) {
+      if (!Counts(frame, pixel)) continue;
+      const double mean = power.value.values()[pixel];
+      if (!(mean > 0.0) || !std::isfinite(mean)) {
+        costs[frame] = std::numeric_limits<double>::infinity();
+        return;
+      }
+      const double residual =
+          PowerLikelihood(frames_[frame].recorded[pixel], mean, parameters.receiver.looks).residual;
+      costs[frame] += 0.5 * Weight(frame, pixel) * residual * residual;
+    }
+  });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
 Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
@@ -203,10 +247,9 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const sim::Simulator& simulator, int
   FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(values))};
   const sim::GhostList ghosts = GhostsOf(simulator, frame, values, geometric);
   if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator, ghosts, Parameters(values));
-  AddSlopesOfMoves(simulator, frame, values, geometric, echoes);
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
-    if (IsPlacement(entry)) continue;  // above, or in AddSlopesOfScene
+    if (IsPlacement(entry)) continue;
     const double step = DifferenceStep(entry, values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;
@@ -299,12 +342,27 @@ std::vector<FrameEchoes> AcousticFrameModel::FramesAbout(const sim::Simulator& s
   return echoes;
 }
 
+bool AcousticFrameModel::KeepsEchoes(const ParameterValues& values, const std::vector<int>& geometric) const {
+  if (point_.empty() || !std::ranges::all_of(geometric, [&](int entry) { return IsPlacement(catalog_[entry]); }))
+    return false;
+  for (std::size_t i = 0; i < catalog_.size(); ++i) {
+    if (IsGeometric(catalog_[i]) && values[i] != point_[i]) return false;
+  }
+  return true;
+}
+
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
-  point_ = values;
   at_point_ = SimulatorAt(values);
-  std::vector<FrameEchoes> echoes = FramesAbout(*at_point_, values, geometric);
-  AddSlopesOfScene(values, geometric, echoes);
-  echoes_ = std::move(echoes);
+  if (KeepsEchoes(values, geometric)) {
+    for (FrameEchoes& echoes : echoes_) echoes.slopes.clear();
+  } else {
+    echoes_ = FramesAbout(*at_point_, values, geometric);
+  }
+  point_ = values;
+  tbb::parallel_for(0, frame_count(), [&](int frame) {
+    AddSlopesOfMoves(*at_point_, frame, values, geometric, echoes_[frame]);
+  });
+  AddSlopesOfScene(values, geometric, echoes_);
 }
 
 void AcousticFrameModel::AddSlopesOfScene(const ParameterValues& values, const std::vector<int>& geometric,
@@ -421,8 +479,13 @@ std::unique_ptr<FrameModel> AcousticFrameModel::CoarseAbout(const ParameterValue
   const std::optional<PixelBlock> block = BlockFor(wanted_pixels);
   if (!block) return nullptr;
   const std::shared_ptr<const sim::Simulator> simulator = SimulatorAt(values);
-  return std::make_unique<CoarseFrameModel>(*this, simulator->sonar(), FramesAbout(*simulator, values, {}),
-                                            *block);
+  std::vector<FrameEchoes> echoes;
+  if (KeepsEchoes(values, {})) {
+    for (const FrameEchoes& of : echoes_) echoes.push_back({.at_point = of.at_point, .ghosts = of.ghosts});
+  } else {
+    echoes = FramesAbout(*simulator, values, {});
+  }
+  return std::make_unique<CoarseFrameModel>(*this, simulator->sonar(), echoes, *block);
 }
 
 }  // namespace sonarcal::calib

@@ -50,6 +50,10 @@ class AcousticFrameModel final : public FrameModel {
   AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                      const ParameterSet& initial, const std::vector<std::string>& objects = {},
                      const std::vector<std::string>& outlines = {});
+  // The same frames and parameters by the rays of another simulator of the same scene and sonar, traced about
+  // `values` as Linearise does.
+  AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,
+                     const ParameterValues& values, const std::vector<int>& geometric);
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
@@ -82,8 +86,11 @@ class AcousticFrameModel final : public FrameModel {
     std::shared_ptr<const sim::Simulator> simulator;
     sim::RayFan fan;
   };
-  // Returns the rays at these values with rows and columns divided by this factor.
+  // Returns the rays at these values with rows and columns divided by this factor, or by a smaller one if few
+  // rows would remain.
   Rays RaysAt(const ParameterValues& values, int decimation) const;
+  // Returns the rays of another fan at these values.
+  Rays RaysAt(const ParameterValues& values, const sim::RayFanOptions& fan) const;
   // Mean power of the echoes from a pose, without noise. Ghosts have the same decimation as the rays. Not
   // linearised.
   Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
@@ -91,6 +98,10 @@ class AcousticFrameModel final : public FrameModel {
   // Mean power including the noise floor.
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const Rays& rays) const;
+
+  // Half of -2 log likelihood of all frames, as half the sum of squared residuals is, from images traced with
+  // a fan. Gathers nothing, so it costs far less than Linearise. Infinite if an image has no value.
+  double TracedCost(const ParameterValues& values, const sim::RayFanOptions& fan) const;
 
   const ParameterValues& initial_values() const { return initial_values_; }
   // Returns the parameters with these values. Those without a catalog entry keep their initial value.
@@ -106,6 +117,7 @@ class AcousticFrameModel final : public FrameModel {
   int distinct_poses() const;
 
   // Moves the point about which geometry is linear. `geometric`: the catalog entries that will be active.
+  // Echoes of the last point are kept if no geometric value changed.
   void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
 
   // Reduces the weight of pixels that do not match the scene at these values (calib/models/down_weight.h).
@@ -123,12 +135,6 @@ class AcousticFrameModel final : public FrameModel {
 
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;
-
-  // Takes the weights of both kinds from a model of the same frames.
-  void TakeWeightsOf(const AcousticFrameModel& other) {
-    weights_ = other.weights_;
-    repeat_shares_ = other.repeat_shares_;
-  }
 
   // Weight of a pixel's likelihood: product of the weights of DownWeight and ShareRepeats.
   double Weight(int frame, std::size_t pixel) const {
@@ -166,6 +172,9 @@ class AcousticFrameModel final : public FrameModel {
                                        const std::vector<int>& geometric) const;
   FrameEchoes EchoesAbout(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
+  // True if the echoes about the present point serve for other values, and these entries have no slope by
+  // gathered echoes.
+  bool KeepsEchoes(const ParameterValues& values, const std::vector<int>& geometric) const;
 
   // Slopes along poses and axes from those along moves of the sonar. A turn of the sonar and a turn of its
   // beams then cancel exactly, as they do in an image; separate slopes would seem to tell them apart.
@@ -176,6 +185,8 @@ class AcousticFrameModel final : public FrameModel {
                         std::vector<FrameEchoes>& echoes) const;
 
   const sim::Simulator& simulator_;
+  std::vector<std::string> objects_;
+  std::vector<std::string> outlines_;
   PlacedSimulators placed_;
   std::shared_ptr<const sim::Simulator> at_point_;
   const std::vector<AcousticFrame>& frames_;

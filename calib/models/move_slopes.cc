@@ -12,12 +12,11 @@
 namespace sonarcal::calib {
 namespace {
 
-// Rows and columns of rays are divided by this, unless fewer rows than kMinRows remain.
 constexpr int kDecimation = 4;
 constexpr int kMinRows = 250;
 
-int DecimationOfSlopes(const sim::RayFanOptions& fan) {
-  return std::clamp(fan.rows / kMinRows, 1, kDecimation);
+int Limited(const sim::RayFanOptions& fan, int decimation) {
+  return std::clamp(fan.rows / kMinRows, 1, decimation);
 }
 
 // Moves and turns of sim::EchoSlopes by component of a PoseStep: right, ahead, up; roll, pitch, yaw.
@@ -31,7 +30,7 @@ void Add(const Grid<double>& from, double factor, Grid<float>& to) {
 // Adds the slopes of ghosts, from differences: their paths turn at mirrors.
 void AddGhosts(const sim::Simulator& simulator, const sim::RayFan& fan, const Pose& pose,
                const ParameterSet& parameters, MoveSlopes& slopes) {
-  const int decimation = DecimationOfSlopes(simulator.options().fan);
+  const int decimation = Limited(simulator.options().fan, kDecimation);
   const sim::GhostList at_pose = simulator.TraceGhosts(pose, parameters, decimation);
   if (at_pose.echoes.empty()) return;
   const auto power_of = [&](const sim::GhostList& ghosts, double range_offset_m) {
@@ -81,12 +80,16 @@ Grid<float> AlongRangeOffset(const sim::EchoSlopes& echoes, const sim::AcousticG
 
 }  // namespace
 
+sim::RayFanOptions Decimated(sim::RayFanOptions fan, int decimation) {
+  const int by = Limited(fan, decimation);
+  fan.cols = std::max(1, fan.cols / by);
+  fan.rows = std::max(1, fan.rows / by);
+  return fan;
+}
+
 sim::RayFan FanOfSlopes(const sim::Simulator& simulator) {
-  sim::RayFanOptions options = simulator.options().fan;
-  const int decimation = DecimationOfSlopes(options);
+  sim::RayFanOptions options = Decimated(simulator.options().fan, kDecimation);
   options.sampling = sim::Sampling::kBeams;
-  options.cols = std::max(1, options.cols / decimation);
-  options.rows = std::max(1, options.rows / decimation);
   return {simulator.sonar(), options};
 }
 

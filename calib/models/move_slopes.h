@@ -19,6 +19,9 @@ struct MoveSlopes {
   Grid<float> range_offset;                     // per metre of geometry.range_offset_m
 };
 
+// Rows and columns of rays divided by `decimation`, or by a smaller number if fewer than 250 rows would remain.
+sim::RayFanOptions Decimated(sim::RayFanOptions fan, int decimation);
+
 // Fan for slopes: they need far fewer rays than an image, because edges are followed and not sampled
 // (sim/acoustic/echo_slopes.h).
 sim::RayFan FanOfSlopes(const sim::Simulator& simulator);

@@ -17,16 +17,20 @@ struct QuadraticCost {
 };
 
 // Takes a step to a lower cost: `trial_at(step)` gives the state there, `State::cost` its cost. Raises the
-// damping tenfold until the cost falls, at most four times, and lowers it after success. Returns by how much
-// the cost fell; 0 if no damping made it fall, and then the state is kept.
+// damping tenfold until the cost falls, at most four times, and lowers it after success. Ends if the model
+// promises a fall of less than `least`. Returns by how much the cost fell; 0 if no damping made it fall, and
+// then the state is kept.
 template <typename State, typename TrialAt>
-double DampedStep(const QuadraticCost& normal, const TrialAt& trial_at, double& damping, State& state) {
+double DampedStep(const QuadraticCost& normal, double least, const TrialAt& trial_at, double& damping,
+                  State& state) {
   constexpr int kTries = 5;
   constexpr double kMinDamping = 1e-6;
   for (int i = 0; i < kTries; ++i, damping *= 10.0) {
     Eigen::MatrixXd damped = normal.information;
     damped.diagonal() *= 1.0 + damping;
-    State trial = trial_at(Eigen::VectorXd(damped.ldlt().solve(normal.score)));
+    const Eigen::VectorXd step = damped.ldlt().solve(normal.score);
+    if (!(normal.score.dot(step) - 0.5 * step.dot(normal.information * step) >= least)) return 0.0;
+    State trial = trial_at(step);
     if (!(trial.cost < state.cost)) continue;
     const double fall = state.cost - trial.cost;
     state = std::move(trial);

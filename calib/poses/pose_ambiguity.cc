@@ -18,6 +18,7 @@ constexpr double kMaxWorseNats = 4.0;   // nats; odds of 55 to 1
 constexpr double kApart = 4.0;          // min distance of two different poses, sigmas
 constexpr int kStepsDown = 3;           // number of steps downhill in the search for another valley
 constexpr double kMaxStartNats = 60.0;  // nats; a start with more is abandoned
+constexpr int kDecimation = 2;          // of the rays of the search
 
 std::string Words(const PoseStep& step) {
   return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
@@ -34,7 +35,8 @@ std::string Sentence(int index, const char* kind, const PoseStep& step, double w
 
 // Follows a start downhill. Returns its end if that is another pose and fits equally well. `kind` names the
 // start.
-std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameModel& model, int frame,
+std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameModel& model,
+                                const std::vector<CatalogEntry>& catalog, int frame,
                                 const PoseProblem::State& fitted, const Eigen::MatrixXd& information,
                                 const std::vector<int>& entries, const ParameterValues& start,
                                 const char* kind) {
@@ -48,7 +50,11 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
   for (std::size_t k = 0; k < entries.size(); ++k)
     moved(static_cast<Eigen::Index>(k)) = state.values[entries[k]] - fitted.values[entries[k]];
   if (moved.dot(information * moved) < kApart * kApart) return std::nullopt;
-  const double worse_by = state.cost - fitted.cost;
+  double worse_by = state.cost - fitted.cost;
+  if (worse_by < 0.0) {  // by all rays
+    const PoseProblem exact(model, catalog, {}, 1, {frame}, entries, fitted.values);
+    worse_by = exact.At(state.values).cost - exact.At(fitted.values).cost;
+  }
   const PoseStep step = StepBetween(model.PoseOf(frame, fitted.values), model.PoseOf(frame, state.values));
   OtherPose other{.frame = frame,
                   .entries = {},
@@ -61,8 +67,8 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
 // Min and max height of the first intersections of a pose's rays, m; nullopt if they meet nothing.
 std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& model,
                                                      const ParameterValues& values, const Pose& pose) {
-  constexpr int kDecimation = 8;
-  const auto [simulator, fan] = model.RaysAt(values, kDecimation);
+  constexpr int kFew = 8;
+  const auto [simulator, fan] = model.RaysAt(values, kFew);
   const sim::EchoList echoes =
       sim::Trace(simulator->caster(), fan, pose, simulator->sonar().axes, simulator->options().trace);
   double lowest = std::numeric_limits<double>::infinity();
@@ -100,13 +106,13 @@ std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<Cata
 std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                                     int frame, const std::vector<int>& entries,
                                     const ParameterValues& values) {
-  const PoseProblem problem(model, catalog, {}, 1, {frame}, entries, values);
+  const PoseProblem problem(model, catalog, {}, kDecimation, {frame}, entries, values);
   const PoseProblem::State fitted = problem.At(values);
   const PoseProblem::Slopes slopes = problem.SlopesAt(values);
   const Eigen::MatrixXd information = problem.NormalAt(fitted, slopes).information;
   std::vector<OtherPose> others;
   const auto follow = [&](const ParameterValues& start, const char* kind) {
-    if (auto other = Follow(problem, model, frame, fitted, information, entries, start, kind))
+    if (auto other = Follow(problem, model, catalog, frame, fitted, information, entries, start, kind))
       others.push_back(std::move(*other));
   };
   const Eigen::VectorXd ridge = problem.Ridge(fitted, slopes);

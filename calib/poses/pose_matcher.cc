@@ -287,7 +287,7 @@ void PoseMatcher::Refine(MatchState& state, int max_iterations, bool hold_elevat
     double fall = 0.0;
     while (fall == 0.0 && damping < kMaxDamping) {
       fall = DampedStep(
-          normal, [&](const Eigen::VectorXd& step) { return Moved(state, step); }, damping, state);
+          normal, 0.0, [&](const Eigen::VectorXd& step) { return Moved(state, step); }, damping, state);
     }
     if (fall <= kConverged * state.cost) break;
   }

@@ -13,6 +13,12 @@
 #include "calib/parameters/placement_steps.h"
 
 namespace sonarcal::calib {
+namespace {
+
+// Predicted fall of the cost below which no step is tried: a tenth of the effect of noise on one parameter.
+constexpr double kSettledNats = 0.05;
+
+}  // namespace
 
 PoseProblem::PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                          const PoseSmoothing& smoothing, int decimation, std::vector<int> frames,
@@ -115,7 +121,7 @@ QuadraticCost PoseProblem::NormalAt(const State& state, const Slopes& slopes) co
 
 double PoseProblem::Step(const Slopes& slopes, double& damping, State& state) const {
   const auto trial_at = [&](const Eigen::VectorXd& step) { return At(MovedEntries(state.values, step)); };
-  return DampedStep(NormalAt(state, slopes), trial_at, damping, state);
+  return DampedStep(NormalAt(state, slopes), kSettledNats, trial_at, damping, state);
 }
 
 Eigen::VectorXd PoseProblem::Ridge(const State& state, const Slopes& slopes) const {

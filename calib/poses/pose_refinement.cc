@@ -82,10 +82,13 @@ std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell) {
   return {
       {.smoothing = {kFar * speckle_cell.bins, kFarBeams * speckle_cell.beams},
        .slopes = 2,
-       .decimation = 2,
+       .decimation = 4,
        .sweep = true},
-      {.smoothing = {speckle_cell.bins, kNearBeams * speckle_cell.beams}, .slopes = 2, .along_ridge = true},
-      {.smoothing = {}, .slopes = 3, .along_ridge = true}};
+      {.smoothing = {speckle_cell.bins, kNearBeams * speckle_cell.beams},
+       .slopes = 2,
+       .decimation = 2,
+       .along_ridge = true},
+      {.smoothing = {}, .slopes = 3}};
 }
 
 std::vector<int> FreePlacements(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {
@@ -96,10 +99,9 @@ std::vector<int> FreePlacements(const std::vector<CatalogEntry>& catalog, const 
   return entries;
 }
 
-double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                   const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
-                   const std::function<void(const std::string&)>& progress) {
-  double falls = 0.0;
+void RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                 const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
+                 const std::function<void(const std::string&)>& progress) {
   std::set<int> moved;
   bool common = false;
   for (const int entry : entries) {
@@ -113,14 +115,13 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
                               std::move(of), values);
     if (stage.sweep) Sweep(problem, step_m, step_deg, values);
     const double fall = Solve(problem, stage.slopes, stage.along_ridge, values);
-    falls += fall;
     if (progress) progress(fmt::format("{}: cost down by {:.4g}", name, fall));
   };
   if (common) {
     std::vector<int> all;
     for (int frame = 0; frame < model.frame_count(); ++frame) all.push_back(frame);
     refine(all, entries, moved.empty() ? "placement common to all frames" : "common placement and poses");
-    return falls;
+    return;
   }
   for (const int frame : moved) {
     std::vector<int> of;
@@ -128,7 +129,6 @@ double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEnt
                  [&](int entry) { return catalog[entry].frame == frame; });
     refine({frame}, of, fmt::format("pose of frame {}", model.frame_index(frame)));
   }
-  return falls;
 }
 
 }  // namespace sonarcal::calib

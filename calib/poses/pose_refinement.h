@@ -31,10 +31,9 @@ std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell);
 // Returns the free placements of the catalog.
 std::vector<int> FreePlacements(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free);
 
-// Moves the placements `entries` of `values`. `catalog` is that of the model, with bounds and priors. Returns
-// the fall of their cost, without the part of a sweep.
-double RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
-                   const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
-                   const std::function<void(const std::string&)>& progress = {});
+// Moves the placements `entries` of `values`. `catalog` is that of the model, with bounds and priors.
+void RefinePoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
+                 const std::vector<int>& entries, const PoseStage& stage, ParameterValues& values,
+                 const std::function<void(const std::string&)>& progress = {});
 
 }  // namespace sonarcal::calib
