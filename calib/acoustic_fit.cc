@@ -38,9 +38,6 @@ constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 // per step.
 constexpr int kOutlineFactor = 3;
 
-// Max number of joint steps with all rays, at the end.
-constexpr int kLastSteps = 2;
-
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
 constexpr double kHeld = 0.02;
 
@@ -203,12 +200,12 @@ class AcousticFitter {
     return true;
   }
 
-  // Takes the last steps with all rays: edges are where they belong then.
+  // The last solve uses all rays, about the point that the search found.
   void EndWithAllRays() {
     if (poses_.empty() || !fit_.usable) return;
-    if (!TakeAllRays()) return;
-    Say("poses and curves with all rays");
-    FitJointly(kLastSteps);
+    TakeAllRays();
+    model_->Linearise(fit_.values, geometric_);
+    near_ = Near(config_, *model_, geometric_, fit_.values, 1.0);
   }
 
   // Configuration that fixes all geometric parameters.
@@ -286,12 +283,12 @@ class AcousticFitter {
     if (poses_.empty()) {
       FitInRounds();
     } else {
-      FitJointly(JointSteps());
+      FitJointly();
     }
   }
 
   // Fits poses together with the parameters that are correlated with them. Each step is traced.
-  void FitJointly(int steps) {
+  void FitJointly() {
     if (!fit_.usable) return;
     std::vector<int> active = geometric_;
     active.insert(active.end(), radiometric_.begin(), radiometric_.end());
@@ -300,7 +297,7 @@ class AcousticFitter {
     ParameterValues values = fit_.values;
     settled_ = TakeJointSteps(
         *model_, catalog_, active,
-        {.steps = steps,
+        {.steps = JointSteps(),
          .least = NoiseOfCost(),
          .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
          .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); }},
@@ -363,7 +360,7 @@ class AcousticFitter {
     for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
       Say("reducing the weight of pixels that do not match the scene");
       model_->DownWeight(fit_.values);
-      if (!poses_.empty()) FitJointly(JointSteps());
+      if (!poses_.empty()) FitJointly();
       again_.test_others = options_.test_others && round + 1 == kWeightRounds;
       Refit(false);
     }
@@ -381,7 +378,7 @@ class AcousticFitter {
       Say(fmt::format("{} frame{} moved to a better pose", moved, moved == 1 ? "" : "s"));
       model_->Linearise(fit_.values, {});
       RefineStage(PoseStages(model_->speckle_cell()).back());
-      FitJointly(JointSteps());
+      FitJointly();
     }
   }
 

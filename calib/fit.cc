@@ -172,11 +172,12 @@ class Fitter {
     state_.values = best;
   }
 
-  // A hundredth of a nat of log-likelihood is negligible.
+  // A hundredth of a nat of log-likelihood per speckle cell is negligible.
   double Tolerance() const {
     if (!model_.IsLikelihood()) return options_.function_tolerance;
     const double cost = CostAt(model_, state_.values, model_.frame_count());
-    return cost > 0.0 ? std::max(options_.function_tolerance, kLikelihoodTolerance / cost)
+    const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
+    return cost > 0.0 ? std::max(options_.function_tolerance, kLikelihoodTolerance * pixels_per_cell / cost)
                       : options_.function_tolerance;
   }
 

@@ -285,7 +285,12 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   double sum = 0.0;
   std::map<int, std::vector<NormalEquations::Block>> of_pose;
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    const auto evaluation = model.At(frame, state.values, state.active, FrameModel::Terms::kInformation);
+    const std::vector<Eigen::Index> columns = ColumnsOf(frame, catalog, state);
+    std::vector<int> active;
+    for (const Eigen::Index k : columns) active.push_back(state.active[k]);
+    const auto m = static_cast<Eigen::Index>(columns.size());
+    const Eigen::VectorXd of_columns = value_slope(columns);
+    const auto evaluation = model.At(frame, state.values, active, FrameModel::Terms::kInformation);
     SONARCAL_CHECK(evaluation != nullptr, "the model gives no value here");
     std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
     ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
@@ -294,10 +299,10 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
       SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
       Band& band = bands[band_idx];
       const Eigen::Map<const RowMajor> jacobian(terms.eta_jacobian.data(),
-                                                static_cast<Eigen::Index>(terms.residual.size()), n);
+                                                static_cast<Eigen::Index>(terms.residual.size()), m);
       for (int first_beam = 0; first_beam < beams; first_beam += block_beams) {
-        NormalEquations::Block block{.information = Eigen::MatrixXd::Zero(n, n),
-                                     .score = Eigen::VectorXd::Zero(n)};
+        Eigen::MatrixXd information = Eigen::MatrixXd::Zero(m, m);
+        Eigen::VectorXd score = Eigen::VectorXd::Zero(m);
         for (int bin = first; bin < last; ++bin) {
           for (int beam = first_beam; beam < std::min(first_beam + block_beams, beams); ++beam) {
             if (!model.Counts(frame, static_cast<std::size_t>(bin) * beams + beam)) continue;
@@ -309,13 +314,15 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
             band.sum += whitened;
             band.square += whitened * whitened;
             const auto row = jacobian.row(static_cast<Eigen::Index>(i)).transpose();
-            block.score.noalias() += residual * terms.slope[i] * row;
-            block.information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[i]);
+            score.noalias() += residual * terms.slope[i] * row;
+            information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[i]);
           }
         }
-        const Eigen::MatrixXd full = block.information.selfadjointView<Eigen::Lower>();
-        block.information = value_slope.asDiagonal() * full * value_slope.asDiagonal();
-        block.score = value_slope.cwiseProduct(block.score);
+        NormalEquations::Block block{.information = Eigen::MatrixXd::Zero(n, n),
+                                     .score = Eigen::VectorXd::Zero(n)};
+        const Eigen::MatrixXd full = information.selfadjointView<Eigen::Lower>();
+        block.information(columns, columns) = of_columns.asDiagonal() * full * of_columns.asDiagonal();
+        block.score(columns) = of_columns.cwiseProduct(score);
         band.blocks.push_back(std::move(block));
       }
     });

@@ -135,6 +135,25 @@ float StepBetween(const Hit& far, const Hit& near) {
   return near.inverse_m - far.inverse_m;
 }
 
+// A response and its slope at the same samples, without the samples at either end that hardly count.
+struct SlopedWindow {
+  SlopedWindow(const ResponseWindow& power, const ResponseWindow& slope) {
+    constexpr double kNegligible = 1e-4;  // of the peak
+    const auto counts = [least = kNegligible * *std::ranges::max_element(power.weight)](double of) {
+      return of > least;
+    };
+    const auto begin = std::ranges::find_if(power.weight, counts) - power.weight.begin();
+    const auto end = power.weight.rend() - std::find_if(power.weight.rbegin(), power.weight.rend(), counts);
+    first = power.first + static_cast<int>(begin);
+    weight.assign(power.weight.begin() + begin, power.weight.begin() + end);
+    slopes.assign(slope.weight.begin() + begin, slope.weight.begin() + end);
+  }
+
+  int first = 0;
+  std::vector<float> weight;
+  std::vector<float> slopes;
+};
+
 class SlopeGatherer {
  public:
   SlopeGatherer(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
@@ -148,8 +167,8 @@ class SlopeGatherer {
                 ElevationWidthDeg(geometry.sonar, parameters.beam), /*slopes=*/true),
         hits_(caster.Cast(fan, world_from_sonar, axes_.range_max_m)),
         world_from_sonar_(world_from_sonar),
-        pulse_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPower)),
-        pulse_slope_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPowerSlope)),
+        pulse_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPower),
+               PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPowerSlope)),
         in_bins_(static_cast<std::size_t>(axes_.range_bins) * fan.cols()) {}
 
   // Terms per range bin and column, bin by bin.
@@ -239,13 +258,11 @@ class SlopeGatherer {
       for (std::size_t k = 0; k < pulse_.weight.size(); ++k) {
         const int row = bin * steps_ + pulse_.first + static_cast<int>(k);
         if (row < 0 || row >= rows_.count || heard[row] == 0) continue;
-        const auto weight = static_cast<float>(pulse_.weight[k]);
-        const auto slope = static_cast<float>(pulse_slope_.weight[k]);
         const FineTerms* in = &fine[static_cast<std::size_t>(row) * cols];
         for (int col = 0; col < cols; ++col) {
-          out[col].by_response.Add(weight, in[col].level);
-          out[col].by_response.Add(slope, in[col].range);
-          out[col].by_slope.Add(weight, in[col].azimuth);
+          out[col].by_response.Add(pulse_.weight[k], in[col].level);
+          out[col].by_response.Add(pulse_.slopes[k], in[col].range);
+          out[col].by_slope.Add(pulse_.weight[k], in[col].azimuth);
         }
       }
     }
@@ -259,8 +276,7 @@ class SlopeGatherer {
   PatchShader shader_;
   FanHits hits_;
   Pose world_from_sonar_;
-  ResponseWindow pulse_;
-  ResponseWindow pulse_slope_;
+  SlopedWindow pulse_;
   std::vector<BinTerms> in_bins_;  // per range bin and column
 };
 
@@ -279,6 +295,8 @@ EchoSlopes SlopesAlongMoves(const RayCaster& caster, const RayFan& fan, const Po
       AzimuthWindows(geometry.sonar, parameters, column_azimuth_rad, ResponseOf::kPower);
   const std::vector<ResponseWindow> slope =
       AzimuthWindows(geometry.sonar, parameters, column_azimuth_rad, ResponseOf::kPowerSlope);
+  std::vector<SlopedWindow> azimuth;
+  for (std::size_t beam = 0; beam < response.size(); ++beam) azimuth.emplace_back(response[beam], slope[beam]);
   const std::vector<double> gain = GainByBin(geometry, parameters);
 
   EchoSlopes slopes{.power = Grid<double>(axes.range_bins, axes.beam_count()),
@@ -289,12 +307,12 @@ EchoSlopes SlopesAlongMoves(const RayCaster& caster, const RayFan& fan, const Po
     const BinTerms* in = &in_bins[static_cast<std::size_t>(bin) * fan.cols()];
     const double level = gain[bin] * model.level();
     for (int beam = 0; beam < axes.beam_count(); ++beam) {
-      const ResponseWindow& window = response[beam];
+      const SlopedWindow& window = azimuth[beam];
       Lanes sum;
       for (std::size_t k = 0; k < window.weight.size(); ++k) {
         const BinTerms& of = in[window.first + static_cast<int>(k)];
-        sum.Add(static_cast<float>(window.weight[k]), of.by_response);
-        sum.Add(static_cast<float>(slope[beam].weight[k]), of.by_slope);
+        sum.Add(window.weight[k], of.by_response);
+        sum.Add(window.slopes[k], of.by_slope);
       }
       for (int move = 0; move < kSonarMoves; ++move)
         slopes.along[move](bin, beam) = static_cast<float>(level * sum.value[move]);
