@@ -15,8 +15,8 @@
 
 #include "calib/geometry_ambiguity.h"
 #include "calib/joint_steps.h"
-#include "calib/models/move_slopes.h"
 #include "calib/mirror_start.h"
+#include "calib/models/move_slopes.h"
 #include "calib/parameters/placement_steps.h"
 #include "calib/poses/pose_ambiguity.h"
 #include "calib/poses/pose_refinement.h"
@@ -78,7 +78,8 @@ FitConfig WithDefaults(FitConfig config, const ParameterSet& initial, const Scen
 
 // True if a configuration may free placements.
 bool MayMove(const FitConfig& config) {
-  constexpr std::array<std::string_view, 6> kPlacements = {"pose", "mount", "geometry", "object", "outline", "*"};
+  constexpr std::array<std::string_view, 6> kPlacements = {"pose",   "mount",   "geometry",
+                                                           "object", "outline", "*"};
   return std::ranges::any_of(*config.free, [&](const std::string& name) {
     return std::ranges::any_of(kPlacements, [&](std::string_view of) { return name.starts_with(of); });
   });
@@ -251,7 +252,8 @@ class AcousticFitter {
   ModelFit FitOnBlocks(const FitOptions& options) const {
     constexpr std::size_t kPixelsPerBlock = 8;
     const auto coarse = model_->CoarseAbout(
-        fit_.values, model_->pixel_count() * static_cast<std::size_t>(model_->frame_count()) / kPixelsPerBlock);
+        fit_.values,
+        model_->pixel_count() * static_cast<std::size_t>(model_->frame_count()) / kPixelsPerBlock);
     return Fit(coarse != nullptr ? *coarse : *model_, fit_.values, RadiometryOnly(), options);
   }
 
@@ -295,13 +297,12 @@ class AcousticFitter {
     std::sort(active.begin(), active.end());
     const sim::RayFanOptions& fan = model_->simulator().options().fan;
     ParameterValues values = fit_.values;
-    settled_ = TakeJointSteps(
-        *model_, catalog_, active,
-        {.steps = JointSteps(),
-         .least = NoiseOfCost(),
-         .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
-         .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); }},
-        values, options_.progress);
+    settled_ = TakeJointSteps(*model_, catalog_, active,
+                              {.steps = JointSteps(),
+                               .least = NoiseOfCost(),
+                               .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
+                               .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); }},
+                              values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, *model_, geometric_, values, kHeld);
   }
@@ -317,8 +318,7 @@ class AcousticFitter {
   // edges. They do so as well from one grid of rays to another, which is what is measured.
   double RoughnessOfCost(const ParameterValues& values) const {
     const sim::RayFanOptions& fan = model_->simulator().options().fan;
-    const double difference =
-        model_->TracedCost(values, OtherGrid(fan)) - model_->TracedCost(values, fan);
+    const double difference = model_->TracedCost(values, OtherGrid(fan)) - model_->TracedCost(values, fan);
     const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model_->frame_count()));
     return 2.0 * std::max(std::abs(difference) * (1.0 / std::numbers::sqrt2), least);
   }

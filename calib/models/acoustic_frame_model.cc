@@ -12,7 +12,6 @@
 
 #include "calib/models/coarse_frame_model.h"
 #include "calib/models/down_weight.h"
-#include "calib/models/move_slopes.h"
 #include "calib/parameters/placement_steps.h"
 #include "calib/parameters/pose_step.h"
 #include "core/types/error.h"
@@ -280,13 +279,16 @@ void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int f
   constexpr double kDifference = 1e-5;
   const auto of_frame = [&](int index) {
     const CatalogEntry& entry = catalog_[index];
+    if (IsRigidMove(entry)) return true;
     if (entry.group != ParameterGroup::kPose) return entry.group == ParameterGroup::kGeometry;
     return entry.frame == frame || entry.frame == kMountFrame;
   };
   if (std::ranges::none_of(geometric, of_frame)) return;
   const ParameterSet parameters = Parameters(values);
   const Pose pose = PoseOf(frame, values);
-  const MoveSlopes moves = SlopesOfMoves(simulator, FanOfSlopes(simulator), pose, parameters);
+  const bool objects_move =
+      std::ranges::any_of(geometric, [&](int index) { return IsRigidMove(catalog_[index]); });
+  const MoveSlopes moves = SlopesFrom(simulator, pose, values, objects_move);
   const Grid<double> rest = FloorOfEchoes(parameters);
   for (const int index : geometric) {
     if (!of_frame(index)) continue;
@@ -298,7 +300,9 @@ void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int f
                                            (moves.power.values()[pixel] + rest.values()[pixel]));
       }
     };
-    if (TurnsBeams(entry)) {
+    if (IsRigidMove(entry)) {
+      add(1.0, SlopeAlongObject(moves, index, pose, values));
+    } else if (TurnsBeams(entry)) {
       add(-1.0, moves.along[kTurnOfSonar]);
     } else if (ChangesAxes(entry)) {
       add(1.0, moves.range_offset);
@@ -311,6 +315,20 @@ void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int f
     if (ChangesAxes(entry)) ScaleToEntry(sonar().axes, entry, slope);
     echoes.slopes.push_back({.entry = index, .logarithm = std::move(slope)});
   }
+}
+
+MoveSlopes AcousticFrameModel::SlopesFrom(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                                          const ParameterValues& values, bool objects) const {
+  return SlopesOfMoves(simulator, FanOfSlopes(simulator), world_from_sonar, Parameters(values),
+                       objects ? placed_.PartsOf(simulator) : sim::SceneParts());
+}
+
+Grid<float> AcousticFrameModel::SlopeAlongObject(const MoveSlopes& slopes, int entry,
+                                                 const Pose& world_from_sonar,
+                                                 const ParameterValues& values) const {
+  const CatalogEntry& of = catalog_[entry];
+  return slopes.AlongPlacement(of.object, placed_.objects()[of.object],
+                               placed_.PlacementsAt(catalog_, values)[of.object], of.index, world_from_sonar);
 }
 
 Grid<double> AcousticFrameModel::FloorOfEchoes(const ParameterSet& parameters) const {
@@ -343,7 +361,8 @@ std::vector<FrameEchoes> AcousticFrameModel::FramesAbout(const sim::Simulator& s
 }
 
 bool AcousticFrameModel::KeepsEchoes(const ParameterValues& values, const std::vector<int>& geometric) const {
-  if (point_.empty() || !std::ranges::all_of(geometric, [&](int entry) { return IsPlacement(catalog_[entry]); }))
+  if (point_.empty() ||
+      !std::ranges::all_of(geometric, [&](int entry) { return IsPlacement(catalog_[entry]); }))
     return false;
   for (std::size_t i = 0; i < catalog_.size(); ++i) {
     if (IsGeometric(catalog_[i]) && values[i] != point_[i]) return false;
@@ -369,7 +388,7 @@ void AcousticFrameModel::AddSlopesOfScene(const ParameterValues& values, const s
                                           std::vector<FrameEchoes>& echoes) const {
   const ParameterSet parameters = Parameters(values);
   for (const int index : geometric) {
-    if (!ChangesScene(catalog_[index])) continue;
+    if (!ChangesScene(catalog_[index]) || IsRigidMove(catalog_[index])) continue;
     const double step = DifferenceStep(catalog_[index], values[index], sonar().axes);
     ParameterValues above = values;
     ParameterValues below = values;

@@ -20,6 +20,7 @@
 
 #include "calib/models/acoustic_evaluation.h"
 #include "calib/models/frame_model.h"
+#include "calib/models/move_slopes.h"
 #include "calib/models/placed_simulators.h"
 #include "calib/models/power_likelihood.h"
 #include "core/types/image.h"
@@ -99,6 +100,13 @@ class AcousticFrameModel final : public FrameModel {
   PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
                                const Rays& rays) const;
 
+  // Slopes of the echoes from a pose, at the simulator for these values. `objects`: also those along moves of
+  // objects, of which SlopeAlongObject gives one entry.
+  MoveSlopes SlopesFrom(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                        const ParameterValues& values, bool objects) const;
+  Grid<float> SlopeAlongObject(const MoveSlopes& slopes, int entry, const Pose& world_from_sonar,
+                               const ParameterValues& values) const;
+
   // Half of -2 log likelihood of all frames, as half the sum of squared residuals is, from images traced with
   // a fan. Gathers nothing, so it costs far less than Linearise. Infinite if an image has no value.
   double TracedCost(const ParameterValues& values, const sim::RayFanOptions& fan) const;
@@ -176,11 +184,11 @@ class AcousticFrameModel final : public FrameModel {
   // gathered echoes.
   bool KeepsEchoes(const ParameterValues& values, const std::vector<int>& geometric) const;
 
-  // Slopes along poses and axes from those along moves of the sonar. A turn of the sonar and a turn of its
+  // Slopes along poses, axes and objects from those along moves of the sonar and of parts. A turn of the sonar and a turn of its
   // beams then cancel exactly, as they do in an image; separate slopes would seem to tell them apart.
   void AddSlopesOfMoves(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                         const std::vector<int>& geometric, FrameEchoes& echoes) const;
-  // Slopes along placements that change the scene: objects and outlines.
+  // Slopes along changes of the scene that are no rigid moves: scales of objects and outlines.
   void AddSlopesOfScene(const ParameterValues& values, const std::vector<int>& geometric,
                         std::vector<FrameEchoes>& echoes) const;
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/types/units.h"
-#include "sim/acoustic/echo_slopes.h"
 #include "sim/ghosts/ghost_power.h"
 #include "sim/physics/receiver.h"
 
@@ -23,8 +22,7 @@ int Limited(const sim::RayFanOptions& fan, int decimation) {
 constexpr std::array<int, kPoseSteps> kMoveOfStep = {0, 1, 2, 4, 3, 5};
 
 void Add(const Grid<double>& from, double factor, Grid<float>& to) {
-  for (std::size_t i = 0; i < to.size(); ++i)
-    to.values()[i] += static_cast<float>(factor * from.values()[i]);
+  for (std::size_t i = 0; i < to.size(); ++i) to.values()[i] += static_cast<float>(factor * from.values()[i]);
 }
 
 // Adds the slopes of ghosts, from differences: their paths turn at mirrors.
@@ -93,13 +91,42 @@ sim::RayFan FanOfSlopes(const sim::Simulator& simulator) {
   return {simulator.sonar(), options};
 }
 
-MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan, const Pose& world_from_sonar,
-                    const ParameterSet& parameters) {
+Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
+                                       const ObjectPlacement& placement, int component,
+                                       const Pose& world_from_sonar) const {
+  constexpr double kDifference = 1e-5;
+  ObjectPlacement further = placement;
+  further.step(component) += kDifference;
+  const Pose from = PoseFromNamedValues(placement.step);
+  const Pose to = PoseFromNamedValues(further.step);
+  // Rigid motion of the object in the world, per unit of the component: a turn, and the velocity of the point
+  // of the object that is at the sonar.
+  const Eigen::AngleAxisd turn(to.rotation * from.rotation.conjugate());
+  const Eigen::Vector3d turn_rad = turn.angle() / kDifference * turn.axis();
+  const Eigen::Vector3d centre_m = object.centre_m() + from.position_m;
+  const Eigen::Vector3d shift_m = (to.position_m - from.position_m) / kDifference +
+                                  turn_rad.cross(world_from_sonar.position_m - centre_m);
+  const Eigen::Vector3d shift = world_from_sonar.rotation.conjugate() * shift_m;
+  const Eigen::Vector3d rotation = world_from_sonar.rotation.conjugate() * turn_rad;
+  Grid<float> slope(power.rows(), power.cols());
+  for (int move = 0; move < sim::kSonarMoves; ++move) {
+    const auto factor = static_cast<float>(move < 3 ? shift(move) : rotation(move - 3));
+    for (std::size_t i = 0; i < slope.size(); ++i)
+      slope.values()[i] += factor * of_part[part][move].values()[i];
+  }
+  return slope;
+}
+
+MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan,
+                         const Pose& world_from_sonar, const ParameterSet& parameters,
+                         const sim::SceneParts& parts) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
   sim::EchoSlopes echoes =
-      sim::SlopesAlongMoves(simulator.caster(), fan, world_from_sonar, geometry, parameters);
-  MoveSlopes slopes{.power = {}, .along = {}, .range_offset = AlongRangeOffset(echoes, geometry, parameters)};
+      sim::SlopesAlongMoves(simulator.caster(), fan, world_from_sonar, geometry, parameters, parts);
+  MoveSlopes slopes;
+  slopes.range_offset = AlongRangeOffset(echoes, geometry, parameters);
   slopes.power = std::move(echoes.power);
+  slopes.of_part = std::move(echoes.of_part);
   for (int k = 0; k < kPoseSteps; ++k) {
     slopes.along[k] = std::move(echoes.along[kMoveOfStep[k]]);
     if (k < 3) continue;

@@ -1,22 +1,32 @@
-// Slopes of the mean power of a frame's echoes along moves of the sonar and along its range axis, in the units
-// of the parameters.
+// Slopes of the mean power of a frame's echoes along moves of the sonar, of its range axis and of objects, in
+// the units of the parameters.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
+#include <vector>
 
+#include "calib/parameters/object_placement.h"
 #include "calib/parameters/pose_step.h"
 #include "core/types/image.h"
 #include "core/types/parameters.h"
 #include "core/types/pose.h"
+#include "sim/acoustic/echo_slopes.h"
 #include "sim/simulator.h"
 
 namespace sonarcal::calib {
 
 // range_bins x beams each.
 struct MoveSlopes {
-  Grid<double> power;                           // mean power of the echoes at the pose
-  std::array<Grid<float>, kPoseSteps> along;    // change of `power` per component of a PoseStep, m or degree
-  Grid<float> range_offset;                     // per metre of geometry.range_offset_m
+  // Slope along a component of the step of a placement, for the object that is `part` of the scene and stands
+  // at `placement`.
+  Grid<float> AlongPlacement(int part, const PlaceableObject& object, const ObjectPlacement& placement,
+                             int component, const Pose& world_from_sonar) const;
+
+  Grid<double> power;                         // mean power of the echoes at the pose
+  std::array<Grid<float>, kPoseSteps> along;  // change of `power` per component of a PoseStep, m or degree
+  Grid<float> range_offset;                   // per metre of geometry.range_offset_m
+  std::vector<sim::AlongMoves> of_part;       // sim::EchoSlopes::of_part
 };
 
 // Rows and columns of rays divided by `decimation`, or by a smaller number if fewer than 250 rows would remain.
@@ -26,8 +36,9 @@ sim::RayFanOptions Decimated(sim::RayFanOptions fan, int decimation);
 // (sim/acoustic/echo_slopes.h).
 sim::RayFan FanOfSlopes(const sim::Simulator& simulator);
 
-// Echoes with those of mirrors, at the axes of the simulator's sonar.
-MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan, const Pose& world_from_sonar,
-                    const ParameterSet& parameters);
+// Echoes at the axes of the simulator's sonar. Those of mirrors are included, except along moves of objects.
+MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan,
+                         const Pose& world_from_sonar, const ParameterSet& parameters,
+                         const sim::SceneParts& parts = {});
 
 }  // namespace sonarcal::calib

@@ -25,6 +25,20 @@ std::vector<double> MovedValues(const IsOfKind& is_of_kind, const std::vector<Ca
   return any ? moved : std::vector<double>();
 }
 
+// Object of each triangle; -1: none.
+std::vector<std::int16_t> PartOfTriangles(Scene scene, const std::vector<std::string>& objects) {
+  std::vector<std::int16_t> part(scene.triangles.size(), -1);
+  for (std::size_t object = 0; object < objects.size(); ++object) {
+    const std::vector<std::size_t> vertices = VerticesOfObject(scene, objects[object]);
+    std::vector<char> is_of(scene.vertices_m.size(), 0);
+    for (const std::size_t vertex : vertices) is_of[vertex] = 1;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      if (is_of[scene.triangles[i][0]] != 0) part[i] = static_cast<std::int16_t>(object);
+    }
+  }
+  return part;
+}
+
 bool IsGeometry(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kGeometry;
 }
@@ -54,6 +68,28 @@ PlacedSimulators::PlacedSimulators(const sim::Simulator& declared, const std::ve
   for (const OutlineForm& form : forms_) DivideForOutline(form, scene_);
   for (const std::string& name : objects) objects_.emplace_back(scene_, name);
   for (const OutlineForm& form : forms_) outlines_.emplace_back(scene_, form);
+  part_of_declared_ = PartOfTriangles(declared.caster().scene(), objects);
+  part_of_scene_ = PartOfTriangles(scene_, objects);
+}
+
+sim::SceneParts PlacedSimulators::PartsOf(const sim::Simulator& simulator) const {
+  if (objects_.empty()) return {};
+  const bool divided = simulator.caster().scene().triangles.size() != part_of_declared_.size();
+  return {.count = static_cast<int>(objects_.size()),
+          .of_triangle = divided ? part_of_scene_ : part_of_declared_};
+}
+
+std::vector<ObjectPlacement> PlacedSimulators::PlacementsAt(const std::vector<CatalogEntry>& catalog,
+                                                            const ParameterValues& values) const {
+  std::vector<ObjectPlacement> placements(objects_.size());
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    const CatalogEntry& entry = catalog[i];
+    if (entry.group != ParameterGroup::kObject) continue;
+    ObjectPlacement& placement = placements[entry.object];
+    (entry.index < kPoseSteps ? placement.step(entry.index) : placement.scale(entry.index - kPoseSteps)) =
+        values[i];
+  }
+  return placements;
 }
 
 std::shared_ptr<const sim::RayCaster> PlacedSimulators::CasterAt(const std::vector<CatalogEntry>& catalog,
@@ -61,15 +97,10 @@ std::shared_ptr<const sim::RayCaster> PlacedSimulators::CasterAt(const std::vect
   const Values moved = MovedValues(ChangesScene, catalog, values);
   if (moved.empty()) return declared_.shared_caster();
   return KeptOr<sim::RayCaster>(casters_, moved, [&] {
-    std::vector<ObjectPlacement> placements(objects_.size());
+    const std::vector<ObjectPlacement> placements = PlacementsAt(catalog, values);
     std::vector<std::vector<double>> shapes(outlines_.size());
     for (std::size_t i = 0; i < catalog.size(); ++i) {
-      const CatalogEntry& entry = catalog[i];
-      if (entry.group == ParameterGroup::kOutline) shapes[entry.object].push_back(values[i]);
-      if (entry.group != ParameterGroup::kObject) continue;
-      ObjectPlacement& placement = placements[entry.object];
-      (entry.index < kPoseSteps ? placement.step(entry.index) : placement.scale(entry.index - kPoseSteps)) =
-          values[i];
+      if (catalog[i].group == ParameterGroup::kOutline) shapes[catalog[i].object].push_back(values[i]);
     }
     Scene scene = scene_;
     for (std::size_t i = 0; i < outlines_.size(); ++i) outlines_[i].Reshape(shapes[i], scene);

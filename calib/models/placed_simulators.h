@@ -2,6 +2,7 @@
 // last few values are kept: a fit asks for the same ones several times.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -12,6 +13,7 @@
 #include "calib/parameters/object_placement.h"
 #include "calib/parameters/parameter_catalog.h"
 #include "calib/shapes/object_outline.h"
+#include "sim/acoustic/echo_slopes.h"
 #include "sim/simulator.h"
 
 namespace sonarcal::calib {
@@ -24,6 +26,13 @@ class PlacedSimulators {
                    const std::vector<std::string>& outlines = {});
 
   const std::vector<OutlineForm>& outlines() const { return forms_; }
+  const std::vector<PlaceableObject>& objects() const { return objects_; }
+
+  // Objects as parts of the scene of a simulator that At returned.
+  sim::SceneParts PartsOf(const sim::Simulator& simulator) const;
+  // Placement of each object at the values of a catalog.
+  std::vector<ObjectPlacement> PlacementsAt(const std::vector<CatalogEntry>& catalog,
+                                            const ParameterValues& values) const;
 
   // Returns the simulator for the values of a catalog with these objects. Builds a ray caster on all cores if
   // an object moved, so it must not be called from within a parallel loop.
@@ -41,6 +50,8 @@ class PlacedSimulators {
   const sim::Simulator& declared_;
   Scene scene_;  // as declared, divided for the outlines; empty without objects and outlines
   std::vector<PlaceableObject> objects_;
+  std::vector<std::int16_t> part_of_declared_;  // object of each triangle of the declared scene; -1: none
+  std::vector<std::int16_t> part_of_scene_;     // of `scene_`, which has more triangles if it is divided
   std::vector<OutlineForm> forms_;
   std::vector<ObjectOutline> outlines_;
   mutable std::mutex mutex_;

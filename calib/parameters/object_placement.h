@@ -27,6 +27,8 @@ class PlaceableObject {
   // Moves the vertices of `scene`, which holds the object where the scene file says.
   void Place(const ObjectPlacement& placement, Scene& scene) const;
 
+  const Eigen::Vector3d& centre_m() const { return centre_m_; }  // as the scene file says
+
  private:
   std::vector<std::size_t> vertices_;
   Eigen::Vector3d centre_m_;

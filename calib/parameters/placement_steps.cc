@@ -22,6 +22,10 @@ double PlacementDifference(const PolarAxes& declared, const CatalogEntry& entry)
                                              : across_deg / DegFromRad(declared.OuterEdgeRad());
 }
 
+bool IsRigidMove(const CatalogEntry& entry) {
+  return entry.group == ParameterGroup::kObject && entry.index < kPoseSteps;
+}
+
 bool ChangesAxes(const CatalogEntry& entry) {
   return entry.group == ParameterGroup::kGeometry && !entry.name.ends_with("tilt_deg");
 }

@@ -15,6 +15,9 @@ namespace sonarcal::calib {
 // scale of the axes at the far end of the window or the outermost beam.
 double PlacementDifference(const PolarAxes& declared, const CatalogEntry& entry);
 
+// Returns true for an entry that moves an object without changing its shape.
+bool IsRigidMove(const CatalogEntry& entry);
+
 // Returns true for an entry of the geometry that moves the axes: all but the tilt, which turns the sonar.
 bool ChangesAxes(const CatalogEntry& entry);
 

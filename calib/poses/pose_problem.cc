@@ -9,7 +9,6 @@
 #include <memory>
 #include <utility>
 
-#include "calib/models/move_slopes.h"
 #include "calib/parameters/placement_steps.h"
 
 namespace sonarcal::calib {
@@ -51,27 +50,31 @@ PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
   const auto columns = static_cast<Eigen::Index>(kPoseSteps + common_.size());
   Slopes slopes(frames_.size());
   const std::shared_ptr<const sim::Simulator> simulator = model_.SimulatorAt(values);
-  const sim::RayFan fan = FanOfSlopes(*simulator);
-  const ParameterSet parameters = model_.Parameters(values);
   const PolarAxes& axes = model_.sonar().axes;
+  const bool objects = std::ranges::any_of(common_, [&](int entry) { return IsRigidMove(catalog_[entry]); });
   tbb::parallel_for(std::size_t{0}, frames_.size(), [&](std::size_t i) {
-    const MoveSlopes moves = SlopesOfMoves(*simulator, fan, model_.PoseOf(frames_[i], values), parameters);
-    std::vector<const Grid<float>*> changes;
-    for (const Grid<float>& of_move : moves.along) changes.push_back(&of_move);
-    changes.push_back(&moves.range_offset);
-    const Eigen::MatrixXf of_moves = views_[i].Slopes(moves.power, changes);
-    slopes[i].resize(of_moves.rows(), columns);
-    slopes[i].leftCols(kPoseSteps) = of_moves.leftCols(kPoseSteps);
+    const Pose pose = model_.PoseOf(frames_[i], values);
+    const MoveSlopes moves = model_.SlopesFrom(*simulator, pose, values, objects);
+    std::vector<Grid<float>> changes(moves.along.begin(), moves.along.end());
+    changes.push_back(moves.range_offset);
+    std::vector<std::size_t> change_of(common_.size());  // column of `changes`
     for (std::size_t k = 0; k < common_.size(); ++k) {
       const CatalogEntry& entry = catalog_[common_[k]];
-      if (!ChangesAxes(entry)) continue;
+      change_of[k] = TurnsBeams(entry) ? kTurnOfSonar : kPoseSteps;
+      if (!IsRigidMove(entry)) continue;
+      change_of[k] = changes.size();
+      changes.push_back(model_.SlopeAlongObject(moves, common_[k], pose, values));
+    }
+    const Eigen::MatrixXf of_changes = views_[i].Slopes(moves.power, changes);
+    slopes[i].resize(of_changes.rows(), columns);
+    slopes[i].leftCols(kPoseSteps) = of_changes.leftCols(kPoseSteps);
+    for (std::size_t k = 0; k < common_.size(); ++k) {
+      const CatalogEntry& entry = catalog_[common_[k]];
+      if (!ChangesAxes(entry) && !IsRigidMove(entry)) continue;
       auto column = slopes[i].col(static_cast<Eigen::Index>(kPoseSteps + k));
-      if (TurnsBeams(entry)) {
-        column = -of_moves.col(kTurnOfSonar);
-      } else {
-        column = of_moves.col(kPoseSteps);
-      }
-      ScaleToEntry(axes, entry, {column.data(), static_cast<std::size_t>(column.size())});
+      column = (TurnsBeams(entry) ? -1.0F : 1.0F) * of_changes.col(static_cast<Eigen::Index>(change_of[k]));
+      if (ChangesAxes(entry))
+        ScaleToEntry(axes, entry, {column.data(), static_cast<std::size_t>(column.size())});
     }
   });
   AddSlopesOfScene(values, slopes);
@@ -82,7 +85,7 @@ PoseProblem::Slopes PoseProblem::SlopesAt(const ParameterValues& values) const {
 void PoseProblem::AddSlopesOfScene(const ParameterValues& values, Slopes& slopes) const {
   for (std::size_t k = 0; k < common_.size(); ++k) {
     const CatalogEntry& entry = catalog_[common_[k]];
-    if (ChangesAxes(entry)) continue;
+    if (ChangesAxes(entry) || IsRigidMove(entry)) continue;
     const double step = PlacementDifference(model_.sonar().axes, entry);
     ParameterValues above = values;
     ParameterValues below = values;

@@ -79,16 +79,15 @@ std::vector<PoseStage> PoseStages(const FrameModel::SpeckleCell& speckle_cell) {
   constexpr double kFar = 4.0;
   constexpr double kFarBeams = 2.0;
   constexpr double kNearBeams = 0.5;
-  return {
-      {.smoothing = {kFar * speckle_cell.bins, kFarBeams * speckle_cell.beams},
-       .slopes = 1,
-       .decimation = 4,
-       .sweep = true},
-      {.smoothing = {speckle_cell.bins, kNearBeams * speckle_cell.beams},
-       .slopes = 1,
-       .decimation = 2,
-       .along_ridge = true},
-      {.smoothing = {}, .slopes = 2}};
+  return {{.smoothing = {kFar * speckle_cell.bins, kFarBeams * speckle_cell.beams},
+           .slopes = 1,
+           .decimation = 4,
+           .sweep = true},
+          {.smoothing = {speckle_cell.bins, kNearBeams * speckle_cell.beams},
+           .slopes = 1,
+           .decimation = 2,
+           .along_ridge = true},
+          {.smoothing = {}, .slopes = 2}};
 }
 
 std::vector<int> FreePlacements(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free) {

@@ -65,8 +65,7 @@ Eigen::VectorXf PoseView::Expected(const Grid<float>& power) const {
   return Eigen::Map<const Eigen::VectorXf>(shown.values().data(), static_cast<Eigen::Index>(shown.size()));
 }
 
-Eigen::MatrixXf PoseView::Slopes(const Grid<double>& echoes,
-                                 std::span<const Grid<float>* const> changes) const {
+Eigen::MatrixXf PoseView::Slopes(const Grid<double>& echoes, std::span<const Grid<float>> changes) const {
   constexpr float kStep = 1e-3F;
   Grid<double> total = echoes;
   sim::AddNoiseFloor({model_.sonar_at_point(), model_.simulator().absorption_db_per_m()}, parameters_, total);
@@ -88,7 +87,7 @@ Eigen::MatrixXf PoseView::Slopes(const Grid<double>& echoes,
   }
   Eigen::MatrixXf slopes(of_power.size(), static_cast<Eigen::Index>(changes.size()));
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    Grid<float> change = *changes[k];
+    Grid<float> change = changes[k];
     for (std::size_t i = 0; i < change.size(); ++i)
       change.values()[i] *= of_power(static_cast<Eigen::Index>(i)) / static_cast<float>(total.values()[i]);
     if (!smoothing_.none()) Smooth(change, smoothing_.bins, smoothing_.beams);

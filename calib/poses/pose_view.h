@@ -43,7 +43,7 @@ class PoseView {
 
   // Changes of the expected value of each pixel per unit of changes of the power of echoes, one column each.
   // `echoes`: power of the echoes, without noise, at the pose.
-  Eigen::MatrixXf Slopes(const Grid<double>& echoes, std::span<const Grid<float>* const> changes) const;
+  Eigen::MatrixXf Slopes(const Grid<double>& echoes, std::span<const Grid<float>> changes) const;
 
   struct Evaluation {
     double cost = 0.0;            // half of -2 log likelihood, up to a constant

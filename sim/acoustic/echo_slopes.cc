@@ -50,12 +50,13 @@ struct BinTerms {
 
 // First intersection of a hit.
 struct Hit {
-  Vector3f direction;  // in the sonar frame
-  Vector3f normal;     // towards the sonar
+  Vector3f direction;          // in the sonar frame
+  Vector3f normal;             // towards the sonar
   std::int32_t triangle = -1;  // -1: none
   float range_m = 0.0F;
   float inverse_m = 0.0F;
   float cosine = 1.0F;  // of incidence
+  int part = -1;        // that moves alone
 
   bool exists() const { return triangle >= 0; }
   // Inverse range at which the plane of this hit crosses another direction.
@@ -65,11 +66,12 @@ struct Hit {
 // Three consecutive rows of hits, in some columns and one more on either side.
 class HitRows {
  public:
-  HitRows(const RayCaster& caster, const RayFan& fan, const FanHits& hits, const Pose& world_from_sonar,
-          int first_col, int cols)
+  HitRows(const RayCaster& caster, const RayFan& fan, const FanHits& hits, const SceneParts& parts,
+          const Pose& world_from_sonar, int first_col, int cols)
       : caster_(caster),
         fan_(fan),
         hits_(hits),
+        parts_(parts),
         sonar_from_world_(world_from_sonar.rotation.conjugate().toRotationMatrix().cast<float>()),
         first_(first_col - 1),
         begin_(std::max(0, first_)),
@@ -107,12 +109,14 @@ class HitRows {
       hit.cosine = std::max(std::abs(cosine), 1e-6F);
       hit.range_m = hits_.range_m[ray];
       hit.inverse_m = 1.0F / hit.range_m;
+      if (parts_.count > 0) hit.part = parts_.of_triangle[hit.triangle];
     }
   }
 
   const RayCaster& caster_;
   const RayFan& fan_;
   const FanHits& hits_;
+  const SceneParts& parts_;
   Eigen::Matrix3f sonar_from_world_;
   int row_ = 0;
   int first_;  // column of the first element of a row; may be -1
@@ -135,6 +139,54 @@ float StepBetween(const Hit& far, const Hit& near) {
   return near.inverse_m - far.inverse_m;
 }
 
+// Change of the share of a patch that is visible, per shift and turn.
+struct Uncovered {
+  Vector3f shift = Vector3f::Zero();
+  Vector3f turn = Vector3f::Zero();
+
+  // Adds the share that an edge crosses if a point at this inverse range moves. `across`: direction in which
+  // it uncovers; `turned`: across x direction. `size`: that of the patch along `across`.
+  void Add(float inverse_m, const Vector3f& across, const Vector3f& turned, float size) {
+    shift += (inverse_m / size) * across;
+    turn += turned / size;
+  }
+};
+
+// Change of the angle at which the planes of two hits meet, from the first hit's direction towards the
+// second's, per shift and turn of the first or second plane; zero if they do not meet between the hits.
+// `size`: angle between the two directions.
+Uncovered MovedCrease(const Hit& hit, const Hit& other, float size, bool first) {
+  constexpr float kSame = 1e-5F;  // of the inverse range
+  const float at_hit = hit.inverse_m - other.InverseRangeAt(hit.direction);
+  const float at_other = hit.InverseRangeAt(other.direction) - other.inverse_m;
+  if (!(at_hit * at_other < 0.0F) || std::abs(at_other - at_hit) < kSame * hit.inverse_m) return {};
+  const Hit& moved = first ? hit : other;
+  const float factor = (first ? -1.0F : 1.0F) * size / (at_other - at_hit) * moved.inverse_m / moved.cosine;
+  return {.shift = factor * moved.inverse_m * moved.normal,
+          .turn = factor * moved.direction.cross(moved.normal)};
+}
+
+// True if the triangle of a hit ends where the plane of another hit meets its plane, as that of a box does that
+// stands on a floor. False if it goes on behind the other surface.
+bool EndsAtCrease(const Hit& hit, const Hit& other, const Scene& scene, const Pose& world_from_sonar) {
+  constexpr float kBeyond = 1e-3F;  // of the way between the hits
+  const float at_hit = hit.inverse_m - other.InverseRangeAt(hit.direction);
+  const float at_other = hit.InverseRangeAt(other.direction) - other.inverse_m;
+  const float part = at_hit / (at_hit - at_other) + kBeyond;
+  const Vector3f towards = hit.direction + part * (other.direction - hit.direction);
+  const float inverse_m = hit.InverseRangeAt(towards);
+  if (!(inverse_m > 0.0F)) return true;
+  const Eigen::Vector3d point = world_from_sonar * (towards / inverse_m).cast<double>();
+  const Eigen::Vector3i& corner = scene.triangles[hit.triangle];
+  const auto vertex = [&](int i) { return Eigen::Vector3d(scene.vertices_m[corner[i]].cast<double>()); };
+  const Eigen::Vector3d normal = (vertex(1) - vertex(0)).cross(vertex(2) - vertex(0));
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d side = vertex((i + 1) % 3) - vertex(i);
+    if (normal.dot(side.cross(point - vertex(i))) < 0.0) return true;
+  }
+  return false;
+}
+
 // A response and its slope at the same samples, without the samples at either end that hardly count.
 struct SlopedWindow {
   SlopedWindow(const ResponseWindow& power, const ResponseWindow& slope) {
@@ -154,10 +206,25 @@ struct SlopedWindow {
   std::vector<float> slopes;
 };
 
+// Terms by fine row and column of a block.
+struct FineMap {
+  FineMap(int rows, int columns)
+      : cols(columns), terms(static_cast<std::size_t>(rows) * columns), heard(rows, 0) {}
+
+  void Add(int row, int col, float share, const FineTerms& of) {
+    terms[static_cast<std::size_t>(row) * cols + col].Add(share, of);
+    heard[row] = 1;
+  }
+
+  int cols;
+  std::vector<FineTerms> terms;
+  std::vector<char> heard;  // per row
+};
+
 class SlopeGatherer {
  public:
   SlopeGatherer(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                const AcousticGeometry& geometry, const ParameterSet& parameters)
+                const AcousticGeometry& geometry, const ParameterSet& parameters, const SceneParts& parts)
       : caster_(caster),
         fan_(fan),
         axes_(geometry.sonar.axes),
@@ -166,34 +233,38 @@ class SlopeGatherer {
         shader_(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
                 ElevationWidthDeg(geometry.sonar, parameters.beam), /*slopes=*/true),
         hits_(caster.Cast(fan, world_from_sonar, axes_.range_max_m)),
+        parts_(parts),
         world_from_sonar_(world_from_sonar),
         pulse_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPower),
                PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPowerSlope)),
-        in_bins_(static_cast<std::size_t>(axes_.range_bins) * fan.cols()) {}
+        in_bins_(1 + parts.count,
+                 std::vector<BinTerms>(static_cast<std::size_t>(axes_.range_bins) * fan.cols())) {}
 
-  // Terms per range bin and column, bin by bin.
-  std::vector<BinTerms> Run() {
+  // Terms per range bin and column, bin by bin: for moves of the sonar, then for those of each part.
+  std::vector<std::vector<BinTerms>> Run() {
     constexpr int kBlockCols = 16;
     const int blocks = (fan_.cols() + kBlockCols - 1) / kBlockCols;
     tbb::parallel_for(0, blocks, [&](int block) {
       const int first = block * kBlockCols;
       const int cols = std::min(kBlockCols, fan_.cols() - first);
-      std::vector<FineTerms> fine(static_cast<std::size_t>(rows_.count) * cols);
-      std::vector<char> heard(rows_.count, 0);
-      HitRows around(caster_, fan_, hits_, world_from_sonar_, first, cols);
+      std::vector<FineMap> fine(in_bins_.size(), FineMap(rows_.count, cols));
+      HitRows around(caster_, fan_, hits_, parts_, world_from_sonar_, first, cols);
+      std::vector<FineTerms> terms(in_bins_.size());
+      std::vector<char> changes(in_bins_.size(), 0);
       for (int row = 0; row < fan_.rows(); ++row, around.Advance()) {
         for (int col = first; col < first + cols; ++col) {
           const Hit& hit = around.At(row, col);
           if (!hit.exists() || !InWindow(hit.range_m)) continue;
-          const FineTerms terms = TermsOf(around, row, col);
+          FillTerms(around, row, col, terms, changes);
           const double depth_m = PatchDepthM(hit.range_m, fan_.SpreadHeightRad(row, col), hit.cosine);
-          rows_.Spread(hit.range_m, depth_m, 1.0, [&](int at, double part) {
-            fine[static_cast<std::size_t>(at) * cols + (col - first)].Add(static_cast<float>(part), terms);
-            heard[at] = 1;
+          rows_.Spread(hit.range_m, depth_m, 1.0, [&](int at, double share) {
+            for (std::size_t of = 0; of < fine.size(); ++of) {
+              if (changes[of] != 0) fine[of].Add(at, col - first, static_cast<float>(share), terms[of]);
+            }
           });
         }
       }
-      ThroughPulse(fine, heard, first, cols);
+      for (std::size_t of = 0; of < fine.size(); ++of) ThroughPulse(fine[of], first, in_bins_[of]);
     });
     return std::move(in_bins_);
   }
@@ -203,7 +274,9 @@ class SlopeGatherer {
     return range_m > 0.0F && range_m >= axes_.range_min_m && range_m < axes_.range_max_m;
   }
 
-  FineTerms TermsOf(const HitRows& around, int row, int col) const {
+  // Terms of a hit for moves of the sonar, then for those of each part. `changes`: which of them are not zero.
+  void FillTerms(const HitRows& around, int row, int col, std::vector<FineTerms>& terms,
+                 std::vector<char>& changes) const {
     const Hit& hit = around.At(row, col);
     const float half_tangent = std::sqrt(std::max(0.0F, 1.0F - hit.cosine) / (1.0F + hit.cosine));
     const PatchShader::Patch patch =
@@ -213,38 +286,73 @@ class SlopeGatherer {
     // Directions in which azimuth and elevation grow.
     const Vector3f right(u.y() / cosine, -u.x() / cosine, 0.0F);
     const Vector3f upward(-u.z() * u.x() / cosine, -u.z() * u.y() / cosine, cosine);
-    // A move of the sonar by t and a turn by w move a point p of the scene by -t - w x p in its frame.
-    Vector3f level_shift = patch.by_cosine * hit.inverse_m * (hit.normal + hit.cosine * u) -
-                           patch.by_elevation * hit.inverse_m * upward +
-                           patch.power * (4.0F * hit.inverse_m + shader_.loss_per_m()) * u;
-    Vector3f level_turn = -patch.by_elevation * right;
-    AddEdges(around, row, col, patch.power, right, upward, level_shift, level_turn);
-    const Vector3f azimuth_shift = -(patch.power * hit.inverse_m / cosine) * right;
-    const Vector3f azimuth_turn = (patch.power / cosine) * upward;
-    const Vector3f range_shift = -patch.power * u;
-    return {.level = {level_shift, level_turn, patch.power, 0.0F},
-            .azimuth = {azimuth_shift, azimuth_turn, 0.0F, 0.0F},
-            .range = {range_shift, Vector3f::Zero(), 0.0F, patch.power}};
+    // A move of a part by t and a turn by w move its point p by t + w x p.
+    const Vector3f level_shift = -patch.by_cosine * hit.inverse_m * (hit.normal + hit.cosine * u) +
+                                 patch.by_elevation * hit.inverse_m * upward -
+                                 patch.power * (4.0F * hit.inverse_m + shader_.loss_per_m()) * u;
+    const Vector3f level_turn = patch.by_elevation * right;
+    const Vector3f azimuth_shift = (patch.power * hit.inverse_m / cosine) * right;
+    const Vector3f azimuth_turn = -(patch.power / cosine) * upward;
+    thread_local std::vector<Uncovered> uncovered;
+    uncovered.assign(terms.size(), {});
+    FindUncovered(around, row, col, right, upward, cosine, uncovered);
+    const auto fill = [&](std::size_t of, float moves, float power) {
+      const Uncovered& by_edges = uncovered[of];
+      terms[of] = {.level = {moves * level_shift + patch.power * by_edges.shift,
+                             moves * level_turn + patch.power * by_edges.turn, power, 0.0F},
+                   .azimuth = {moves * azimuth_shift, moves * azimuth_turn, 0.0F, 0.0F},
+                   .range = {moves * patch.power * u, Vector3f::Zero(), 0.0F, power}};
+    };
+    changes[0] = 1;
+    fill(0, -1.0F, patch.power);
+    for (std::size_t of = 1; of < terms.size(); ++of) {
+      const bool moves = hit.part + 1 == static_cast<int>(of);
+      changes[of] = moves || !uncovered[of].shift.isZero(0.0F) || !uncovered[of].turn.isZero(0.0F) ? 1 : 0;
+      if (changes[of] != 0) fill(of, moves ? 1.0F : 0.0F, 0.0F);
+    }
   }
 
-  // Adds what edges of nearer surfaces, and those of the fan, hide and show of a patch.
-  void AddEdges(const HitRows& around, int row, int col, float power, const Vector3f& right,
-                const Vector3f& upward, Vector3f& shift, Vector3f& turn) const {
+  // What edges of nearer surfaces, those of the fan and creases between parts uncover of a patch.
+  void FindUncovered(const HitRows& around, int row, int col, const Vector3f& right, const Vector3f& upward,
+                     float cosine, std::vector<Uncovered>& uncovered) const {
     const Hit& hit = around.At(row, col);
     const auto height = static_cast<float>(fan_.RowHeightRad(row));
-    const float width = static_cast<float>(fan_.ColumnWidthRad(col)) *
-                        std::max(std::hypot(hit.direction.x(), hit.direction.y()), 1e-6F);
-    // `across`: from the near surface to this patch. `turned`: across x direction.
-    const auto edge = [&](int other_row, int other_col, const Vector3f& across, const Vector3f& turned, float size) {
+    const float width = static_cast<float>(fan_.ColumnWidthRad(col)) * cosine;
+    // `across`: from the neighbour to this patch. `turned`: across x direction.
+    const auto edge = [&](int other_row, int other_col, const Vector3f& across, const Vector3f& turned,
+                          float size) {
       if (other_row < 0 || other_row >= fan_.rows() || other_col < 0 || other_col >= fan_.cols()) {
-        // The fan moves with the sonar, as an edge at infinity does not.
-        shift -= (power * hit.inverse_m / size) * across;
-        turn -= (power / size) * turned;
+        // The edge of the fan moves with the sonar, so that patches move across it.
+        uncovered[0].Add(hit.inverse_m, -across, -turned, size);
+        if (hit.part >= 0) uncovered[hit.part + 1].Add(hit.inverse_m, across, turned, size);
         return;
       }
       const Hit& other = around.At(other_row, other_col);
       if (!other.exists()) return;
-      if (const float step = StepBetween(hit, other); step > 0.0F) shift += (power * step / size) * across;
+      if (const float step = StepBetween(hit, other); step > 0.0F) {
+        uncovered[0].Add(step, across, Vector3f::Zero(), size);
+        if (hit.part >= 0) uncovered[hit.part + 1].Add(hit.inverse_m, across, turned, size);
+        if (other.part >= 0) uncovered[other.part + 1].Add(other.inverse_m, -across, -turned, size);
+        return;
+      }
+      if (hit.part == other.part) return;
+      // A part that ends at the crease leaves a gap if it moves away, and no crease. The slope is the mean of
+      // both sides of this kink.
+      const auto add_crease = [&](int part, bool first) {
+        if (part < 0) return;
+        const Uncovered crease = MovedCrease(hit, other, size, first);
+        if (crease.shift.isZero(0.0F) && crease.turn.isZero(0.0F)) return;
+        const Hit& moved = first ? hit : other;
+        const bool ends = EndsAtCrease(moved, first ? other : hit, caster_.scene(), world_from_sonar_);
+        const float share = ends ? 0.5F : 1.0F;
+        Uncovered& by_part = uncovered[part + 1];
+        by_part.shift += share / size * crease.shift;
+        by_part.turn += share / size * crease.turn;
+        if (first) by_part.Add(hit.inverse_m, share * across, share * turned, size);
+        if (!first && ends) by_part.Add(other.inverse_m, -0.5F * across, -0.5F * turned, size);
+      };
+      add_crease(hit.part, true);
+      add_crease(other.part, false);
     };
     edge(row - 1, col, -upward, -right, height);
     edge(row + 1, col, upward, right, height);
@@ -252,14 +360,14 @@ class SlopeGatherer {
     edge(row, col + 1, -right, upward, width);
   }
 
-  void ThroughPulse(const std::vector<FineTerms>& fine, const std::vector<char>& heard, int first, int cols) {
+  void ThroughPulse(const FineMap& fine, int first, std::vector<BinTerms>& in_bins) const {
     for (int bin = 0; bin < axes_.range_bins; ++bin) {
-      BinTerms* out = &in_bins_[static_cast<std::size_t>(bin) * fan_.cols() + first];
+      BinTerms* out = &in_bins[static_cast<std::size_t>(bin) * fan_.cols() + first];
       for (std::size_t k = 0; k < pulse_.weight.size(); ++k) {
         const int row = bin * steps_ + pulse_.first + static_cast<int>(k);
-        if (row < 0 || row >= rows_.count || heard[row] == 0) continue;
-        const FineTerms* in = &fine[static_cast<std::size_t>(row) * cols];
-        for (int col = 0; col < cols; ++col) {
+        if (row < 0 || row >= rows_.count || fine.heard[row] == 0) continue;
+        const FineTerms* in = &fine.terms[static_cast<std::size_t>(row) * fine.cols];
+        for (int col = 0; col < fine.cols; ++col) {
           out[col].by_response.Add(pulse_.weight[k], in[col].level);
           out[col].by_response.Add(pulse_.slopes[k], in[col].range);
           out[col].by_slope.Add(pulse_.weight[k], in[col].azimuth);
@@ -275,20 +383,25 @@ class SlopeGatherer {
   FineRows rows_;
   PatchShader shader_;
   FanHits hits_;
+  SceneParts parts_;
   Pose world_from_sonar_;
   SlopedWindow pulse_;
-  std::vector<BinTerms> in_bins_;  // per range bin and column
+  std::vector<std::vector<BinTerms>> in_bins_;  // of the sonar and of each part, per range bin and column
 };
 
 }  // namespace
 
 EchoSlopes SlopesAlongMoves(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                            const AcousticGeometry& geometry, const ParameterSet& parameters) {
+                            const AcousticGeometry& geometry, const ParameterSet& parameters,
+                            const SceneParts& parts) {
   SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "slopes need rays per beam");
+  SONARCAL_CHECK(parts.count == 0 || parts.of_triangle.size() == caster.scene().triangles.size(),
+                 "{} triangles with parts, expected {}", parts.of_triangle.size(),
+                 caster.scene().triangles.size());
   const PolarAxes& axes = geometry.sonar.axes;
   const EchoPowerModel model(geometry, parameters, caster.material_names());
-  const std::vector<BinTerms> in_bins =
-      SlopeGatherer(caster, fan, world_from_sonar, geometry, parameters).Run();
+  const std::vector<std::vector<BinTerms>> in_bins =
+      SlopeGatherer(caster, fan, world_from_sonar, geometry, parameters, parts).Run();
   std::vector<double> column_azimuth_rad;
   for (int col = 0; col < fan.cols(); ++col) column_azimuth_rad.push_back(fan.AzimuthRad(col));
   const std::vector<ResponseWindow> response =
@@ -296,28 +409,41 @@ EchoSlopes SlopesAlongMoves(const RayCaster& caster, const RayFan& fan, const Po
   const std::vector<ResponseWindow> slope =
       AzimuthWindows(geometry.sonar, parameters, column_azimuth_rad, ResponseOf::kPowerSlope);
   std::vector<SlopedWindow> azimuth;
-  for (std::size_t beam = 0; beam < response.size(); ++beam) azimuth.emplace_back(response[beam], slope[beam]);
+  for (std::size_t beam = 0; beam < response.size(); ++beam)
+    azimuth.emplace_back(response[beam], slope[beam]);
   const std::vector<double> gain = GainByBin(geometry, parameters);
 
+  const auto empty = [&] {
+    AlongMoves along;
+    for (Grid<float>& of_move : along) of_move = Grid<float>(axes.range_bins, axes.beam_count());
+    return along;
+  };
   EchoSlopes slopes{.power = Grid<double>(axes.range_bins, axes.beam_count()),
-                    .along = {},
-                    .farther = Grid<float>(axes.range_bins, axes.beam_count())};
-  for (Grid<float>& of_move : slopes.along) of_move = Grid<float>(axes.range_bins, axes.beam_count());
+                    .along = empty(),
+                    .farther = Grid<float>(axes.range_bins, axes.beam_count()),
+                    .of_part = std::vector<AlongMoves>(parts.count, empty())};
   tbb::parallel_for(0, axes.range_bins, [&](int bin) {
-    const BinTerms* in = &in_bins[static_cast<std::size_t>(bin) * fan.cols()];
     const double level = gain[bin] * model.level();
     for (int beam = 0; beam < axes.beam_count(); ++beam) {
       const SlopedWindow& window = azimuth[beam];
-      Lanes sum;
-      for (std::size_t k = 0; k < window.weight.size(); ++k) {
-        const BinTerms& of = in[window.first + static_cast<int>(k)];
-        sum.Add(window.weight[k], of.by_response);
-        sum.Add(window.slopes[k], of.by_slope);
-      }
-      for (int move = 0; move < kSonarMoves; ++move)
-        slopes.along[move](bin, beam) = static_cast<float>(level * sum.value[move]);
-      slopes.power(bin, beam) = level * sum.value[kSonarMoves];
-      slopes.farther(bin, beam) = static_cast<float>(level * sum.value[kSonarMoves + 1]);
+      const auto sum_of = [&](std::size_t of) {
+        const BinTerms* in = &in_bins[of][static_cast<std::size_t>(bin) * fan.cols() + window.first];
+        Lanes sum;
+        for (std::size_t k = 0; k < window.weight.size(); ++k) {
+          sum.Add(window.weight[k], in[k].by_response);
+          sum.Add(window.slopes[k], in[k].by_slope);
+        }
+        return sum;
+      };
+      const auto put = [&](const Lanes& sum, AlongMoves& along) {
+        for (int move = 0; move < kSonarMoves; ++move)
+          along[move](bin, beam) = static_cast<float>(level * sum.value[move]);
+      };
+      const Lanes of_sonar = sum_of(0);
+      put(of_sonar, slopes.along);
+      slopes.power(bin, beam) = level * of_sonar.value[kSonarMoves];
+      slopes.farther(bin, beam) = static_cast<float>(level * of_sonar.value[kSonarMoves + 1]);
+      for (int part = 0; part < parts.count; ++part) put(sum_of(part + 1), slopes.of_part[part]);
     }
   });
   return slopes;

@@ -40,8 +40,8 @@ float At(const std::vector<float>& table, int steps, float position) {
 // Change of a curve per unit of the cosine of incidence.
 double SlopeByCosine(const GsabParameters<double>& curve, double incidence_rad) {
   const double at = std::clamp(incidence_rad, 2.0 * kSlopeStepRad, 0.5 * std::numbers::pi - kSlopeStepRad);
-  const double rise = GsabPower(curve, DegFromRad(at + kSlopeStepRad)) -
-                      GsabPower(curve, DegFromRad(at - kSlopeStepRad));
+  const double rise =
+      GsabPower(curve, DegFromRad(at + kSlopeStepRad)) - GsabPower(curve, DegFromRad(at - kSlopeStepRad));
   return -rise / (2.0 * kSlopeStepRad * std::sin(at));
 }
 
@@ -82,8 +82,7 @@ PatchShader::PatchShader(const RayFan& fan, const EchoPowerModel& model, double 
       return std::cos(elevation_rad) * value(elevation_rad);
     });
   };
-  elevation_ =
-      over_elevation([&](double elevation_rad) { return model.elevation().Power(elevation_rad); });
+  elevation_ = over_elevation([&](double elevation_rad) { return model.elevation().Power(elevation_rad); });
   if (slopes) {
     elevation_slopes_ = over_elevation([&](double elevation_rad) {
       return (model.elevation().Power(elevation_rad + kSlopeStepRad) -
@@ -119,10 +118,9 @@ void PatchShader::Shade(const RowHits& hits, Buffers& of) const {
 
 PatchShader::Patch PatchShader::Shade(int row, int col, int material, float range_m,
                                       float half_tangent) const {
-  const auto part =
-      static_cast<float>((fan_.RowElevationRad(row) + elevation_offset_[col] * fan_.RowHeightRad(row) -
-                          lowest_rad_) /
-                         span_rad_);
+  const auto part = static_cast<float>(
+      (fan_.RowElevationRad(row) + elevation_offset_[col] * fan_.RowHeightRad(row) - lowest_rad_) /
+      span_rad_);
   const float common = static_cast<float>(fan_.RowHeight(row)) * width_rad_[col] *
                        std::exp(-loss_per_m_ * range_m) / (range_m * range_m);
   const float strength = common * At(strength_[material], strength_steps_, half_tangent);

@@ -46,8 +46,12 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
   settle(values);
   settle(values);
   const double cost = CostAt(model, values, model.frame_count());
+  const auto traced = [&](const ParameterValues& at) {
+    return model.TracedCost(at, tank.simulator.options().fan);
+  };
   const auto roughness = [](const ParameterValues&) { return 17.0; };
-  TakeJointSteps(model, catalog, active, {.steps = 6, .least = 5.0, .roughness = roughness}, settle, values);
+  TakeJointSteps(model, catalog, active, {.steps = 6, .least = 5.0, .cost = traced, .roughness = roughness},
+                 values);
   EXPECT_LT(CostAt(model, values, model.frame_count()), cost - 50.0);
 
   double mean_deg = 0.0;
