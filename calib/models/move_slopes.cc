@@ -11,11 +11,22 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr int kDecimation = 4;
-constexpr int kMinRows = 250;
+constexpr int kDecimationOfSlopes = 4;
+constexpr int kMinRowsOfSlopes = 250;
+constexpr int kMinRows = 400;
 
-int Limited(const sim::RayFanOptions& fan, int decimation) {
-  return std::clamp(fan.rows / kMinRows, 1, decimation);
+int Limited(const sim::RayFanOptions& fan, int decimation, int min_rows) {
+  return std::clamp(fan.rows / min_rows, 1, decimation);
+}
+
+sim::RayFanOptions Divided(sim::RayFanOptions fan, int by) {
+  fan.cols = std::max(1, fan.cols / by);
+  fan.rows = std::max(1, fan.rows / by);
+  return fan;
+}
+
+int DecimationOfSlopes(const sim::RayFanOptions& fan) {
+  return Limited(fan, kDecimationOfSlopes, kMinRowsOfSlopes);
 }
 
 // Moves and turns of sim::EchoSlopes by component of a PoseStep: right, ahead, up; roll, pitch, yaw.
@@ -28,7 +39,7 @@ void Add(const Grid<double>& from, double factor, Grid<float>& to) {
 // Adds the slopes of ghosts, from differences: their paths turn at mirrors.
 void AddGhosts(const sim::Simulator& simulator, const sim::RayFan& fan, const Pose& pose,
                const ParameterSet& parameters, MoveSlopes& slopes) {
-  const int decimation = Limited(simulator.options().fan, kDecimation);
+  const int decimation = DecimationOfSlopes(simulator.options().fan);
   const sim::GhostList at_pose = simulator.TraceGhosts(pose, parameters, decimation);
   if (at_pose.echoes.empty()) return;
   const auto power_of = [&](const sim::GhostList& ghosts, double range_offset_m) {
@@ -78,15 +89,13 @@ Grid<float> AlongRangeOffset(const sim::EchoSlopes& echoes, const sim::AcousticG
 
 }  // namespace
 
-sim::RayFanOptions Decimated(sim::RayFanOptions fan, int decimation) {
-  const int by = Limited(fan, decimation);
-  fan.cols = std::max(1, fan.cols / by);
-  fan.rows = std::max(1, fan.rows / by);
-  return fan;
+sim::RayFanOptions Decimated(const sim::RayFanOptions& fan, int decimation) {
+  return Divided(fan, Limited(fan, decimation, kMinRows));
 }
 
 sim::RayFan FanOfSlopes(const sim::Simulator& simulator) {
-  sim::RayFanOptions options = Decimated(simulator.options().fan, kDecimation);
+  const sim::RayFanOptions& fan = simulator.options().fan;
+  sim::RayFanOptions options = Divided(fan, DecimationOfSlopes(fan));
   options.sampling = sim::Sampling::kBeams;
   return {simulator.sonar(), options};
 }

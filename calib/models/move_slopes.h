@@ -29,8 +29,8 @@ struct MoveSlopes {
   std::vector<sim::AlongMoves> of_part;       // sim::EchoSlopes::of_part
 };
 
-// Rows and columns of rays divided by `decimation`, or by a smaller number if fewer than 250 rows would remain.
-sim::RayFanOptions Decimated(sim::RayFanOptions fan, int decimation);
+// Rows and columns of rays divided by `decimation`, or by a smaller number if fewer than 400 rows would remain.
+sim::RayFanOptions Decimated(const sim::RayFanOptions& fan, int decimation);
 
 // Fan for slopes: they need far fewer rays than an image, because edges are followed and not sampled
 // (sim/acoustic/echo_slopes.h).

@@ -15,6 +15,7 @@
 #include "apps/workflow/compare.h"
 #include "apps/workflow/fit_frames.h"
 #include "apps/workflow/simulate.h"
+#include "calib/models/move_slopes.h"
 #include "calib/noise/noise_fit.h"
 #include "calib/parameters/object_placement.h"
 #include "calib/selection/model_choice.h"
@@ -565,8 +566,8 @@ class Calibrator {
         frame.world_from_sonar = Tilted(calib::PoseFromNamedValues(named), geometry);
       }
     }
-    placed.simulator = std::make_shared<const sim::Simulator>(
-        std::move(scene), sonar, AcousticSimulation(Rays(), sonar, WaterOf(), parameters));
+    placed.simulator =
+        std::make_shared<const sim::Simulator>(std::move(scene), sonar, OfTrials(sonar, parameters));
     return placed;
   }
 
@@ -754,7 +755,15 @@ class Calibrator {
   Water WaterOf() const { return ChooseWater(plan_.parameters, recording_.info().water).water; }
 
   sim::Simulator MakeSimulator(const ParameterSet& parameters) const {
-    return {scene_, sonar_, AcousticSimulation(Rays(), sonar_, WaterOf(), parameters)};
+    return {scene_, sonar_, OfTrials(sonar_, parameters)};
+  }
+
+  // Trials differ by far more than what their rays at edges change. So they have fewer rays than the last fits.
+  sim::SimulationOptions OfTrials(const SonarModel& sonar, const ParameterSet& parameters) const {
+    constexpr int kDecimation = 2;
+    sim::SimulationOptions options = AcousticSimulation(Rays(), sonar, WaterOf(), parameters);
+    options.fan = calib::Decimated(options.fan, kDecimation);
+    return options;
   }
 
   ParameterSet WithNoiseLevel(const std::vector<calib::GreyFrame>& frames) const {
