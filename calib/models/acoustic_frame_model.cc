@@ -319,7 +319,7 @@ void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int f
 
 MoveSlopes AcousticFrameModel::SlopesFrom(const sim::Simulator& simulator, const Pose& world_from_sonar,
                                           const ParameterValues& values, bool objects) const {
-  return SlopesOfMoves(simulator, FanOfSlopes(simulator), world_from_sonar, Parameters(values),
+  return SlopesOfMoves(simulator, world_from_sonar, Parameters(values),
                        objects ? placed_.PartsOf(simulator) : sim::SceneParts());
 }
 

@@ -1,5 +1,6 @@
 #include "calib/models/move_slopes.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -34,6 +35,64 @@ constexpr std::array<int, kPoseSteps> kMoveOfStep = {0, 1, 2, 4, 3, 5};
 
 void Add(const Grid<double>& from, double factor, Grid<float>& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to.values()[i] += static_cast<float>(factor * from.values()[i]);
+}
+
+// Each of the two fans has about half of the rays that one would have.
+constexpr double kShareOfFan = 0.68;
+constexpr double kShareOfOtherFan = 0.75;
+
+// `share`: of the rows and of the columns.
+sim::RayFan FanOfSlopes(const sim::Simulator& simulator, double share) {
+  const sim::RayFanOptions& all = simulator.options().fan;
+  sim::RayFanOptions fan = Divided(all, DecimationOfSlopes(all));
+  fan.sampling = sim::Sampling::kBeams;
+  fan.rows = std::max(1, static_cast<int>(share * fan.rows));
+  fan.cols = std::max(1, static_cast<int>(share * fan.cols));
+  return {simulator.sonar(), fan};
+}
+
+// Replaces slopes by their mean with those by other rays, without directions that both do not share: whose
+// mean square, as a share of the power and a little noise, is less than kMinRatio times the square of half the
+// difference.
+void MeanWhereAlike(const sim::AlongMoves& others, const Grid<double>& power, const Grid<double>& noise,
+                    sim::AlongMoves& slopes) {
+  constexpr double kMinRatio = 5.0;
+  constexpr double kOfNoise = 0.1;
+  constexpr int kMoves = sim::kSonarMoves;
+  using Matrix = Eigen::Matrix<double, kMoves, kMoves>;
+  using Vector = Eigen::Matrix<double, kMoves, 1>;
+  Matrix means = Matrix::Zero();
+  Matrix differences = Matrix::Zero();
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    const double level = power.values()[i] + kOfNoise * noise.values()[i];
+    Vector mean;
+    Vector difference;
+    for (int k = 0; k < kMoves; ++k) {
+      const double one = slopes[k].values()[i] / level;
+      const double other = others[k].values()[i] / level;
+      mean(k) = 0.5 * (one + other);
+      difference(k) = 0.5 * (one - other);
+    }
+    means += mean * mean.transpose();
+    differences += difference * difference.transpose();
+  }
+  // Directions v with means v = ratio differences v, in units in which the differences are alike.
+  const Vector scale = means.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  constexpr double kLeast = 1e-9;
+  const Matrix scaled = scale.asDiagonal() * differences * scale.asDiagonal() + kLeast * Matrix::Identity();
+  const Matrix scaled_means = scale.asDiagonal() * means * scale.asDiagonal();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(scaled_means, scaled);
+  // Projection of the slopes: v is orthonormal in `scaled`, so that the coordinates of a slope s are v^T s.
+  const Vector keep = (solver.eigenvalues().array() >= kMinRatio).cast<double>();
+  const Matrix& v = solver.eigenvectors();
+  const Matrix projection =
+      scale.cwiseInverse().asDiagonal() * scaled * v * keep.asDiagonal() * v.transpose() * scale.asDiagonal();
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    Vector mean;
+    for (int k = 0; k < kMoves; ++k) mean(k) = 0.5 * (slopes[k].values()[i] + others[k].values()[i]);
+    const Vector kept = projection * mean;
+    for (int k = 0; k < kMoves; ++k) slopes[k].values()[i] = static_cast<float>(kept(k));
+  }
 }
 
 // Adds the slopes of ghosts, from differences: their paths turn at mirrors.
@@ -93,13 +152,6 @@ sim::RayFanOptions Decimated(const sim::RayFanOptions& fan, int decimation) {
   return Divided(fan, Limited(fan, decimation, kMinRows));
 }
 
-sim::RayFan FanOfSlopes(const sim::Simulator& simulator) {
-  const sim::RayFanOptions& fan = simulator.options().fan;
-  sim::RayFanOptions options = Divided(fan, DecimationOfSlopes(fan));
-  options.sampling = sim::Sampling::kBeams;
-  return {simulator.sonar(), options};
-}
-
 Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
                                        const ObjectPlacement& placement, int component,
                                        const Pose& world_from_sonar) const {
@@ -126,12 +178,19 @@ Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
   return slope;
 }
 
-MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan,
-                         const Pose& world_from_sonar, const ParameterSet& parameters,
-                         const sim::SceneParts& parts) {
+MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                         const ParameterSet& parameters, const sim::SceneParts& parts) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  sim::EchoSlopes echoes =
-      sim::SlopesAlongMoves(simulator.caster(), fan, world_from_sonar, geometry, parameters, parts);
+  const auto by_fan = [&](double share) {
+    return sim::SlopesAlongMoves(simulator.caster(), FanOfSlopes(simulator, share), world_from_sonar, geometry,
+                                 parameters, parts);
+  };
+  sim::EchoSlopes echoes = by_fan(kShareOfFan);
+  const sim::EchoSlopes others = by_fan(kShareOfOtherFan);
+  const Grid<double> noise = sim::NoiseFloorPower(geometry, parameters);
+  MeanWhereAlike(others.along, echoes.power, noise, echoes.along);
+  for (int part = 0; part < parts.count; ++part)
+    MeanWhereAlike(others.of_part[part], echoes.power, noise, echoes.of_part[part]);
   MoveSlopes slopes;
   slopes.range_offset = AlongRangeOffset(echoes, geometry, parameters);
   slopes.power = std::move(echoes.power);
@@ -141,7 +200,7 @@ MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan
     if (k < 3) continue;
     for (float& value : slopes.along[k].values()) value *= static_cast<float>(RadFromDeg(1.0));
   }
-  AddGhosts(simulator, fan, world_from_sonar, parameters, slopes);
+  AddGhosts(simulator, FanOfSlopes(simulator, 1.0), world_from_sonar, parameters, slopes);
   return slopes;
 }
 

@@ -32,13 +32,13 @@ struct MoveSlopes {
 // Rows and columns of rays divided by `decimation`, or by a smaller number if fewer than 400 rows would remain.
 sim::RayFanOptions Decimated(const sim::RayFanOptions& fan, int decimation);
 
-// Fan for slopes: they need far fewer rays than an image, because edges are followed and not sampled
-// (sim/acoustic/echo_slopes.h).
-sim::RayFan FanOfSlopes(const sim::Simulator& simulator);
-
 // Echoes at the axes of the simulator's sonar. Those of mirrors are included, except along moves of objects.
-MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const sim::RayFan& fan,
-                         const Pose& world_from_sonar, const ParameterSet& parameters,
-                         const sim::SceneParts& parts = {});
+//
+// Slopes need far fewer rays than an image, because edges are followed and not sampled
+// (sim/acoustic/echo_slopes.h). They are the mean of two fans. Directions along which the two fans differ by as
+// much as the slopes themselves, such as a move over a bare floor, get no slope: there it would only be the
+// error of a sum over rays.
+MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                         const ParameterSet& parameters, const sim::SceneParts& parts = {});
 
 }  // namespace sonarcal::calib

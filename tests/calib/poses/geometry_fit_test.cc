@@ -165,6 +165,10 @@ TEST_F(GeometryFit, AnUnknownObjectIsRefused) {
 
 // The slope along a scale is that along the offset, times range or azimuth. Check: traces with scaled axes.
 TEST_F(GeometryFit, SlopesAlongScalesAreThoseOfTracedImages) {
+  constexpr double kNoise = 1e12;
+  sim::RayFanOptions dense = simulator_.options().fan;
+  dense.rows *= 4;
+  dense.cols *= 4;
   std::vector<AcousticFrame> frames = Recorded(SmallTank(), {});
   frames.resize(1);
   AcousticFrameModel model(simulator_, frames, truth_);
@@ -176,11 +180,11 @@ TEST_F(GeometryFit, SlopesAlongScalesAreThoseOfTracedImages) {
   model.Linearise(values, geometric);
   ASSERT_EQ(model.echoes()[0].slopes.size(), 5U);
   for (const EchoSlope& slope : model.echoes()[0].slopes) {
-    const double step = PlacementDifference(SmallSonar().axes, model.catalog()[slope.entry]);
+    const double step = 0.25 * PlacementDifference(SmallSonar().axes, model.catalog()[slope.entry]);
     const auto traced = [&](double by) {
       ParameterValues moved = values;
       moved[slope.entry] += by;
-      return model.EchoPowerFrom(frames[0].world_from_sonar, truth_, model.RaysAt(moved, 1));
+      return model.EchoPowerFrom(frames[0].world_from_sonar, truth_, model.RaysAt(moved, dense));
     };
     const Grid<double> above = traced(step);
     const Grid<double> below = traced(-step);
@@ -188,10 +192,12 @@ TEST_F(GeometryFit, SlopesAlongScalesAreThoseOfTracedImages) {
     double of_slope = 0.0;
     double of_traced = 0.0;
     for (std::size_t i = 0; i < above.size(); ++i) {
-      if (!(above.values()[i] > 1e10 && below.values()[i] > 1e10)) continue;  // 20 dB below the noise
-      const double expected = std::log(above.values()[i] / below.values()[i]) / (2.0 * step);
-      product += expected * slope.logarithm[i];
-      of_slope += std::pow(slope.logarithm[i], 2);
+      // What the mean power of a pixel changes by, as a share of it.
+      const double power = 0.5 * (above.values()[i] + below.values()[i]);
+      const double expected = (above.values()[i] - below.values()[i]) / (2.0 * step * (power + kNoise));
+      const double found = slope.logarithm[i] * power / (power + kNoise);
+      product += expected * found;
+      of_slope += found * found;
       of_traced += expected * expected;
     }
     ASSERT_GT(of_traced, 0.0);
