@@ -94,7 +94,7 @@ class AcousticFitter {
         simulator_(simulator),
         frames_(frames),
         config_(WithDefaults(given, initial, simulator.caster().scene())),
-        few_rays_(simulator.shared_caster(), simulator.sonar(), WithFewerRays(simulator.options())),
+        few_rays_(simulator.shared_caster(), simulator.sonar(), WithFewerRays(simulator)),
         model_(std::make_unique<AcousticFrameModel>(
             MayMove(config_) ? few_rays_ : simulator, frames,
             WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
@@ -187,9 +187,10 @@ class AcousticFitter {
   }
 
   // Rays of the search for poses.
-  static sim::SimulationOptions WithFewerRays(sim::SimulationOptions options) {
+  static sim::SimulationOptions WithFewerRays(const sim::Simulator& simulator) {
     constexpr int kDecimation = 2;
-    options.fan = Decimated(options.fan, kDecimation);
+    sim::SimulationOptions options = simulator.options();
+    options.fan = Decimated(simulator.sonar(), options.fan, kDecimation);
     return options;
   }
 

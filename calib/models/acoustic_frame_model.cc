@@ -176,7 +176,7 @@ Pose AcousticFrameModel::PoseEntries(int frame, const ParameterValues& values) c
 }
 
 AcousticFrameModel::Rays AcousticFrameModel::RaysAt(const ParameterValues& values, int decimation) const {
-  return RaysAt(values, Decimated(simulator_.options().fan, decimation));
+  return RaysAt(values, Decimated(sonar(), simulator_.options().fan, decimation));
 }
 
 AcousticFrameModel::Rays AcousticFrameModel::RaysAt(const ParameterValues& values,

@@ -16,18 +16,25 @@ constexpr int kDecimationOfSlopes = 4;
 constexpr int kMinRowsOfSlopes = 250;
 constexpr int kMinRows = 400;
 
-int Limited(const sim::RayFanOptions& fan, int decimation, int min_rows) {
+// Fewer columns of rays would make steps of a beam's response.
+constexpr double kColumnsPerBeamWidth = 4.0;
+
+int DecimationOfRows(const sim::RayFanOptions& fan, int decimation, int min_rows) {
   return std::clamp(fan.rows / min_rows, 1, decimation);
 }
 
-sim::RayFanOptions Divided(sim::RayFanOptions fan, int by) {
-  fan.cols = std::max(1, fan.cols / by);
-  fan.rows = std::max(1, fan.rows / by);
+sim::RayFanOptions Divided(const SonarModel& sonar, sim::RayFanOptions fan, double rows_by, double cols_by) {
+  const double width_deg = sonar.azimuth_beam_width_deg;
+  const double field_deg = DegFromRad(sonar.axes.field_of_view_rad());
+  const int least =
+      width_deg > 0.0 ? static_cast<int>(std::ceil(kColumnsPerBeamWidth * field_deg / width_deg)) : fan.cols;
+  fan.cols = std::max(std::min(fan.cols, least), static_cast<int>(fan.cols / cols_by));
+  fan.rows = std::max(1, static_cast<int>(fan.rows / rows_by));
   return fan;
 }
 
 int DecimationOfSlopes(const sim::RayFanOptions& fan) {
-  return Limited(fan, kDecimationOfSlopes, kMinRowsOfSlopes);
+  return DecimationOfRows(fan, kDecimationOfSlopes, kMinRowsOfSlopes);
 }
 
 // Moves and turns of sim::EchoSlopes by component of a PoseStep: right, ahead, up; roll, pitch, yaw.
@@ -37,34 +44,31 @@ void Add(const Grid<double>& from, double factor, Grid<float>& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to.values()[i] += static_cast<float>(factor * from.values()[i]);
 }
 
-// Each of the two fans has about half of the rays that one would have.
-constexpr double kShareOfFan = 0.68;
-constexpr double kShareOfOtherFan = 0.75;
+// The two fans differ in their grids.
+constexpr double kOtherGrid = 1.15;
 
-// `share`: of the rows and of the columns.
-sim::RayFan FanOfSlopes(const sim::Simulator& simulator, double share) {
+// `coarser`: divides rows and columns once more.
+sim::RayFan FanOfSlopes(const sim::Simulator& simulator, double coarser) {
   const sim::RayFanOptions& all = simulator.options().fan;
-  sim::RayFanOptions fan = Divided(all, DecimationOfSlopes(all));
+  const double by = coarser * DecimationOfSlopes(all);
+  sim::RayFanOptions fan = Divided(simulator.sonar(), all, by, by);
   fan.sampling = sim::Sampling::kBeams;
-  fan.rows = std::max(1, static_cast<int>(share * fan.rows));
-  fan.cols = std::max(1, static_cast<int>(share * fan.cols));
   return {simulator.sonar(), fan};
 }
 
 // Replaces slopes by their mean with those by other rays, without directions that both do not share: whose
-// mean square, as a share of the power and a little noise, is less than kMinRatio times the square of half the
+// mean square, as a share of the power with its noise, is less than kMinRatio times the square of half the
 // difference.
 void MeanWhereAlike(const sim::AlongMoves& others, const Grid<double>& power, const Grid<double>& noise,
                     sim::AlongMoves& slopes) {
-  constexpr double kMinRatio = 5.0;
-  constexpr double kOfNoise = 0.1;
+  constexpr double kMinRatio = 2.0;
   constexpr int kMoves = sim::kSonarMoves;
   using Matrix = Eigen::Matrix<double, kMoves, kMoves>;
   using Vector = Eigen::Matrix<double, kMoves, 1>;
   Matrix means = Matrix::Zero();
   Matrix differences = Matrix::Zero();
   for (std::size_t i = 0; i < power.size(); ++i) {
-    const double level = power.values()[i] + kOfNoise * noise.values()[i];
+    const double level = power.values()[i] + noise.values()[i];
     Vector mean;
     Vector difference;
     for (int k = 0; k < kMoves; ++k) {
@@ -148,8 +152,9 @@ Grid<float> AlongRangeOffset(const sim::EchoSlopes& echoes, const sim::AcousticG
 
 }  // namespace
 
-sim::RayFanOptions Decimated(const sim::RayFanOptions& fan, int decimation) {
-  return Divided(fan, Limited(fan, decimation, kMinRows));
+sim::RayFanOptions Decimated(const SonarModel& sonar, const sim::RayFanOptions& fan, int decimation) {
+  const int by = DecimationOfRows(fan, decimation, kMinRows);
+  return Divided(sonar, fan, by, by);
 }
 
 Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
@@ -181,12 +186,12 @@ Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
 MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const sim::SceneParts& parts) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  const auto by_fan = [&](double share) {
-    return sim::SlopesAlongMoves(simulator.caster(), FanOfSlopes(simulator, share), world_from_sonar, geometry,
-                                 parameters, parts);
+  const auto by_fan = [&](double coarser) {
+    return sim::SlopesAlongMoves(simulator.caster(), FanOfSlopes(simulator, coarser), world_from_sonar,
+                                 geometry, parameters, parts);
   };
-  sim::EchoSlopes echoes = by_fan(kShareOfFan);
-  const sim::EchoSlopes others = by_fan(kShareOfOtherFan);
+  sim::EchoSlopes echoes = by_fan(1.0);
+  const sim::EchoSlopes others = by_fan(kOtherGrid);
   const Grid<double> noise = sim::NoiseFloorPower(geometry, parameters);
   MeanWhereAlike(others.along, echoes.power, noise, echoes.along);
   for (int part = 0; part < parts.count; ++part)

@@ -29,8 +29,9 @@ struct MoveSlopes {
   std::vector<sim::AlongMoves> of_part;       // sim::EchoSlopes::of_part
 };
 
-// Rows and columns of rays divided by `decimation`, or by a smaller number if fewer than 400 rows would remain.
-sim::RayFanOptions Decimated(const sim::RayFanOptions& fan, int decimation);
+// Rows and columns of rays divided by `decimation`, or by less if fewer than 400 rows or four columns per width of
+// a beam would remain.
+sim::RayFanOptions Decimated(const SonarModel& sonar, const sim::RayFanOptions& fan, int decimation);
 
 // Echoes at the axes of the simulator's sonar. Those of mirrors are included, except along moves of objects.
 //

@@ -190,7 +190,7 @@ bool EndsAtCrease(const Hit& hit, const Hit& other, const Scene& scene, const Po
 // A response and its slope at the same samples, without the samples at either end that hardly count.
 struct SlopedWindow {
   SlopedWindow(const ResponseWindow& power, const ResponseWindow& slope) {
-    constexpr double kNegligible = 1e-4;  // of the peak
+    constexpr double kNegligible = 1e-6;  // of the peak
     const auto counts = [least = kNegligible * *std::ranges::max_element(power.weight)](double of) {
       return of > least;
     };

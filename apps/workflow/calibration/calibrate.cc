@@ -762,7 +762,7 @@ class Calibrator {
   sim::SimulationOptions OfTrials(const SonarModel& sonar, const ParameterSet& parameters) const {
     constexpr int kDecimation = 2;
     sim::SimulationOptions options = AcousticSimulation(Rays(), sonar, WaterOf(), parameters);
-    options.fan = calib::Decimated(options.fan, kDecimation);
+    options.fan = calib::Decimated(sonar, options.fan, kDecimation);
     return options;
   }
 
