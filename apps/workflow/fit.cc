@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "apps/workflow/assumptions.h"
@@ -36,9 +35,6 @@ constexpr std::size_t kMaxKeptFrames = 16;  // each is traced again
 
 // Number of frames on which two samples are compared with each other. Each is traced twice more.
 constexpr int kPairFrames = 4;
-
-// Max number of pairs of frames that the noise floor compares (metrics/noise_floor.h).
-constexpr int kFloorPairs = 100;
 
 // Share of a material's echoes that its range of incidence leaves out at either end.
 constexpr double kRarest = 1e-3;
@@ -174,20 +170,6 @@ std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, co
       fit.parameters, options.config.pose_prior, options.fit.progress);
   for (std::size_t i = 0; i < held_out.size(); ++i) fitted[split.held_out[i]].world_from_sonar = held_out[i];
   return fitted;
-}
-
-// Frames whose search box of the object is needed: those evaluated, and those that the noise floor compares
-// with the next frame, which has the same pose.
-std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses,
-                              const std::vector<int>& evaluated) {
-  std::set<int> frames(evaluated.begin(), evaluated.end());
-  int pairs = 0;
-  for (int i = 0; i + 1 < static_cast<int>(poses.size()) && pairs < kFloorPairs; ++i) {
-    if (!IsSamePose(poses[i].world_from_sonar, poses[i + 1].world_from_sonar)) continue;
-    frames.insert(i);
-    ++pairs;
-  }
-  return frames;
 }
 
 std::vector<int> FramesOf(const calib::FrameSplit& split) {

@@ -62,6 +62,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const calib::FitConfig&
   resolved.fixed = config.fixed;
   resolved.held_out = fit.fit.report.frames_held_out;
   json.update(cli::OptionsJson(resolved));
+  json["used"] = fit.fit.report.frames_used;
   json.update({{"bounds", bounds},
                {"priors", priors},
                {"pose_prior",
