@@ -51,15 +51,36 @@ sim::SimulationOptions FewRays(const FrameChoiceScene& known) {
   return rays;
 }
 
-std::string ReasonOf(const calib::InformationChoice& choice, int poses, int max_frames) {
-  const std::string limit =
-      choice.ended_by_gain
-          ? fmt::format("the best other frame would lower the standard errors by only {:.1f} %",
-                        100.0 * choice.next_gain)
-          : fmt::format("max {} are asked for, and the best other one would lower the standard errors by {:.1f} %",
-                        max_frames, 100.0 * choice.next_gain);
-  return fmt::format("these are expected to determine curves and geometry best, of {} poses traced; {}", poses,
-                     limit);
+struct MaxFrames {
+  int fitted = 0;
+  int held_out = 0;
+  bool by_size = false;  // the size of the frames limits `fitted`
+};
+
+MaxFrames MaxFramesOf(const FrameChoiceOptions& options, const PolarAxes& axes, int free_count) {
+  const double pixels = std::max(1.0, static_cast<double>(axes.range_bins) * axes.beam_count());
+  const int together = static_cast<int>(std::min(1e6, kMaxFittedPixels / pixels));
+  const int by_size = std::max(2, options.fits_held_out ? 2 * together / 3 : together);
+  MaxFrames max{.fitted = std::min(options.max_frames, by_size),
+                .held_out = options.max_held_out,
+                .by_size = by_size < options.max_frames};
+  if (options.fits_held_out) max.held_out = std::min(max.held_out, std::max(1, together / 3));
+  // A third stays for the evaluation.
+  const int by_count = options.held_out ? free_count : std::max(1, 2 * free_count / 3);
+  max.by_size = max.by_size && max.fitted <= by_count;
+  max.fitted = std::min(max.fitted, by_count);
+  return max;
+}
+
+std::string ReasonOf(const calib::InformationChoice& choice, int poses, const MaxFrames& max) {
+  const std::string why_no_more =
+      choice.ended_by_gain ? std::string()
+                           : fmt::format("; max {} are {}", max.fitted,
+                                         max.by_size ? "fitted of frames of this size" : "fitted");
+  return fmt::format(
+      "these are expected to determine curves and geometry best, of {} poses traced{}; the best other frame "
+      "would lower the standard errors by {:.1f} %",
+      poses, why_no_more, 100.0 * choice.next_gain);
 }
 
 }  // namespace
@@ -77,16 +98,14 @@ ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_
     for (const int frame : *options.held_out) may_be_fitted[frame] = 0;
   }
   const auto free_count = static_cast<int>(std::ranges::count(may_be_fitted, 1));
-  // A third stays for the evaluation.
-  const int max_frames =
-      std::min(options.max_frames, options.held_out ? free_count : std::max(1, 2 * free_count / 3));
+  const MaxFrames max = MaxFramesOf(options, known.sonar.axes, free_count);
   const Candidates candidates = CandidatesOf(poses, may_be_fitted);
   const sim::Simulator simulator(known.scene, known.sonar, FewRays(known));
   const calib::FrameInformation information(
       simulator, known.parameters, candidates.poses,
       {.geometry = options.geometry, .poses = options.poses, .pose_prior = options.pose_prior});
   const calib::InformationChoice choice =
-      calib::ChooseByInformation(candidates.counts, information, {.max_frames = max_frames});
+      calib::ChooseByInformation(candidates.counts, information, {.max_frames = max.fitted});
 
   ChosenFrames chosen;
   if (choice.gains.empty() || choice.gains.front() < kNothingNats) {
@@ -94,20 +113,20 @@ ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_
     for (int frame = 0; frame < static_cast<int>(poses.size()); ++frame) {
       if (may_be_fitted[frame] != 0) free.push_back(frame);
     }
-    chosen.used = EvenlySpread(free, max_frames);
+    chosen.used = EvenlySpread(free, max.fitted);
     chosen.reason = "they are evenly spread, because the start parameters expect no echo from any pose";
   } else {
     std::vector<int> next(candidates.poses.size(), 0);
     for (const int pose : choice.poses) chosen.used.push_back(candidates.frames[pose][next[pose]++]);
     std::ranges::sort(chosen.used);
-    chosen.reason = ReasonOf(choice, static_cast<int>(candidates.poses.size()), max_frames);
+    chosen.reason = ReasonOf(choice, static_cast<int>(candidates.poses.size()), max);
   }
   if (options.held_out) {
     chosen.held_out = *options.held_out;
   } else {
     const double reach_m = 0.5 * (known.sonar.axes.range_min_m + known.sonar.axes.range_max_m);
     chosen.held_out =
-        EvenlySpread(calib::FramesAwayFrom(chosen.used, poses, reach_m), options.max_held_out);
+        EvenlySpread(calib::FramesAwayFrom(chosen.used, poses, reach_m), max.held_out);
   }
   chosen.choice = fmt::format("{} of {} frames are fitted, {} are held out", chosen.used.size(), poses.size(),
                               chosen.held_out.size());

@@ -15,9 +15,14 @@
 
 namespace sonarcal::workflow {
 
+// A fit needs up to 160 bytes per pixel, so that this many stay below 2 GiB.
+inline constexpr double kMaxFittedPixels = 10e6;
+
 struct FrameChoiceOptions {
-  int max_frames = 24;    // fitted
-  int max_held_out = 12;  // evaluated
+  // Fewer of large frames: those that are fitted together hold max kMaxFittedPixels.
+  int max_frames = 24;         // fitted
+  int max_held_out = 12;       // evaluated
+  bool fits_held_out = false;  // a last fit takes all of these together
   bool geometry = true;   // the geometry of the sonar is fitted
   bool poses = true;      // the poses are fitted
   calib::PosePrior pose_prior = {};

@@ -267,7 +267,9 @@ class Calibrator {
                                 .absorption = options_.rays.absorption,
                                 .parameters = plan_.parameters},
                                data_io::PosesOfRecording(recording_),
-                               {.max_frames = options_.max_frames, .max_held_out = options_.max_held_out});
+                               {.max_frames = options_.max_frames,
+                                .max_held_out = options_.max_held_out,
+                                .fits_held_out = true});
     plan_.fit.used = chosen.used;
     plan_.fit.held_out = chosen.held_out;
     CalibrationDecision decision{chosen.choice, chosen.reason};

@@ -100,8 +100,10 @@ class BatchTest : public ::testing::Test {
 
   // The comparison of all frames by one program.
   Json ComparedWhole() const {
-    EXPECT_EQ(RunSonarcal(world_.SimulateArguments() + " --bits 12 --noise -q --rays 192x400 --out " +
-                          Quoted(world_ / "all"))
+    EXPECT_EQ(RunSonarcal(fmt::format("simulate -q --scene {} --sonar {} --params {} --poses {} --rays 192x400 "
+                                      "--bits 12 --noise --out {}",
+                                      Quoted(world_.scene()), Quoted(world_.sonar()), Quoted(world_.params()),
+                                      Quoted(recorded_), Quoted(world_ / "all")))
                   .status,
               0);
     EXPECT_EQ(RunSonarcal(fmt::format("compare -q --real {} --sim {} --scene {} --out {}", Quoted(recorded_),

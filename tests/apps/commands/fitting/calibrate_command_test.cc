@@ -231,7 +231,7 @@ TEST_F(CalibrateCommand, ALongRecordingIsFittedByChosenFramesAndItsPlanKeepsThem
   EXPECT_EQ(plan.fit.used->size(), 4U);
   EXPECT_EQ(plan.fit.held_out->size(), 2U);
   EXPECT_EQ(plan.decided.front().choice, "4 of 9 frames are fitted, 2 are held out");
-  EXPECT_THAT(plan.decided.front().reason, HasSubstr("lower the standard errors by"));
+  EXPECT_THAT(plan.decided.front().reason, HasSubstr("would lower the standard errors by"));
   const Outcome again = RunSonarcal(Arguments("rechosen", "--plan " + Quoted(*world_ / "chosen/plan.json")));
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(testing::ReadFile(*world_ / "rechosen/params.json"),
