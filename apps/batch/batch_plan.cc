@@ -141,10 +141,9 @@ std::string Filled(const std::string& text, const std::vector<const BatchJob*>& 
     const std::string word = text.substr(open + 1, close - open - 1);
     const auto option = options.find(word);
     if (close == std::string::npos || (word != "out" && option == options.end())) {
-      where.Fail(before.size() == 1
-                     ? fmt::format("has '{}', expected {{out}} or an option of {} in braces", text,
-                                   before.front()->id)
-                     : fmt::format("has '{}', expected {{out}} in braces", text));
+      where.Fail(before.size() == 1 ? fmt::format("has '{}', expected {{out}} or an option of {} in braces",
+                                                  text, before.front()->id)
+                                    : fmt::format("has '{}', expected {{out}} in braces", text));
     }
     filled += word == "out" ? fmt::format("{}", fmt::join(outputs, ",")) : option->second;
     at = close + 1;
@@ -240,7 +239,8 @@ class Reader {
   void AddJob(const std::string& id, const std::string& command, Chosen chosen,
               const std::vector<std::string>& ids_before, const data_io::JsonReader& entry) {
     if (plan_.jobs.size() == kMaxJobs) entry.Fail(fmt::format("makes more than {} jobs", kMaxJobs));
-    BatchJob job{.id = id, .command = command, .options = {}, .arguments = {}, .after = ids_before, .key = {}};
+    BatchJob job{
+        .id = id, .command = command, .options = {}, .arguments = {}, .after = ids_before, .key = {}};
     std::string key_before;
     if (!ids_before.empty()) {
       std::vector<const BatchJob*> before;

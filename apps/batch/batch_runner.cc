@@ -161,7 +161,8 @@ bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const Led
         return ended != succeeded.end() && !ended->second;
       };
       const bool is_lost = std::ranges::any_of(job.after, has_failed);
-      if (!is_lost && std::ranges::any_of(job.after, [&](const auto& id) { return !succeeded.contains(id); })) {
+      if (!is_lost &&
+          std::ranges::any_of(job.after, [&](const auto& id) { return !succeeded.contains(id); })) {
         ++next;
         continue;
       }

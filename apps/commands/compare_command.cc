@@ -28,7 +28,7 @@
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
-#include "apps/workflow/compare_parts.h"
+#include "apps/workflow/parts/compare_parts.h"
 #include "apps/workflow/scene_geometry.h"
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
@@ -149,9 +149,8 @@ Compared OpenCompared(const CompareCommandOptions& options) {
   if (options.merge.empty()) {
     compared.simulated = data_io::OpenRecording(options.simulated);
     // A part of a simulation is shorter than the recording.
-    compared.frames =
-        options.frames.In(options.part ? real.frame_count()
-                                       : std::min(real.frame_count(), compared.simulated->frame_count()));
+    compared.frames = options.frames.In(
+        options.part ? real.frame_count() : std::min(real.frame_count(), compared.simulated->frame_count()));
     if (options.part)
       compared.simulated = workflow::WithNumbersOf(real, std::move(compared.simulated), compared.frames);
     return compared;
@@ -319,8 +318,7 @@ void SetupCompare(CLI::App& app) {
       cli::RefuseGiven(*command, {"--sweep-range", "--sweep-csv"}, "without --sweep-steps");
     if (options->merge.empty() == options->simulated.empty())
       throw UsageError("expected either --sim or --merge");
-    if (!options->merge.empty())
-      cli::RefuseGiven(*command, {"--frames", "--part"}, "with --merge");
+    if (!options->merge.empty()) cli::RefuseGiven(*command, {"--frames", "--part"}, "with --merge");
     cli::RefuseSceneFormatAlone(*command);
     cli::RefuseUnusedSegmentation(*command, options->compare.comparison);
     return RunCompare(*options);

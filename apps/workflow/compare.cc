@@ -123,7 +123,8 @@ class PairComparer {
 
 }  // namespace
 
-std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses, const std::vector<int>& compared) {
+std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses,
+                              const std::vector<int>& compared) {
   constexpr int kFloorPairs = 100;  // metrics::MeasureNoiseFloor
   std::set<int> frames(compared.begin(), compared.end());
   int pairs = 0;

@@ -48,8 +48,8 @@ std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& 
 using OnComparedFrame = std::function<void(const PolarImage& real, const PolarImage& simulated,
                                            const metrics::FrameMetrics& metrics)>;
 
-// Frames whose search box of the object is needed: those of `compared`, and those that the noise floor compares
-// with the next frame, because both have one pose.
+// Frames whose search box of the object is needed: those of `compared`, and those that the noise floor
+// compares with the next frame, because both have one pose.
 std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses, const std::vector<int>& compared);
 
 // Returns the frames that CompareRecordings compares: `asked`, or all if it is empty. Throws DataError if a

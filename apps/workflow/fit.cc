@@ -150,8 +150,8 @@ bool TakeFreeDisplay(calib::FitConfig& config) {
   return true;
 }
 
-// Poses of all frames after the fit. Frames that are not fitted follow the mount offset. If each frame has a free pose,
-// the poses of the held-out frames are fitted too, with all other parameters fixed.
+// Poses of all frames after the fit. Frames that are not fitted follow the mount offset. If each frame has a
+// free pose, the poses of the held-out frames are fitted too, with all other parameters fixed.
 std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
                                             const calib::FrameSplit& split,
@@ -459,13 +459,12 @@ void ChooseFramesOfFit(const RecordingSource& recording, const Scene& scene, con
   ParameterSet known = start;
   AssumeMissing(recording.info().scale, /*find_display=*/true, sonar, known);
   AssumeWidths(sonar, known.beam);
-  const ChosenFrames chosen =
-      ChooseFrames({.scene = scene,
-                    .sonar = sonar,
-                    .water = ChooseWater(start, recording.info().water).water,
-                    .absorption = options.rays.absorption,
-                    .parameters = known},
-                   data_io::PosesOfRecording(recording), choice);
+  const ChosenFrames chosen = ChooseFrames({.scene = scene,
+                                            .sonar = sonar,
+                                            .water = ChooseWater(start, recording.info().water).water,
+                                            .absorption = options.rays.absorption,
+                                            .parameters = known},
+                                           data_io::PosesOfRecording(recording), choice);
   config.used = chosen.used;
   config.held_out = chosen.held_out;
   listener.Message(fmt::format("frames: {}, because {}", chosen.choice, chosen.reason));

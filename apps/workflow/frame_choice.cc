@@ -73,10 +73,10 @@ MaxFrames MaxFramesOf(const FrameChoiceOptions& options, const PolarAxes& axes, 
 }
 
 std::string ReasonOf(const calib::InformationChoice& choice, int poses, const MaxFrames& max) {
-  const std::string why_no_more =
-      choice.ended_by_gain ? std::string()
-                           : fmt::format("; max {} are {}", max.fitted,
-                                         max.by_size ? "fitted of frames of this size" : "fitted");
+  const std::string why_no_more = choice.ended_by_gain
+                                      ? std::string()
+                                      : fmt::format("; max {} are {}", max.fitted,
+                                                    max.by_size ? "fitted of frames of this size" : "fitted");
   return fmt::format(
       "these are expected to determine curves and geometry best, of {} poses traced{}; the best other frame "
       "would lower the standard errors by {:.1f} %",
@@ -125,8 +125,7 @@ ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_
     chosen.held_out = *options.held_out;
   } else {
     const double reach_m = 0.5 * (known.sonar.axes.range_min_m + known.sonar.axes.range_max_m);
-    chosen.held_out =
-        EvenlySpread(calib::FramesAwayFrom(chosen.used, poses, reach_m), max.held_out);
+    chosen.held_out = EvenlySpread(calib::FramesAwayFrom(chosen.used, poses, reach_m), max.held_out);
   }
   chosen.choice = fmt::format("{} of {} frames are fitted, {} are held out", chosen.used.size(), poses.size(),
                               chosen.held_out.size());

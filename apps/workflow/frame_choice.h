@@ -23,14 +23,14 @@ struct FrameChoiceOptions {
   int max_frames = 24;         // fitted
   int max_held_out = 12;       // evaluated
   bool fits_held_out = false;  // a last fit takes all of these together
-  bool geometry = true;   // the geometry of the sonar is fitted
-  bool poses = true;      // the poses are fitted
+  bool geometry = true;        // the geometry of the sonar is fitted
+  bool poses = true;           // the poses are fitted
   calib::PosePrior pose_prior = {};
   // Frames that are evaluated, whatever lies away from the fitted ones. Absent: those that do.
   std::optional<std::vector<int>> held_out = {};
 };
 
-// What is known of the sonar before the fit.
+// Scene, sonar and parameters before the fit.
 struct FrameChoiceScene {
   const Scene& scene;
   const SonarModel& sonar;

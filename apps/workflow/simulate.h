@@ -74,8 +74,8 @@ PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& e
                          const ParameterSet& parameters, const sim::GhostList& ghosts);
 
 // A recording that renders each frame when it is read, so that writing needs constant memory. Frame i has
-// pose i and noise of seed + i. It is the same each time, in any order of reading. With `first_frame`, it is the
-// rest of a longer recording: frame i has noise of seed + first_frame + i.
+// pose i and noise of seed + i. It is the same each time, in any order of reading. With `first_frame` it is a
+// part of a longer recording: frame i has noise of seed + first_frame + i.
 class SimulatedRecording final : public RecordingSource {
  public:
   // Receives each frame after it is rendered, for outputs beside the image.

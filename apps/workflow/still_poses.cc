@@ -82,8 +82,8 @@ StillPoses MeasureStillPoses(const RecordingSource& recording, const ParameterSe
   std::iota(measured.begin(), measured.end(), 0);
   measured = EvenlySpread(measured, kMaxPoses);
   if (measured.size() < by_pose.size()) {
-    still.refused.push_back(fmt::format("{} of {} repeated poses are measured, evenly spread",
-                                        measured.size(), by_pose.size()));
+    still.refused.push_back(
+        fmt::format("{} of {} repeated poses are measured, evenly spread", measured.size(), by_pose.size()));
   }
   const PolarAxes& axes = recording.info().sonar.axes;
   const std::size_t pixels = std::max<std::size_t>(

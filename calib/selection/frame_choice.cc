@@ -24,8 +24,7 @@ double HalfLogDet(const Eigen::LLT<Eigen::MatrixXd>& factor) {
 // Number of parameters that the information determines: each counts by the part of its variance that is gone.
 double DeterminedCount(const Eigen::MatrixXd& information) {
   const Eigen::Index size = information.rows();
-  const Eigen::MatrixXd variance =
-      WithPrior(information).llt().solve(Eigen::MatrixXd::Identity(size, size));
+  const Eigen::MatrixXd variance = WithPrior(information).llt().solve(Eigen::MatrixXd::Identity(size, size));
   return static_cast<double>(size) - variance.trace();
 }
 
@@ -74,8 +73,8 @@ InformationChoice ChooseByInformation(const std::vector<int>& frames_of_pose,
     double best_gain = -1.0;
     for (int pose = 0; pose < poses; ++pose) {
       if (chosen_of_pose[pose] == frames_of_pose[pose]) continue;
-      SONARCAL_CHECK(information[pose].rows() == sum.rows(), "information of pose {} has {} rows, not {}", pose,
-                     information[pose].rows(), sum.rows());
+      SONARCAL_CHECK(information[pose].rows() == sum.rows(), "information of pose {} has {} rows, not {}",
+                     pose, information[pose].rows(), sum.rows());
       const double gain = InformationNats(sum + information[pose]) - before;
       if (gain > best_gain + kEqual) {
         best = pose;

@@ -1,9 +1,9 @@
-// Chooses the frames of a long recording that a fit needs. No image is read: the expected information of each
-// frame decides (calib/selection/frame_information.h).
+// Chooses the frames of a long recording that a fit needs. No image is read: the expected information of
+// each frame decides (calib/selection/frame_information.h).
 //
-// Frames are added one by one. Each is the one that raises log det(1 + sum of information) most (D-optimality,
-// Fedorov 1972; the greedy choice reaches at least 1 - 1/e of the best increase, Nemhauser et al. 1978).
-// Information is in units of the priors' standard deviations, so that the prior is the unit matrix. Half the
+// Frames are added one by one. Each is the one that raises log det(1 + sum of information) most
+// (D-optimality, Fedorov 1972). The greedy choice reaches at least 1 - 1/e of the best increase (Nemhauser et
+// al. 1978). Information is in units of the priors' standard deviations, so that the prior is the unit matrix. Half the
 // increase is the gain in nats: the sum of the logarithms by which the standard errors fall.
 #pragma once
 

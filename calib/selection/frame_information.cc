@@ -107,7 +107,8 @@ FrameInformation::FrameInformation(const sim::Simulator& simulator, const Parame
   if (!parameters_.receiver.noise_db) parameters_.receiver.noise_db = NoiseOfDarkest();
   const std::vector<AcousticFrame> none;
   const AcousticFrameModel model(*coarse_, none, parameters_);
-  for (const int index : ParametersOf(model.catalog(), options_)) names_.push_back(model.catalog()[index].name);
+  for (const int index : ParametersOf(model.catalog(), options_))
+    names_.push_back(model.catalog()[index].name);
 }
 
 AcousticFrame FrameInformation::FrameAt(int pose) const {

@@ -1,5 +1,5 @@
-// Expected information of frames of the acoustic model, before any image is read: how well a frame from a pose
-// will determine curves, noise level and geometry. The choice of frames uses it
+// Expected information of frames of the acoustic model, before any image is read: how well a frame from a
+// pose will determine curves, noise level and geometry. The choice of frames uses it
 // (calib/selection/frame_choice.h).
 //
 // Few rays and coarse pixels serve. A block of pixels has the information of its speckle cells. No pixel is
@@ -22,8 +22,8 @@ namespace sonarcal::calib {
 
 struct FrameInformationOptions {
   bool geometry = true;  // offset and scale of range and azimuth are parameters
-  // Poses are wrong by an error that all frames share, which is a parameter, and by one of their own, of which
-  // only the standard deviation is known.
+  // Poses are wrong by an error that all frames share, which is a parameter, and by one of their own, of
+  // which only the standard deviation is known.
   bool poses = true;
   PosePrior pose_prior = {};
   int max_bins = 125;  // of the coarse pixels
@@ -43,8 +43,8 @@ class FrameInformation {
   const std::vector<std::string>& names() const { return names_; }
 
   // Information of each pose, names().size() squared, in units of the priors' standard deviations.
-  // `frames_before`: number of other frames from each pose that a static scene shares its speckle with; empty:
-  // none. The time is linear in the number of poses.
+  // `frames_before`: number of other frames from each pose, with which a frame of a static scene shares its
+  // speckle; empty: none. The time is linear in the number of poses.
   std::vector<Eigen::MatrixXd> Of(const std::vector<int>& poses,
                                   const std::vector<int>& frames_before = {}) const;
 

@@ -133,24 +133,24 @@ void Visit(Archive& archive, ResidualTable& table) {
 
 template <typename Archive>
 void Visit(Archive& archive, ResidualCollector& residuals) {
-  ResidualCollector::VisitMembers(residuals, [&](PolarAxes& axes, int& frames, int& left_out,
-                                                 std::vector<ResidualSums>& by_bin,
-                                                 std::vector<ResidualSums>& by_beam, ResidualMap& map) {
-    archive.Plain(axes.range_min_m);
-    archive.Plain(axes.range_max_m);
-    archive.Plain(axes.range_bins);
-    List(archive, axes.beam_azimuth_rad);
-    archive.Plain(frames);
-    archive.Plain(left_out);
-    List(archive, by_bin);
-    List(archive, by_beam);
-    archive.Plain(map.bins);
-    archive.Plain(map.beams);
-    const auto rows = static_cast<int>(archive.Count(map.cells.rows()));
-    const auto cols = static_cast<int>(archive.Count(map.cells.cols()));
-    if (map.cells.rows() != rows || map.cells.cols() != cols) map.cells = Grid<ResidualSums>(rows, cols);
-    archive.Array(map.cells.values().data(), map.cells.size());
-  });
+  ResidualCollector::VisitMembers(
+      residuals, [&](PolarAxes& axes, int& frames, int& left_out, std::vector<ResidualSums>& by_bin,
+                     std::vector<ResidualSums>& by_beam, ResidualMap& map) {
+        archive.Plain(axes.range_min_m);
+        archive.Plain(axes.range_max_m);
+        archive.Plain(axes.range_bins);
+        List(archive, axes.beam_azimuth_rad);
+        archive.Plain(frames);
+        archive.Plain(left_out);
+        List(archive, by_bin);
+        List(archive, by_beam);
+        archive.Plain(map.bins);
+        archive.Plain(map.beams);
+        const auto rows = static_cast<int>(archive.Count(map.cells.rows()));
+        const auto cols = static_cast<int>(archive.Count(map.cells.cols()));
+        if (map.cells.rows() != rows || map.cells.cols() != cols) map.cells = Grid<ResidualSums>(rows, cols);
+        archive.Array(map.cells.values().data(), map.cells.size());
+      });
 }
 
 template <typename Archive>

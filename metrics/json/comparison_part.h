@@ -1,9 +1,9 @@
 // Part of a comparison: the measurements of some frames of a long recording, as a file. Parts that several
-// programs measured are merged to what one program would have measured: counts, sums per frame and grey levels
-// are exactly the same.
+// programs measured are merged to what one program would have measured: counts, sums per frame and grey
+// levels are exactly the same.
 //
-// The file serves the program that wrote it, on machines of one kind: numbers are stored as in memory. Another
-// version refuses it.
+// The file serves the program that wrote it, on machines of one kind: numbers are stored as in memory.
+// Another version refuses it.
 #pragma once
 
 #include <string>

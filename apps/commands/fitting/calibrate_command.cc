@@ -69,7 +69,7 @@ Json ConfigurationJson(const CalibrateCommandOptions& options) {
   return json;
 }
 
-// What a run must have in common with the one that it resumes: all but the number of threads.
+// Configuration that a run has in common with the one that it resumes: all but the number of threads.
 std::string StartedText(Json configuration) {
   configuration.erase("threads");
   return configuration.dump(2);

@@ -250,26 +250,23 @@ class Calibrator {
       return {"the only frame is fitted",
               "nothing else is there, so that no choice can be tried on another frame"};
     }
-    CalibrationDecision decision{
-        fmt::format("{} of {} frames are fitted, {} are held out", used.size(), recording_.frame_count(),
-                    held_out.size()),
-        "the held-out ones decide the choices below"};
+    CalibrationDecision decision{fmt::format("{} of {} frames are fitted, {} are held out", used.size(),
+                                             recording_.frame_count(), held_out.size()),
+                                 "the held-out ones decide the choices below"};
     SayIfRepeated(decision);
     return decision;
   }
 
   // Frames of a long recording, by the information that they are expected to give.
   CalibrationDecision ChooseOfMany() {
-    const ChosenFrames chosen =
-        workflow::ChooseFrames({.scene = scene_,
-                                .sonar = sonar_,
-                                .water = WaterOf(),
-                                .absorption = options_.rays.absorption,
-                                .parameters = plan_.parameters},
-                               data_io::PosesOfRecording(recording_),
-                               {.max_frames = options_.max_frames,
-                                .max_held_out = options_.max_held_out,
-                                .fits_held_out = true});
+    const ChosenFrames chosen = workflow::ChooseFrames(
+        {.scene = scene_,
+         .sonar = sonar_,
+         .water = WaterOf(),
+         .absorption = options_.rays.absorption,
+         .parameters = plan_.parameters},
+        data_io::PosesOfRecording(recording_),
+        {.max_frames = options_.max_frames, .max_held_out = options_.max_held_out, .fits_held_out = true});
     plan_.fit.used = chosen.used;
     plan_.fit.held_out = chosen.held_out;
     CalibrationDecision decision{chosen.choice, chosen.reason};

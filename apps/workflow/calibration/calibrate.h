@@ -36,13 +36,15 @@ struct CalibrateOptions {
                      .by_default = "objects that stand inside the scene may stand elsewhere",
                      .type = "NODE"},
           self.target);
-    visit(OptionInfo{.name = "frames",
-                     .help = "Frames to use, counted from 0, of which every third is held out; also ranges A:B, "
-                             "up to, but not including, B, A: up to the last frame, and :B; 'all' for every "
-                             "frame",
-                     .by_default = "all; of a recording with more than max-frames, those that are expected to "
-                                   "determine the parameters best"},
-          self.frames);
+    visit(
+        OptionInfo{.name = "frames",
+                   .help =
+                       "Frames to use, counted from 0, of which every third is held out; also ranges A:B, "
+                       "up to, but not including, B, A: up to the last frame, and :B; 'all' for every "
+                       "frame",
+                   .by_default = "all; of a recording with more than max-frames, those that are expected to "
+                                 "determine the parameters best"},
+        self.frames);
     visit(OptionInfo{.name = "max_frames",
                      .help = "Max number of frames fitted of a long recording",
                      .min = 1,

@@ -100,17 +100,18 @@ class BatchTest : public ::testing::Test {
 
   // The comparison of all frames by one program.
   Json ComparedWhole() const {
-    EXPECT_EQ(RunSonarcal(fmt::format("simulate -q --scene {} --sonar {} --params {} --poses {} --rays 192x400 "
-                                      "--bits 12 --noise --out {}",
-                                      Quoted(world_.scene()), Quoted(world_.sonar()), Quoted(world_.params()),
-                                      Quoted(recorded_), Quoted(world_ / "all")))
-                  .status,
-              0);
-    EXPECT_EQ(RunSonarcal(fmt::format("compare -q --real {} --sim {} --scene {} --out {}", Quoted(recorded_),
-                                      Quoted(world_ / "all"), Quoted(world_.scene()),
-                                      Quoted(world_ / "compared")))
-                  .status,
-              0);
+    EXPECT_EQ(
+        RunSonarcal(fmt::format("simulate -q --scene {} --sonar {} --params {} --poses {} --rays 192x400 "
+                                "--bits 12 --noise --out {}",
+                                Quoted(world_.scene()), Quoted(world_.sonar()), Quoted(world_.params()),
+                                Quoted(recorded_), Quoted(world_ / "all")))
+            .status,
+        0);
+    EXPECT_EQ(
+        RunSonarcal(fmt::format("compare -q --real {} --sim {} --scene {} --out {}", Quoted(recorded_),
+                                Quoted(world_ / "all"), Quoted(world_.scene()), Quoted(world_ / "compared")))
+            .status,
+        0);
     return ReadJsonFile(world_ / "compared" / "metrics.json");
   }
 
@@ -217,7 +218,8 @@ TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
 void ExpectSame(const Json& merged, const Json& whole, const std::string& where) {
   ASSERT_EQ(merged.type_name(), std::string(whole.type_name())) << where;
   if (whole.is_number()) {
-    EXPECT_NEAR(merged.get<double>(), whole.get<double>(), 1e-9 * std::max(1.0, std::abs(whole.get<double>())))
+    EXPECT_NEAR(merged.get<double>(), whole.get<double>(),
+                1e-9 * std::max(1.0, std::abs(whole.get<double>())))
         << where;
   } else if (whole.is_structured()) {
     ASSERT_EQ(merged.size(), whole.size()) << where;
@@ -250,10 +252,9 @@ TEST_F(BatchTest, RangesOfARecordingAreMergedToTheComparisonOfTheWhole) {
   for (const char* key : {"noise_floor", "residuals", "threshold_sweep", "segmentation", "notes", "ci"})
     ExpectSame(merged.at(key), whole.at(key), key);
   // A part is missing.
-  const Outcome missing = RunSonarcal(
-      fmt::format("compare -q --real {} --scene {} --merge {},{} --out {}", Quoted(recorded_),
-                  Quoted(world_.scene()), Quoted(world_ / "out/part/0000"), Quoted(world_ / "out/part/0002"),
-                  Quoted(world_ / "missing")));
+  const Outcome missing = RunSonarcal(fmt::format(
+      "compare -q --real {} --scene {} --merge {},{} --out {}", Quoted(recorded_), Quoted(world_.scene()),
+      Quoted(world_ / "out/part/0000"), Quoted(world_ / "out/part/0002"), Quoted(world_ / "missing")));
   EXPECT_EQ(missing.status, 1);
 }
 
@@ -278,8 +279,8 @@ TEST_F(BatchTest, OneCalibrationRunsOverManyRecordings) {
   testing::WriteFile(world_ / "many.json", R"({"format": "sonarcal-batch/1", "entries": [
       {"name": "calibrated", "command": "calibrate",
        "options": {"scene": "scene.gltf", "real": ["recorded", "other"], "max-frames": 12}}]})");
-  const Outcome outcome = RunSonarcal(fmt::format("batch {} --out {} --dry-run", Quoted(world_ / "many.json"),
-                                                  Quoted(world_ / "out")));
+  const Outcome outcome = RunSonarcal(
+      fmt::format("batch {} --out {} --dry-run", Quoted(world_ / "many.json"), Quoted(world_ / "out")));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("calibrated/0001"));
   EXPECT_THAT(outcome.out, HasSubstr("--real other"));

@@ -224,8 +224,8 @@ TEST_F(CalibrateCommand, APlanDecidesAndTheRestIsDecidedAnew) {
 TEST_F(CalibrateCommand, ALongRecordingIsFittedByChosenFramesAndItsPlanKeepsThem) {
   testing::WriteFile(*world_ / "long.json", R"({"format": "sonar-calibration-plan/1",
     "decided": [{"stage": "placement"}, {"stage": "beam"}, {"stage": "mirrors"}]})");
-  const Outcome outcome = RunSonarcal(Arguments(
-      "chosen", "--max-frames 4 --max-held-out 2 --plan " + Quoted(*world_ / "long.json")));
+  const Outcome outcome = RunSonarcal(
+      Arguments("chosen", "--max-frames 4 --max-held-out 2 --plan " + Quoted(*world_ / "long.json")));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const workflow::CalibrationPlan plan = workflow::ReadCalibrationPlan(*world_ / "chosen/plan.json");
   EXPECT_EQ(plan.fit.used->size(), 4U);

@@ -1,4 +1,4 @@
-#include "apps/workflow/compare_parts.h"
+#include "apps/workflow/parts/compare_parts.h"
 
 #include <algorithm>
 
@@ -68,7 +68,8 @@ void CheckWhole(const RecordingSource& real, const metrics::ComparisonPart& merg
     ++expected;
   }
   if (expected < real.frame_count())
-    throw DataError("frame {} of {} is in no part, expected every frame in one", expected, real.info().source);
+    throw DataError("frame {} of {} is in no part, expected every frame in one", expected,
+                    real.info().source);
 }
 
 }  // namespace sonarcal::workflow
