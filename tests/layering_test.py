@@ -50,6 +50,7 @@ FOLDERS = [
     "calib/markers",
     "apps/workflow/rays",
     "apps/workflow",
+    "apps/workflow/parts",
     "apps/workflow/calibration",
     "apps/workflow/noise",
     "apps/report/html",

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <utility>
@@ -20,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kFormat = "sonarcal-batch/1";
-constexpr std::array<std::string_view, 3> kCommands = {"simulate", "compare", "fit"};
+constexpr std::array<std::string_view, 4> kCommands = {"simulate", "compare", "fit", "calibrate"};
 constexpr std::array<std::string_view, 5> kOwnOptions = {"out", "resume", "json", "quiet", "help"};
 constexpr std::size_t kMaxJobs = 100'000;
 
@@ -63,12 +65,36 @@ const CLI::Option& FindOption(const CLI::App& command, const std::string& name,
                          command.get_name()));
 }
 
+// Returns the ranges that {"from", "to", "step"} stands for.
+std::vector<std::string> RangesOf(const data_io::JsonReader& value) {
+  const auto read = [&](const char* key) {
+    const double number = value.At(key).Number();
+    if (number < 0.0 || number > 1e9 || number != std::floor(number))
+      value.At(key).Fail(fmt::format("is {}, expected a number of a frame", number));
+    return static_cast<std::int64_t>(number);
+  };
+  const std::int64_t from = read("from");
+  const std::int64_t to = read("to");
+  const std::int64_t step = read("step");
+  value.Finish();
+  if (from >= to || step < 1) value.Fail("has no range, expected from below to, and a step of 1 or more");
+  if ((to - from) / step > static_cast<std::int64_t>(kMaxJobs))
+    value.Fail(fmt::format("makes more than {} jobs", kMaxJobs));
+  std::vector<std::string> ranges;
+  for (std::int64_t begin = from; begin < to; begin += step)
+    ranges.push_back(fmt::format("{}:{}", begin, std::min(to, begin + step)));
+  return ranges;
+}
+
 std::vector<PlannedOption> ReadOptions(const data_io::JsonReader& json, const CLI::App& command, bool lists) {
   std::vector<PlannedOption> options;
   for (const auto& [name, value] : json.Members()) {
     PlannedOption option{.name = name, .values = {}};
     const CLI::Option& known = FindOption(command, name, value);
-    if (value.is_array()) {
+    if (value.is_object()) {
+      if (!lists) value.Fail("is a list of ranges, expected one value, because each row is one job");
+      option.values = RangesOf(value);
+    } else if (value.is_array()) {
       if (!lists) value.Fail("is a list, expected one value, as each row is one job");
       for (const data_io::JsonReader& item : value.Items()) option.values.push_back(WordOf(item, known));
       if (option.values.empty()) value.Fail("is an empty list, expected at least one value");
@@ -99,9 +125,13 @@ std::vector<Chosen> Combinations(const std::vector<PlannedOption>& options,
   return combinations;
 }
 
-// Replaces "{out}" and "{option}" by the values of the previous job.
-std::string Filled(const std::string& text, const BatchJob& before, const fs::path& out,
+// Replaces "{out}" by the output folders of the previous jobs, and "{option}" by the value of the only one.
+std::string Filled(const std::string& text, const std::vector<const BatchJob*>& before, const fs::path& out,
                    const data_io::JsonReader& where) {
+  std::vector<std::string> outputs;
+  for (const BatchJob* job : before) outputs.push_back((out / job->id).string());
+  const std::map<std::string, std::string> none;
+  const auto& options = before.size() == 1 ? before.front()->options : none;
   std::string filled;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t open = text.find('{', at);
@@ -109,11 +139,13 @@ std::string Filled(const std::string& text, const BatchJob& before, const fs::pa
     if (open == std::string::npos) break;
     const std::size_t close = text.find('}', open);
     const std::string word = text.substr(open + 1, close - open - 1);
-    const auto option = before.options.find(word);
-    if (close == std::string::npos || (word != "out" && option == before.options.end())) {
-      where.Fail(fmt::format("has '{}', expected {{out}} or an option of {} in braces", text, before.id));
+    const auto option = options.find(word);
+    if (close == std::string::npos || (word != "out" && option == options.end())) {
+      where.Fail(before.size() == 1 ? fmt::format("has '{}', expected {{out}} or an option of {} in braces",
+                                                  text, before.front()->id)
+                                    : fmt::format("has '{}', expected {{out}} in braces", text));
     }
-    filled += word == "out" ? (out / before.id).string() : option->second;
+    filled += word == "out" ? fmt::format("{}", fmt::join(outputs, ",")) : option->second;
     at = close + 1;
   }
   return filled;
@@ -174,35 +206,48 @@ class Reader {
                               : std::vector<PlannedOption>{};
     std::vector<Chosen> rows = {{}};
     if (const auto list = entry.Find("rows")) rows = ReadRows(*list, command, options);
-    std::vector<std::string> before = {""};
+    std::vector<std::vector<std::string>> before = {{}};  // each is what one group of jobs follows
     if (const auto other = entry.Find("for_each")) {
-      const auto found = jobs_of_entry_.find(other->String());
-      if (found == jobs_of_entry_.end())
-        other->Fail(fmt::format("is '{}', expected the name of an entry before this one", other->String()));
-      before = found->second;
+      before.clear();
+      for (const std::string& id : JobsOf(*other)) before.push_back({id});
+    }
+    if (const auto others = entry.Find("for_all")) {
+      if (entry.Find("for_each")) others->Fail("is given beside 'for_each', expected one of them");
+      before = {JobsOf(*others)};
     }
     std::vector<std::string>& jobs = jobs_of_entry_[name];
-    for (const std::string& id_before : before) {
+    for (const std::vector<std::string>& ids_before : before) {
       for (const Chosen& row : rows) {
         for (Chosen& chosen : Combinations(options, entry)) {
           chosen.insert(chosen.begin(), row.begin(), row.end());
           const std::string id = fmt::format("{}/{:04}", name, jobs.size());
-          AddJob(id, command.get_name(), std::move(chosen), id_before, entry);
+          AddJob(id, command.get_name(), std::move(chosen), ids_before, entry);
           jobs.push_back(id);
         }
       }
     }
   }
 
-  void AddJob(const std::string& id, const std::string& command, Chosen chosen, const std::string& id_before,
-              const data_io::JsonReader& entry) {
+  const std::vector<std::string>& JobsOf(const data_io::JsonReader& entry_name) const {
+    const auto found = jobs_of_entry_.find(entry_name.String());
+    if (found == jobs_of_entry_.end())
+      entry_name.Fail(
+          fmt::format("is '{}', expected the name of an entry before this one", entry_name.String()));
+    return found->second;
+  }
+
+  void AddJob(const std::string& id, const std::string& command, Chosen chosen,
+              const std::vector<std::string>& ids_before, const data_io::JsonReader& entry) {
     if (plan_.jobs.size() == kMaxJobs) entry.Fail(fmt::format("makes more than {} jobs", kMaxJobs));
-    BatchJob job{.id = id, .command = command, .options = {}, .arguments = {}, .after = id_before, .key = {}};
+    BatchJob job{
+        .id = id, .command = command, .options = {}, .arguments = {}, .after = ids_before, .key = {}};
     std::string key_before;
-    if (!id_before.empty()) {
-      const BatchJob& before = plan_.jobs[index_of_job_.at(id_before)];
+    if (!ids_before.empty()) {
+      std::vector<const BatchJob*> before;
+      for (const std::string& id_before : ids_before)
+        before.push_back(&plan_.jobs[index_of_job_.at(id_before)]);
       for (auto& [name, value] : chosen) value = Filled(value, before, out_, entry);
-      key_before = before.key;
+      for (const BatchJob* job_before : before) key_before += job_before->key;
     }
     job.options.insert(chosen.begin(), chosen.end());
     job.arguments = ArgumentsOf(chosen);

@@ -9,10 +9,12 @@
 //       "options": {"real": "recorded", "sim": "{out}"}}]}
 //
 // Options are those of the command, without dashes. A list has one value per job: the jobs of an entry are
-// all combinations of its lists, with the last list varying fastest. "rows": [{...}, {...}] sets several
+// all combinations of its lists, with the last list varying fastest. {"from": 0, "to": 10000, "step": 2500}
+// stands for the list of ranges "0:2500", "2500:5000" and so on. "rows": [{...}, {...}] sets several
 // options together, one job per row, combined with the lists. An entry with "for_each" runs after each job of
 // the named entry. In its words, {out} is the output folder of that job, and {params} the value of that job's
-// option. Paths are relative to the folder of the plan.
+// option. An entry with "for_all" runs after all jobs of the named entry; {out} is the list of their output
+// folders, separated by commas. Paths are relative to the folder of the plan.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +33,7 @@ struct BatchJob {
   std::string command;                         // "simulate"
   std::map<std::string, std::string> options;  // as resolved; "true" for flags
   std::vector<std::string> arguments;          // words after the command, without --out
-  std::string after;                           // id of the job whose output it uses; empty: none
+  std::vector<std::string> after;              // ids of the jobs whose output it uses
   std::string key;  // SHA-256 of command, arguments, and contents of the named files
 };
 

@@ -89,7 +89,8 @@ std::vector<std::string> BatchRunner::CommandLineOf(const BatchJob& job) const {
     const int threads = settings_.threads > 0 ? settings_.threads : std::max(1, cores / settings_.processes);
     line.insert(line.end(), {"--threads", fmt::format("{}", threads)});
   }
-  if (job.command == "simulate") line.emplace_back("--resume");  // continues a killed run
+  // Continues a killed run.
+  if (job.command == "simulate" || job.command == "calibrate") line.emplace_back("--resume");
   line.insert(line.end(), {"--quiet", "--out", (out_ / job.id).string()});
   return line;
 }
@@ -155,12 +156,17 @@ bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const Led
     for (auto next = waiting.begin();
          next != waiting.end() && static_cast<int>(running.size()) < settings_.processes;) {
       const BatchJob& job = **next;
-      const auto before = succeeded.find(job.after);
-      if (!job.after.empty() && before == succeeded.end()) {
+      const auto has_failed = [&](const std::string& id) {
+        const auto ended = succeeded.find(id);
+        return ended != succeeded.end() && !ended->second;
+      };
+      const bool is_lost = std::ranges::any_of(job.after, has_failed);
+      if (!is_lost &&
+          std::ranges::any_of(job.after, [&](const auto& id) { return !succeeded.contains(id); })) {
         ++next;
         continue;
       }
-      if (!job.after.empty() && !before->second) {  // its input will not be made
+      if (is_lost) {  // its input will not be made
         succeeded[job.id] = false;
         next = waiting.erase(next);
         continue;
@@ -191,11 +197,11 @@ LedgerState BatchRunner::RunOnly(const std::string& id) {
   const BatchJob& job = *found;
   const JobLock lock(out_, id, /*wait=*/true);
   if (IsDone(job)) return *StateOf(job);
-  if (!job.after.empty()) {
+  for (const std::string& id_before : job.after) {
     const auto& states = ledger_.Read();
-    const auto before = states.find(job.after);
+    const auto before = states.find(id_before);
     if (before == states.end() || before->second.event != LedgerState::Event::kDone)
-      throw DataError("the job {} needs {}, which is not done", id, job.after);
+      throw DataError("the job {} needs {}, which is not done", id, id_before);
   }
   if (!TakeFoundOutput(job)) {
     ledger_.Started(job.id, job.key);

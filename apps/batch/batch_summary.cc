@@ -37,7 +37,7 @@ Json FiguresOf(const BatchJob& job, const std::filesystem::path& output) {
   if (job.command == "compare") {
     const auto metrics = ReadIfThere(output / "metrics.json");
     if (metrics && metrics->contains("macro")) TakeNumbers(metrics->at("macro"), "", figures);
-  } else if (job.command == "fit") {
+  } else if (job.command == "fit" || job.command == "calibrate") {
     const auto fit = ReadIfThere(output / "fit.json");
     if (!fit) return figures;
     for (const char* name : {"cost_initial", "cost_final", "iterations"}) {
@@ -74,7 +74,7 @@ Json BatchSummaryJson(const BatchPlan& plan, const std::vector<LedgerState>& sta
                 {"state", is_done     ? "done"
                           : is_failed ? "failed"
                                       : "waiting"}};
-    if (!job.after.empty()) row["after"] = job.after;
+    if (!job.after.empty()) row["after"] = fmt::format("{}", fmt::join(job.after, ","));
     if (is_done || is_failed) {
       row["status"] = state.status;
       row["wall_s"] = state.wall_s;

@@ -22,8 +22,8 @@ import distributed
 
 
 def run_job(program, plan, out, job, threads, after):
-    """One job, on a worker. `after` is the outcome of the job before it, None for none: (id, state)."""
-    if after is not None and after[1] != "done":
+    """One job, on a worker. `after` holds the outcomes of the jobs before it: (id, state)."""
+    if any(state != "done" for _, state in after):
         return (job, "waiting")
     command = [program, "batch", plan, "--out", out, "--only", job, "--threads", str(threads), "--json", "--quiet"]
     ended = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
@@ -56,7 +56,7 @@ def run_batch(client, arguments):
             arguments.out,
             job["job"],
             arguments.threads,
-            futures.get(job["after"]),
+            [futures[before] for before in job["after"].split(",") if before in futures],
             key=f"sonarcal-{arguments.out}-{job['job']}",
             pure=False,
             retries=arguments.retries,

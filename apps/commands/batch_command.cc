@@ -1,6 +1,7 @@
-// `sonarcal batch PLAN --out DIR`: simulates, compares or fits over many recordings and parameter sets
-// (docs/guide/batch.md).
+// `sonarcal batch PLAN --out DIR`: simulates, compares, fits or calibrates over many recordings and
+// parameter sets (docs/guide/batch.md).
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <memory>
@@ -53,7 +54,7 @@ cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& pl
     for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
       const batch::BatchJob& job = plan.jobs[i];
       jobs.push_back({{"job", job.id},
-                      {"after", job.after},
+                      {"after", fmt::format("{}", fmt::join(job.after, ","))},
                       {"state", summary.at("jobs").at(i).at("state")},
                       {"command_line", Words(job)}});
     }
@@ -143,8 +144,8 @@ cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
 
 void SetupBatch(CLI::App& app) {
   auto options = std::make_shared<BatchOptions>();
-  CLI::App* command =
-      cli::AddCommand(app, "batch", "Simulates, compares or fits over many recordings and parameter sets");
+  CLI::App* command = cli::AddCommand(
+      app, "batch", "Simulates, compares, fits or calibrates over many recordings and parameter sets");
   command->add_option("PLAN", options->plan, "Plan of commands and their options (sonarcal-batch/1, JSON)")
       ->required();
   command->add_option("--out", options->out, "Folder of all outputs, of the ledger and of the summary")

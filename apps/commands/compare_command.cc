@@ -28,8 +28,10 @@
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
+#include "apps/workflow/parts/compare_parts.h"
 #include "apps/workflow/scene_geometry.h"
 #include "apps/workflow/simulate.h"
+#include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
 #include "metrics/figures.h"
@@ -125,6 +127,45 @@ report::HtmlReport MakeReport(const metrics::MetricsReport& metrics, const repor
   return report;
 }
 
+// Recording and options of a comparison, which are the same in all of its parts.
+std::string ComparedText(const CompareCommandOptions& options) {
+  Json json = ConfigurationJson(options, {});
+  for (const char* of_part : {"simulated", "out", "pictures", "against", "params"}) json.erase(of_part);
+  return json.dump();
+}
+
+// The pair of recordings, and what parts measured of it.
+struct Compared {
+  std::unique_ptr<RecordingSource> real;
+  std::unique_ptr<RecordingSource> simulated;
+  std::vector<int> frames;
+  std::optional<metrics::ComparisonPart> measured;  // with --merge
+};
+
+Compared OpenCompared(const CompareCommandOptions& options) {
+  Compared compared;
+  compared.real = workflow::OpenRecordingWith(options.real, options.sonar);
+  const RecordingSource& real = *compared.real;
+  if (options.merge.empty()) {
+    compared.simulated = data_io::OpenRecording(options.simulated);
+    // A part of a simulation is shorter than the recording.
+    compared.frames = options.frames.In(
+        options.part ? real.frame_count() : std::min(real.frame_count(), compared.simulated->frame_count()));
+    if (options.part)
+      compared.simulated = workflow::WithNumbersOf(real, std::move(compared.simulated), compared.frames);
+    return compared;
+  }
+  std::vector<metrics::ComparisonPart> parts = workflow::ReadParts(options.merge);
+  compared.simulated = workflow::SimulatedOfParts(real, parts);
+  compared.measured = metrics::MergedParts(std::move(parts));
+  workflow::CheckWhole(real, *compared.measured);
+  if (compared.measured->compared != ComparedText(options))
+    throw DataError("--merge: the parts compare {}, expected the options given here, {}",
+                    compared.measured->compared, ComparedText(options));
+  for (const metrics::FrameMetrics& frame : compared.measured->frames) compared.frames.push_back(frame.index);
+  return compared;
+}
+
 // Scene of --scene. With --object, the scene that a recording names. Nullopt if there is neither.
 std::optional<Scene> SceneOf(const CompareCommandOptions& options, const RecordingSource& real,
                              const RecordingSource& simulated) {
@@ -141,12 +182,15 @@ std::optional<Scene> SceneOf(const CompareCommandOptions& options, const Recordi
 
 cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   const std::vector<metrics::Threshold> thresholds = metrics::ParseThresholds(options.fail_above);
-  const auto real = workflow::OpenRecordingWith(options.real, options.sonar);
-  const auto simulated = data_io::OpenRecording(options.simulated);
+  const Compared compared = OpenCompared(options);
+  const RecordingSource* real = compared.real.get();
+  const RecordingSource* simulated = compared.simulated.get();
   if (options.sweep_csv && options.compare.sweep_steps == 0)
     throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
   workflow::CompareOptions compare = options.compare;
-  compare.frames = options.frames.In(std::min(real->frame_count(), simulated->frame_count()));
+  compare.frames = compared.frames;
+  compare.noise_floor = !options.part;
+  if (compared.measured) compare.measured = &*compared.measured;
   const std::optional<Scene> scene = SceneOf(options, *real, *simulated);
   cli::RunOutput output(options.out, "compare", options.common.force);
   std::optional<cli::Progress> progress;
@@ -157,19 +201,38 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   const std::vector<int> pictured =
       workflow::EvenlySpread(workflow::FramesToCompare(*real, *simulated, compare.frames), options.pictures);
   report::PictureMaker maker;
+  metrics::ComparisonPart part;
+  part.compared = ComparedText(options);
+  part.simulated = options.simulated.string();
   workflow::Comparison comparison = workflow::Compare(
       *real, *simulated, compare, scene ? &*scene : nullptr, !options.scene.empty(), listener,
       [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& frame) {
         if (std::ranges::find(pictured, frame.index) != pictured.end())
           report::WritePictures(output.staging(), maker.Make(recorded, rendered, frame));
+        if (options.part) part.Add(frame);
       });
   progress.reset();
+  if (compared.measured && !pictured.empty()) {
+    workflow::CompareAgain(
+        *real, *simulated, comparison.options, pictured,
+        [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& frame) {
+          report::WritePictures(output.staging(), maker.Make(recorded, rendered, frame));
+        });
+  }
   metrics::MetricsReport& metrics = comparison.metrics;
+  if (options.part) {
+    part.residuals = metrics.residuals;
+    part.residuals_by_scene = metrics.residuals_by_scene;
+    part.notes = metrics.notes;
+    data_io::WriteFileWhole(output / workflow::kPartFile, metrics::ComparisonPartBytes(part));
+  }
 
   const report::ShownFrames shown = report::ShowFrames(*real, *simulated, comparison.options, metrics,
                                                        workflow::RepresentativeFrames(metrics));
 
-  std::vector<std::filesystem::path> inputs = {options.real, options.simulated};
+  std::vector<std::filesystem::path> inputs = {options.real};
+  if (!options.simulated.empty()) inputs.push_back(options.simulated);
+  inputs.insert(inputs.end(), options.merge.begin(), options.merge.end());
   for (const std::filesystem::path& file :
        {options.compare.against.file, options.scene, options.compare.params.file,
         options.compare.comparison.background_params.file}) {
@@ -210,9 +273,10 @@ namespace {
 void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
   command->add_option("--real", options->real, "Recording of the sonar")->type_name("REC")->required();
   cli::AddSonarOfRecording(*command, options->sonar);
-  command->add_option("--sim", options->simulated, "Recording of the simulation, frames in the same order")
-      ->type_name("REC")
-      ->required();
+  command
+      ->add_option("--sim", options->simulated,
+                   "Recording of the simulation, frames in the same order; required without --merge")
+      ->type_name("REC");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for metrics, pictures and report")
       ->required();
   cli::AddFrames(*command, options->frames, "Frames to compare, of both recordings");
@@ -223,6 +287,14 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
                    "Max number of frames with pictures, evenly spread over those compared; 0 for none")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber.description(""));
+  command->add_flag("--part", options->part,
+                    "Measure a part of a long recording for --merge: writes part.bin, and no noise floor. "
+                    "--sim may hold just the frames of --frames");
+  command
+      ->add_option("--merge", options->merge,
+                   "Folders of --part runs with the same options, which together have all frames")
+      ->type_name("DIR,DIR,...")
+      ->delimiter(',');
   cli::AddSceneOptions(*command, options->scene, options->scene_format,
                        "Scene of the recording, for residuals by incidence angle and material, and for "
                        "--object (default for --object: the scene that a recording names)",
@@ -244,6 +316,9 @@ void SetupCompare(CLI::App& app) {
   cli::OnRun(command, options->common, [command, options] {
     if (options->compare.sweep_steps == 0)
       cli::RefuseGiven(*command, {"--sweep-range", "--sweep-csv"}, "without --sweep-steps");
+    if (options->merge.empty() == options->simulated.empty())
+      throw UsageError("expected either --sim or --merge");
+    if (!options->merge.empty()) cli::RefuseGiven(*command, {"--frames", "--part"}, "with --merge");
     cli::RefuseSceneFormatAlone(*command);
     cli::RefuseUnusedSegmentation(*command, options->compare.comparison);
     return RunCompare(*options);

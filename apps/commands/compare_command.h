@@ -24,8 +24,8 @@ namespace sonarcal::commands {
 struct CompareCommandOptions {
   cli::CommonOptions common;
   std::filesystem::path real;
-  std::string sonar;  // in place of that of `real`; empty: as recorded
-  std::filesystem::path simulated;
+  std::string sonar;                // in place of that of `real`; empty: as recorded
+  std::filesystem::path simulated;  // empty: with `merge`
   std::filesystem::path out;
   FrameList frames;  // of both recordings; empty: all
   workflow::CompareOptions compare;
@@ -33,6 +33,8 @@ struct CompareCommandOptions {
   int pictures = 100;           // max number of frames with pictures, evenly spread
   std::filesystem::path scene;  // for residuals by incidence and material, and for --object; empty: none
   cli::SceneFormat scene_format;
+  bool part = false;                         // of a comparison: writes part.bin, and measures no floor
+  std::vector<std::filesystem::path> merge;  // folders of parts; in place of `simulated`
   std::vector<std::string> fail_above;  // "intensity_error.polar=0.1", see metrics/json/threshold_check.h
 };
 

@@ -64,6 +64,7 @@ Json ConfigurationJson(const SimulateCommandOptions& options, const sim::Simulat
   cast.noise = workflow::IsRandom(options.simulate, model);
   json.update(cli::OptionsJson(cast));
   json.update({{"fan", options.fan}, {"depth", options.depth}});
+  if (!options.frames.empty()) json["frames"] = options.frames.Text();
   return json;
 }
 
@@ -109,6 +110,16 @@ class FilesBeside {
   std::optional<FanMap> fan_map_;
 };
 
+// Keeps the poses of consecutive frames. Returns the number of the first one.
+int TakePoses(const FrameList& asked, std::vector<data_io::TimedPose>& poses) {
+  if (asked.empty()) return 0;
+  const std::vector<int> frames = asked.In(static_cast<int>(poses.size()));
+  if (frames.back() - frames.front() + 1 != static_cast<int>(frames.size()))
+    throw UsageError("--frames '{}', expected consecutive frames A:B", asked.Text());
+  poses = {poses.begin() + frames.front(), poses.begin() + frames.back() + 1};
+  return frames.front();
+}
+
 // Writes the missing frames until all exist or the user interrupts. Returns the number of existing frames.
 int WriteMissingFrames(const workflow::SimulatedRecording& recording, const FilesBeside& beside,
                        const FinishedFrames& finished, const cli::CommonOptions& common,
@@ -138,6 +149,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
       workflow::PrepareSimulation(options.simulate, choice, data_io::ReadParameters(options.params));
   const ParameterSet& parameters = resolved.parameters;
   std::vector<data_io::TimedPose> poses = data_io::ReadPosesOrRecording(options.poses);
+  const int first_frame = TakePoses(options.frames, poses);
   Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
   const std::string scene_digest = SceneDigest(scene);
   const sim::Simulator simulator(std::move(scene), choice.sonar, resolved.simulation);
@@ -159,7 +171,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   const workflow::SimulatedRecording recording(
       simulator, std::move(poses), parameters, options.scene.string(),
       [&](int index, const Pose& pose, const PolarImage& image) { beside.Write(output, index, pose, image); },
-      options.simulate.expected);
+      options.simulate.expected, first_frame);
   cli::Provenance provenance{.command = "simulate",
                              .configuration = ConfigurationJson(options, simulator, parameters.model),
                              .inputs = {options.scene, options.params, options.poses}};
@@ -216,6 +228,8 @@ void AddSimulateOptions(CLI::App* command, SimulateCommandOptions* options) {
       ->type_name("REC|FILE")
       ->required();
   cli::AddOutFolder(*command, options->out, options->common, "Recording folder to write")->required();
+  cli::AddFrames(*command, options->frames,
+                 "Frames to simulate, one after the other, with the noise that they have among all");
   cli::AddOptions(*command, options->simulate);
   command->add_flag("--fan", options->fan, "Write each frame as a fan picture as well, fan_NNNN.png");
   command->add_flag("--depth", options->depth,

@@ -23,6 +23,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/scene_option.h"
 #include "apps/workflow/simulate.h"
+#include "core/types/frame_list.h"
 
 namespace sonarcal::commands {
 
@@ -33,6 +34,7 @@ struct SimulateCommandOptions {
   std::string sonar;  // name of a preset, or file
   std::filesystem::path params;
   std::filesystem::path poses;  // recording, or file of poses
+  FrameList frames;             // consecutive poses to simulate; empty: all
   std::filesystem::path out;
   workflow::SimulateOptions simulate;
   bool fan = false;

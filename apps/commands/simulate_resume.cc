@@ -25,7 +25,7 @@ constexpr const char* kDigests[] = {"scene", "sonar", "parameters", "poses"};
 // Options that determine the output. The other options are paths and threads.
 constexpr const char* kOptions[] = {"model",          "sampling",    "rays", "ray_weight", "normals",
                                     "absorption",     "margin_deg",  "bits", "noise",      "expected",
-                                    "frozen_speckle", "ghost_order", "fan",  "depth"};
+                                    "frozen_speckle", "ghost_order", "fan",  "depth",      "frames"};
 
 template <typename T>
 std::string DigestOf(const std::vector<T>& values) {

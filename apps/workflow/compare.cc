@@ -123,6 +123,19 @@ class PairComparer {
 
 }  // namespace
 
+std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses,
+                              const std::vector<int>& compared) {
+  constexpr int kFloorPairs = 100;  // metrics::MeasureNoiseFloor
+  std::set<int> frames(compared.begin(), compared.end());
+  int pairs = 0;
+  for (int i = 0; i + 1 < static_cast<int>(poses.size()) && pairs < kFloorPairs; ++i) {
+    if (!IsSamePose(poses[i].world_from_sonar, poses[i + 1].world_from_sonar)) continue;
+    frames.insert(i);
+    ++pairs;
+  }
+  return frames;
+}
+
 std::vector<int> FramesToCompare(const RecordingSource& real, const RecordingSource& simulated,
                                  const std::vector<int>& asked) {
   const int real_count = real.frame_count();
@@ -164,7 +177,8 @@ metrics::MetricsReport CompareRecordings(const RecordingSource& real, const Reco
                                 .noise_floor = {},
                                 .sweep = {},
                                 .notes = {}};
-  const std::vector<int> frames = FramesToCompare(real, simulated, options.frames);
+  std::vector<int> frames;  // whose images are compared
+  if (options.measured == nullptr) frames = FramesToCompare(real, simulated, options.frames);
   if (!options.as_displayed) {
     CheckScales(real.info().scale, simulated.info().scale, options.compare.db_tolerance);
   }
@@ -175,11 +189,9 @@ metrics::MetricsReport CompareRecordings(const RecordingSource& real, const Reco
   if (options.compare.sweep.steps > 0) {
     report.sweep.emplace(metrics::SweepSettings(options.compare.sweep, options.compare.segmentation.method));
   }
-  const auto take = [&](Pair& pair) {
-    metrics::FrameMetrics& metrics = pair.metrics;
-    if (on_frame) on_frame(pair.real.image, pair.simulated.image, metrics);
+  const auto take = [&](metrics::FrameMetrics& metrics) {
     metrics.masks.reset();
-    levels += metrics.levels.value();
+    if (metrics.levels) levels += *metrics.levels;
     metrics.levels.reset();
     if (report.sweep) report.sweep->Add(metrics.sweep);
     metrics.sweep = {};
@@ -191,7 +203,15 @@ metrics::MetricsReport CompareRecordings(const RecordingSource& real, const Reco
   const std::size_t at_once = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   for (std::size_t first = 0; first < frames.size(); first += at_once) {
     const std::size_t count = std::min(at_once, frames.size() - first);
-    for (Pair& pair : comparer.Compare({frames.data() + first, count})) take(pair);
+    for (Pair& pair : comparer.Compare({frames.data() + first, count})) {
+      if (on_frame) on_frame(pair.real.image, pair.simulated.image, pair.metrics);
+      take(pair.metrics);
+    }
+  }
+  if (options.measured != nullptr) {
+    levels = options.measured->levels;
+    notes.insert(options.measured->notes.begin(), options.measured->notes.end());
+    for (metrics::FrameMetrics frame : options.measured->frames) take(frame);
   }
   report.aggregate = metrics::AggregateFrames(report.frames, std::move(levels));
   if (options.noise_floor) {
@@ -220,6 +240,7 @@ void CompareAgain(const RecordingSource& real, const RecordingSource& simulated,
   CompareRecordingsOptions again = options;
   again.frames = frames;
   again.noise_floor = false;
+  again.measured = nullptr;
   again.compare.sweep = {};
   again.progress = {};
   CompareRecordings(real, simulated, again, on_frame);
@@ -307,7 +328,9 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
                    const CompareOptions& options, const Scene* scene, bool residuals_by_scene,
                    const Listener& listener, const OnComparedFrame& on_frame) {
   Comparison comparison{.options = {.compare = options.comparison.For(real.info().sonar.axes),
-                                    .as_displayed = options.as_displayed},
+                                    .as_displayed = options.as_displayed,
+                                    .noise_floor = options.noise_floor,
+                                    .measured = options.measured},
                         .frames = {},
                         .metrics = {}};
   CompareRecordingsOptions& compare = comparison.options;
@@ -323,7 +346,11 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
   if (scene != nullptr) geometry.emplace(*scene, real.info().sonar);
   if (compare.compare.object) {
     if (!geometry) throw UsageError("--object needs --scene, because neither recording names its scene");
-    compare.boxes = geometry->ObjectBoxes(ObjectPoses(real, simulated), *compare.compare.object);
+    CheckObject(*compare.compare.object, geometry->material_names());
+    const std::vector<data_io::TimedPose> poses = ObjectPoses(real, simulated);
+    for (const int frame : FramesWithBoxes(poses, comparison.frames))
+      compare.boxes.emplace(frame,
+                            geometry->ObjectBox(poses[frame].world_from_sonar, *compare.compare.object));
   }
   FrameGatherer gatherer(real, simulated, geometry && residuals_by_scene ? &*geometry : nullptr);
   metrics::MetricsReport& metrics = comparison.metrics;
@@ -334,7 +361,12 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
         if (on_frame) on_frame(recorded, rendered, frame);
       });
   compare.progress = {};
-  gatherer.MoveInto(metrics);
+  if (options.measured == nullptr) {
+    gatherer.MoveInto(metrics);
+  } else {
+    metrics.residuals = options.measured->residuals;
+    metrics.residuals_by_scene = options.measured->residuals_by_scene;
+  }
   if (options.params) {
     metrics.noise_floor.drawn =
         DrawFloor(simulated, comparison.frames, *options.params.value, metrics.options, compare.boxes);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@
 #include "core/types/parameters.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
+#include "data_io/pose_io.h"
+#include "metrics/json/comparison_part.h"
 #include "metrics/json/metrics_json.h"
 
 namespace sonarcal::workflow {
@@ -30,8 +33,10 @@ struct CompareRecordingsOptions {
   bool noise_floor = true;  // measures the noise floor by comparing the real recording with itself
   // Frame numbers, the same in both recordings. Empty: all; both recordings must then have the same count.
   std::vector<int> frames = {};
-  // With compare.object: search box of the object per frame (apps/workflow/scene_geometry.h, ObjectBoxes).
+  // With compare.object: search box of the object per frame (apps/workflow/scene_geometry.h, ObjectBox).
   std::map<int, metrics::PixelBox> boxes = {};
+  // Measurements of the frames that other runs made. No pair of images is then compared.
+  const metrics::ComparisonPart* measured = nullptr;
   std::function<void(int frames_done)> progress = {};
 };
 
@@ -42,6 +47,10 @@ std::optional<Mask> ValidInBoth(const RecordingInfo& real, const RecordingInfo& 
 // Receives each pair after its comparison. `metrics.masks` is set.
 using OnComparedFrame = std::function<void(const PolarImage& real, const PolarImage& simulated,
                                            const metrics::FrameMetrics& metrics)>;
+
+// Frames whose search box of the object is needed: those of `compared`, and those that the noise floor
+// compares with the next frame, because both have one pose.
+std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses, const std::vector<int>& compared);
 
 // Returns the frames that CompareRecordings compares: `asked`, or all if it is empty. Throws DataError if a
 // frame is missing in one recording.
@@ -94,8 +103,11 @@ struct CompareOptions {
   bool as_displayed = false;
   FromFile<std::string> against = {};  // text of an earlier metrics.json
   FromFile<ParameterSet> params = {};
+  bool noise_floor = true;
+  // All frames, as other runs measured them (metrics/json/comparison_part.h); null: they are compared here.
+  const metrics::ComparisonPart* measured = nullptr;
 
-  // Omits `frames`: on the command line it is a text of ranges.
+  // Omits `frames`, which on the command line is a text of ranges, and what serves parts of a comparison.
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
     ComparisonOptions::Visit(self.comparison, visit);

@@ -12,6 +12,7 @@
 #include "apps/workflow/assumptions.h"
 #include "apps/workflow/fit_doubts.h"
 #include "apps/workflow/fit_frames.h"
+#include "apps/workflow/frame_choice.h"
 #include "apps/workflow/known_truth.h"
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/scene_geometry.h"
@@ -69,28 +70,35 @@ class ExpectedRecording final : public RecordingSource {
   RecordingInfo info_;
 };
 
-std::map<std::string, IncidenceRange> IncidenceSeen(const std::vector<sim::EchoHistogram>& echoes,
-                                                    const std::vector<int>& frames,
-                                                    const std::vector<std::string>& material_names) {
-  std::vector<double> weight(material_names.size() * sim::kIncidenceNodes, 0.0);
-  for (const int frame : frames) {
-    for (const sim::EchoHistogram::Entry& entry : echoes[frame].entries) weight[entry.node] += entry.weight;
+// Incidence angles at which frames see the materials. Keeps no frame.
+class SeenIncidence {
+ public:
+  explicit SeenIncidence(std::size_t materials) : weight_(materials * sim::kIncidenceNodes, 0.0) {}
+
+  void Add(const sim::EchoHistogram& echoes) {
+    for (const sim::EchoHistogram::Entry& entry : echoes.entries) weight_[entry.node] += entry.weight;
   }
-  std::map<std::string, IncidenceRange> seen;
-  for (std::size_t material = 0; material < material_names.size(); ++material) {
-    const double* of = &weight[material * sim::kIncidenceNodes];
-    const double total = std::accumulate(of, of + sim::kIncidenceNodes, 0.0);
-    if (!(total > 0.0)) continue;
-    int low = 0;
-    int high = sim::kIncidenceNodes - 1;
-    double below = of[low];
-    while (below < kRarest * total) below += of[++low];
-    double above = of[high];
-    while (above < kRarest * total) above += of[--high];
-    seen[material_names[material]] = {low * sim::kIncidenceStepDeg, high * sim::kIncidenceStepDeg};
+
+  std::map<std::string, IncidenceRange> Ranges(const std::vector<std::string>& material_names) const {
+    std::map<std::string, IncidenceRange> seen;
+    for (std::size_t material = 0; material < material_names.size(); ++material) {
+      const double* of = &weight_[material * sim::kIncidenceNodes];
+      const double total = std::accumulate(of, of + sim::kIncidenceNodes, 0.0);
+      if (!(total > 0.0)) continue;
+      int low = 0;
+      int high = sim::kIncidenceNodes - 1;
+      double below = of[low];
+      while (below < kRarest * total) below += of[++low];
+      double above = of[high];
+      while (above < kRarest * total) above += of[--high];
+      seen[material_names[material]] = {low * sim::kIncidenceStepDeg, high * sim::kIncidenceStepDeg};
+    }
+    return seen;
   }
-  return seen;
-}
+
+ private:
+  std::vector<double> weight_;
+};
 
 calib::FitResult FitPaper(const RecordingSource& recording, const std::vector<sim::EchoHistogram>& echoes,
                           const sim::ImageGeometry& geometry, const std::vector<std::string>& materials,
@@ -142,18 +150,17 @@ bool TakeFreeDisplay(calib::FitConfig& config) {
   return true;
 }
 
-// Poses of all frames after the fit. Held-out frames follow the mount offset. If each frame has a free pose,
-// the poses of the held-out frames are fitted too, with all other parameters fixed.
+// Poses of all frames after the fit. Frames that are not fitted follow the mount offset. If each frame has a
+// free pose, the poses of the held-out frames are fitted too, with all other parameters fixed.
 std::vector<data_io::TimedPose> FittedPoses(const RecordingSource& recording, const sim::Simulator& simulator,
                                             const std::vector<data_io::TimedPose>& poses,
                                             const calib::FrameSplit& split,
                                             const FitRecordingOptions& options,
                                             const calib::AcousticFit& fit) {
   std::vector<data_io::TimedPose> fitted = poses;
+  for (data_io::TimedPose& pose : fitted) pose.world_from_sonar = pose.world_from_sonar * fit.mount;
   for (std::size_t i = 0; i < split.used.size(); ++i)
     fitted[split.used[i]].world_from_sonar = fit.world_from_sonar[i];
-  for (const int index : split.held_out)
-    fitted[index].world_from_sonar = poses[index].world_from_sonar * fit.mount;
   const auto& free = options.config.free;
   if (!free || std::find(free->begin(), free->end(), "pose") == free->end()) return fitted;
   if (options.fit.progress && !split.held_out.empty())
@@ -264,16 +271,27 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   }
 
   const auto trace_start = std::chrono::steady_clock::now();
-  const std::vector<sim::EchoHistogram> echoes = TraceFrames(simulator, poses, FramesOf(split), options);
+  const std::vector<std::string>& materials = simulator.caster().material_names();
+  SeenIncidence seen(materials.size());
+  std::vector<sim::EchoHistogram> echoes;  // of the paper's model, which fits and evaluates with them
+  if (acoustic) {
+    int done = 0;
+    for (const int frame : split.used) {
+      seen.Add(sim::GatherEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), sonar.axes));
+      if (options.on_trace) options.on_trace(++done, static_cast<int>(split.used.size()));
+    }
+  } else {
+    echoes = TraceFrames(simulator, poses, FramesOf(split), options);
+    for (const int frame : split.used) seen.Add(echoes[frame]);
+  }
   const double trace_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - trace_start).count();
 
-  const std::vector<std::string>& materials = simulator.caster().material_names();
   RecordingFit result{.rays = {simulator.fan().cols(), simulator.fan().rows()},
                       .ray_options = rays.rays,
                       .fit = {},
                       .initial = start,
-                      .seen = IncidenceSeen(echoes, split.used, materials),
+                      .seen = seen.Ranges(materials),
                       .judged_on_held_out = !split.held_out.empty(),
                       .before = {},
                       .after = {}};
@@ -337,11 +355,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const ExpectedRecording after(
       recording, expected_by(*fitted_simulator, result.fit.parameters, fitted_poses), "fitted parameters");
   CompareRecordingsOptions judge{.compare = options.comparison, .as_displayed = true};
-  if (const std::optional<metrics::ObjectSearch>& object = options.comparison.object) {
-    judge.boxes = SceneGeometry(fitted_simulator->caster(), fitted_simulator->sonar())
-                      .ObjectBoxes(fitted_poses, *object);
-  }
   judge.frames = result.judged_on_held_out ? split.held_out : split.used;
+  if (const std::optional<metrics::ObjectSearch>& object = options.comparison.object) {
+    const SceneGeometry geometry_of(fitted_simulator->caster(), fitted_simulator->sonar());
+    for (const int frame : FramesWithBoxes(fitted_poses, judge.frames))
+      judge.boxes.emplace(frame, geometry_of.ObjectBox(fitted_poses[frame].world_from_sonar, *object));
+  }
   result.after = CompareRecordings(recording, after, judge);
   judge.noise_floor = false;
   result.before = CompareRecordings(recording, before, judge);
@@ -399,6 +418,60 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   return result;
 }
 
+namespace {
+
+// Limits a fit to these frames, of which the last third is held out if the configuration names none.
+void TakeFrames(std::vector<int> frames, calib::FitConfig& config) {
+  std::ranges::sort(frames);
+  if (!config.held_out) {
+    const std::ptrdiff_t count = std::ssize(frames);
+    const std::ptrdiff_t fitted = count < 2 ? count : count - std::max<std::ptrdiff_t>(1, count / 3);
+    config.held_out.emplace(frames.begin() + fitted, frames.end());
+  }
+  std::erase_if(frames, [&](int frame) {
+    return std::ranges::find(*config.held_out, frame) != config.held_out->end();
+  });
+  config.used = std::move(frames);
+}
+
+bool FreesGroup(const calib::FitConfig& config, std::initializer_list<std::string_view> beginnings) {
+  return std::ranges::any_of(*config.free, [&](const std::string& name) {
+    return std::ranges::any_of(beginnings,
+                               [&](std::string_view beginning) { return name.starts_with(beginning); });
+  });
+}
+
+// Chooses the frames of a long recording, unless the user did.
+void ChooseFramesOfFit(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
+                       const FitOptions& options, const Listener& listener, calib::FitConfig& config) {
+  const bool acoustic = start.model == EchoModel::kAcoustic;
+  const FrameChoiceOptions choice{.max_frames = options.max_frames,
+                                  .max_held_out = options.max_held_out,
+                                  .geometry = acoustic && FreesGroup(config, {"geometry"}),
+                                  .poses = acoustic && FreesGroup(config, {"pose", "mount"}),
+                                  .pose_prior = config.pose_prior,
+                                  .held_out = config.held_out};
+  if (!options.frames.empty() || config.used || start.model == EchoModel::kCoherent ||
+      !NeedsFrameChoice(recording.frame_count(), choice)) {
+    return;
+  }
+  SonarModel sonar = recording.info().sonar;
+  ParameterSet known = start;
+  AssumeMissing(recording.info().scale, /*find_display=*/true, sonar, known);
+  AssumeWidths(sonar, known.beam);
+  const ChosenFrames chosen = ChooseFrames({.scene = scene,
+                                            .sonar = sonar,
+                                            .water = ChooseWater(start, recording.info().water).water,
+                                            .absorption = options.rays.absorption,
+                                            .parameters = known},
+                                           data_io::PosesOfRecording(recording), choice);
+  config.used = chosen.used;
+  config.held_out = chosen.held_out;
+  listener.Message(fmt::format("frames: {}, because {}", chosen.choice, chosen.reason));
+}
+
+}  // namespace
+
 calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene,
                                   int frame_count) {
   calib::FitConfig config = options.config.value.value_or(calib::FitConfig());
@@ -410,6 +483,7 @@ calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet&
   }
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out.In(frame_count, kHeldOutFrame);
+  if (!options.frames.empty()) TakeFrames(options.frames.In(frame_count), config);
   return config;
 }
 
@@ -423,6 +497,7 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
   FitRecordingOptions fit;
   fit.rays = options.rays;
   fit.config = ResolveFitConfig(options, start, scene, recording.frame_count());
+  ChooseFramesOfFit(recording, scene, start, options, listener, fit.config);
   fit.comparison = options.comparison.For(recording.info().sonar.axes);
   fit.choose = options.choose;
   fit.fit.max_iterations = options.max_iterations;

@@ -118,6 +118,9 @@ struct FitOptions {
   std::vector<std::string> free = {};
   std::vector<std::string> fixed = {};
   std::vector<calib::ChoiceAxis> choose = {};
+  FrameList frames = {};
+  int max_frames = 24;
+  int max_held_out = 12;
   bool trust_all = false;
   RayOptions rays = {};
   int max_iterations = 100;
@@ -133,8 +136,23 @@ struct FitOptions {
                      .help =
                          "Frames that are not fitted but evaluated, counted from 0; also ranges A:B, up to, "
                          "but not including, B, A: up to the last frame, and :B",
-                     .by_default = "the last third"},
+                     .by_default = "the last third; of a long recording, frames away from the fitted ones"},
           self.held_out);
+    visit(OptionInfo{.name = "frames",
+                     .help = "Frames to use, fitted or held out, as for held-out; 'all' for every frame",
+                     .by_default = "all; of a recording with more than max-frames and max-held-out together, "
+                                   "those that are expected to determine the parameters best"},
+          self.frames);
+    visit(OptionInfo{.name = "max_frames",
+                     .help = "Max number of frames fitted of a long recording",
+                     .min = 1,
+                     .max = 100000},
+          self.max_frames);
+    visit(OptionInfo{.name = "max_held_out",
+                     .help = "Max number of frames held out of a long recording",
+                     .min = 0,
+                     .max = 100000},
+          self.max_held_out);
     visit(
         OptionInfo{.name = "free",
                    .help = "Parameters to fit: materials, noise, psf, mirrors, pose, mount, geometry, "
@@ -173,8 +191,8 @@ struct FitOptions {
   }
 };
 
-// Returns free parameters, bounds and held-out frames from the options, the model of `start`, the materials
-// of `scene` and the number of frames of the recording.
+// Returns free parameters, bounds and frames from the options, the model of `start`, the materials of `scene`
+// and the number of frames of the recording. Frames of a long recording are chosen by Fit.
 calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet& start, const Scene& scene,
                                   int frame_count);
 

@@ -91,15 +91,6 @@ metrics::PixelBox SceneGeometry::ObjectBox(const Pose& world_from_sonar,
   return metrics::BoxOf(shown, object.margin);
 }
 
-std::map<int, metrics::PixelBox> SceneGeometry::ObjectBoxes(const std::vector<data_io::TimedPose>& poses,
-                                                            const metrics::ObjectSearch& object) const {
-  CheckObject(object, material_names());
-  std::map<int, metrics::PixelBox> boxes;
-  for (const data_io::TimedPose& pose : poses)
-    boxes.emplace(static_cast<int>(boxes.size()), ObjectBox(pose.world_from_sonar, object));
-  return boxes;
-}
-
 GeometryResiduals::GeometryResiduals(const std::vector<std::string>& material_names) {
   metrics::ResidualTable by_incidence{.by = "incidence", .unit = "degrees", .classes = {}};
   for (int i = 0; i < kClasses; ++i) {

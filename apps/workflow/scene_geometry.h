@@ -45,10 +45,6 @@ class SceneGeometry {
   // fit, explain and view search the same box. Throws DataError as CheckObject.
   metrics::PixelBox ObjectBox(const Pose& world_from_sonar, const metrics::ObjectSearch& object) const;
 
-  // Boxes for these poses, by index.
-  std::map<int, metrics::PixelBox> ObjectBoxes(const std::vector<data_io::TimedPose>& poses,
-                                               const metrics::ObjectSearch& object) const;
-
   const std::vector<std::string>& material_names() const { return caster_->material_names(); }
 
  private:

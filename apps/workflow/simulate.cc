@@ -140,17 +140,18 @@ PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& e
 
 SimulatedRecording::SimulatedRecording(const sim::Simulator& simulator, std::vector<data_io::TimedPose> poses,
                                        ParameterSet parameters, const std::string& scene_path,
-                                       OnFrame on_frame, bool expected)
+                                       OnFrame on_frame, bool expected, int first_frame)
     : simulator_(simulator),
       poses_(std::move(poses)),
       parameters_(std::move(parameters)),
       info_(SimulatedRecordingInfo(simulator, parameters_, scene_path, expected)),
       on_frame_(std::move(on_frame)),
-      expected_(expected) {}
+      expected_(expected),
+      first_frame_(first_frame) {}
 
 FrameInfo SimulatedRecording::frame_info(int index) const {
   const data_io::TimedPose& pose = poses_.at(index);
-  return {fmt::format("frame {}", index), pose.time_s, pose.world_from_sonar, info_.settings};
+  return {fmt::format("frame {}", first_frame_ + index), pose.time_s, pose.world_from_sonar, info_.settings};
 }
 
 Frame SimulatedRecording::ReadFrame(int index) const {
@@ -162,7 +163,7 @@ Frame SimulatedRecording::ReadFrame(int index) const {
     frame.image = ExpectedFrame(simulator_, simulator_.TraceEchoes(pose), parameters_,
                                 coherent ? simulator_.TraceGhosts(pose, parameters_) : sim::GhostList{});
   } else {
-    frame.image = simulator_.Render(pose, parameters_, index);
+    frame.image = simulator_.Render(pose, parameters_, first_frame_ + index);
   }
   if (on_frame_) on_frame_(index, pose, frame.image);
   return frame;

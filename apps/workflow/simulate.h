@@ -74,7 +74,8 @@ PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& e
                          const ParameterSet& parameters, const sim::GhostList& ghosts);
 
 // A recording that renders each frame when it is read, so that writing needs constant memory. Frame i has
-// pose i and noise of seed + i. It is the same each time, in any order of reading.
+// pose i and noise of seed + i. It is the same each time, in any order of reading. With `first_frame` it is a
+// part of a longer recording: frame i has noise of seed + first_frame + i.
 class SimulatedRecording final : public RecordingSource {
  public:
   // Receives each frame after it is rendered, for outputs beside the image.
@@ -83,7 +84,7 @@ class SimulatedRecording final : public RecordingSource {
   // `simulator` must outlive the recording.
   SimulatedRecording(const sim::Simulator& simulator, std::vector<data_io::TimedPose> poses,
                      ParameterSet parameters, const std::string& scene_path, OnFrame on_frame = {},
-                     bool expected = false);
+                     bool expected = false, int first_frame = 0);
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(poses_.size()); }
@@ -97,6 +98,7 @@ class SimulatedRecording final : public RecordingSource {
   RecordingInfo info_;
   OnFrame on_frame_;
   bool expected_;
+  int first_frame_;
 };
 
 // Renders all frames at once, as SimulatedRecording would. Calls `progress` after each frame.

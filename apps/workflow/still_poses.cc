@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "apps/workflow/compare.h"
+#include "calib/selection/frame_choice.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/physics/receiver.h"
@@ -13,6 +16,11 @@ namespace sonarcal::workflow {
 namespace {
 
 constexpr double kAgreeSigmas = 3.0;
+
+// Memory for the images of one pose, and number of poses: a long recording has more of both than the levels
+// need.
+constexpr std::size_t kMaxPixels = 64UL << 20U;
+constexpr int kMaxPoses = 32;
 
 // Empty without a noise level: the shape is then constant.
 std::vector<double> NoiseShapeDb(const ReceiverParameters& receiver, const PolarAxes& axes,
@@ -41,22 +49,22 @@ bool StillPose::NoiseAgrees() const {
 }
 
 std::vector<std::vector<int>> FramesByPose(const RecordingSource& recording) {
-  std::vector<std::pair<std::optional<Pose>, std::vector<int>>> groups;
+  std::vector<int> without_pose;
+  std::vector<int> with_pose;
+  std::vector<Pose> poses;
   for (int frame = 0; frame < recording.frame_count(); ++frame) {
     const std::optional<Pose> pose = recording.frame_info(frame).world_from_sonar;
-    const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
-      return group.first.has_value() == pose.has_value() && (!pose || IsSamePose(*group.first, *pose));
-    });
-    if (same == groups.end()) {
-      groups.push_back({pose, {frame}});
-    } else {
-      same->second.push_back(frame);
-    }
+    (pose ? with_pose : without_pose).push_back(frame);
+    if (pose) poses.push_back(*pose);
   }
   std::vector<std::vector<int>> shown_again;
-  for (auto& [pose, frames] : groups) {
-    if (frames.size() > 1) shown_again.push_back(std::move(frames));
+  if (without_pose.size() > 1) shown_again.push_back(std::move(without_pose));
+  for (std::vector<int>& group : calib::GroupByPose(poses)) {
+    if (group.size() < 2) continue;
+    for (int& frame : group) frame = with_pose[frame];
+    shown_again.push_back(std::move(group));
   }
+  std::ranges::sort(shown_again, {}, [](const std::vector<int>& frames) { return frames.front(); });
   return shown_again;
 }
 
@@ -69,7 +77,20 @@ StillPoses MeasureStillPoses(const RecordingSource& recording, const ParameterSe
       .noise_shape_db = NoiseShapeDb(parameters.receiver, recording.info().sonar.axes, absorption_db_per_m),
       .use = use};
   StillPoses still;
-  for (const std::vector<int>& frames : FramesByPose(recording)) {
+  const std::vector<std::vector<int>> by_pose = FramesByPose(recording);
+  std::vector<int> measured(by_pose.size());
+  std::iota(measured.begin(), measured.end(), 0);
+  measured = EvenlySpread(measured, kMaxPoses);
+  if (measured.size() < by_pose.size()) {
+    still.refused.push_back(
+        fmt::format("{} of {} repeated poses are measured, evenly spread", measured.size(), by_pose.size()));
+  }
+  const PolarAxes& axes = recording.info().sonar.axes;
+  const std::size_t pixels = std::max<std::size_t>(
+      1, static_cast<std::size_t>(axes.range_bins) * static_cast<std::size_t>(axes.beam_count()));
+  const int max_frames = static_cast<int>(std::max<std::size_t>(2, kMaxPixels / pixels));
+  for (const int pose_index : measured) {
+    const std::vector<int> frames = EvenlySpread(by_pose[pose_index], max_frames);
     std::vector<PolarImage> images;
     for (const int frame : frames) images.push_back(recording.ReadFrame(frame).image);
     StillPose pose;

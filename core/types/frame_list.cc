@@ -43,6 +43,7 @@ std::optional<FrameList::Range> FrameList::ParseRange(std::string_view text) {
 }
 
 std::optional<FrameList> FrameList::Parse(std::string_view text) {
+  if (text == "all") text = ":";
   FrameList list;
   for (std::string_view rest = text;;) {
     const std::size_t comma = rest.find(',');

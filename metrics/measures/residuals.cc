@@ -55,6 +55,29 @@ void ResidualCollector::Add(const PolarImage& real, const PolarImage& simulated,
                });
 }
 
+ResidualCollector& ResidualCollector::operator+=(const ResidualCollector& other) {
+  if (other.frames_ == 0) {
+    frames_left_out_ += other.frames_left_out_;
+    return *this;
+  }
+  if (frames_ == 0) {
+    const int left_out = frames_left_out_;
+    *this = other;
+    frames_left_out_ += left_out;
+    return *this;
+  }
+  frames_left_out_ += other.frames_left_out_;
+  if (!axes_.Matches(other.axes_)) {
+    frames_left_out_ += other.frames_;
+    return *this;
+  }
+  frames_ += other.frames_;
+  for (std::size_t i = 0; i < by_bin_.size(); ++i) by_bin_[i] += other.by_bin_[i];
+  for (std::size_t i = 0; i < by_beam_.size(); ++i) by_beam_[i] += other.by_beam_[i];
+  for (std::size_t i = 0; i < map_.cells.size(); ++i) map_.cells.values()[i] += other.map_.cells.values()[i];
+  return *this;
+}
+
 void ResidualCollector::AddTo(ResidualTable& table, const std::function<int(int bin, int beam)>& class_of,
                               const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
                               const Mask& simulated_object, const Mask* valid) {

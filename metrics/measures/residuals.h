@@ -18,6 +18,12 @@ namespace sonarcal::metrics {
 struct ResidualSums {
   DifferenceSums whole;
   DifferenceSums union_region;
+
+  ResidualSums& operator+=(const ResidualSums& other) {
+    whole += other.whole;
+    union_region += other.union_region;
+    return *this;
+  }
 };
 
 // One row of a table of residuals.
@@ -50,6 +56,15 @@ class ResidualCollector {
   // beam_count; `valid` null: every pixel is valid.
   void Add(const PolarImage& real, const PolarImage& simulated, const Mask& real_object,
            const Mask& simulated_object, const Mask* valid = nullptr);
+
+  // Adds what another collector has of other frames. Omits and counts them if its axes differ.
+  ResidualCollector& operator+=(const ResidualCollector& other);
+
+  // Passes all members to `visit`, for a file of them.
+  template <typename Visitor>
+  static void VisitMembers(ResidualCollector& self, const Visitor& visit) {
+    visit(self.axes_, self.frames_, self.frames_left_out_, self.by_bin_, self.by_beam_, self.map_);
+  }
 
   // Adds a frame to a table of the caller. `class_of(bin, beam)` is an index into table.classes, or negative
   // for a pixel without a class.

@@ -69,13 +69,19 @@ Json ConfigurationJson(const CalibrateCommandOptions& options) {
   return json;
 }
 
+// Configuration that a run has in common with the one that it resumes: all but the number of threads.
+std::string StartedText(Json configuration) {
+  configuration.erase("threads");
+  return configuration.dump(2);
+}
+
 // Plan to start from: of --plan, or of the run that is resumed.
 workflow::CalibrationPlan PlanOf(const CalibrateCommandOptions& options, const cli::RunOutput& output,
                                  const Json& configuration) {
   if (options.resume) {
     if (!output.found() || !std::filesystem::exists(output / kStarted)) {
       cli::PrintNote(options.common, "nothing to resume: the calibration begins anew");
-    } else if (data_io::ReadFileBytes(output / kStarted, 1 << 24) != configuration.dump(2)) {
+    } else if (data_io::ReadFileBytes(output / kStarted, 1 << 24) != StartedText(configuration)) {
       throw DataError("{}: cannot be resumed: it was started with other inputs or options",
                       options.out.string());
     } else if (std::filesystem::exists(output / kPlan)) {
@@ -109,7 +115,7 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
                         options.resume ? data_io::Aside::kFound : data_io::Aside::kAnew);
   workflow::CalibrationInput input{.background = background.get(),
                                    .plan = PlanOf(options, output, configuration)};
-  data_io::WriteFileWhole(output / kStarted, configuration.dump(2));
+  data_io::WriteFileWhole(output / kStarted, StartedText(configuration));
   std::optional<cli::Progress> progress;  // of one fit after the other
   const workflow::Calibration calibration = workflow::Calibrate(
       *recording, scene, options.calibrate, input,

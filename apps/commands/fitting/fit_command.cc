@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,7 @@ Json ConfigurationJson(const FitCommandOptions& options, const calib::FitConfig&
   resolved.fixed = config.fixed;
   resolved.held_out = fit.fit.report.frames_held_out;
   json.update(cli::OptionsJson(resolved));
+  json["used"] = fit.fit.report.frames_used;
   json.update({{"bounds", bounds},
                {"priors", priors},
                {"pose_prior",
@@ -258,10 +260,14 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   const calib::FitConfig config =
       workflow::ResolveFitConfig(options.fit, initial, scene, recording->frame_count());
   cli::RunOutput output(options.out, "fit", options.common.force);
-  cli::Progress progress("Tracing", recording->frame_count(), options.common);
+  std::optional<cli::Progress> progress;
   const workflow::RecordingFit fit = workflow::Fit(
       *recording, scene, initial, options.fit,
-      {.progress = [&](const std::string&, int done, int) { progress.Update(done); },
+      {.progress =
+           [&](const std::string& step, int done, int total) {
+             if (!progress) progress.emplace(step, total, options.common);
+             progress->Update(done);
+           },
        .message = [&](const std::string& sentence) { cli::PrintNote(options.common, sentence); },
        .stop = {}});
 

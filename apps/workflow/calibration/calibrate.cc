@@ -14,6 +14,7 @@
 #include "apps/workflow/calibration/held_out_trial.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/fit_frames.h"
+#include "apps/workflow/frame_choice.h"
 #include "apps/workflow/simulate.h"
 #include "calib/models/move_slopes.h"
 #include "calib/noise/noise_fit.h"
@@ -231,9 +232,13 @@ class Calibrator {
   }
 
   CalibrationDecision ChooseFrames() {
-    std::vector<int> all(recording_.frame_count());
-    std::iota(all.begin(), all.end(), 0);
-    const std::vector<int> frames = EvenlySpread(all, options_.max_frames);
+    if (options_.frames.empty() && recording_.frame_count() > options_.max_frames) return ChooseOfMany();
+    std::vector<int> frames = options_.frames.In(recording_.frame_count());
+    std::ranges::sort(frames);
+    if (frames.empty()) {
+      frames.resize(recording_.frame_count());
+      std::iota(frames.begin(), frames.end(), 0);
+    }
     std::vector<int> used;
     std::vector<int> held_out;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -246,9 +251,35 @@ class Calibrator {
       return {"the only frame is fitted",
               "nothing else is there, so that no choice can be tried on another frame"};
     }
-    CalibrationDecision decision{
-        fmt::format("{} of {} frames are fitted, {} are held out", used.size(), all.size(), held_out.size()),
-        "the held-out ones decide the choices below"};
+    CalibrationDecision decision{fmt::format("{} of {} frames are fitted, {} are held out", used.size(),
+                                             recording_.frame_count(), held_out.size()),
+                                 "the held-out ones decide the choices below"};
+    SayIfRepeated(decision);
+    return decision;
+  }
+
+  // Frames of a long recording, by the information that they are expected to give.
+  CalibrationDecision ChooseOfMany() {
+    const ChosenFrames chosen = workflow::ChooseFrames(
+        {.scene = scene_,
+         .sonar = sonar_,
+         .water = WaterOf(),
+         .absorption = options_.rays.absorption,
+         .parameters = plan_.parameters},
+        data_io::PosesOfRecording(recording_),
+        {.max_frames = options_.max_frames, .max_held_out = options_.max_held_out, .fits_held_out = true});
+    plan_.fit.used = chosen.used;
+    plan_.fit.held_out = chosen.held_out;
+    CalibrationDecision decision{chosen.choice, chosen.reason};
+    SayIfRepeated(decision);
+    return decision;
+  }
+
+  // Says it if held-out frames show nothing but what fitted ones show.
+  void SayIfRepeated(CalibrationDecision& decision) const {
+    const std::vector<int>& used = *plan_.fit.used;
+    const std::vector<int>& held_out = *plan_.fit.held_out;
+    if (held_out.empty()) return;
     const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording_);
     const auto is_fitted_pose = [&](int frame) {
       return std::ranges::any_of(used, [&](int other) {
@@ -260,7 +291,6 @@ class Calibrator {
           "whether the choices hold elsewhere: the held-out frames have poses of fitted ones, and their "
           "speckle if the scene is static");
     }
-    return decision;
   }
 
   CalibrationDecision ChooseWaterAndAbsorption() {

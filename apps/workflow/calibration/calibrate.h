@@ -17,13 +17,16 @@
 #include "apps/workflow/calibration/calibration_plan.h"
 #include "apps/workflow/fit.h"
 #include "apps/workflow/listener.h"
+#include "core/types/frame_list.h"
 #include "core/types/option.h"
 
 namespace sonarcal::workflow {
 
 struct CalibrateOptions {
   std::string target = {};
+  FrameList frames = {};
   int max_frames = 24;
+  int max_held_out = 12;
   RayOptions rays = {};
 
   template <typename Self, typename Visitor>
@@ -33,11 +36,25 @@ struct CalibrateOptions {
                      .by_default = "objects that stand inside the scene may stand elsewhere",
                      .type = "NODE"},
           self.target);
+    visit(
+        OptionInfo{.name = "frames",
+                   .help =
+                       "Frames to use, counted from 0, of which every third is held out; also ranges A:B, "
+                       "up to, but not including, B, A: up to the last frame, and :B; 'all' for every "
+                       "frame",
+                   .by_default = "all; of a recording with more than max-frames, those that are expected to "
+                                 "determine the parameters best"},
+        self.frames);
     visit(OptionInfo{.name = "max_frames",
-                     .help = "Max number of frames used, evenly spread over the recording",
+                     .help = "Max number of frames fitted of a long recording",
                      .min = 1,
                      .max = 100000},
           self.max_frames);
+    visit(OptionInfo{.name = "max_held_out",
+                     .help = "Max number of frames held out of a long recording",
+                     .min = 0,
+                     .max = 100000},
+          self.max_held_out);
     RayOptions::Visit(self.rays, visit);
   }
 };

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <set>
@@ -80,6 +81,38 @@ class BatchTest : public ::testing::Test {
       {{"name": "judged", "command": "compare", "for_each": "sim",
         "options": {{"real": "recorded", "sim": "{{out}}", "pictures": "{{seed}}"}}}}]}})",
                                                          rays, seeds));
+  }
+
+  // One recording, simulated and compared whole, and in ranges that are merged.
+  void WriteRangesPlan() {
+    recorded_ = world_.WriteSimulated("recorded", /*noise=*/true);
+    testing::WriteFile(world_ / "plan.json", R"({"format": "sonarcal-batch/1", "entries": [
+      {"name": "sim", "command": "simulate",
+       "options": {"scene": "scene.gltf", "sonar": "sonar.json", "params": "params.json", "poses": "recorded",
+                   "rays": "192x400", "bits": 12, "noise": true,
+                   "frames": {"from": 0, "to": 4, "step": 1}}},
+      {"name": "part", "command": "compare", "for_each": "sim",
+       "options": {"real": "recorded", "sim": "{out}", "frames": "{frames}", "part": true, "pictures": 0,
+                   "scene": "scene.gltf"}},
+      {"name": "judged", "command": "compare", "for_all": "part",
+       "options": {"real": "recorded", "merge": "{out}", "scene": "scene.gltf"}}]})");
+  }
+
+  // The comparison of all frames by one program.
+  Json ComparedWhole() const {
+    EXPECT_EQ(
+        RunSonarcal(fmt::format("simulate -q --scene {} --sonar {} --params {} --poses {} --rays 192x400 "
+                                "--bits 12 --noise --out {}",
+                                Quoted(world_.scene()), Quoted(world_.sonar()), Quoted(world_.params()),
+                                Quoted(recorded_), Quoted(world_ / "all")))
+            .status,
+        0);
+    EXPECT_EQ(
+        RunSonarcal(fmt::format("compare -q --real {} --sim {} --scene {} --out {}", Quoted(recorded_),
+                                Quoted(world_ / "all"), Quoted(world_.scene()), Quoted(world_ / "compared")))
+            .status,
+        0);
+    return ReadJsonFile(world_ / "compared" / "metrics.json");
   }
 
   std::string Batch(const std::string& out, const std::string& more = "") const {
@@ -179,6 +212,78 @@ TEST_F(BatchTest, KilledAndRunAgainItEndsTheSameAndDoesNothingTwice) {
     ASSERT_EQ(RunSonarcal(Batch(out)).status, 0);
     EXPECT_EQ(testing::ReadFile(world_ / out / "ledger.jsonl"), ledger);
   }
+}
+
+// Equal but for the last digits of sums, which are added in another order.
+void ExpectSame(const Json& merged, const Json& whole, const std::string& where) {
+  ASSERT_EQ(merged.type_name(), std::string(whole.type_name())) << where;
+  if (whole.is_number()) {
+    EXPECT_NEAR(merged.get<double>(), whole.get<double>(),
+                1e-9 * std::max(1.0, std::abs(whole.get<double>())))
+        << where;
+  } else if (whole.is_structured()) {
+    ASSERT_EQ(merged.size(), whole.size()) << where;
+    for (const auto& [key, value] : whole.items())
+      ExpectSame(whole.is_array() ? merged.at(std::stoul(key)) : merged.at(key), value, where + "." + key);
+  } else {
+    EXPECT_EQ(merged, whole) << where;
+  }
+}
+
+TEST_F(BatchTest, RangesOfARecordingAreMergedToTheComparisonOfTheWhole) {
+  WriteRangesPlan();
+  const Json whole = ComparedWhole();
+  KillAfter("out", 5);  // a part, with all simulations done
+  const int done_before = CountOf(world_ / "out", "done");
+  ASSERT_LT(done_before, 9);
+  const Outcome outcome = RunSonarcal(Batch("out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  int begun_twice = 0;
+  for (const auto& [job, events] : EventsOf(world_ / "out")) {
+    EXPECT_EQ(std::count(events.begin(), events.end(), "done"), 1) << job;
+    begun_twice += events.size() > 2 ? 1 : 0;
+  }
+  EXPECT_LE(begun_twice, 1);  // the range that was killed
+  EXPECT_EQ(EventsOf(world_ / "out").size(), 9U);
+  const Json merged = ReadJsonFile(world_ / "out" / "judged" / "0000" / "metrics.json");
+  EXPECT_EQ(merged.at("frames"), whole.at("frames"));
+  EXPECT_EQ(merged.at("micro"), whole.at("micro"));
+  EXPECT_EQ(merged.at("macro"), whole.at("macro"));
+  for (const char* key : {"noise_floor", "residuals", "threshold_sweep", "segmentation", "notes", "ci"})
+    ExpectSame(merged.at(key), whole.at(key), key);
+  // A part is missing.
+  const Outcome missing = RunSonarcal(fmt::format(
+      "compare -q --real {} --scene {} --merge {},{} --out {}", Quoted(recorded_), Quoted(world_.scene()),
+      Quoted(world_ / "out/part/0000"), Quoted(world_ / "out/part/0002"), Quoted(world_ / "missing")));
+  EXPECT_EQ(missing.status, 1);
+}
+
+TEST_F(BatchTest, AClusterMergesRangesToo) {
+  if (std::system(SONARCAL_PYTHON " -c 'import distributed' 2>/dev/null") != 0)
+    GTEST_SKIP() << "needs python3-distributed";
+  WriteRangesPlan();
+  ASSERT_EQ(RunSonarcal(Batch("whole")).status, 0);
+  ASSERT_EQ(std::system(fmt::format("{} {} {} --out {} --workers 2 --quiet --program {} >/dev/null 2>&1",
+                                    SONARCAL_PYTHON, SONARCAL_DASK_BATCH, Quoted(world_ / "plan.json"),
+                                    Quoted(world_ / "cluster"), SONARCAL_BINARY)
+                            .c_str()),
+            0);
+  const Json by_processes = ReadJsonFile(world_ / "whole/judged/0000/metrics.json");
+  const Json by_cluster = ReadJsonFile(world_ / "cluster/judged/0000/metrics.json");
+  EXPECT_EQ(by_cluster.at("frames"), by_processes.at("frames"));
+  EXPECT_EQ(by_cluster.at("micro"), by_processes.at("micro"));
+}
+
+TEST_F(BatchTest, OneCalibrationRunsOverManyRecordings) {
+  WritePlan();
+  testing::WriteFile(world_ / "many.json", R"({"format": "sonarcal-batch/1", "entries": [
+      {"name": "calibrated", "command": "calibrate",
+       "options": {"scene": "scene.gltf", "real": ["recorded", "other"], "max-frames": 12}}]})");
+  const Outcome outcome = RunSonarcal(
+      fmt::format("batch {} --out {} --dry-run", Quoted(world_ / "many.json"), Quoted(world_ / "out")));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("calibrated/0001"));
+  EXPECT_THAT(outcome.out, HasSubstr("--real other"));
 }
 
 TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {

@@ -21,6 +21,7 @@ TEST(FrameListTest, NumbersAndRangesAreReadInTheirOrder) {
   EXPECT_EQ(FramesOf("7:", 10), (std::vector<int>{7, 8, 9}));
   EXPECT_EQ(FramesOf(":3,8:", 10), (std::vector<int>{0, 1, 2, 8, 9}));
   EXPECT_EQ(FramesOf(":", 2), (std::vector<int>{0, 1}));
+  EXPECT_EQ(FramesOf("all", 2), (std::vector<int>{0, 1}));
   EXPECT_TRUE(FrameList().In(10).empty());
 }
 

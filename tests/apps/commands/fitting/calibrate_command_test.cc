@@ -221,6 +221,23 @@ TEST_F(CalibrateCommand, APlanDecidesAndTheRestIsDecidedAnew) {
   EXPECT_NEAR(data_io::ReadSonarFile(*world_ / "planned/sonar.json").sonar.axes.range_min_m, 0.5, 1e-9);
 }
 
+TEST_F(CalibrateCommand, ALongRecordingIsFittedByChosenFramesAndItsPlanKeepsThem) {
+  testing::WriteFile(*world_ / "long.json", R"({"format": "sonar-calibration-plan/1",
+    "decided": [{"stage": "placement"}, {"stage": "beam"}, {"stage": "mirrors"}]})");
+  const Outcome outcome = RunSonarcal(
+      Arguments("chosen", "--max-frames 4 --max-held-out 2 --plan " + Quoted(*world_ / "long.json")));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const workflow::CalibrationPlan plan = workflow::ReadCalibrationPlan(*world_ / "chosen/plan.json");
+  EXPECT_EQ(plan.fit.used->size(), 4U);
+  EXPECT_EQ(plan.fit.held_out->size(), 2U);
+  EXPECT_EQ(plan.decided.front().choice, "4 of 9 frames are fitted, 2 are held out");
+  EXPECT_THAT(plan.decided.front().reason, HasSubstr("would lower the standard errors by"));
+  const Outcome again = RunSonarcal(Arguments("rechosen", "--plan " + Quoted(*world_ / "chosen/plan.json")));
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(testing::ReadFile(*world_ / "rechosen/params.json"),
+            testing::ReadFile(*world_ / "chosen/params.json"));
+}
+
 TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
   const auto refuses = [&](const std::string& extra, const std::string& part,
                            const std::string& real = "real") {

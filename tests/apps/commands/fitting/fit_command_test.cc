@@ -85,6 +85,27 @@ TEST_F(FitCommand, FindsTheParametersAndEvaluatesThemOnHeldOutFrames) {
 }
 
 // A pinhole's frustum gives the outer beams fewer rays than even angles do.
+TEST_F(FitCommand, ALongRecordingIsFittedByChosenFramesUnlessTheUserNamesThem) {
+  const auto frames = [&](const std::string& options) {
+    const Outcome outcome = RunSonarcal(Arguments(options + " --force"));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const nlohmann::json json = testing::ReadJsonFile(world_ / "out/fit.json");
+    return std::pair(json["frames_used"].get<std::vector<int>>(),
+                     json["frames_held_out"].get<std::vector<int>>());
+  };
+  const auto [used, held_out] = frames("--max-frames 2 --max-held-out 1");
+  EXPECT_EQ(used.size(), 2U);
+  ASSERT_EQ(held_out.size(), 1U);
+  EXPECT_FALSE(std::ranges::binary_search(used, held_out.front()));
+  EXPECT_EQ(testing::ReadJsonFile(world_ / "out/provenance.json")["configuration"]["used"], used);
+  using Lists = std::pair<std::vector<int>, std::vector<int>>;
+  EXPECT_EQ(frames("--max-frames 2 --max-held-out 1 --frames all"), (Lists{{0, 1, 2}, {3}}));
+  EXPECT_EQ(frames("--frames 0,2:4"), (Lists{{0, 2}, {3}}));
+  EXPECT_EQ(frames("--frames 0:3 --held-out 1"), (Lists{{0, 2}, {1}}));
+  // Held-out frames that the user names stay.
+  EXPECT_EQ(frames("--max-frames 1 --max-held-out 1 --held-out 0,3").second, (std::vector<int>{0, 3}));
+}
+
 TEST_F(FitCommand, ARecordingOfFrustumRaysIsFittedWithItsRaysUnlessAskedOtherwise) {
   ASSERT_EQ(RunSonarcal("simulate -q --noise --seed 5 --sampling frustum --rays 300x240 --scene " +
                         Quoted(world_.scene()) + " --sonar " + Quoted(world_.sonar()) + " --params " +

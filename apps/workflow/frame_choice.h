@@ -1,0 +1,56 @@
+// Frames of a long recording that are fitted and evaluated. The expected information decides
+// (calib/selection/frame_choice.h); no image is read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/parameters/fit_config.h"
+#include "core/types/parameters.h"
+#include "core/types/scene.h"
+#include "core/types/sonar_model.h"
+#include "data_io/pose_io.h"
+#include "sim/physics/absorption.h"
+
+namespace sonarcal::workflow {
+
+// A fit needs up to 160 bytes per pixel, so that this many stay below 2 GiB.
+inline constexpr double kMaxFittedPixels = 10e6;
+
+struct FrameChoiceOptions {
+  // Fewer of large frames: those that are fitted together hold max kMaxFittedPixels.
+  int max_frames = 24;         // fitted
+  int max_held_out = 12;       // evaluated
+  bool fits_held_out = false;  // a last fit takes all of these together
+  bool geometry = true;        // the geometry of the sonar is fitted
+  bool poses = true;           // the poses are fitted
+  calib::PosePrior pose_prior = {};
+  // Frames that are evaluated, whatever lies away from the fitted ones. Absent: those that do.
+  std::optional<std::vector<int>> held_out = {};
+};
+
+// Scene, sonar and parameters before the fit.
+struct FrameChoiceScene {
+  const Scene& scene;
+  const SonarModel& sonar;
+  Water water = {};
+  sim::AbsorptionFormula absorption = sim::AbsorptionFormula::kAuto;
+  const ParameterSet& parameters;  // of any model; widths and a material for each part must be known
+};
+
+struct ChosenFrames {
+  std::vector<int> used;      // in the order of the recording
+  std::vector<int> held_out;  // as above
+  std::string choice;         // phrase, such as "24 of 10000 frames are fitted, 12 are held out"
+  std::string reason;         // phrase
+};
+
+// Returns true for a recording with so many frames that a fit chooses among them.
+bool NeedsFrameChoice(int frame_count, const FrameChoiceOptions& options);
+
+// Chooses frames. If the parameters expect no echo from any pose, it spreads them evenly and says so.
+ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& poses,
+                          const FrameChoiceOptions& options = {});
+
+}  // namespace sonarcal::workflow
