@@ -152,11 +152,11 @@ class FastestQuery {
  public:
   explicit FastestQuery(RayOrder order) : order_(order) {}
 
-  void Measure(const EmbreeAlone& sim::embree) {
+  void Measure(const EmbreeAlone& embree) {
     for (const int width : {1, 4, 8, 16}) {
       for (const bool coherent : {false, true}) {
         seconds_[std::to_string(width) + (coherent ? "c" : "")].push_back(
-            sim::embree.Seconds(order_, width, coherent));
+            embree.Seconds(order_, width, coherent));
       }
     }
   }

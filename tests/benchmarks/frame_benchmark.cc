@@ -24,14 +24,14 @@ void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& 
   const sim::Simulator simulator(scene, preset.sonar, Options(preset, rays));
   const ParameterSet parameters = Parameters();
   const FanMap map(preset.sonar.axes, FanAxesFor(preset.sonar.axes, {}));
-  const EmbreeAlone sim::embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
+  const EmbreeAlone embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
   for (auto unused : state) {
     FastestQuery in_rows(RayOrder::kRows);
     FastestQuery in_tiles(RayOrder::kTiles);
     std::vector<double> frame;
     for (int round = 0; round < kRounds; ++round) {
-      in_rows.Measure(sim::embree);
-      in_tiles.Measure(sim::embree);
+      in_rows.Measure(embree);
+      in_tiles.Measure(embree);
       const double began = Now();
       const PolarImage image = simulator.Render(pose, parameters, round);
       const FanImage fan = map.Apply(image);
@@ -102,7 +102,7 @@ void TwoThreads(benchmark::State& state) {
   sim::RayFanOptions row = kPaperRays;
   row.rows = 1;
   const sim::Simulator one_row(scene, preset.sonar, Options(preset, row));
-  const EmbreeAlone sim::embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
+  const EmbreeAlone embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m);
   const ParameterSet parameters = Parameters();
   for (auto unused : state) {
     std::vector<double> frame[2];
@@ -111,7 +111,7 @@ void TwoThreads(benchmark::State& state) {
       for (const int threads : {1, 2}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(threads));
-        alone[threads - 1].push_back(sim::embree.Seconds(RayOrder::kTiles, 16, true));
+        alone[threads - 1].push_back(embree.Seconds(RayOrder::kTiles, 16, true));
         const double began = Now();
         const PolarImage image = simulator.Render(pose, parameters, round);
         benchmark::DoNotOptimize(image.value.values().data());
