@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 
@@ -112,6 +113,16 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
                        [&](int row, int column, double of_cell) { scatter.power(row, column) += of_cell; });
     });
   }
+}
+
+void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
+               PulsedMap& pulsed) {
+  if (ghosts.echoes.empty()) return;
+  ScatterMap scatter = EmptyScatterMap(pulsed.column_azimuth_rad, geometry, parameters);
+  AddGhosts(ghosts, geometry, parameters, scatter);
+  const PulsedMap of_ghosts = ThroughPulse(scatter, geometry, parameters);
+  std::transform(pulsed.power.values().begin(), pulsed.power.values().end(), of_ghosts.power.values().begin(),
+                 pulsed.power.values().begin(), std::plus<>());
 }
 
 }  // namespace sonarcal::sim

@@ -121,4 +121,8 @@ class ArrivalGrid {
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter);
 
+// As above, through the pulse of the parameters.
+void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
+               PulsedMap& pulsed);
+
 }  // namespace sonarcal::sim

@@ -262,15 +262,17 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
 }
 
 void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
-                            const std::function<void(const RowHits&)>& take) const {
-  constexpr int kBlockCols = 8 * kTileCols;
+                            const std::function<void(const ColumnBlock&)>& of_block) const {
+  static_assert(kBlockCols % kTileCols == 0);
   const int blocks = (fan.cols() + kBlockCols - 1) / kBlockCols;
   tbb::parallel_for(0, blocks, [&](int block) {
     const embree::FlushDenormals flush;
     Casting casting(fan, world_from_sonar, max_range_m);
     casting.first_col = block * kBlockCols;
     casting.cols = std::min(kBlockCols, fan.cols() - casting.first_col);
-    CastRowsOf(casting, 0, fan.rows(), take);
+    of_block({casting.first_col, casting.cols, [&](const std::function<void(const RowHits&)>& take) {
+                CastRowsOf(casting, 0, fan.rows(), take);
+              }});
   });
   *embree_->rays_cast += fan.size();
 }

@@ -50,6 +50,84 @@ double Dot(const double* __restrict a, const double* __restrict b, int count) {
 }
 
 SONARCAL_VECTOR_VERSIONS
+void Dots(const double* __restrict weight, const double* const* __restrict values, int count,
+          double* __restrict sums) {
+  // A vector type, because GCC otherwise makes vectors of the sums, whose values it has to gather.
+  constexpr int kLanes = 4;
+  using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+  static_assert(kDots == 4);
+  const double* __restrict a = values[0];
+  const double* __restrict b = values[1];
+  const double* __restrict c = values[2];
+  const double* __restrict d = values[3];
+  const auto load = [](const double* from) {
+    Lanes lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+  };
+  Lanes sum_a = {};
+  Lanes sum_b = {};
+  Lanes sum_c = {};
+  Lanes sum_d = {};
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    const Lanes w = load(weight + i);
+    sum_a += w * load(a + i);
+    sum_b += w * load(b + i);
+    sum_c += w * load(c + i);
+    sum_d += w * load(d + i);
+  }
+  const auto total = [](const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); };
+  sums[0] = total(sum_a);
+  sums[1] = total(sum_b);
+  sums[2] = total(sum_c);
+  sums[3] = total(sum_d);
+  for (; i < count; ++i) {
+    for (int k = 0; k < kDots; ++k) sums[k] += weight[i] * values[k][i];
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void WeighRows(const float* __restrict weight, const float* __restrict values, int count,
+               float* __restrict sums) {
+  constexpr int kLanes = 8;
+  constexpr int kVectors = kBlockCols / kLanes;
+  using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+  Lanes sum[kVectors];
+  std::memcpy(sum, sums, sizeof sum);
+  for (int i = 0; i < count; ++i, values += kBlockCols) {
+    for (int v = 0; v < kVectors; ++v) {
+      Lanes of_row;
+      std::memcpy(&of_row, values + v * kLanes, sizeof of_row);
+      sum[v] += weight[i] * of_row;
+    }
+  }
+  std::memcpy(sums, sum, sizeof sum);
+}
+
+SONARCAL_VECTOR_VERSIONS
+void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const float* __restrict range_m,
+               const float* __restrict half_tangent, int count, float* __restrict parts,
+               float* __restrict position, float* __restrict step) {
+  const RangeRows r = rows;
+  const float per_part = 1.0F / r.part_m;
+  for (int i = 0; i < count; ++i) {
+    const float range = range_m[i];
+    const float tangent = 2.0F * half_tangent[i] / (1.0F - half_tangent[i] * half_tangent[i] + 1e-30F);
+    const float slope = tangent < max_tangent ? tangent : max_tangent;
+    const float spread = range * height_rad * slope * per_part;
+    const float in_parts = spread < r.max_parts ? spread : r.max_parts;
+    const float whole = std::ceil(in_parts);
+    const float number = whole > 1.0F ? whole : 1.0F;
+    const bool inside = range > 0.0F && range >= r.nearest_m && range < r.farthest_m;
+    const float depth = in_parts * r.part_m;
+    parts[i] = inside ? number : 0.0F;
+    position[i] = (range + depth * (0.5F / number - 0.5F) - r.first_m) * r.per_m;
+    step[i] = depth / number * r.per_m;
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
 void Directions(const float* __restrict x, const float* __restrict y, float across, float up,
                 const float* __restrict rotation, int count, float* __restrict world_x,
                 float* __restrict world_y, float* __restrict world_z) {

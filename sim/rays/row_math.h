@@ -80,7 +80,30 @@ void ElevationWeights(const Table& table, float at, float per_offset, const floa
 void PatchPowers(const Table& table, float per_m, const float* range_m, const float* half_tangent,
                  const float* weight, int count, float* power);
 
+// Rows of range, as sim/physics/fine_rows.h (FineRows) defines them.
+struct RangeRows {
+  float nearest_m = 0.0F;  // window of the echoes to keep
+  float farthest_m = 0.0F;
+  float first_m = 0.0F;
+  float per_m = 0.0F;
+  float part_m = 0.0F;
+  float max_parts = 0.0F;
+};
+// Parts of echoes from patches with slopes along the height of their cells (PatchDepthM of
+// sim/physics/patch.h; tangents are limited to max_tangent): number of parts, position of the first one in
+// rows, and step between two in rows. 0 parts for an echo outside of the window.
+void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const float* range_m,
+               const float* half_tangent, int count, float* parts, float* position, float* step);
+
 double Dot(const double* a, const double* b, int count);
+
+// sums[k] = sum over i of weight[i] x values[k][i].
+inline constexpr int kDots = 4;
+void Dots(const double* weight, const double* const* values, int count, double* sums);
+
+// Adds to sums[k] the sum over i of weight[i] x values[i kBlockCols + k], for k = 0 .. kBlockCols - 1.
+inline constexpr int kBlockCols = 32;
+void WeighRows(const float* weight, const float* values, int count, float* sums);
 
 // sums[k] = sum over i of weight[i] x values[i kWideSum + k].
 inline constexpr int kWideSum = 8;
