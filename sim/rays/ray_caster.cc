@@ -19,10 +19,12 @@ namespace sonarcal::sim {
 namespace {
 
 // Size of a tile of neighbouring rows and columns. Each tile is one packet: rays that are close in both
-// directions visit fewer boxes of the tree than the same number of rays in a line.
-constexpr int kTileRows = 4;
+// directions visit fewer boxes of the tree than the same number of rays in a line. A packet has as many rays
+// as AVX2 has lanes; Embree would divide a larger one.
+constexpr int kTileRows = 2;
 constexpr int kTileCols = 4;
 constexpr int kPacket = kTileRows * kTileCols;
+using Packet = RTCRayHit8;
 
 // Lane of a ray of a tile.
 constexpr int LaneOf(int row, int col) {
@@ -44,7 +46,7 @@ struct RayCaster::RowBuffers {
 
 namespace {
 
-bool AnyHit(const RTCRayHit16& packet) {
+bool AnyHit(const Packet& packet) {
   return std::any_of(packet.hit.geomID, packet.hit.geomID + kPacket,
                      [](unsigned id) { return id != RTC_INVALID_GEOMETRY_ID; });
 }
@@ -62,7 +64,7 @@ class HitsOfRow {
 
   // Adds `count` rays of a tile's row: the first has column `first` and lane `lane`. Misses are written too
   // and overwritten by the next ray, which avoids a branch.
-  void Add(int first, int count, int lane, const RTCRayHit16& packet, const float* half_tangent,
+  void Add(int first, int count, int lane, const Packet& packet, const float* half_tangent,
            const std::vector<std::uint16_t>& materials) {
     for (int i = 0; i < count; ++i, ++lane) {
       const bool hit = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
@@ -176,8 +178,8 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
                               direction[1].data(), direction[2].data());
   }
   embree::Query query(true);
-  alignas(64) RTCRayHit16 packet = {};
-  alignas(64) int valid[kPacket];
+  alignas(32) Packet packet = {};
+  alignas(32) int valid[kPacket];
   std::fill_n(packet.ray.org_x, kPacket, casting.origin.x());
   std::fill_n(packet.ray.org_y, kPacket, casting.origin.y());
   std::fill_n(packet.ray.org_z, kPacket, casting.origin.z());
@@ -195,7 +197,7 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
     std::fill_n(packet.ray.tfar, kPacket, casting.max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
-    query.Intersect16(valid, embree_->scene, &packet);
+    query.Intersect8(valid, embree_->scene, &packet);
     met(casting.first_col + at, count, packet);
   }
 }
@@ -218,7 +220,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
   ForRows(fan, [&](int begin, int end) {
     RowBuffers buffers(fan.cols());
     for (int row = begin; row < end; row += kTileRows) {
-      CastTiles(casting, row, buffers, [&](int first, int count, const RTCRayHit16& packet) {
+      CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
         for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
           const std::size_t offset = static_cast<std::size_t>(row + r) * fan.cols() + first;
           for (int i = 0; i < count; ++i) {
@@ -242,7 +244,7 @@ void RayCaster::CastRowsOf(const Casting& casting, int begin, int end,
   std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(casting.cols));
   for (int row = begin; row < end; row += kTileRows) {
     for (HitsOfRow& of_row : hits) of_row.Clear();
-    CastTiles(casting, row, buffers, [&](int first, int count, const RTCRayHit16& packet) {
+    CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
       if (!AnyHit(packet)) return;
       float half_tangent[kPacket];
       row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
@@ -293,9 +295,9 @@ void FreeRays::Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards
 
 namespace {
 
-// Fills `ray` (an RTCRay16) with the rays from `first` on. Sets `valid` to -1 for each lane that holds a ray.
-template <typename Packet>
-void Load(const FreeRays& rays, std::size_t first, Packet& ray, int* valid) {
+// Fills `ray` (an RTCRay8) with the rays from `first` on. Sets `valid` to -1 for each lane that holds a ray.
+template <typename Rays>
+void Load(const FreeRays& rays, std::size_t first, Rays& ray, int* valid) {
   const std::size_t count = std::min<std::size_t>(kPacket, rays.size() - first);
   std::fill_n(valid, kPacket, 0);
   std::fill_n(valid, count, -1);
@@ -322,14 +324,14 @@ FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
   hits.range_m.assign(rays.size(), std::numeric_limits<float>::infinity());
   hits.triangle.assign(rays.size(), -1);
   const embree::FlushDenormals flush;
-  embree::Query query(false);
-  alignas(64) RTCRayHit16 packet = {};
-  alignas(64) int valid[kPacket];
+  embree::Query query(true);
+  alignas(32) Packet packet = {};
+  alignas(32) int valid[kPacket];
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     Load(rays, first, packet.ray, valid);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
-    query.Intersect16(valid, embree_->scene, &packet);
+    query.Intersect8(valid, embree_->scene, &packet);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
       if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       hits.range_m[first + i] = packet.ray.tfar[i];
@@ -343,12 +345,12 @@ FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
 std::vector<char> RayCaster::IsOccluded(const FreeRays& rays) const {
   std::vector<char> occluded(rays.size(), 0);
   const embree::FlushDenormals flush;
-  embree::Query query(false);
-  alignas(64) RTCRay16 packet = {};
-  alignas(64) int valid[kPacket];
+  embree::Query query(true);
+  alignas(32) RTCRay8 packet = {};
+  alignas(32) int valid[kPacket];
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     Load(rays, first, packet, valid);
-    query.Occluded16(valid, embree_->scene, &packet);
+    query.Occluded8(valid, embree_->scene, &packet);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
       // Embree marks an occluded ray this way.
       occluded[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;

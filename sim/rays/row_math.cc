@@ -147,8 +147,10 @@ namespace {
 struct SmallTurn {
   explicit SmallTurn(float angle_rad) {
     const float square = angle_rad * angle_rad;
-    sine = angle_rad * (1.0F - square / 6.0F * (1.0F - square / 20.0F * (1.0F - square / 42.0F)));
-    cosine = 1.0F - square / 2.0F * (1.0F - square / 12.0F * (1.0F - square / 30.0F));
+    // Factors rather than quotients, because the compiler may not turn a division into a multiplication.
+    sine = angle_rad *
+           (1.0F - square * (1.0F / 6.0F) * (1.0F - square * (1.0F / 20.0F) * (1.0F - square * (1.0F / 42.0F))));
+    cosine = 1.0F - square * 0.5F * (1.0F - square * (1.0F / 12.0F) * (1.0F - square * (1.0F / 30.0F)));
   }
   float sine;
   float cosine;

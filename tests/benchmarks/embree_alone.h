@@ -25,9 +25,11 @@ enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by
 // them. Only hits are waited for, nothing is made of them.
 class EmbreeAlone {
  public:
-  EmbreeAlone(const Scene& scene, const sim::RayFan& fan, const Pose& pose, double max_range_m)
+  // `kernels`: Embree's configuration; null: the processor's own kernels.
+  EmbreeAlone(const Scene& scene, const sim::RayFan& fan, const Pose& pose, double max_range_m,
+              const char* kernels = nullptr)
       : origin_(pose.position_m.cast<float>()), max_range_m_(static_cast<float>(max_range_m)) {
-    device_ = rtcNewDevice(nullptr);
+    device_ = rtcNewDevice(kernels);
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
