@@ -50,24 +50,47 @@ Grid<T> AlongRange(const Grid<T>& fine, int range_bins, int range_steps, const R
   return out;
 }
 
-// Weighted sums of up to kDots rows.
-void WeighRows(const std::vector<double>& weight, const double* const* rows, double* sums) {
-  row_math::Dots(weight.data(), rows, static_cast<int>(weight.size()), sums);
-}
+// Weights of two neighbouring beams for the same columns, and sums of kDots rows by them.
+struct BeamPair {
+  int first_col = 0;
+  std::vector<double> weight[2];
 
-void WeighRows(const std::vector<double>& weight, const std::complex<double>* const* rows,
-               std::complex<double>* sums) {
-  for (int k = 0; k < row_math::kDots; ++k) {
-    sums[k] = std::inner_product(weight.begin(), weight.end(), rows[k], std::complex<double>(0.0), std::plus<>(),
-                                 [](double w, const std::complex<double>& v) { return w * v; });
+  BeamPair(const ResponseWindow& one, const ResponseWindow& other)
+      : first_col(std::min(one.first, other.first)) {
+    const auto end = [](const ResponseWindow& window) {
+      return static_cast<std::size_t>(window.first) + window.weight.size();
+    };
+    const std::size_t cols = std::max(end(one), end(other)) - first_col;
+    for (const auto& [window, to] : {std::pair(&one, &weight[0]), std::pair(&other, &weight[1])}) {
+      to->resize(cols);
+      std::copy(window->weight.begin(), window->weight.end(), to->begin() + (window->first - first_col));
+    }
   }
-}
 
-// Filters bins x columns along azimuth to bins x beams. A few bins at a time, because they share the weights.
+  void Sums(const double* const* rows, double* sums) const {
+    const double* const weights[] = {weight[0].data(), weight[1].data()};
+    row_math::Dots(weights, rows, static_cast<int>(weight[0].size()), sums);
+  }
+  void Sums(const std::complex<double>* const* rows, std::complex<double>* sums) const {
+    for (const std::vector<double>& of_beam : weight) {
+      for (int k = 0; k < row_math::kDots; ++k, ++sums) {
+        *sums = std::inner_product(of_beam.begin(), of_beam.end(), rows[k], std::complex<double>(0.0),
+                                   std::plus<>(),
+                                   [](double w, const std::complex<double>& v) { return w * v; });
+      }
+    }
+  }
+};
+
+// Filters bins x columns along azimuth to bins x beams. A few bins and two beams at a time, because they share
+// their loads.
 template <typename T>
 Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& azimuth) {
   constexpr int kTogether = row_math::kDots;
   const int beams = static_cast<int>(azimuth.size());
+  std::vector<BeamPair> pairs;
+  for (int beam = 0; beam < beams; beam += 2)
+    pairs.emplace_back(azimuth[beam], azimuth[std::min(beam + 1, beams - 1)]);
   Grid<T> out(in_bins.rows(), beams);
   const int groups = (in_bins.rows() + kTogether - 1) / kTogether;
   tbb::parallel_for(tbb::blocked_range<int>(0, groups, 2), [&](const tbb::blocked_range<int>& range) {
@@ -81,12 +104,15 @@ Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& 
         silent = silent && IsSilent(row);
       }
       if (silent) continue;
-      for (int beam = 0; beam < beams; ++beam) {
+      for (int pair = 0; pair < static_cast<int>(pairs.size()); ++pair) {
         std::array<const T*, kTogether> from;
-        for (int k = 0; k < kTogether; ++k) from[k] = rows[k] + azimuth[beam].first;
-        std::array<T, kTogether> sums;
-        WeighRows(azimuth[beam].weight, from.data(), sums.data());
-        for (int bin = first; bin <= last; ++bin) out(bin, beam) = sums[bin - first];
+        for (int k = 0; k < kTogether; ++k) from[k] = rows[k] + pairs[pair].first_col;
+        std::array<T, 2 * kTogether> sums;
+        pairs[pair].Sums(from.data(), sums.data());
+        for (int beam = 2 * pair; beam < std::min(2 * pair + 2, beams); ++beam) {
+          const int of_beam = (beam - 2 * pair) * kTogether;
+          for (int bin = first; bin <= last; ++bin) out(bin, beam) = sums[of_beam + bin - first];
+        }
       }
     }
   });

@@ -184,19 +184,24 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
   std::fill_n(packet.ray.org_y, kPacket, casting.origin.y());
   std::fill_n(packet.ray.org_z, kPacket, casting.origin.z());
   std::fill_n(packet.ray.mask, kPacket, ~0U);
+  std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+  const auto set_valid = [&](int cols) {
+    for (int lane = 0; lane < kPacket; ++lane)
+      valid[lane] = lane / kTileCols < rows && lane % kTileCols < cols ? -1 : 0;
+  };
+  set_valid(kTileCols);
   for (int at = 0; at < casting.cols; at += kTileCols) {
     const int count = std::min(kTileCols, casting.cols - at);
+    if (count < kTileCols) set_valid(count);
     for (int r = 0; r < kTileRows; ++r) {
       const auto& direction = buffers.direction[r];
       const int lane = LaneOf(r, 0);
-      for (int col = 0; col < kTileCols; ++col) valid[lane + col] = r < rows && col < count ? -1 : 0;
       std::copy_n(&direction[0][at], kTileCols, packet.ray.dir_x + lane);
       std::copy_n(&direction[1][at], kTileCols, packet.ray.dir_y + lane);
       std::copy_n(&direction[2][at], kTileCols, packet.ray.dir_z + lane);
     }
     std::fill_n(packet.ray.tfar, kPacket, casting.max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
     query.Intersect8(valid, embree_->scene, &packet);
     met(casting.first_col + at, count, packet);
   }

@@ -50,40 +50,41 @@ double Dot(const double* __restrict a, const double* __restrict b, int count) {
 }
 
 SONARCAL_VECTOR_VERSIONS
-void Dots(const double* __restrict weight, const double* const* __restrict values, int count,
+void Dots(const double* const* __restrict weight, const double* const* __restrict values, int count,
           double* __restrict sums) {
   // A vector type, because GCC otherwise makes vectors of the sums, whose values it has to gather.
   constexpr int kLanes = 4;
   using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-  static_assert(kDots == 4);
-  const double* __restrict a = values[0];
-  const double* __restrict b = values[1];
-  const double* __restrict c = values[2];
-  const double* __restrict d = values[3];
   const auto load = [](const double* from) {
     Lanes lanes;
     std::memcpy(&lanes, from, sizeof lanes);
     return lanes;
   };
-  Lanes sum_a = {};
-  Lanes sum_b = {};
-  Lanes sum_c = {};
-  Lanes sum_d = {};
+  const double* __restrict first = weight[0];
+  const double* __restrict second = weight[1];
+  const double* __restrict value[kDots] = {values[0], values[1], values[2], values[3]};
+  Lanes by_first[kDots] = {};
+  Lanes by_second[kDots] = {};
   int i = 0;
   for (; i + kLanes <= count; i += kLanes) {
-    const Lanes w = load(weight + i);
-    sum_a += w * load(a + i);
-    sum_b += w * load(b + i);
-    sum_c += w * load(c + i);
-    sum_d += w * load(d + i);
+    const Lanes a = load(first + i);
+    const Lanes b = load(second + i);
+    for (int k = 0; k < kDots; ++k) {
+      const Lanes v = load(value[k] + i);
+      by_first[k] += a * v;
+      by_second[k] += b * v;
+    }
   }
   const auto total = [](const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); };
-  sums[0] = total(sum_a);
-  sums[1] = total(sum_b);
-  sums[2] = total(sum_c);
-  sums[3] = total(sum_d);
-  for (; i < count; ++i) {
-    for (int k = 0; k < kDots; ++k) sums[k] += weight[i] * values[k][i];
+  for (int k = 0; k < kDots; ++k) {
+    double of_first = total(by_first[k]);
+    double of_second = total(by_second[k]);
+    for (int rest = i; rest < count; ++rest) {
+      of_first += first[rest] * value[k][rest];
+      of_second += second[rest] * value[k][rest];
+    }
+    sums[k] = of_first;
+    sums[kDots + k] = of_second;
   }
 }
 

@@ -97,9 +97,9 @@ void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const
 
 double Dot(const double* a, const double* b, int count);
 
-// sums[k] = sum over i of weight[i] x values[k][i].
+// sums[w kDots + k] = sum over i of weight[w][i] x values[k][i], for two weights.
 inline constexpr int kDots = 4;
-void Dots(const double* weight, const double* const* values, int count, double* sums);
+void Dots(const double* const* weight, const double* const* values, int count, double* sums);
 
 // Adds to sums[k] the sum over i of weight[i] x values[i kBlockCols + k], for k = 0 .. kBlockCols - 1.
 inline constexpr int kBlockCols = 32;
