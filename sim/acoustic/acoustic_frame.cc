@@ -16,15 +16,6 @@ namespace {
 constexpr int kBlockCols = RayCaster::kBlockCols;
 static_assert(kBlockCols == row_math::kBlockCols);
 
-row_math::RangeRows RangeRowsOf(const FineRows& rows, const PolarAxes& axes) {
-  return {.nearest_m = static_cast<float>(axes.range_min_m),
-          .farthest_m = static_cast<float>(axes.range_max_m),
-          .first_m = static_cast<float>(rows.first_m),
-          .per_m = static_cast<float>(rows.per_m),
-          .part_m = static_cast<float>(rows.part_m),
-          .max_parts = static_cast<float>(FineRows::kMaxParts)};
-}
-
 // Power per fine row of a block of columns, before the common factor of the shader: FineRows::Spread in single
 // precision. Reused from block to block.
 class BlockMap {

@@ -149,4 +149,13 @@ PatchShader::Patch PatchShader::Shade(int row, int col, int material, float rang
           .by_cosine = common * At(strength_slopes_[material], strength_steps_, half_tangent) * elevation};
 }
 
+row_math::RangeRows RangeRowsOf(const FineRows& rows, const PolarAxes& axes) {
+  return {.nearest_m = static_cast<float>(axes.range_min_m),
+          .farthest_m = static_cast<float>(axes.range_max_m),
+          .first_m = static_cast<float>(rows.first_m),
+          .per_m = static_cast<float>(rows.per_m),
+          .part_m = static_cast<float>(rows.part_m),
+          .max_parts = static_cast<float>(FineRows::kMaxParts)};
+}
+
 }  // namespace sonarcal::sim

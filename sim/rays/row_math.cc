@@ -16,22 +16,24 @@
 namespace sonarcal::sim::row_math {
 
 SONARCAL_VECTOR_VERSIONS
-void WideSum(const double* __restrict weight, const double* __restrict values, int count,
-             double* __restrict sums) {
+void WideSums(const float* const* __restrict weight, const float* __restrict values, int count,
+              float* __restrict sums) {
   // A vector type, because GCC otherwise makes vectors of values of different i, which it has to shuffle.
-  using Half = double __attribute__((vector_size(kWideSum / 2 * sizeof(double))));
-  Half first = {};
-  Half second = {};
+  using Half = float __attribute__((vector_size(kWideSum / 2 * sizeof(float))));
+  const float* __restrict a = weight[0];
+  const float* __restrict b = weight[1];
+  Half sum[4] = {};
   for (int i = 0; i < count; ++i, values += kWideSum) {
-    Half of_first;
-    Half of_second;
-    std::memcpy(&of_first, values, sizeof of_first);
-    std::memcpy(&of_second, values + kWideSum / 2, sizeof of_second);
-    first += weight[i] * of_first;
-    second += weight[i] * of_second;
+    Half first;
+    Half second;
+    std::memcpy(&first, values, sizeof first);
+    std::memcpy(&second, values + kWideSum / 2, sizeof second);
+    sum[0] += a[i] * first;
+    sum[1] += a[i] * second;
+    sum[2] += b[i] * first;
+    sum[3] += b[i] * second;
   }
-  std::memcpy(sums, &first, sizeof first);
-  std::memcpy(sums + kWideSum / 2, &second, sizeof second);
+  std::memcpy(sums, sum, sizeof sum);
 }
 
 SONARCAL_VECTOR_VERSIONS
@@ -265,6 +267,18 @@ void ElevationWeights(const Table& table, float at, float per_offset,
     const auto cell = static_cast<std::int32_t>(position);
     const float part = position - static_cast<float>(cell);
     weight[i] = width[i] * (values[cell] + part * (values[cell + 1] - values[cell]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Lookup(const Table& table, const float* __restrict at, int count, float* __restrict value) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = at[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    value[i] = values[cell] + part * (values[cell + 1] - values[cell]);
   }
 }
 

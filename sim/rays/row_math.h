@@ -76,6 +76,9 @@ void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const
 void ElevationWeights(const Table& table, float at, float per_offset, const float* elevation_offset,
                       const float* width, int count, float* weight);
 
+// table(at[i]), for positions 0..1.
+void Lookup(const Table& table, const float* at, int count, float* value);
+
 // table(half_tangent[i]) x weight[i] x exp(-per_m x range_m[i]) / range_m[i]^2.
 void PatchPowers(const Table& table, float per_m, const float* range_m, const float* half_tangent,
                  const float* weight, int count, float* power);
@@ -105,9 +108,9 @@ void Dots(const double* const* weight, const double* const* values, int count, d
 inline constexpr int kBlockCols = 32;
 void WeighRows(const float* weight, const float* values, int count, float* sums);
 
-// sums[k] = sum over i of weight[i] x values[i kWideSum + k].
-inline constexpr int kWideSum = 8;
-void WideSum(const double* weight, const double* values, int count, double* sums);
+// sums[w kWideSum + k] = sum over i of weight[w][i] x values[i kWideSum + k], for two weights.
+inline constexpr int kWideSum = 16;
+void WideSums(const float* const* weight, const float* values, int count, float* sums);
 
 // floor((value - first) x per_step), or -1 if that is outside 0 .. bins - 1.
 void Bins(const float* value, float first, float per_step, int bins, int count, std::int32_t* bin);
