@@ -89,7 +89,7 @@ TEST_P(CastEchoes, EqualThoseOfTheListOfEchoes) {
 TEST_P(CastEchoes, ShadeTheImageOfTheRays) {
   const Grid<double> rays = EchoPowerImage(
       CastScatterMap(simulator_.caster(), simulator_.fan(), pose_, geometry_, parameters_), geometry_, parameters_);
-  EXPECT_LT(LargestDb(PowerOf(GatherPixelEchoes(simulator_, pose_, parameters_)), rays, 40.0), 0.08);
+  EXPECT_LT(LargestDb(PowerOf(GatherPixelEchoes(simulator_, pose_, parameters_)), rays, 40.0), 0.15);
 }
 
 TEST_P(CastEchoes, AreTheSameOnAnyNumberOfThreads) {
@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
                                    .row_crowding = 6.0,
                                    .stagger = true,
                                    .stagger_rows = true},
-                           .together = 4}));
+                           .together = 5}));
 
 // A beam's weights times linear shares, over positions between two columns: no error on average.
 TEST(SharpenedForShares, LeaveNoErrorOnAverage) {
