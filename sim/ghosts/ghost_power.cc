@@ -4,7 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -20,6 +22,27 @@ namespace {
 
 constexpr double kMinInCommon = 1e-6;
 
+// Difference of two azimuths, at least, at which the response at one to an echo at the other is below
+// kMinInCommon, for any azimuths of a sonar's front.
+double BeyondRad(const AzimuthResponse<double>& response) {
+  if (response.shape().pattern == AzimuthPattern::kTable) return std::numeric_limits<double>::infinity();
+  // An aperture's beam is wider off broadside: at most from 90 degrees to where its side lobes end.
+  const double at_broadside = AzimuthReachRad(response, 0.0, DbFromPower(kMinInCommon)).second;
+  if (response.shape().pattern == AzimuthPattern::kGaussian) return at_broadside;
+  const auto [left_rad, right_rad] = AzimuthReachRad(response, 0.5 * kPi, DbFromPower(kMinInCommon));
+  return std::max(at_broadside, right_rad - left_rad);
+}
+
+// Shares of an arrival for two rows of one column.
+struct ColumnShare {
+  std::uint32_t row;
+  std::uint32_t column;
+  double power[2];
+};
+
+constexpr int kBands = 8;            // of columns, which are summed at the same time
+constexpr std::size_t kChunk = 4096;  // echoes
+
 }  // namespace
 
 GhostPower::GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
@@ -27,6 +50,7 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
     : model_(geometry, parameters, material_names),
       azimuth_(AzimuthShapeOf(geometry.sonar, parameters)),
       transmit_(parameters.beam) {
+  negligible_beyond_rad_ = BeyondRad(azimuth_);
   for (const std::string& name : material_names) {
     const auto mirror = parameters.mirrors.find(name);
     loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
@@ -81,6 +105,15 @@ double GhostPower::OneWay(const GhostEcho& echo) const {
 }
 
 double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
+  const double apart_rad = azimuth_rad - middle_rad;
+  if (std::abs(apart_rad) > negligible_beyond_rad_) return 0.0;
+  if (azimuth_.shape().pattern == AzimuthPattern::kAperture) {
+    // sin a - sin m by one sine and one cosine. Most legs of a floor or a surface arrive from one azimuth.
+    const double mean_rad = 0.5 * (azimuth_rad + middle_rad);
+    const double field =
+        azimuth_.ApertureFieldAt(2.0 * std::cos(mean_rad) * std::sin(0.5 * apart_rad));
+    return field * field < kMinInCommon ? 0.0 : field * field;
+  }
   const double power = azimuth_.Power(azimuth_rad, middle_rad);
   return power < kMinInCommon ? 0.0 : power;
 }
@@ -88,9 +121,12 @@ double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
 std::optional<ArrivalGrid::Between> ArrivalGrid::Place(double azimuth_rad) const {
   const int last = static_cast<int>(columns_.size()) - 1;
   if (last < 1) return std::nullopt;
-  const auto above = std::upper_bound(columns_.begin() + 1, columns_.end() - 1, azimuth_rad);
-  const int index = static_cast<int>(above - columns_.begin()) - 1;
-  const double fraction = (azimuth_rad - columns_[index]) / (*above - columns_[index]);
+  // Columns are nearly even, so the guess is at most a few columns off.
+  const double guess = (azimuth_rad - columns_.front()) / (columns_.back() - columns_.front()) * last;
+  int index = static_cast<int>(std::clamp(guess, 0.0, last - 1.0));
+  while (index > 0 && azimuth_rad < columns_[index]) --index;
+  while (index < last - 1 && azimuth_rad >= columns_[index + 1]) ++index;
+  const double fraction = (azimuth_rad - columns_[index]) / (columns_[index + 1] - columns_[index]);
   // Tolerance for rounding to single precision.
   if (fraction < -0.5001 || fraction > 1.5001) return std::nullopt;
   return Between{index, std::clamp(fraction, 0.0, 1.0)};
@@ -101,18 +137,35 @@ void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const 
   if (ghosts.echoes.empty()) return;
   const GhostPower power(ghosts.material_names, geometry, parameters);
   const ArrivalGrid grid(scatter.column_azimuth_rad, scatter.RowsOf(geometry.sonar.axes));
-  // Computes powers on all cores, then sums in the order of the list, so the result does not depend on the
-  // number of threads.
-  std::vector<double> one_way(ghosts.echoes.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, one_way.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) one_way[i] = power.OneWay(ghosts.echoes[i]);
+  const int cols = scatter.power.cols();
+  const auto band_of = [cols](int column) { return column * kBands / cols; };
+  // Computes the shares of chunks of the list on all cores, then sums each band of columns in the order of the
+  // list, so the result does not depend on the number of threads.
+  const std::size_t chunks = (ghosts.echoes.size() + kChunk - 1) / kChunk;
+  std::vector<std::array<std::vector<ColumnShare>, kBands>> shares(chunks);
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    for (auto& of_band : shares[chunk]) of_band.reserve(kChunk);
+    const std::size_t end = std::min((chunk + 1) * kChunk, ghosts.echoes.size());
+    for (std::size_t i = chunk * kChunk; i < end; ++i) {
+      const GhostEcho& echo = ghosts.echoes[i];
+      power.ForEachArrival(echo, power.OneWay(echo), [&](const GhostArrival& arrival) {
+        grid.ForEachColumn(arrival, [&](int row, int column, double nearer, double further) {
+          shares[chunk][band_of(column)].push_back({static_cast<std::uint32_t>(row),
+                                                    static_cast<std::uint32_t>(column), {nearer, further}});
+        });
+      });
+    }
   });
-  for (std::size_t i = 0; i < one_way.size(); ++i) {
-    power.ForEachArrival(ghosts.echoes[i], one_way[i], [&](const GhostArrival& arrival) {
-      grid.ForEachCell(arrival,
-                       [&](int row, int column, double of_cell) { scatter.power(row, column) += of_cell; });
-    });
-  }
+  tbb::parallel_for(0, kBands, [&](int band) {
+    for (const auto& of_chunk : shares) {
+      for (const ColumnShare& share : of_chunk[band]) {
+        const int row = static_cast<int>(share.row);
+        const int column = static_cast<int>(share.column);
+        scatter.power(row, column) += share.power[0];
+        if (share.power[1] != 0.0) scatter.power(row + 1, column) += share.power[1];
+      }
+    }
+  });
 }
 
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
