@@ -7,15 +7,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <optional>
 
 #include "core/types/units.h"
 #include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/fine_rows.h"
 #include "sim/physics/gsab.h"
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
+#include "sim/rays/row_math.h"
 
 namespace sonarcal::sim {
 namespace {
@@ -35,13 +36,66 @@ double BeyondRad(const AzimuthResponse<double>& response) {
 
 // Shares of an arrival for two rows of one column.
 struct ColumnShare {
-  std::uint32_t row;
-  std::uint32_t column;
-  double power[2];
+  std::int32_t row;
+  std::int32_t column;
+  float nearer;
+  float further;  // of the next row
 };
 
-constexpr int kBands = 8;            // of columns, which are summed at the same time
-constexpr std::size_t kChunk = 4096;  // echoes
+constexpr int kBandCols = row_math::kBlockCols;
+constexpr std::size_t kChunk = 16384;  // echoes
+constexpr std::size_t kManyEchoes = 50'000;
+
+// Shares of a list, by bands of kBandCols columns. Computed on all cores; ForEach visits a band in the order of
+// the list, so sums do not depend on the number of threads.
+class BandShares {
+ public:
+  BandShares(const GhostList& ghosts, const GhostPower& power, const ArrivalGrid& grid, int cols)
+      : bands_((cols + kBandCols - 1) / kBandCols), chunks_((ghosts.echoes.size() + kChunk - 1) / kChunk) {
+    tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t chunk) {
+      std::vector<ColumnShare> shares;
+      shares.reserve(4 * kChunk);
+      const std::size_t end = std::min((chunk + 1) * kChunk, ghosts.echoes.size());
+      for (std::size_t i = chunk * kChunk; i < end; ++i) {
+        const GhostEcho& echo = ghosts.echoes[i];
+        power.ForEachArrival(echo, power.OneWay(echo), [&](const GhostArrival& arrival) {
+          grid.ForEachColumn(arrival, [&](int row, int column, double nearer, double further) {
+            shares.push_back({row, column, static_cast<float>(nearer), static_cast<float>(further)});
+          });
+        });
+      }
+      Sort(shares, chunks_[chunk]);
+    });
+  }
+
+  int bands() const { return bands_; }
+
+  template <typename Take>
+  void ForEach(int band, const Take& take) const {
+    for (const Chunk& chunk : chunks_) {
+      for (std::size_t i = chunk.start[band]; i < chunk.start[band + 1]; ++i) take(chunk.shares[i]);
+    }
+  }
+
+ private:
+  struct Chunk {
+    std::vector<ColumnShare> shares;
+    std::vector<std::size_t> start;  // per band; bands + 1 values
+  };
+
+  // Counting sort by band.
+  void Sort(const std::vector<ColumnShare>& shares, Chunk& chunk) const {
+    chunk.start.assign(bands_ + 1, 0);
+    for (const ColumnShare& share : shares) ++chunk.start[share.column / kBandCols + 1];
+    for (int band = 0; band < bands_; ++band) chunk.start[band + 1] += chunk.start[band];
+    std::vector<std::size_t> next = chunk.start;
+    chunk.shares.resize(shares.size());
+    for (const ColumnShare& share : shares) chunk.shares[next[share.column / kBandCols]++] = share;
+  }
+
+  int bands_;
+  std::vector<Chunk> chunks_;
+};
 
 }  // namespace
 
@@ -49,13 +103,34 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
                        const ParameterSet& parameters)
     : model_(geometry, parameters, material_names),
       azimuth_(AzimuthShapeOf(geometry.sonar, parameters)),
-      transmit_(parameters.beam) {
+      transmit_(parameters.beam),
+      elevation_width_deg_(ElevationWidthDeg(geometry.sonar, parameters.beam)) {
   negligible_beyond_rad_ = BeyondRad(azimuth_);
   for (const std::string& name : material_names) {
     const auto mirror = parameters.mirrors.find(name);
     loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
                                                           : mirror->second.loss_db);
   }
+}
+
+void GhostPower::TabulateElevations() {
+  constexpr double kStepsPerWidth = 300.0;
+  const int steps = static_cast<int>(
+      std::clamp(kStepsPerWidth * 180.0 / std::max(elevation_width_deg_, 1e-3), 4096.0, 65536.0));
+  elevation_table_.resize(steps + 2);
+  tbb::parallel_for(tbb::blocked_range<int>(0, steps + 2, 512), [&](const tbb::blocked_range<int>& range) {
+    for (int i = range.begin(); i != range.end(); ++i)
+      elevation_table_[i] = model_.elevation().Power(kPi * (static_cast<double>(i) / steps - 0.5));
+  });
+}
+
+double GhostPower::ElevationPower(double elevation_rad) const {
+  if (elevation_table_.empty()) return model_.elevation().Power(elevation_rad);
+  const auto steps = static_cast<double>(elevation_table_.size() - 2);
+  const double position = std::clamp(elevation_rad / kPi + 0.5, 0.0, 1.0) * steps;
+  const auto i = static_cast<std::size_t>(position);
+  return elevation_table_[i] +
+         (position - static_cast<double>(i)) * (elevation_table_[i + 1] - elevation_table_[i]);
 }
 
 // Loss of one leg, without reflections.
@@ -68,14 +143,14 @@ double GhostPower::LossDb(const GhostLeg& leg) const {
 // Path out along one leg and back along the other, without reflections.
 EchoPath GhostPower::PathOf(const GhostEcho& echo) const {
   const double loss_db = LossDb(echo.leg);
-  const double elevation_power = model_.elevation().Power(echo.leg.elevation_rad);
+  const double elevation_power = ElevationPower(echo.leg.elevation_rad);
   EchoPath path{
       .loss_db = 2.0 * loss_db,
       .elevation_power = elevation_power,
       .area_m2 = PatchAreaM2(echo.leg.spreading_m, echo.solid_angle_sr, std::cos(echo.leg.incidence_rad))};
   if (echo.both_ways) {
     path.loss_db = loss_db + LossDb(echo.other);
-    path.elevation_power = std::sqrt(elevation_power * model_.elevation().Power(echo.other.elevation_rad));
+    path.elevation_power = std::sqrt(elevation_power * ElevationPower(echo.other.elevation_rad));
   }
   return path;
 }
@@ -135,47 +210,51 @@ std::optional<ArrivalGrid::Between> ArrivalGrid::Place(double azimuth_rad) const
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter) {
   if (ghosts.echoes.empty()) return;
-  const GhostPower power(ghosts.material_names, geometry, parameters);
+  GhostPower power(ghosts.material_names, geometry, parameters);
+  if (ghosts.echoes.size() > kManyEchoes) power.TabulateElevations();
   const ArrivalGrid grid(scatter.column_azimuth_rad, scatter.RowsOf(geometry.sonar.axes));
-  const int cols = scatter.power.cols();
-  const auto band_of = [cols](int column) { return column * kBands / cols; };
-  // Computes the shares of chunks of the list on all cores, then sums each band of columns in the order of the
-  // list, so the result does not depend on the number of threads.
-  const std::size_t chunks = (ghosts.echoes.size() + kChunk - 1) / kChunk;
-  std::vector<std::array<std::vector<ColumnShare>, kBands>> shares(chunks);
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-    for (auto& of_band : shares[chunk]) of_band.reserve(kChunk);
-    const std::size_t end = std::min((chunk + 1) * kChunk, ghosts.echoes.size());
-    for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      const GhostEcho& echo = ghosts.echoes[i];
-      power.ForEachArrival(echo, power.OneWay(echo), [&](const GhostArrival& arrival) {
-        grid.ForEachColumn(arrival, [&](int row, int column, double nearer, double further) {
-          shares[chunk][band_of(column)].push_back({static_cast<std::uint32_t>(row),
-                                                    static_cast<std::uint32_t>(column), {nearer, further}});
-        });
-      });
-    }
-  });
-  tbb::parallel_for(0, kBands, [&](int band) {
-    for (const auto& of_chunk : shares) {
-      for (const ColumnShare& share : of_chunk[band]) {
-        const int row = static_cast<int>(share.row);
-        const int column = static_cast<int>(share.column);
-        scatter.power(row, column) += share.power[0];
-        if (share.power[1] != 0.0) scatter.power(row + 1, column) += share.power[1];
-      }
-    }
+  const BandShares shares(ghosts, power, grid, scatter.power.cols());
+  tbb::parallel_for(0, shares.bands(), [&](int band) {
+    shares.ForEach(band, [&](const ColumnShare& share) {
+      scatter.power(share.row, share.column) += share.nearer;
+      if (share.further != 0.0F) scatter.power(share.row + 1, share.column) += share.further;
+    });
   });
 }
 
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                PulsedMap& pulsed) {
   if (ghosts.echoes.empty()) return;
-  ScatterMap scatter = EmptyScatterMap(pulsed.column_azimuth_rad, geometry, parameters);
-  AddGhosts(ghosts, geometry, parameters, scatter);
-  const PulsedMap of_ghosts = ThroughPulse(scatter, geometry, parameters);
-  std::transform(pulsed.power.values().begin(), pulsed.power.values().end(), of_ghosts.power.values().begin(),
-                 pulsed.power.values().begin(), std::plus<>());
+  const PolarAxes& axes = geometry.sonar.axes;
+  const int steps = RangeStepsFor(geometry.sonar, parameters);
+  const FineRows rows(axes, steps, PulseLengthM(geometry.sonar, parameters));
+  const ResponseWindow pulse = PulseWindow(geometry.sonar, parameters, steps, ResponseOf::kPower);
+  const std::vector<float> weight(pulse.weight.begin(), pulse.weight.end());
+  GhostPower power(ghosts.material_names, geometry, parameters);
+  if (ghosts.echoes.size() > kManyEchoes) power.TabulateElevations();
+  const int cols = pulsed.power.cols();
+  const BandShares shares(ghosts, power, ArrivalGrid(pulsed.column_azimuth_rad, rows), cols);
+  tbb::parallel_for(0, shares.bands(), [&](int band) {
+    // One row more takes the further share of the last one.
+    std::vector<float> fine(static_cast<std::size_t>(rows.count + 1) * kBandCols, 0.0F);
+    const int first_col = band * kBandCols;
+    shares.ForEach(band, [&](const ColumnShare& share) {
+      float* cell = &fine[static_cast<std::size_t>(share.row) * kBandCols + (share.column - first_col)];
+      cell[0] += share.nearer;
+      cell[kBandCols] += share.further;
+    });
+    for (int bin = 0; bin < axes.range_bins; ++bin) {
+      const int first_row = bin * steps + pulse.first;
+      const int begin = std::max(first_row, 0);
+      const int end = std::min(first_row + static_cast<int>(weight.size()), rows.count);
+      if (begin >= end) continue;
+      std::array<float, kBandCols> sums = {};
+      row_math::WeighRows(&weight[begin - first_row], &fine[static_cast<std::size_t>(begin) * kBandCols],
+                          end - begin, sums.data());
+      for (int i = 0; i < std::min(kBandCols, cols - first_col); ++i)
+        pulsed.power(bin, first_col + i) += sums[i];
+    }
+  });
 }
 
 }  // namespace sonarcal::sim

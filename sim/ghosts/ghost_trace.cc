@@ -75,7 +75,7 @@ std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, 
     if (triangle < 0 || !(hits.range_m[ray] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
     const Eigen::Vector3d direction(directions[0][col], directions[1][col], directions[2][col]);
     const double range_m = hits.range_m[ray];
-    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col,
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()), triangle, col,
                static_cast<float>(fan.SolidAngleSr(row, col)), {}};
     begun.leg.azimuth_rad = static_cast<float>(fan.AzimuthRad(row, col));
     begun.leg.elevation_rad = static_cast<float>(fan.ElevationRad(row, col));
@@ -104,7 +104,7 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
     const int triangle = hits.triangle[col];
     if (triangle < 0 || !(hits.range_m[col] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
     const Eigen::Vector3d& direction = directions[col];
-    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col,
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()), triangle, col,
                static_cast<float>(fan.SolidAngleSr(row, col)), {}};
     begun.leg.azimuth_rad = static_cast<float>(std::atan2(direction.x(), direction.y()));
     begun.leg.elevation_rad = static_cast<float>(std::asin(std::clamp(direction.z(), -1.0, 1.0)));
@@ -183,8 +183,9 @@ GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d&
   GhostLeg leg;
   leg.length_m = static_cast<float>(length_m);
   leg.spreading_m = leg.length_m;
-  leg.azimuth_rad = static_cast<float>(std::atan2(in_sonar.x(), in_sonar.y()));
-  leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
+  const Eigen::Vector3f direction = in_sonar.cast<float>();
+  leg.azimuth_rad = std::atan2(direction.x(), direction.y());
+  leg.elevation_rad = std::atan2(direction.z(), std::hypot(direction.x(), direction.y()));
   leg.incidence_rad = incidence_rad;
   return leg;
 }
@@ -336,7 +337,7 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
   RayFanOptions options = fan;
   if (fan.sampling == Sampling::kBeams) {
     options.cols = std::max(fan.cols / 4, 1);
-    options.rows = std::max(fan.rows / 2, 1);
+    options.rows = std::max(fan.rows / 3, 1);
   }
   if (beam.mirror_lobes == MirrorLobes::kMain) {
     const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));

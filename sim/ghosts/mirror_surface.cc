@@ -33,8 +33,9 @@ Eigen::Vector3d NormalOf(const std::array<Eigen::Vector3d, 3>& corner) {
 
 }  // namespace
 
-RayBundle::RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards)
+RayBundle::RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, bool may_bend)
     : point_m(from_m), direction(towards) {
+  if (!may_bend) return;
   turn.col(0) = direction.unitOrthogonal();
   turn.col(1) = direction.cross(turn.col(0));
 }
@@ -125,8 +126,8 @@ RayBundle MirrorSurface::Reflected(const RayBundle& bundle, int triangle, double
   RayBundle out = bundle;
   out.point_m = bundle.At(range_m);
   out.length_m += range_m;
-  if (corner_normal_.empty()) {  // no mirror bends a bundle: its length is all that SpreadingM needs
-    out.direction = Mirrored(along, own).normalized();
+  if (!bends()) {  // no mirror bends a bundle: its length is all that SpreadingM needs
+    out.direction = Mirrored(along, own);
     return out;
   }
   const auto corner = CornersM(scene_, triangle);

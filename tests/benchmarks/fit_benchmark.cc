@@ -101,7 +101,12 @@ void FitBesideTracing(benchmark::State& state) {
     state.counters["trace_and_gather_s"] = gathered - traced;
     state.counters["solve_s"] = solved - gathered;
     state.counters["solve_over_trace"] = (solved - gathered) / (traced - start);
+    state.counters["gather_over_trace"] = (gathered - traced) / (traced - start);
+    // Preparation without its tracing, and the fit.
+    state.counters["rest_over_trace"] = (solved - traced) / (traced - start) - 1.0;
+    state.counters["limit"] = 0.5;
     state.counters["trace_processor_s"] = traced_cpu - start_cpu;
+    state.counters["gather_processor_s"] = gathered_cpu - traced_cpu;
     state.counters["solve_processor_s"] = solved_cpu - gathered_cpu;
     state.counters["iterations"] = fit.report.iterations;
     state.counters["peak_memory_MiB"] = static_cast<double>(usage.ru_maxrss) / 1024.0;
