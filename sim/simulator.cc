@@ -112,10 +112,18 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
   }
   if (parameters.model == EchoModel::kAcoustic) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
-    ScatterMap scatter = ScatterFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
     const GhostList ghosts = TraceGhosts(world_from_sonar, parameters);
-    AddGhosts(ghosts, geometry, parameters, scatter);
-    PolarImage image = RenderScatter(scatter, parameters, frame_idx);
+    PolarImage image;
+    if (options_.noise) {
+      ScatterMap scatter =
+          ScatterFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
+      AddGhosts(ghosts, geometry, parameters, scatter);
+      image = RenderScatter(scatter, parameters, frame_idx);
+    } else {
+      PulsedMap pulsed = PulsedFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
+      AddGhosts(ghosts, geometry, parameters, pulsed);
+      image = ExpectedDisplay(ExpectedPower(pulsed, geometry, parameters), parameters, options_.full_scale());
+    }
     QuantiseImage(image);
     return image;
   }

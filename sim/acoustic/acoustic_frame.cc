@@ -2,48 +2,166 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/types/error.h"
 #include "sim/acoustic/patch_shader.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/patch.h"
 
 namespace sonarcal::sim {
+namespace {
+
+constexpr int kBlockCols = RayCaster::kBlockCols;
+static_assert(kBlockCols == row_math::kBlockCols);
+
+// Power per fine row of a block of columns, before the common factor of the shader: FineRows::Spread in single
+// precision. Reused from block to block.
+class BlockMap {
+ public:
+  BlockMap(const RayFan& fan, const PatchShader& shader, const FineRows& rows, const PolarAxes& axes)
+      : fan_(fan),
+        shader_(shader),
+        rows_(RangeRowsOf(rows, axes)),
+        count_(rows.count),
+        max_tangent_(static_cast<float>(LargestTangent())),
+        power_(static_cast<std::size_t>(rows.count + 2) * kBlockCols) {}
+
+  void Cast(const RayCaster::ColumnBlock& block) {
+    std::fill(power_.begin(), power_.end(), 0.0F);
+    first_col_ = block.first_col;
+    block.cast([this](const RowHits& hits) { Add(hits); });
+  }
+
+  int rows() const { return count_; }
+  // kBlockCols values.
+  const float* Row(int row) const { return &power_[static_cast<std::size_t>(row + 1) * kBlockCols]; }
+
+ private:
+  void Add(const RowHits& hits) {
+    if (hits.count == 0) return;
+    shader_.Shade(hits, shaded_);
+    row_math::EchoParts(rows_, static_cast<float>(fan_.SpreadHeightRad(hits.row, 0)), max_tangent_, hits.range_m,
+                        hits.half_tangent, hits.count, parts_.data(), position_.data(), step_.data());
+    for (int i = 0; i < hits.count; ++i) {
+      float* column = &power_[hits.col[i] - first_col_];
+      if (parts_[i] == 1.0F) {
+        AddAt(column, position_[i], shaded_.power[i]);
+      } else if (parts_[i] > 1.0F) {
+        AddParts(column, i);
+      }
+    }
+  }
+
+  // Shares a power between the two rows next to a position. The rows before the first and after the last one
+  // take what lies outside.
+  void AddAt(float* column, float position, float power) {
+    const float above = position + 1.0F;
+    const int row = static_cast<int>(above);
+    const float further = (above - static_cast<float>(row)) * power;
+    float* cell = column + static_cast<std::ptrdiff_t>(row) * kBlockCols;
+    cell[0] += power - further;
+    cell[kBlockCols] += further;
+  }
+
+  void AddParts(float* column, int i) {
+    const auto end = static_cast<float>(count_) - 0.5F;
+    const float power = shaded_.power[i] / parts_[i];
+    const int parts = static_cast<int>(parts_[i]);
+    for (int part = 0; part < parts; ++part) {
+      float at = position_[i] + static_cast<float>(part) * step_[i];
+      if (at < -0.5F) at = -1.0F - at;
+      if (at > end) at = 2.0F * end - at;
+      if (at > -1.0F && at <= end) AddAt(column, at, power);
+    }
+  }
+
+  const RayFan& fan_;
+  const PatchShader& shader_;
+  row_math::RangeRows rows_;
+  int count_;
+  float max_tangent_;
+  int first_col_ = 0;
+  PatchShader::Buffers shaded_;
+  std::array<float, kBlockCols> parts_ = {};
+  std::array<float, kBlockCols> position_ = {};
+  std::array<float, kBlockCols> step_ = {};
+  std::vector<float> power_;  // one more row before the first and after the last
+};
+
+// Calls of_block(block, map, factor) for each block of columns, on all cores.
+template <typename OfBlock>
+void CastBlocks(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                const AcousticGeometry& geometry, const ParameterSet& parameters, const FineRows& rows,
+                const OfBlock& of_block) {
+  SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "a pinhole's rays are shaded one at a time");
+  const PolarAxes& axes = geometry.sonar.axes;
+  const PatchShader shader(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
+                           ElevationWidthDeg(geometry.sonar, parameters.beam));
+  tbb::enumerable_thread_specific<BlockMap> locals([&] { return BlockMap(fan, shader, rows, axes); });
+  caster.CastColumns(fan, world_from_sonar, axes.range_max_m, [&](const RayCaster::ColumnBlock& block) {
+    BlockMap& map = locals.local();
+    map.Cast(block);
+    of_block(block, map, shader.factor());
+  });
+}
+
+// Adds nothing outside of the map's rows.
+void WeighRows(const BlockMap& map, const std::vector<float>& weight, int first_row, float* sums) {
+  const int begin = std::max(first_row, 0);
+  const int end = std::min(first_row + static_cast<int>(weight.size()), map.rows());
+  if (begin < end) row_math::WeighRows(&weight[begin - first_row], map.Row(begin), end - begin, sums);
+}
+
+}  // namespace
 
 ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                           const AcousticGeometry& geometry, const ParameterSet& parameters) {
-  SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "a pinhole's rays are shaded one at a time");
-  const PolarAxes& axes = geometry.sonar.axes;
   ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
-  const PatchShader shader(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
-                           ElevationWidthDeg(geometry.sonar, parameters.beam));
-  const FineRows rows = scatter.RowsOf(axes);
-  const auto nearest_m = static_cast<float>(axes.range_min_m);
-  const auto farthest_m = static_cast<float>(axes.range_max_m);
-  tbb::enumerable_thread_specific<PatchShader::Buffers> locals;
-  caster.CastColumns(fan, world_from_sonar, axes.range_max_m, [&](const RowHits& hits) {
-    if (hits.count == 0) return;
-    PatchShader::Buffers& of = locals.local();
-    shader.Shade(hits, of);
-    for (int i = 0; i < hits.count; ++i) {
-      const float range_m = hits.range_m[i];
-      // A ray that starts on a surface hits it at range 0, where the transmission loss is undefined.
-      if (!(range_m > 0.0F && range_m >= nearest_m && range_m < farthest_m)) continue;
-      const double square = double{hits.half_tangent[i]} * hits.half_tangent[i];
-      const double depth_m =
-          PatchDepthM(range_m, fan.SpreadHeightRad(hits.row, 0), (1.0 - square) / (1.0 + square));
-      scatter.Add(rows, range_m, depth_m, hits.col[i], shader.factor() * of.power[i]);
-    }
-  });
+  CastBlocks(caster, fan, world_from_sonar, geometry, parameters, scatter.RowsOf(geometry.sonar.axes),
+             [&](const RayCaster::ColumnBlock& block, const BlockMap& map, double factor) {
+               for (int row = 0; row < map.rows(); ++row) {
+                 const float* power = map.Row(row);
+                 for (int i = 0; i < block.cols; ++i) scatter.power(row, block.first_col + i) = factor * power[i];
+               }
+             });
   return scatter;
+}
+
+PulsedMap CastPulsedMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                        const AcousticGeometry& geometry, const ParameterSet& parameters) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  const int steps = RangeStepsFor(geometry.sonar, parameters);
+  const ResponseWindow pulse = PulseWindow(geometry.sonar, parameters, steps, ResponseOf::kPower);
+  const std::vector<float> weight(pulse.weight.begin(), pulse.weight.end());
+  PulsedMap pulsed{Grid<double>(axes.range_bins, fan.cols()), ColumnAzimuthsRad(fan)};
+  CastBlocks(caster, fan, world_from_sonar, geometry, parameters,
+             FineRows(axes, steps, PulseLengthM(geometry.sonar, parameters)),
+             [&](const RayCaster::ColumnBlock& block, const BlockMap& map, double factor) {
+               for (int bin = 0; bin < axes.range_bins; ++bin) {
+                 std::array<float, kBlockCols> sums = {};
+                 WeighRows(map, weight, bin * steps + pulse.first, sums.data());
+                 for (int i = 0; i < block.cols; ++i) pulsed.power(bin, block.first_col + i) = factor * sums[i];
+               }
+             });
+  return pulsed;
 }
 
 ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                        const AcousticGeometry& geometry, const ParameterSet& parameters,
                        const TraceOptions& options) {
-  if (fan.sampling() == Sampling::kBeams && options.normals == NormalSource::kGeometric)
-    return CastScatterMap(caster, fan, world_from_sonar, geometry, parameters);
+  if (CastsInOnePass(fan, options)) return CastScatterMap(caster, fan, world_from_sonar, geometry, parameters);
   return MakeScatterMap(Trace(caster, fan, world_from_sonar, geometry.sonar.axes, options), fan, geometry,
                         parameters);
+}
+
+PulsedMap PulsedFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                     const AcousticGeometry& geometry, const ParameterSet& parameters,
+                     const TraceOptions& options) {
+  if (CastsInOnePass(fan, options)) return CastPulsedMap(caster, fan, world_from_sonar, geometry, parameters);
+  return ThroughPulse(ScatterFrom(caster, fan, world_from_sonar, geometry, parameters, options), geometry,
+                      parameters);
 }
 
 }  // namespace sonarcal::sim

@@ -4,11 +4,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <type_traits>
+#include <utility>
 
 #include "core/math/random.h"
 #include "sim/acoustic/beam_noise.h"
@@ -20,47 +23,110 @@
 namespace sonarcal::sim {
 namespace {
 
-double WeightedSum(const std::vector<double>& weight, const double* values) {
-  return row_math::Dot(weight.data(), values, static_cast<int>(weight.size()));
+// True if all values are 0.
+template <typename Values>
+bool IsSilent(const Values& values) {
+  using T = std::remove_cvref_t<decltype(values[0])>;
+  return std::all_of(values.begin(), values.end(), [](const T& value) { return value == T(0.0); });
 }
 
-std::complex<double> WeightedSum(const std::vector<double>& weight, const std::complex<double>* values) {
-  return std::inner_product(weight.begin(), weight.end(), values, std::complex<double>(0.0), std::plus<>(),
-                            [](double w, const std::complex<double>& v) { return w * v; });
-}
-
-// Filters `fine` (fine rows x columns) with both responses, of field or of power, to bins x beams. The pulse
-// comes first because it leaves fewer rows for the azimuth response, which may be as wide as the fan.
+// Filters `fine` (fine rows x columns) along range, of field or of power, to bins x columns.
 template <typename T>
-Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
-                         const ParameterSet& parameters, const ScatterMap& scatter, ResponseOf of) {
-  const PolarAxes& axes = geometry.sonar.axes;
-  const std::vector<ResponseWindow> azimuth =
-      AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, of);
-  const ResponseWindow pulse = PulseWindow(geometry.sonar, parameters, scatter.range_steps, of);
-  const auto is_silent = [](const auto& row) {
-    return std::all_of(row.begin(), row.end(), [](const T& value) { return value == T(0.0); });
-  };
+Grid<T> AlongRange(const Grid<T>& fine, int range_bins, int range_steps, const ResponseWindow& pulse) {
   std::vector<char> silent(fine.rows());
-  for (int row = 0; row < fine.rows(); ++row) silent[row] = is_silent(fine.row(row)) ? 1 : 0;
-
-  Grid<T> out(axes.range_bins, axes.beam_count());
-  tbb::parallel_for(tbb::blocked_range<int>(0, axes.range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
-    std::vector<T> in_bin(fine.cols());
+  for (int row = 0; row < fine.rows(); ++row) silent[row] = IsSilent(fine.row(row)) ? 1 : 0;
+  Grid<T> out(range_bins, fine.cols());
+  tbb::parallel_for(tbb::blocked_range<int>(0, range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
     for (int bin = bins.begin(); bin != bins.end(); ++bin) {
-      std::fill(in_bin.begin(), in_bin.end(), T(0.0));
+      const auto in_bin = out.row(bin);
       for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
-        const int row = bin * scatter.range_steps + pulse.first + static_cast<int>(i);
+        const int row = bin * range_steps + pulse.first + static_cast<int>(i);
         if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
         const auto in = fine.row(row);
         for (int col = 0; col < fine.cols(); ++col) in_bin[col] += pulse.weight[i] * in[col];
       }
-      if (is_silent(in_bin)) continue;
-      for (int beam = 0; beam < axes.beam_count(); ++beam)
-        out(bin, beam) = WeightedSum(azimuth[beam].weight, in_bin.data() + azimuth[beam].first);
     }
   });
   return out;
+}
+
+// Weights of two neighbouring beams for the same columns, and sums of kDots rows by them.
+struct BeamPair {
+  int first_col = 0;
+  std::vector<double> weight[2];
+
+  BeamPair(const ResponseWindow& one, const ResponseWindow& other)
+      : first_col(std::min(one.first, other.first)) {
+    const auto end = [](const ResponseWindow& window) {
+      return static_cast<std::size_t>(window.first) + window.weight.size();
+    };
+    const std::size_t cols = std::max(end(one), end(other)) - first_col;
+    for (const auto& [window, to] : {std::pair(&one, &weight[0]), std::pair(&other, &weight[1])}) {
+      to->resize(cols);
+      std::copy(window->weight.begin(), window->weight.end(), to->begin() + (window->first - first_col));
+    }
+  }
+
+  void Sums(const double* const* rows, double* sums) const {
+    const double* const weights[] = {weight[0].data(), weight[1].data()};
+    row_math::Dots(weights, rows, static_cast<int>(weight[0].size()), sums);
+  }
+  void Sums(const std::complex<double>* const* rows, std::complex<double>* sums) const {
+    for (const std::vector<double>& of_beam : weight) {
+      for (int k = 0; k < row_math::kDots; ++k, ++sums) {
+        *sums = std::inner_product(of_beam.begin(), of_beam.end(), rows[k], std::complex<double>(0.0),
+                                   std::plus<>(),
+                                   [](double w, const std::complex<double>& v) { return w * v; });
+      }
+    }
+  }
+};
+
+// Filters bins x columns along azimuth to bins x beams. A few bins and two beams at a time, because they share
+// their loads.
+template <typename T>
+Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& azimuth) {
+  constexpr int kTogether = row_math::kDots;
+  const int beams = static_cast<int>(azimuth.size());
+  std::vector<BeamPair> pairs;
+  for (int beam = 0; beam < beams; beam += 2)
+    pairs.emplace_back(azimuth[beam], azimuth[std::min(beam + 1, beams - 1)]);
+  Grid<T> out(in_bins.rows(), beams);
+  const int groups = (in_bins.rows() + kTogether - 1) / kTogether;
+  tbb::parallel_for(tbb::blocked_range<int>(0, groups, 2), [&](const tbb::blocked_range<int>& range) {
+    for (int first = range.begin() * kTogether; first < range.end() * kTogether; first += kTogether) {
+      const int last = std::min(first + kTogether, in_bins.rows()) - 1;
+      std::array<const T*, kTogether> rows;
+      bool silent = true;
+      for (int k = 0; k < kTogether; ++k) {
+        const auto row = in_bins.row(std::min(first + k, last));
+        rows[k] = row.data();
+        silent = silent && IsSilent(row);
+      }
+      if (silent) continue;
+      for (int pair = 0; pair < static_cast<int>(pairs.size()); ++pair) {
+        std::array<const T*, kTogether> from;
+        for (int k = 0; k < kTogether; ++k) from[k] = rows[k] + pairs[pair].first_col;
+        std::array<T, 2 * kTogether> sums;
+        pairs[pair].Sums(from.data(), sums.data());
+        for (int beam = 2 * pair; beam < std::min(2 * pair + 2, beams); ++beam) {
+          const int of_beam = (beam - 2 * pair) * kTogether;
+          for (int bin = first; bin <= last; ++bin) out(bin, beam) = sums[of_beam + bin - first];
+        }
+      }
+    }
+  });
+  return out;
+}
+
+// The pulse comes first because it leaves fewer rows for the azimuth response, which may be as wide as the
+// fan.
+template <typename T>
+Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters, const ScatterMap& scatter, ResponseOf of) {
+  return AlongAzimuth(AlongRange(fine, geometry.sonar.axes.range_bins, scatter.range_steps,
+                                 PulseWindow(geometry.sonar, parameters, scatter.range_steps, of)),
+                      AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, of));
 }
 
 // Image of `value` of each power (0..1 of full scale, clipped).
@@ -74,9 +140,12 @@ PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const Par
                     .db_max = parameters.display.db_max,
                     .db_span = {}},
                    Grid<float>(power.rows(), power.cols())};
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    image.value.values()[i] = static_cast<float>(full_scale * value(power.values()[i]));
-  }
+  tbb::parallel_for(tbb::blocked_range<int>(0, power.rows(), 32), [&](const tbb::blocked_range<int>& rows) {
+    for (int row = rows.begin(); row != rows.end(); ++row) {
+      std::transform(power.row(row).begin(), power.row(row).end(), image.value.row(row).begin(),
+                     [&](double of_pixel) { return static_cast<float>(full_scale * value(of_pixel)); });
+    }
+  });
   return image;
 }
 
@@ -107,14 +176,26 @@ Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSe
   return noise;
 }
 
+std::vector<double> ColumnAzimuthsRad(const RayFan& fan) {
+  std::vector<double> azimuth_rad;
+  for (int col = 0; col < fan.cols(); ++col) azimuth_rad.push_back(fan.AzimuthRad(col));
+  return azimuth_rad;
+}
+
 ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
+                           const ParameterSet& parameters) {
+  return EmptyScatterMap(ColumnAzimuthsRad(fan), geometry, parameters);
+}
+
+ScatterMap EmptyScatterMap(std::vector<double> column_azimuth_rad, const AcousticGeometry& geometry,
                            const ParameterSet& parameters) {
   const PolarAxes& axes = geometry.sonar.axes;
   ScatterMap scatter;
-  for (int col = 0; col < fan.cols(); ++col) scatter.column_azimuth_rad.push_back(fan.AzimuthRad(col));
+  scatter.column_azimuth_rad = std::move(column_azimuth_rad);
   scatter.range_steps = RangeStepsFor(geometry.sonar, parameters);
   scatter.pulse_m = PulseLengthM(geometry.sonar, parameters);
-  scatter.power = Grid<double>(axes.range_bins * scatter.range_steps, fan.cols());
+  scatter.power = Grid<double>(axes.range_bins * scatter.range_steps,
+                               static_cast<int>(scatter.column_azimuth_rad.size()));
   return scatter;
 }
 
@@ -154,9 +235,23 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   return scatter;
 }
 
+PulsedMap ThroughPulse(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                       const ParameterSet& parameters) {
+  return {AlongRange(scatter.power, geometry.sonar.axes.range_bins, scatter.range_steps,
+                     PulseWindow(geometry.sonar, parameters, scatter.range_steps, ResponseOf::kPower)),
+          scatter.column_azimuth_rad};
+}
+
 Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
                             const ParameterSet& parameters) {
-  Grid<double> power = ThroughResponses(scatter.power, geometry, parameters, scatter, ResponseOf::kPower);
+  return EchoPowerImage(ThroughPulse(scatter, geometry, parameters), geometry, parameters);
+}
+
+Grid<double> EchoPowerImage(const PulsedMap& pulsed, const AcousticGeometry& geometry,
+                            const ParameterSet& parameters) {
+  Grid<double> power =
+      AlongAzimuth(pulsed.power, AzimuthWindows(geometry.sonar, parameters, pulsed.column_azimuth_rad,
+                                                ResponseOf::kPower));
   const std::vector<double> gain = GainByBin(geometry, parameters);
   for (int bin = 0; bin < power.rows(); ++bin) {
     for (double& value : power.row(bin)) value *= gain[bin];
@@ -182,7 +277,12 @@ PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power) {
 
 PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
                          const ParameterSet& parameters) {
-  Grid<double> power = EchoPowerImage(scatter, geometry, parameters);
+  return ExpectedPower(ThroughPulse(scatter, geometry, parameters), geometry, parameters);
+}
+
+PolarImage ExpectedPower(const PulsedMap& pulsed, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters) {
+  Grid<double> power = EchoPowerImage(pulsed, geometry, parameters);
   AddNoiseFloor(geometry, parameters, power);
   return PowerImage(geometry.sonar.axes, power);
 }

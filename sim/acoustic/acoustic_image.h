@@ -45,20 +45,36 @@ struct ScatterMap {
   }
 };
 
+// Power of a ScatterMap through the pulse: range_bins x columns of the ray fan.
+struct PulsedMap {
+  Grid<double> power;
+  std::vector<double> column_azimuth_rad;
+};
+
 // Time-varying gain of each range bin, a factor on power.
 std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters);
 
 // N(r, b), time-varying gain included. Throws DataError if a taper does not fit the beams.
 Grid<double> NoiseFloorPower(const AcousticGeometry& geometry, const ParameterSet& parameters);
 
-// Returns a zero-filled map sized for `fan`.
+// Returns a zero-filled map with columns at these azimuths, or with those of `fan`.
+ScatterMap EmptyScatterMap(std::vector<double> column_azimuth_rad, const AcousticGeometry& geometry,
+                           const ParameterSet& parameters);
 ScatterMap EmptyScatterMap(const RayFan& fan, const AcousticGeometry& geometry,
                            const ParameterSet& parameters);
+
+// Azimuths of the columns of a fan.
+std::vector<double> ColumnAzimuthsRad(const RayFan& fan);
 
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters);
 
+PulsedMap ThroughPulse(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                       const ParameterSet& parameters);
+
 // Mean power of the echoes, range_bins x beams: P without N, time-varying gain included.
+Grid<double> EchoPowerImage(const PulsedMap& pulsed, const AcousticGeometry& geometry,
+                            const ParameterSet& parameters);
 Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
                             const ParameterSet& parameters);
 
@@ -69,6 +85,8 @@ void AddNoiseFloor(const AcousticGeometry& geometry, const ParameterSet& paramet
 PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power);
 
 // P(r, b), range_bins x beams; Quantity::kPower.
+PolarImage ExpectedPower(const PulsedMap& pulsed, const AcousticGeometry& geometry,
+                         const ParameterSet& parameters);
 PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
                          const ParameterSet& parameters);
 

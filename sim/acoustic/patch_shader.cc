@@ -1,5 +1,8 @@
 #include "sim/acoustic/patch_shader.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,9 +27,11 @@ int TableSteps(double whole_in_widths) {
 // Table of `value` over 0..1: values[0 .. steps + 1].
 template <typename Value>
 std::vector<float> Tabulated(int steps, const Value& value) {
-  std::vector<float> table;
-  for (int i = 0; i <= steps + 1; ++i)
-    table.push_back(static_cast<float>(value(std::min(1.0, static_cast<double>(i) / steps))));
+  std::vector<float> table(steps + 2);
+  tbb::parallel_for(tbb::blocked_range<int>(0, steps + 2, 512), [&](const tbb::blocked_range<int>& range) {
+    for (int i = range.begin(); i != range.end(); ++i)
+      table[i] = static_cast<float>(value(std::min(1.0, static_cast<double>(i) / steps)));
+  });
   return table;
 }
 
@@ -59,6 +64,13 @@ PatchShader::PatchShader(const RayFan& fan, const EchoPowerModel& model, double 
     narrowest_deg = std::min({narrowest_deg, curve.b_deg, curve.f_deg});
   strength_steps_ = TableSteps(90.0 / narrowest_deg);
   for (const GsabParameters<double>& curve : model.materials()) {
+    // Materials without a curve of their own share one.
+    const auto earlier = std::find(model.materials().begin(), model.materials().end(), curve);
+    if (const auto same = static_cast<std::size_t>(earlier - model.materials().begin()); same < strength_.size()) {
+      strength_.push_back(std::vector<float>(strength_[same]));
+      if (slopes) strength_slopes_.push_back(std::vector<float>(strength_slopes_[same]));
+      continue;
+    }
     const auto over_incidence = [&](const auto& value) {
       return Tabulated(strength_steps_, [&](double half_tangent) {
         const double incidence_rad = 2.0 * std::atan(half_tangent);
@@ -100,7 +112,6 @@ void PatchShader::Shade(const RowHits& hits, Buffers& of) const {
   const int first_col = hits.col[0];
   const int cols = hits.col[hits.count - 1] + 1 - first_col;
   of.of_columns.resize(cols);
-  of.weight.resize(hits.count);
   of.power.resize(hits.count);
   row_math::ElevationWeights({elevation_.data(), elevation_steps_},
                              static_cast<float>((fan_.RowElevationRad(hits.row) - lowest_rad_) / span_rad_),
@@ -108,11 +119,17 @@ void PatchShader::Shade(const RowHits& hits, Buffers& of) const {
                              elevation_offset_.data() + first_col, width_rad_.data() + first_col, cols,
                              of.of_columns.data());
   const auto height = static_cast<float>(fan_.RowHeight(hits.row));
-  for (int i = 0; i < hits.count; ++i) of.weight[i] = height * of.of_columns[hits.col[i] - first_col];
+  for (float& of_column : of.of_columns) of_column *= height;
+  const float* weight = of.of_columns.data();
+  if (hits.count < cols) {
+    of.weight.resize(hits.count);
+    for (int i = 0; i < hits.count; ++i) of.weight[i] = of.of_columns[hits.col[i] - first_col];
+    weight = of.weight.data();
+  }
   ForEachMaterial(hits, [&](int first, int count) {
     const row_math::Table strength{strength_[hits.material[first]].data(), strength_steps_};
     row_math::PatchPowers(strength, loss_per_m_, hits.range_m + first, hits.half_tangent + first,
-                          of.weight.data() + first, count, of.power.data() + first);
+                          weight + first, count, of.power.data() + first);
   });
 }
 
@@ -128,6 +145,15 @@ PatchShader::Patch PatchShader::Shade(int row, int col, int material, float rang
   return {.power = strength * elevation,
           .by_elevation = strength * At(elevation_slopes_, elevation_steps_, part),
           .by_cosine = common * At(strength_slopes_[material], strength_steps_, half_tangent) * elevation};
+}
+
+row_math::RangeRows RangeRowsOf(const FineRows& rows, const PolarAxes& axes) {
+  return {.nearest_m = static_cast<float>(axes.range_min_m),
+          .farthest_m = static_cast<float>(axes.range_max_m),
+          .first_m = static_cast<float>(rows.first_m),
+          .per_m = static_cast<float>(rows.per_m),
+          .part_m = static_cast<float>(rows.part_m),
+          .max_parts = static_cast<float>(FineRows::kMaxParts)};
 }
 
 }  // namespace sonarcal::sim

@@ -56,4 +56,7 @@ class PatchShader {
   std::vector<float> elevation_offset_;
 };
 
+// Rows of range for row_math::EchoParts.
+row_math::RangeRows RangeRowsOf(const FineRows& rows, const PolarAxes& axes);
+
 }  // namespace sonarcal::sim

@@ -3,7 +3,7 @@
 // backscatter curves. A fit of materials, beam, pulse and receiver therefore needs no other geometry and
 // casts no ray.
 //
-// Cells are fine rows of range times columns of the ray fan. An echo is shared between the two nearest rows,
+// Cells are fine rows of range times columns of the ray fan, or fewer columns (sim/gathered/cast_echo_power.h). An echo is shared between the two nearest rows,
 // so power changes smoothly with range. Incidence uses the grid of sim/paper/echo_histogram.h. A curve is
 // piecewise linear in power between its values at the nodes.
 #pragma once
@@ -26,7 +26,7 @@ struct EchoPower {
     std::uint32_t last_entry = 0;  // one past
   };
   struct Entry {
-    std::uint32_t node = 0;  // material * kIncidenceNodes + node
+    std::uint32_t node = 0;  // material * nodes + node
     float power = 0.0F;      // sum of 10^(-(40 log10 R + 2 alpha R) / 10) R^2 dOmega / cos(delta) el(phi)
   };
 
@@ -34,8 +34,11 @@ struct EchoPower {
   int rows = 0;         // range_steps x range bins
   int cols = 0;
   int materials = 0;
+  int nodes = kIncidenceNodes;  // per material; or those of CoarseIncidenceDeg (sim/gathered/pixel_echoes.h)
+  // True if an echo between two columns is shared between them, false if columns are those of the fan.
+  bool shared_columns = false;
   std::vector<double> column_azimuth_rad;
-  std::vector<Cell> cells;  // by row, then column
+  std::vector<Cell> cells;  // by row, then column; a cell may occur twice
   std::vector<Entry> entries;
 };
 

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "core/types/error.h"
+#include "sim/acoustic/acoustic_frame.h"
+#include "sim/gathered/cast_echo_power.h"
 #include "sim/rays/row_math.h"
 
 namespace sonarcal::sim {
@@ -39,6 +41,7 @@ struct CoarseCells {
 };
 
 CoarseCells MergeNodes(const EchoPower& echoes) {
+  SONARCAL_CHECK(echoes.nodes == kIncidenceNodes, "{} nodes", echoes.nodes);
   const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
   const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
   CoarseCells merged;
@@ -71,7 +74,34 @@ CoarseCells MergeNodes(const EchoPower& echoes) {
 
 // Range bins that are gathered together, because neighbours receive almost the same cells.
 constexpr int kBlock = row_math::kWideSum;
-using BlockPowers = std::array<double, kBlock>;  // one value per bin
+using BlockPowers = std::array<float, kBlock>;  // one value per bin
+
+// Weights of two neighbouring beams for the same columns.
+struct BeamPair {
+  int first_col = 0;
+  std::vector<float> weight[2];
+
+  BeamPair(const ResponseWindow& one, const ResponseWindow& other)
+      : first_col(std::min(one.first, other.first)) {
+    const auto end = [](const ResponseWindow& window) {
+      return static_cast<std::size_t>(window.first) + window.weight.size();
+    };
+    const std::size_t cols = std::max(end(one), end(other)) - first_col;
+    for (const auto& [window, to] : {std::pair(&one, &weight[0]), std::pair(&other, &weight[1])}) {
+      to->resize(cols);
+      std::transform(window->weight.begin(), window->weight.end(), to->begin() + (window->first - first_col),
+                     [](double value) { return static_cast<float>(value); });
+    }
+  }
+  int cols() const { return static_cast<int>(weight[0].size()); }
+};
+
+std::vector<BeamPair> PairsOf(const PowerResponse& response) {
+  std::vector<BeamPair> pairs;
+  for (int beam = 0; beam < response.beams(); beam += 2)
+    pairs.emplace_back(response.azimuth(beam), response.azimuth(std::min(beam + 1, response.beams() - 1)));
+  return pairs;
+}
 
 // Powers of a block of bins by incidence node and column of the ray fan: one line of columns per node that
 // occurs. Reused from block to block.
@@ -88,7 +118,7 @@ class NodeLines {
     nodes_.clear();
     reach_.clear();
   }
-  void Add(std::uint32_t node, int column, double power, const BlockPowers& pulse) {
+  void Add(std::uint32_t node, int column, float power, const BlockPowers& pulse) {
     int& slot = slot_[node];
     if (slot < 0) {
       slot = static_cast<int>(nodes_.size());
@@ -107,15 +137,17 @@ class NodeLines {
     std::sort(sorted.begin(), sorted.end());
     return sorted;
   }
-  BlockPowers Through(const ResponseWindow& window, std::uint32_t node) const {
-    BlockPowers sums{};
+  // Powers of a node in two beams.
+  std::array<BlockPowers, 2> Through(const BeamPair& pair, std::uint32_t node) const {
+    std::array<BlockPowers, 2> sums{};
     const auto [first_column, last_column] = reach_[slot_[node]];
-    const int first = std::max(first_column, window.first);
-    const int last = std::min(last_column, window.first + static_cast<int>(window.weight.size()) - 1);
+    const int first = std::max(first_column, pair.first_col);
+    const int last = std::min(last_column, pair.first_col + pair.cols() - 1);
     if (last < first) return sums;
     const BlockPowers* line = &power_[static_cast<std::size_t>(slot_[node]) * columns_ + first];
-    row_math::WideSum(window.weight.data() + (first - window.first), line->data(), last - first + 1,
-                      sums.data());
+    const int from = first - pair.first_col;
+    const float* const weights[] = {pair.weight[0].data() + from, pair.weight[1].data() + from};
+    row_math::WideSums(weights, line->data(), last - first + 1, sums[0].data());
     return sums;
   }
 
@@ -132,9 +164,70 @@ BlockPowers PulseWeights(const PowerResponse& response, int first_bin, int row) 
   BlockPowers weights{};
   for (int k = 0; k < kBlock && first_bin + k < response.bins(); ++k) {
     const auto [first_row, last_row] = response.RowsOfBin(first_bin + k);
-    if (row >= first_row && row < last_row) weights[k] = response.PulseWeight(first_bin + k, row);
+    if (row >= first_row && row < last_row)
+      weights[k] = static_cast<float>(response.PulseWeight(first_bin + k, row));
   }
   return weights;
+}
+
+// Entries of a block of bins: per bin, beam by beam.
+struct BlockEntries {
+  std::array<std::vector<PixelEchoes::Entry>, kBlock> entries;
+  std::vector<std::uint32_t> count;  // per bin and beam
+};
+
+// Sends the nodes of a block of bins through the beams. Omits entries below `negligible_share` of their pixel.
+BlockEntries ThroughBeams(const NodeLines& lines, const std::vector<BeamPair>& pairs, int bins, int beams,
+                          double negligible_share) {
+  BlockEntries block;
+  block.count.assign(static_cast<std::size_t>(bins) * beams, 0);
+  const std::vector<std::uint32_t> present = lines.Sorted();
+  std::vector<std::array<BlockPowers, 2>> powers(present.size());
+  for (std::size_t pair = 0; pair < pairs.size(); ++pair) {
+    std::array<BlockPowers, 2> total{};
+    for (std::size_t i = 0; i < present.size(); ++i) {
+      powers[i] = lines.Through(pairs[pair], present[i]);
+      for (int of = 0; of < 2; ++of) {
+        for (int k = 0; k < kBlock; ++k) total[of][k] += powers[i][of][k];
+      }
+    }
+    for (int of = 0; of < 2; ++of) {
+      const int beam = 2 * static_cast<int>(pair) + of;
+      if (beam >= beams) break;
+      for (int bin = 0; bin < bins; ++bin) {
+        const float least = static_cast<float>(negligible_share) * total[of][bin];
+        std::vector<PixelEchoes::Entry>& entries = block.entries[bin];
+        const std::size_t before = entries.size();
+        for (std::size_t i = 0; i < present.size(); ++i) {
+          const float power = powers[i][of][bin];
+          if (power > least) entries.push_back({present[i], power});
+        }
+        block.count[static_cast<std::size_t>(bin) * beams + beam] =
+            static_cast<std::uint32_t>(entries.size() - before);
+      }
+    }
+  }
+  return block;
+}
+
+// Joins blocks of bins.
+PixelEchoes Joined(const std::vector<BlockEntries>& blocks, int materials) {
+  PixelEchoes gathered{.materials = materials, .start = {0}, .entries = {}};
+  std::size_t total = 0;
+  std::vector<std::size_t> first;
+  for (const BlockEntries& block : blocks) {
+    first.push_back(total);
+    for (const std::uint32_t count : block.count) {
+      total += count;
+      gathered.start.push_back(static_cast<std::uint32_t>(total));
+    }
+  }
+  gathered.entries.resize(total);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+    auto to = gathered.entries.begin() + static_cast<std::ptrdiff_t>(first[block]);
+    for (const auto& of_bin : blocks[block].entries) to = std::copy(of_bin.begin(), of_bin.end(), to);
+  });
+  return gathered;
 }
 
 }  // namespace
@@ -152,17 +245,18 @@ const std::vector<double>& CoarseIncidenceDeg() {
 
 PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,
                               double negligible_share) {
-  const std::size_t nodes = static_cast<std::size_t>(echoes.materials) * CoarseIncidenceDeg().size();
-  const CoarseCells coarse = MergeNodes(echoes);
+  const std::size_t nodes = CoarseIncidenceDeg().size();
+  const bool coarse = echoes.nodes == static_cast<int>(nodes);
+  const CoarseCells merged = coarse ? CoarseCells{} : MergeNodes(echoes);
+  const EchoPower::Entry* entries = coarse ? echoes.entries.data() : merged.entries.data();
   const int bins = response.bins();
-  const int beams = response.beams();
   const std::vector<std::size_t> row_start = RowStarts(echoes);
-  std::vector<std::vector<PixelEchoes::Entry>> of_pixel(static_cast<std::size_t>(bins) * beams);
+  const std::vector<BeamPair> pairs = PairsOf(response);
 
   const int blocks = (bins + kBlock - 1) / kBlock;
+  std::vector<BlockEntries> of_block(blocks);
   tbb::parallel_for(tbb::blocked_range<int>(0, blocks), [&](const tbb::blocked_range<int>& range) {
-    NodeLines lines(nodes, echoes.cols);
-    std::vector<BlockPowers> weights;
+    NodeLines lines(echoes.materials * nodes, echoes.cols);
     for (int block = range.begin(); block != range.end(); ++block) {
       const int first_bin = block * kBlock;
       const int last_bin = std::min(first_bin + kBlock, bins) - 1;
@@ -171,52 +265,36 @@ PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& resp
       for (int row = response.RowsOfBin(first_bin).first; row < last_row; ++row) {
         const BlockPowers pulse = PulseWeights(response, first_bin, row);
         for (std::size_t i = row_start[row]; i < row_start[row + 1]; ++i) {
-          for (std::uint32_t e = coarse.start[i]; e < coarse.start[i + 1]; ++e)
-            lines.Add(coarse.entries[e].node, echoes.cells[i].col, coarse.entries[e].power, pulse);
+          const EchoPower::Cell& cell = echoes.cells[i];
+          const std::uint32_t first = coarse ? cell.first_entry : merged.start[i];
+          const std::uint32_t end = coarse ? cell.last_entry : merged.start[i + 1];
+          for (std::uint32_t e = first; e < end; ++e)
+            lines.Add(entries[e].node, cell.col, entries[e].power, pulse);
         }
       }
-      const std::vector<std::uint32_t> present = lines.Sorted();
-      for (int beam = 0; beam < beams; ++beam) {
-        weights.clear();
-        BlockPowers total{};
-        for (const std::uint32_t node : present) {
-          weights.push_back(lines.Through(response.azimuth(beam), node));
-          for (int k = 0; k < kBlock; ++k) total[k] += weights.back()[k];
-        }
-        for (int bin = first_bin; bin <= last_bin; ++bin) {
-          auto& pixel = of_pixel[static_cast<std::size_t>(bin) * beams + beam];
-          for (std::size_t i = 0; i < present.size(); ++i) {
-            const double weight = weights[i][bin - first_bin];
-            if (weight > negligible_share * total[bin - first_bin])
-              pixel.push_back({present[i], static_cast<float>(weight)});
-          }
-        }
-      }
+      of_block[block] =
+          ThroughBeams(lines, pairs, last_bin - first_bin + 1, response.beams(), negligible_share);
     }
   });
-
-  PixelEchoes gathered{.materials = echoes.materials, .start = {0}, .entries = {}};
-  std::size_t count = 0;
-  for (const auto& pixel : of_pixel) count += pixel.size();
-  gathered.entries.reserve(count);
-  for (auto& pixel : of_pixel) {
-    gathered.entries.insert(gathered.entries.end(), pixel.begin(), pixel.end());
-    gathered.start.push_back(static_cast<std::uint32_t>(gathered.entries.size()));
-    std::vector<PixelEchoes::Entry>().swap(pixel);
-  }
-  return gathered;
+  return Joined(of_block, echoes.materials);
 }
 
 EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
                        const ParameterSet& parameters) {
-  return GatherEchoPower(simulator.TraceEchoes(world_from_sonar), simulator.fan(),
-                         {simulator.sonar(), simulator.absorption_db_per_m()}, parameters);
+  const AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
+  if (CastsInOnePass(simulator.fan(), simulator.options().trace))
+    return CastEchoPower(simulator.caster(), simulator.fan(), world_from_sonar, geometry, parameters);
+  return GatherEchoPower(simulator.TraceEchoes(world_from_sonar), simulator.fan(), geometry, parameters);
 }
 
 PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
                                 const ParameterSet& parameters) {
-  return GatherPixelEchoes(echoes, MakePowerResponse(simulator.sonar(), parameters, echoes.column_azimuth_rad,
-                                                     echoes.range_steps));
+  std::vector<ResponseWindow> azimuth = AzimuthWindows(simulator.sonar(), parameters, echoes.column_azimuth_rad,
+                                                       ResponseOf::kPower);
+  if (echoes.shared_columns) azimuth = SharpenedForShares(std::move(azimuth));
+  return GatherPixelEchoes(
+      echoes, {simulator.sonar().axes.range_bins, echoes.range_steps, std::move(azimuth),
+               PulseWindow(simulator.sonar(), parameters, echoes.range_steps, ResponseOf::kPower)});
 }
 
 PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from_sonar,

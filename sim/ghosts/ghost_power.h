@@ -42,6 +42,10 @@ class GhostPower {
   GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
              const ParameterSet& parameters);
 
+  // Tabulates the elevation response, for lists of many echoes. Linear interpolation differs from it by at most
+  // 1e-5 of its peak.
+  void TabulateElevations();
+
   // Power in one direction of travel: out by `leg`, back by `other`.
   double OneWay(const GhostEcho& echo) const;
 
@@ -76,13 +80,17 @@ class GhostPower {
   double LossDb(const GhostLeg& leg) const;
   EchoPath PathOf(const GhostEcho& echo) const;
   double MirrorLossDb(const GhostLeg& leg) const;
+  double ElevationPower(double elevation_rad) const;
   // Response at the mean azimuth to an echo at `azimuth_rad`; 0 if negligible.
   double InCommon(double azimuth_rad, double middle_rad) const;
 
   EchoPowerModel model_;
   AzimuthResponse<double> azimuth_;
   TransmitPattern transmit_;
-  std::vector<double> loss_db_;  // per material, of one reflection; infinity if it is no mirror
+  std::vector<double> elevation_table_;  // over -90 .. 90 degrees; empty: not tabulated
+  double elevation_width_deg_;
+  double negligible_beyond_rad_ = 0.0;  // difference of azimuths beyond which InCommon is 0
+  std::vector<double> loss_db_;         // per material, of one reflection; infinity if it is no mirror
 };
 
 // Grid of a fan's columns and fine rows of range. An arrival is shared between the two nearest columns and
@@ -92,6 +100,24 @@ class ArrivalGrid {
   // `column_azimuth_rad` must outlive it.
   ArrivalGrid(const std::vector<double>& column_azimuth_rad, const FineRows& rows)
       : columns_(column_azimuth_rad), rows_(rows) {}
+
+  // Calls take(row, column, nearer, further) for up to two columns: powers of `row` and of the next row. The
+  // latter is 0 if there is none.
+  template <typename Take>
+  void ForEachColumn(const GhostArrival& arrival, Take&& take) const {
+    const auto column = Place(arrival.azimuth_rad);
+    if (!column) return;
+    int first = -1;
+    double powers[2] = {};
+    rows_.Share(arrival.range_m, arrival.power, [&](int row, double of_row) {
+      if (first < 0) first = row;
+      powers[row - first] = of_row;
+    });
+    if (first < 0) return;
+    const double fraction = column->fraction;
+    take(first, column->index, (1.0 - fraction) * powers[0], (1.0 - fraction) * powers[1]);
+    take(first, column->index + 1, fraction * powers[0], fraction * powers[1]);
+  }
 
   // Calls take(row, column, power) for up to four cells.
   template <typename Take>
@@ -120,5 +146,9 @@ class ArrivalGrid {
 // map are dropped.
 void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
                ScatterMap& scatter);
+
+// As above, through the pulse of the parameters.
+void AddGhosts(const GhostList& ghosts, const AcousticGeometry& geometry, const ParameterSet& parameters,
+               PulsedMap& pulsed);
 
 }  // namespace sonarcal::sim

@@ -38,6 +38,7 @@ struct Seen {
   RayBundle bundle;
   int triangle = 0;  // triangle of the last reflection
   int col = 0;
+  float solid_angle_sr = 0.0F;
   GhostLeg leg;  // azimuth, elevation and mirrors so far
 };
 
@@ -49,24 +50,33 @@ struct Patch {
   int col = 0;
   int triangle = 0;
   int mirror_triangle = 0;  // triangle of the leg's last reflection
+  float solid_angle_sr = 0.0F;
   GhostLeg leg;
 };
 
+// Single precision is exact to a few rounding errors at every angle, because sine and cosine are given.
 float AngleRad(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
-  return static_cast<float>(std::atan2(direction.cross(normal).norm(), std::abs(direction.dot(normal))));
+  return std::atan2(static_cast<float>(direction.cross(normal).norm()),
+                    static_cast<float>(std::abs(direction.dot(normal))));
 }
 
 // Bundles of a fan's row that hit a mirror, after the reflection.
 std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, int row) {
   const RayFan& fan = tracing.fan;
+  std::array<std::vector<float>, 3> directions;
+  for (std::vector<float>& component : directions) component.resize(fan.cols());
+  fan.RowDirections(row, Eigen::Matrix3f::Identity(), directions[0].data(), directions[1].data(),
+                    directions[2].data());
   std::vector<Seen> seen;
+  seen.reserve(fan.cols());
   for (int col = 0; col < fan.cols(); ++col) {
     const std::size_t ray = static_cast<std::size_t>(row) * fan.cols() + col;
     const int triangle = hits.triangle[ray];
     if (triangle < 0 || !(hits.range_m[ray] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
-    Eigen::Vector3d direction = fan.Direction(row, col).cast<double>();
-    double range_m = hits.range_m[ray];
-    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col, {}};
+    const Eigen::Vector3d direction(directions[0][col], directions[1][col], directions[2][col]);
+    const double range_m = hits.range_m[ray];
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()), triangle, col,
+               static_cast<float>(fan.SolidAngleSr(row, col)), {}};
     begun.leg.azimuth_rad = static_cast<float>(fan.AzimuthRad(row, col));
     begun.leg.elevation_rad = static_cast<float>(fan.ElevationRad(row, col));
     begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
@@ -94,7 +104,8 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
     const int triangle = hits.triangle[col];
     if (triangle < 0 || !(hits.range_m[col] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
     const Eigen::Vector3d& direction = directions[col];
-    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction), triangle, col, {}};
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()), triangle, col,
+               static_cast<float>(fan.SolidAngleSr(row, col)), {}};
     begun.leg.azimuth_rad = static_cast<float>(std::atan2(direction.x(), direction.y()));
     begun.leg.elevation_rad = static_cast<float>(std::asin(std::clamp(direction.z(), -1.0, 1.0)));
     begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
@@ -118,6 +129,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
   }
   const FanHits hits = tracing.caster.FirstIntersections(rays);
   std::vector<Patch> patches;
+  patches.reserve(seen.size());
   std::vector<Seen> further;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const int triangle = hits.triangle[i];
@@ -130,6 +142,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
                 .col = one.col,
                 .triangle = triangle,
                 .mirror_triangle = one.triangle,
+                .solid_angle_sr = one.solid_angle_sr,
                 .leg = one.leg};
     if (patch.normal.dot(one.bundle.direction) > 0.0) patch.normal = -patch.normal;
     patch.leg.length_m = static_cast<float>(one.bundle.length_m + range_m);
@@ -137,7 +150,8 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
     patch.leg.incidence_rad = AngleRad(one.bundle.direction, patch.normal);
     patches.push_back(patch);
     if (level < tracing.options.order && tracing.mirrors.Reflects(triangle)) {
-      Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col, one.leg};
+      Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col, one.solid_angle_sr,
+                one.leg};
       next.leg.mirror[level] = tracing.caster.TriangleMaterial(triangle);
       further.push_back(next);
     }
@@ -169,8 +183,9 @@ GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d&
   GhostLeg leg;
   leg.length_m = static_cast<float>(length_m);
   leg.spreading_m = leg.length_m;
-  leg.azimuth_rad = static_cast<float>(std::atan2(in_sonar.x(), in_sonar.y()));
-  leg.elevation_rad = static_cast<float>(std::asin(std::clamp(in_sonar.z(), -1.0, 1.0)));
+  const Eigen::Vector3f direction = in_sonar.cast<float>();
+  leg.azimuth_rad = std::atan2(direction.x(), direction.y());
+  leg.elevation_rad = std::atan2(direction.z(), std::hypot(direction.x(), direction.y()));
   leg.incidence_rad = incidence_rad;
   return leg;
 }
@@ -201,21 +216,21 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
   return legs;
 }
 
-GhostEcho EchoOf(const Tracing& tracing, int row, const Patch& patch) {
+GhostEcho EchoOf(const Tracing& tracing, const Patch& patch) {
   return {.material = tracing.caster.TriangleMaterial(patch.triangle),
           .both_ways = false,
-          .solid_angle_sr = static_cast<float>(tracing.fan.SolidAngleSr(row, patch.col)),
+          .solid_angle_sr = patch.solid_angle_sr,
           .tilt_rad = patch.leg.incidence_rad,
           .leg = patch.leg,
           .other = patch.leg};
 }
 
-void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patches,
-               std::vector<GhostEcho>& echoes) {
+void AddEchoes(const Tracing& tracing, const std::vector<Patch>& patches, std::vector<GhostEcho>& echoes) {
+  echoes.reserve(echoes.size() + 2 * patches.size());
   const std::vector<std::optional<GhostLeg>> straight = StraightLegs(tracing, patches);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
-    GhostEcho echo = EchoOf(tracing, row, patch);
+    GhostEcho echo = EchoOf(tracing, patch);
     // An echo by two mirrors on both legs is of third order or higher.
     if (patch.leg.mirror[1] == kNoMirror && IsKept(tracing.options, echo.range_m()) &&
         IsHeard(tracing.options, echo.leg)) {
@@ -233,7 +248,7 @@ void AddEchoes(const Tracing& tracing, int row, const std::vector<Patch>& patche
 // Adds echoes that go out by the mirror that showed a patch and back by one flat mirror, and the reverse. The
 // second leg goes by the sonar's image behind that mirror. If both mirrors are flat, only the one with the
 // lower plane index may show the patch, so no pair occurs twice.
-void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>& patches,
+void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
                       std::int32_t plane_idx, std::vector<GhostEcho>& echoes) {
   struct Candidate {
     const Patch* patch;
@@ -279,7 +294,7 @@ void AddEchoesByPlane(const Tracing& tracing, int row, const std::vector<Patch>&
   for (std::size_t ray = 0; ray < met.size(); ++ray) {
     if (occluded[ray] != 0) continue;
     const Candidate& candidate = candidates[met[ray]];
-    GhostEcho echo = EchoOf(tracing, row, *candidate.patch);
+    GhostEcho echo = EchoOf(tracing, *candidate.patch);
     echo.both_ways = true;
     echo.other = candidate.leg;
     echo.tilt_rad = AngleRad((candidate.patch->back + candidate.back).normalized(), candidate.patch->normal);
@@ -293,10 +308,10 @@ std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, 
                                                       : FirstReflections(tracing, hits, row);
   for (int level = 1; level <= tracing.options.order && !seen.empty(); ++level) {
     const std::vector<Patch> patches = PatchesSeen(tracing, level, seen);
-    AddEchoes(tracing, row, patches, echoes);
+    AddEchoes(tracing, patches, echoes);
     if (level > 1 || tracing.options.order < 2) continue;
     for (std::size_t plane = 0; plane < tracing.mirrors.planes().size(); ++plane) {
-      AddEchoesByPlane(tracing, row, patches, static_cast<std::int32_t>(plane), echoes);
+      AddEchoesByPlane(tracing, patches, static_cast<std::int32_t>(plane), echoes);
     }
   }
   return echoes;
@@ -322,7 +337,7 @@ RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar,
   RayFanOptions options = fan;
   if (fan.sampling == Sampling::kBeams) {
     options.cols = std::max(fan.cols / 4, 1);
-    options.rows = std::max(fan.rows / 2, 1);
+    options.rows = std::max(fan.rows / 3, 1);
   }
   if (beam.mirror_lobes == MirrorLobes::kMain) {
     const double main_lobe_deg = 2.0 * DegFromRad(MainLobeEndRad(ElevationResponseOf(sonar, beam)));

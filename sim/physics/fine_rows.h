@@ -36,7 +36,6 @@ struct FineRows {
   // that would lie outside of the rows is reflected at their end, because patches beyond are not traced.
   template <typename Take>
   void Spread(double range_m, double depth_m, double power, const Take& take) const {
-    constexpr int kMaxParts = 64;
     depth_m = std::min(depth_m, kMaxParts * part_m);
     const int parts = std::max(1, static_cast<int>(std::ceil(depth_m / part_m)));
     const double near_m = first_m - 0.5 / per_m;
@@ -48,6 +47,8 @@ struct FineRows {
       Share(at_m, power / parts, take);
     }
   }
+
+  static constexpr int kMaxParts = 64;
 
   int count;
   double per_m;

@@ -21,4 +21,7 @@ inline double PatchDepthM(double range_m, double height_rad, double incidence_co
   return range_m * height_rad * std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / cosine;
 }
 
+// Largest tangent of incidence that PatchDepthM uses.
+inline double LargestTangent() { return PatchDepthM(1.0, 1.0, 0.0); }
+
 }  // namespace sonarcal::sim

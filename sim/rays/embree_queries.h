@@ -30,11 +30,11 @@ class Query {
   void Intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
     rtcIntersect16(valid, scene, rays, &arguments_);
   }
-  void Occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
+  void Occluded8(const int* valid, RTCScene scene, RTCRay8* rays) {
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
     arguments.flags = arguments_.flags;
-    rtcOccluded16(valid, scene, rays, &arguments);
+    rtcOccluded8(valid, scene, rays, &arguments);
   }
 
  private:
@@ -57,8 +57,8 @@ class Query {
   void Intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
     rtcIntersect16(valid, scene, &context_, rays);
   }
-  void Occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
-    rtcOccluded16(valid, scene, &context_, rays);
+  void Occluded8(const int* valid, RTCScene scene, RTCRay8* rays) {
+    rtcOccluded8(valid, scene, &context_, rays);
   }
 
  private:

@@ -19,10 +19,12 @@ namespace sonarcal::sim {
 namespace {
 
 // Size of a tile of neighbouring rows and columns. Each tile is one packet: rays that are close in both
-// directions visit fewer boxes of the tree than the same number of rays in a line.
-constexpr int kTileRows = 4;
+// directions visit fewer boxes of the tree than the same number of rays in a line. A packet has as many rays
+// as AVX2 has lanes; Embree would divide a larger one.
+constexpr int kTileRows = 2;
 constexpr int kTileCols = 4;
 constexpr int kPacket = kTileRows * kTileCols;
+using Packet = RTCRayHit8;
 
 // Lane of a ray of a tile.
 constexpr int LaneOf(int row, int col) {
@@ -44,7 +46,7 @@ struct RayCaster::RowBuffers {
 
 namespace {
 
-bool AnyHit(const RTCRayHit16& packet) {
+bool AnyHit(const Packet& packet) {
   return std::any_of(packet.hit.geomID, packet.hit.geomID + kPacket,
                      [](unsigned id) { return id != RTC_INVALID_GEOMETRY_ID; });
 }
@@ -62,7 +64,7 @@ class HitsOfRow {
 
   // Adds `count` rays of a tile's row: the first has column `first` and lane `lane`. Misses are written too
   // and overwritten by the next ray, which avoids a branch.
-  void Add(int first, int count, int lane, const RTCRayHit16& packet, const float* half_tangent,
+  void Add(int first, int count, int lane, const Packet& packet, const float* half_tangent,
            const std::vector<std::uint16_t>& materials) {
     for (int i = 0; i < count; ++i, ++lane) {
       const bool hit = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
@@ -176,26 +178,31 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
                               direction[1].data(), direction[2].data());
   }
   embree::Query query(true);
-  alignas(64) RTCRayHit16 packet = {};
-  alignas(64) int valid[kPacket];
+  alignas(32) Packet packet = {};
+  alignas(32) int valid[kPacket];
   std::fill_n(packet.ray.org_x, kPacket, casting.origin.x());
   std::fill_n(packet.ray.org_y, kPacket, casting.origin.y());
   std::fill_n(packet.ray.org_z, kPacket, casting.origin.z());
   std::fill_n(packet.ray.mask, kPacket, ~0U);
+  std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+  const auto set_valid = [&](int cols) {
+    for (int lane = 0; lane < kPacket; ++lane)
+      valid[lane] = lane / kTileCols < rows && lane % kTileCols < cols ? -1 : 0;
+  };
+  set_valid(kTileCols);
   for (int at = 0; at < casting.cols; at += kTileCols) {
     const int count = std::min(kTileCols, casting.cols - at);
+    if (count < kTileCols) set_valid(count);
     for (int r = 0; r < kTileRows; ++r) {
       const auto& direction = buffers.direction[r];
       const int lane = LaneOf(r, 0);
-      for (int col = 0; col < kTileCols; ++col) valid[lane + col] = r < rows && col < count ? -1 : 0;
       std::copy_n(&direction[0][at], kTileCols, packet.ray.dir_x + lane);
       std::copy_n(&direction[1][at], kTileCols, packet.ray.dir_y + lane);
       std::copy_n(&direction[2][at], kTileCols, packet.ray.dir_z + lane);
     }
     std::fill_n(packet.ray.tfar, kPacket, casting.max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
-    query.Intersect16(valid, embree_->scene, &packet);
+    query.Intersect8(valid, embree_->scene, &packet);
     met(casting.first_col + at, count, packet);
   }
 }
@@ -218,7 +225,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
   ForRows(fan, [&](int begin, int end) {
     RowBuffers buffers(fan.cols());
     for (int row = begin; row < end; row += kTileRows) {
-      CastTiles(casting, row, buffers, [&](int first, int count, const RTCRayHit16& packet) {
+      CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
         for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
           const std::size_t offset = static_cast<std::size_t>(row + r) * fan.cols() + first;
           for (int i = 0; i < count; ++i) {
@@ -242,7 +249,7 @@ void RayCaster::CastRowsOf(const Casting& casting, int begin, int end,
   std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(casting.cols));
   for (int row = begin; row < end; row += kTileRows) {
     for (HitsOfRow& of_row : hits) of_row.Clear();
-    CastTiles(casting, row, buffers, [&](int first, int count, const RTCRayHit16& packet) {
+    CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
       if (!AnyHit(packet)) return;
       float half_tangent[kPacket];
       row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
@@ -262,15 +269,17 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
 }
 
 void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
-                            const std::function<void(const RowHits&)>& take) const {
-  constexpr int kBlockCols = 8 * kTileCols;
+                            const std::function<void(const ColumnBlock&)>& of_block) const {
+  static_assert(kBlockCols % kTileCols == 0);
   const int blocks = (fan.cols() + kBlockCols - 1) / kBlockCols;
   tbb::parallel_for(0, blocks, [&](int block) {
     const embree::FlushDenormals flush;
     Casting casting(fan, world_from_sonar, max_range_m);
     casting.first_col = block * kBlockCols;
     casting.cols = std::min(kBlockCols, fan.cols() - casting.first_col);
-    CastRowsOf(casting, 0, fan.rows(), take);
+    of_block({casting.first_col, casting.cols, [&](const std::function<void(const RowHits&)>& take) {
+                CastRowsOf(casting, 0, fan.rows(), take);
+              }});
   });
   *embree_->rays_cast += fan.size();
 }
@@ -291,9 +300,9 @@ void FreeRays::Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards
 
 namespace {
 
-// Fills `ray` (an RTCRay16) with the rays from `first` on. Sets `valid` to -1 for each lane that holds a ray.
-template <typename Packet>
-void Load(const FreeRays& rays, std::size_t first, Packet& ray, int* valid) {
+// Fills `ray` (an RTCRay8) with the rays from `first` on. Sets `valid` to -1 for each lane that holds a ray.
+template <typename Rays>
+void Load(const FreeRays& rays, std::size_t first, Rays& ray, int* valid) {
   const std::size_t count = std::min<std::size_t>(kPacket, rays.size() - first);
   std::fill_n(valid, kPacket, 0);
   std::fill_n(valid, count, -1);
@@ -320,14 +329,14 @@ FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
   hits.range_m.assign(rays.size(), std::numeric_limits<float>::infinity());
   hits.triangle.assign(rays.size(), -1);
   const embree::FlushDenormals flush;
-  embree::Query query(false);
-  alignas(64) RTCRayHit16 packet = {};
-  alignas(64) int valid[kPacket];
+  embree::Query query(true);
+  alignas(32) Packet packet = {};
+  alignas(32) int valid[kPacket];
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     Load(rays, first, packet.ray, valid);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
-    query.Intersect16(valid, embree_->scene, &packet);
+    query.Intersect8(valid, embree_->scene, &packet);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
       if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       hits.range_m[first + i] = packet.ray.tfar[i];
@@ -341,12 +350,12 @@ FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
 std::vector<char> RayCaster::IsOccluded(const FreeRays& rays) const {
   std::vector<char> occluded(rays.size(), 0);
   const embree::FlushDenormals flush;
-  embree::Query query(false);
-  alignas(64) RTCRay16 packet = {};
-  alignas(64) int valid[kPacket];
+  embree::Query query(true);
+  alignas(32) RTCRay8 packet = {};
+  alignas(32) int valid[kPacket];
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     Load(rays, first, packet, valid);
-    query.Occluded16(valid, embree_->scene, &packet);
+    query.Occluded8(valid, embree_->scene, &packet);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
       // Embree marks an occluded ray this way.
       occluded[first + i] = packet.tfar[i] == -std::numeric_limits<float>::infinity() ? 1 : 0;

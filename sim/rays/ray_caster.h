@@ -73,10 +73,17 @@ class RayCaster {
   void CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                 const std::function<void(const RowHits&)>& take) const;
 
-  // Casts the fan in blocks of columns. The rows of a block come in order on one thread; blocks run on all
-  // cores. Sums per column therefore do not depend on the number of threads.
+  // Calls `of_block` for each block of columns of the fan; blocks run on all cores. block.cast(take) casts the
+  // rays of the block and passes the hits of its rows to `take`, in order and on the calling thread. Sums per
+  // column therefore do not depend on the number of threads.
+  static constexpr int kBlockCols = 32;
+  struct ColumnBlock {
+    int first_col = 0;
+    int cols = 0;  // at most kBlockCols
+    std::function<void(const std::function<void(const RowHits&)>& take)> cast;
+  };
   void CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
-                   const std::function<void(const RowHits&)>& take) const;
+                   const std::function<void(const ColumnBlock&)>& of_block) const;
 
   // First intersection of each ray. Single-threaded, for callers that run on all cores themselves.
   FanHits FirstIntersections(const FreeRays& rays) const;

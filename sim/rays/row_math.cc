@@ -16,22 +16,24 @@
 namespace sonarcal::sim::row_math {
 
 SONARCAL_VECTOR_VERSIONS
-void WideSum(const double* __restrict weight, const double* __restrict values, int count,
-             double* __restrict sums) {
+void WideSums(const float* const* __restrict weight, const float* __restrict values, int count,
+              float* __restrict sums) {
   // A vector type, because GCC otherwise makes vectors of values of different i, which it has to shuffle.
-  using Half = double __attribute__((vector_size(kWideSum / 2 * sizeof(double))));
-  Half first = {};
-  Half second = {};
+  using Half = float __attribute__((vector_size(kWideSum / 2 * sizeof(float))));
+  const float* __restrict a = weight[0];
+  const float* __restrict b = weight[1];
+  Half sum[4] = {};
   for (int i = 0; i < count; ++i, values += kWideSum) {
-    Half of_first;
-    Half of_second;
-    std::memcpy(&of_first, values, sizeof of_first);
-    std::memcpy(&of_second, values + kWideSum / 2, sizeof of_second);
-    first += weight[i] * of_first;
-    second += weight[i] * of_second;
+    Half first;
+    Half second;
+    std::memcpy(&first, values, sizeof first);
+    std::memcpy(&second, values + kWideSum / 2, sizeof second);
+    sum[0] += a[i] * first;
+    sum[1] += a[i] * second;
+    sum[2] += b[i] * first;
+    sum[3] += b[i] * second;
   }
-  std::memcpy(sums, &first, sizeof first);
-  std::memcpy(sums + kWideSum / 2, &second, sizeof second);
+  std::memcpy(sums, sum, sizeof sum);
 }
 
 SONARCAL_VECTOR_VERSIONS
@@ -47,6 +49,85 @@ double Dot(const double* __restrict a, const double* __restrict b, int count) {
   for (; i < count; ++i) sum += a[i] * b[i];
   for (const double of_lane : sums) sum += of_lane;
   return sum;
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Dots(const double* const* __restrict weight, const double* const* __restrict values, int count,
+          double* __restrict sums) {
+  // A vector type, because GCC otherwise makes vectors of the sums, whose values it has to gather.
+  constexpr int kLanes = 4;
+  using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+  const auto load = [](const double* from) {
+    Lanes lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+  };
+  const double* __restrict first = weight[0];
+  const double* __restrict second = weight[1];
+  const double* __restrict value[kDots] = {values[0], values[1], values[2], values[3]};
+  Lanes by_first[kDots] = {};
+  Lanes by_second[kDots] = {};
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    const Lanes a = load(first + i);
+    const Lanes b = load(second + i);
+    for (int k = 0; k < kDots; ++k) {
+      const Lanes v = load(value[k] + i);
+      by_first[k] += a * v;
+      by_second[k] += b * v;
+    }
+  }
+  const auto total = [](const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); };
+  for (int k = 0; k < kDots; ++k) {
+    double of_first = total(by_first[k]);
+    double of_second = total(by_second[k]);
+    for (int rest = i; rest < count; ++rest) {
+      of_first += first[rest] * value[k][rest];
+      of_second += second[rest] * value[k][rest];
+    }
+    sums[k] = of_first;
+    sums[kDots + k] = of_second;
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void WeighRows(const float* __restrict weight, const float* __restrict values, int count,
+               float* __restrict sums) {
+  constexpr int kLanes = 8;
+  constexpr int kVectors = kBlockCols / kLanes;
+  using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+  Lanes sum[kVectors];
+  std::memcpy(sum, sums, sizeof sum);
+  for (int i = 0; i < count; ++i, values += kBlockCols) {
+    for (int v = 0; v < kVectors; ++v) {
+      Lanes of_row;
+      std::memcpy(&of_row, values + v * kLanes, sizeof of_row);
+      sum[v] += weight[i] * of_row;
+    }
+  }
+  std::memcpy(sums, sum, sizeof sum);
+}
+
+SONARCAL_VECTOR_VERSIONS
+void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const float* __restrict range_m,
+               const float* __restrict half_tangent, int count, float* __restrict parts,
+               float* __restrict position, float* __restrict step) {
+  const RangeRows r = rows;
+  const float per_part = 1.0F / r.part_m;
+  for (int i = 0; i < count; ++i) {
+    const float range = range_m[i];
+    const float tangent = 2.0F * half_tangent[i] / (1.0F - half_tangent[i] * half_tangent[i] + 1e-30F);
+    const float slope = tangent < max_tangent ? tangent : max_tangent;
+    const float spread = range * height_rad * slope * per_part;
+    const float in_parts = spread < r.max_parts ? spread : r.max_parts;
+    const float whole = std::ceil(in_parts);
+    const float number = whole > 1.0F ? whole : 1.0F;
+    const bool inside = range > 0.0F && range >= r.nearest_m && range < r.farthest_m;
+    const float depth = in_parts * r.part_m;
+    parts[i] = inside ? number : 0.0F;
+    position[i] = (range + depth * (0.5F / number - 0.5F) - r.first_m) * r.per_m;
+    step[i] = depth / number * r.per_m;
+  }
 }
 
 SONARCAL_VECTOR_VERSIONS
@@ -69,8 +150,10 @@ namespace {
 struct SmallTurn {
   explicit SmallTurn(float angle_rad) {
     const float square = angle_rad * angle_rad;
-    sine = angle_rad * (1.0F - square / 6.0F * (1.0F - square / 20.0F * (1.0F - square / 42.0F)));
-    cosine = 1.0F - square / 2.0F * (1.0F - square / 12.0F * (1.0F - square / 30.0F));
+    // Factors rather than quotients, because the compiler may not turn a division into a multiplication.
+    sine = angle_rad *
+           (1.0F - square * (1.0F / 6.0F) * (1.0F - square * (1.0F / 20.0F) * (1.0F - square * (1.0F / 42.0F))));
+    cosine = 1.0F - square * 0.5F * (1.0F - square * (1.0F / 12.0F) * (1.0F - square * (1.0F / 30.0F)));
   }
   float sine;
   float cosine;
@@ -184,6 +267,18 @@ void ElevationWeights(const Table& table, float at, float per_offset,
     const auto cell = static_cast<std::int32_t>(position);
     const float part = position - static_cast<float>(cell);
     weight[i] = width[i] * (values[cell] + part * (values[cell + 1] - values[cell]));
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Lookup(const Table& table, const float* __restrict at, int count, float* __restrict value) {
+  const float* __restrict values = table.values;
+  const auto table_steps = static_cast<float>(table.steps);
+  for (int i = 0; i < count; ++i) {
+    const float position = at[i] * table_steps;
+    const auto cell = static_cast<std::int32_t>(position);
+    const float part = position - static_cast<float>(cell);
+    value[i] = values[cell] + part * (values[cell + 1] - values[cell]);
   }
 }
 

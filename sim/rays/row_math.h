@@ -76,15 +76,41 @@ void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const
 void ElevationWeights(const Table& table, float at, float per_offset, const float* elevation_offset,
                       const float* width, int count, float* weight);
 
+// table(at[i]), for positions 0..1.
+void Lookup(const Table& table, const float* at, int count, float* value);
+
 // table(half_tangent[i]) x weight[i] x exp(-per_m x range_m[i]) / range_m[i]^2.
 void PatchPowers(const Table& table, float per_m, const float* range_m, const float* half_tangent,
                  const float* weight, int count, float* power);
 
+// Rows of range, as sim/physics/fine_rows.h (FineRows) defines them.
+struct RangeRows {
+  float nearest_m = 0.0F;  // window of the echoes to keep
+  float farthest_m = 0.0F;
+  float first_m = 0.0F;
+  float per_m = 0.0F;
+  float part_m = 0.0F;
+  float max_parts = 0.0F;
+};
+// Parts of echoes from patches with slopes along the height of their cells (PatchDepthM of
+// sim/physics/patch.h; tangents are limited to max_tangent): number of parts, position of the first one in
+// rows, and step between two in rows. 0 parts for an echo outside of the window.
+void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const float* range_m,
+               const float* half_tangent, int count, float* parts, float* position, float* step);
+
 double Dot(const double* a, const double* b, int count);
 
-// sums[k] = sum over i of weight[i] x values[i kWideSum + k].
-inline constexpr int kWideSum = 8;
-void WideSum(const double* weight, const double* values, int count, double* sums);
+// sums[w kDots + k] = sum over i of weight[w][i] x values[k][i], for two weights.
+inline constexpr int kDots = 4;
+void Dots(const double* const* weight, const double* const* values, int count, double* sums);
+
+// Adds to sums[k] the sum over i of weight[i] x values[i kBlockCols + k], for k = 0 .. kBlockCols - 1.
+inline constexpr int kBlockCols = 32;
+void WeighRows(const float* weight, const float* values, int count, float* sums);
+
+// sums[w kWideSum + k] = sum over i of weight[w][i] x values[i kWideSum + k], for two weights.
+inline constexpr int kWideSum = 16;
+void WideSums(const float* const* weight, const float* values, int count, float* sums);
 
 // floor((value - first) x per_step), or -1 if that is outside 0 .. bins - 1.
 void Bins(const float* value, float first, float per_step, int bins, int count, std::int32_t* bin);

@@ -25,9 +25,11 @@ enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by
 // them. Only hits are waited for, nothing is made of them.
 class EmbreeAlone {
  public:
-  EmbreeAlone(const Scene& scene, const sim::RayFan& fan, const Pose& pose, double max_range_m)
+  // `kernels`: Embree's configuration; null: the processor's own kernels.
+  EmbreeAlone(const Scene& scene, const sim::RayFan& fan, const Pose& pose, double max_range_m,
+              const char* kernels = nullptr)
       : origin_(pose.position_m.cast<float>()), max_range_m_(static_cast<float>(max_range_m)) {
-    device_ = rtcNewDevice(nullptr);
+    device_ = rtcNewDevice(kernels);
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -152,11 +154,11 @@ class FastestQuery {
  public:
   explicit FastestQuery(RayOrder order) : order_(order) {}
 
-  void Measure(const EmbreeAlone& sim::embree) {
+  void Measure(const EmbreeAlone& embree) {
     for (const int width : {1, 4, 8, 16}) {
       for (const bool coherent : {false, true}) {
         seconds_[std::to_string(width) + (coherent ? "c" : "")].push_back(
-            sim::embree.Seconds(order_, width, coherent));
+            embree.Seconds(order_, width, coherent));
       }
     }
   }

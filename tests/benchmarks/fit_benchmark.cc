@@ -101,13 +101,40 @@ void FitBesideTracing(benchmark::State& state) {
     state.counters["trace_and_gather_s"] = gathered - traced;
     state.counters["solve_s"] = solved - gathered;
     state.counters["solve_over_trace"] = (solved - gathered) / (traced - start);
+    state.counters["gather_over_trace"] = (gathered - traced) / (traced - start);
+    // Preparation without its tracing, and the fit.
+    state.counters["rest_over_trace"] = (solved - traced) / (traced - start) - 1.0;
+    state.counters["limit"] = 0.5;
     state.counters["trace_processor_s"] = traced_cpu - start_cpu;
+    state.counters["gather_processor_s"] = gathered_cpu - traced_cpu;
     state.counters["solve_processor_s"] = solved_cpu - gathered_cpu;
     state.counters["iterations"] = fit.report.iterations;
     state.counters["peak_memory_MiB"] = static_cast<double>(usage.ru_maxrss) / 1024.0;
   }
 }
 BENCHMARK(FitBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
+
+// Preparation of a fit of the paper's model, with its own rays. Without the fit itself.
+void PaperGatherBesideTracing(benchmark::State& state) {
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  const sim::Simulator simulator(sim::MakeMockupTank(), preset.sonar, Options(preset, kPaperRays));
+  for (auto unused : state) {
+    double trace_s = 0.0;
+    double gather_s = 0.0;
+    for (const Pose& pose : Poses()) {
+      const double start = ProcessorSeconds();
+      const sim::EchoList echoes = simulator.TraceEchoes(pose);
+      const double traced = ProcessorSeconds();
+      benchmark::DoNotOptimize(sim::GatherEchoes(echoes, preset.sonar.axes).cells.data());
+      trace_s += traced - start;
+      gather_s += ProcessorSeconds() - traced;
+    }
+    state.counters["trace_processor_s"] = trace_s;
+    state.counters["gather_processor_s"] = gather_s;
+    state.counters["gather_over_trace"] = gather_s / trace_s;
+  }
+}
+BENCHMARK(PaperGatherBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
 
 }  // namespace
 }  // namespace sonarcal::benchmarks

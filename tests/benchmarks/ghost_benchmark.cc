@@ -42,7 +42,7 @@ void TankGhosts(benchmark::State& state) {
     state.counters["direct_ms"] = 1e3 * Median(direct);
     state.counters["with_ghosts_ms"] = 1e3 * Median(ghosts);
     state.counters["ratio"] = Median(ratio);
-    state.counters["limit"] = 3.0;
+    state.counters["limit"] = 2.0;
     state.counters["echoes"] = static_cast<double>(simulator.TraceGhosts(pose, with).echoes.size());
   }
 }

@@ -64,6 +64,26 @@ TEST_P(AcousticFrame, IsTheMapOfTheEchoes) {
   EXPECT_GT(lit, 0.01 * static_cast<double>(slow.power.size()));
 }
 
+TEST_P(AcousticFrame, ThroughThePulseIsTheMapOfTheEchoesThroughThePulse) {
+  const PulsedMap slow = ThroughPulse(
+      MakeScatterMap(Trace(caster_, fan_, pose_, sonar_.axes), fan_, geometry_, Parameters()), geometry_,
+      Parameters());
+  const PulsedMap quick = CastPulsedMap(caster_, fan_, pose_, geometry_, Parameters());
+  EXPECT_EQ(quick.column_azimuth_rad, slow.column_azimuth_rad);
+  ASSERT_EQ(quick.power.size(), slow.power.size());
+  const double largest = *std::max_element(slow.power.values().begin(), slow.power.values().end());
+  ASSERT_GT(largest, 0.0);
+  for (std::size_t i = 0; i < slow.power.size(); ++i) {
+    const double expected = slow.power.values()[i];
+    ASSERT_NEAR(quick.power.values()[i], expected, 1e-3 * expected + 1e-9 * largest) << i;
+  }
+}
+
+TEST_P(AcousticFrame, ThroughThePulseIsTheSameOnAnyNumberOfThreads) {
+  const auto map = [&] { return CastPulsedMap(caster_, fan_, pose_, geometry_, Parameters()).power; };
+  EXPECT_EQ(testing::WithThreads(1, map), testing::WithThreads(2, map));
+}
+
 TEST_P(AcousticFrame, IsTheSameOnAnyNumberOfThreads) {
   const auto map = [&] { return CastScatterMap(caster_, fan_, pose_, geometry_, Parameters()).power; };
   EXPECT_EQ(testing::WithThreads(1, map), testing::WithThreads(2, map));

@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "core/math/random.h"
+#include "sim/acoustic/patch_shader.h"
+#include "sim/physics/patch.h"
 #include "sim/rays/ray_fan.h"
 #include "sim/scenes/sonar_presets.h"
 
@@ -261,20 +263,88 @@ TEST(RowMath, PatchPowersFarAndNear) {
   }
 }
 
-TEST(RowMath, AWideSumIsASumForEachPlace) {
-  std::vector<double> weight;
-  std::vector<double> values;
+TEST(RowMath, WideSumsAreSumsForEachPlaceAndWeight) {
+  std::vector<float> weight;
+  std::vector<float> other;
+  std::vector<float> values;
   for (int i = 0; i < 23; ++i) {
-    weight.push_back(0.5 * i - 3.0);
-    for (int k = 0; k < row_math::kWideSum; ++k) values.push_back(i * i - 7.0 * k);
+    weight.push_back(0.5F * static_cast<float>(i) - 3.0F);
+    other.push_back(static_cast<float>(i * i));
+    for (int k = 0; k < row_math::kWideSum; ++k) values.push_back(static_cast<float>(i * i - 7 * k));
   }
+  const float* const weights[] = {weight.data(), other.data()};
   for (const int count : {0, 1, 4, 23}) {
-    std::array<double, row_math::kWideSum> sums{};
-    row_math::WideSum(weight.data(), values.data(), count, sums.data());
-    for (int k = 0; k < row_math::kWideSum; ++k) {
-      double expected = 0.0;
-      for (int i = 0; i < count; ++i) expected += weight[i] * values[i * row_math::kWideSum + k];
-      EXPECT_NEAR(sums[k], expected, 1e-12 * std::abs(expected)) << count << ' ' << k;
+    std::array<float, 2 * row_math::kWideSum> sums{};
+    row_math::WideSums(weights, values.data(), count, sums.data());
+    for (int w = 0; w < 2; ++w) {
+      for (int k = 0; k < row_math::kWideSum; ++k) {
+        double expected = 0.0;
+        double size = 0.0;
+        for (int i = 0; i < count; ++i) {
+          const double term = double{weights[w][i]} * values[i * row_math::kWideSum + k];
+          expected += term;
+          size += std::abs(term);
+        }
+        EXPECT_NEAR(sums[w * row_math::kWideSum + k], expected, 1e-6 * size) << count << ' ' << w << ' ' << k;
+      }
+    }
+  }
+}
+
+TEST(RowMath, DotsAreSumsOfEachRowByEachWeight) {
+  std::vector<double> weight(37);
+  std::vector<double> other(37);
+  std::vector<std::vector<double>> rows(row_math::kDots, std::vector<double>(37));
+  for (int i = 0; i < 37; ++i) {
+    weight[i] = 0.5 * i - 3.0;
+    other[i] = 1.0 / (1.0 + i);
+    for (int k = 0; k < row_math::kDots; ++k) rows[k][i] = i * i - 7.0 * k;
+  }
+  const double* const weights[] = {weight.data(), other.data()};
+  const double* const values[] = {rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()};
+  for (const int count : {0, 1, 4, 37}) {
+    std::array<double, 2 * row_math::kDots> sums{};
+    row_math::Dots(weights, values, count, sums.data());
+    for (int k = 0; k < row_math::kDots; ++k) {
+      EXPECT_NEAR(sums[k], row_math::Dot(weights[0], values[k], count), 1e-9) << count << ' ' << k;
+      EXPECT_NEAR(sums[row_math::kDots + k], row_math::Dot(weights[1], values[k], count), 1e-9) << count << ' ' << k;
+    }
+  }
+}
+
+TEST(RowMath, ALookupIsLinearBetweenTheValues) {
+  const std::vector<float> values = {1.0F, 3.0F, 2.0F, 2.0F};
+  const std::vector<float> at = {0.0F, 0.25F, 0.5F, 0.75F, 1.0F};
+  std::vector<float> found(at.size());
+  row_math::Lookup({values.data(), 2}, at.data(), static_cast<int>(at.size()), found.data());
+  EXPECT_THAT(found, ::testing::ElementsAre(1.0F, 2.0F, 3.0F, 2.5F, 2.0F));
+}
+
+// The parts of row_math::EchoParts against those of FineRows::Spread, by their mean position and number.
+TEST(RowMath, EchoPartsAreThoseOfFineRows) {
+  const PolarAxes axes{1.0, 5.0, 40, {-0.1, 0.1}};
+  const FineRows rows(axes, 4, 0.1);
+  const row_math::RangeRows range_rows = RangeRowsOf(rows, axes);
+  constexpr double kHeightRad = 0.02;
+  for (const float range_m : {0.5F, 1.1F, 2.0F, 3.3F, 4.9F, 5.0F}) {
+    for (const float half_tangent : {0.0F, 0.3F, 0.8F, 0.95F, 0.999F, 1.0F}) {
+      float parts = 0.0F;
+      float position = 0.0F;
+      float step = 0.0F;
+      row_math::EchoParts(range_rows, static_cast<float>(kHeightRad), static_cast<float>(LargestTangent()),
+                          &range_m, &half_tangent, 1, &parts, &position, &step);
+      if (range_m < 1.0F || range_m >= 5.0F) {
+        EXPECT_EQ(parts, 0.0F);
+        continue;
+      }
+      const double square = double{half_tangent} * half_tangent;
+      const double depth_m =
+          std::min(PatchDepthM(range_m, kHeightRad, (1.0 - square) / (1.0 + square)), 64.0 * rows.part_m);
+      const double number = std::max(1.0, std::ceil(depth_m / rows.part_m));
+      EXPECT_EQ(parts, number) << range_m << ' ' << half_tangent;
+      EXPECT_NEAR(step, depth_m / number * rows.per_m, 1e-3) << range_m << ' ' << half_tangent;
+      EXPECT_NEAR(position + 0.5 * (number - 1.0) * step, (range_m - rows.first_m) * rows.per_m, 1e-3)
+          << range_m << ' ' << half_tangent;
     }
   }
 }
