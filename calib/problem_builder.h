@@ -44,8 +44,8 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);
 
-// Gradient of half the sum of squares of all frames by the coordinates of the active entries, and its expected
-// information; without priors.
+// Gradient of half the sum of squares of all frames by the coordinates of the active entries, and its
+// expected information; without priors.
 struct CostSlopes {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;

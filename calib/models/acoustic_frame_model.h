@@ -184,8 +184,9 @@ class AcousticFrameModel final : public FrameModel {
   // gathered echoes.
   bool KeepsEchoes(const ParameterValues& values, const std::vector<int>& geometric) const;
 
-  // Slopes along poses, axes and objects from those along moves of the sonar and of parts. A turn of the sonar and a turn of its
-  // beams then cancel exactly, as they do in an image; separate slopes would seem to tell them apart.
+  // Slopes along poses, axes and objects from those along moves of the sonar and of parts. A turn of the
+  // sonar and a turn of its beams then cancel exactly, as they do in an image; separate slopes would seem to
+  // tell them apart.
   void AddSlopesOfMoves(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                         const std::vector<int>& geometric, FrameEchoes& echoes) const;
   // Slopes along changes of the scene that are no rigid moves: scales of objects and outlines.

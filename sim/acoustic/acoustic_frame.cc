@@ -16,8 +16,8 @@ namespace {
 constexpr int kBlockCols = RayCaster::kBlockCols;
 static_assert(kBlockCols == row_math::kBlockCols);
 
-// Power per fine row of a block of columns, before the common factor of the shader: FineRows::Spread in single
-// precision. Reused from block to block.
+// Power per fine row of a block of columns, before the common factor of the shader: FineRows::Spread in
+// single precision. Reused from block to block.
 class BlockMap {
  public:
   BlockMap(const RayFan& fan, const PatchShader& shader, const FineRows& rows, const PolarAxes& axes)
@@ -42,8 +42,9 @@ class BlockMap {
   void Add(const RowHits& hits) {
     if (hits.count == 0) return;
     shader_.Shade(hits, shaded_);
-    row_math::EchoParts(rows_, static_cast<float>(fan_.SpreadHeightRad(hits.row, 0)), max_tangent_, hits.range_m,
-                        hits.half_tangent, hits.count, parts_.data(), position_.data(), step_.data());
+    row_math::EchoParts(rows_, static_cast<float>(fan_.SpreadHeightRad(hits.row, 0)), max_tangent_,
+                        hits.range_m, hits.half_tangent, hits.count, parts_.data(), position_.data(),
+                        step_.data());
     for (int i = 0; i < hits.count; ++i) {
       float* column = &power_[hits.col[i] - first_col_];
       if (parts_[i] == 1.0F) {
@@ -123,7 +124,8 @@ ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose
              [&](const RayCaster::ColumnBlock& block, const BlockMap& map, double factor) {
                for (int row = 0; row < map.rows(); ++row) {
                  const float* power = map.Row(row);
-                 for (int i = 0; i < block.cols; ++i) scatter.power(row, block.first_col + i) = factor * power[i];
+                 for (int i = 0; i < block.cols; ++i)
+                   scatter.power(row, block.first_col + i) = factor * power[i];
                }
              });
   return scatter;
@@ -142,7 +144,8 @@ PulsedMap CastPulsedMap(const RayCaster& caster, const RayFan& fan, const Pose& 
                for (int bin = 0; bin < axes.range_bins; ++bin) {
                  std::array<float, kBlockCols> sums = {};
                  WeighRows(map, weight, bin * steps + pulse.first, sums.data());
-                 for (int i = 0; i < block.cols; ++i) pulsed.power(bin, block.first_col + i) = factor * sums[i];
+                 for (int i = 0; i < block.cols; ++i)
+                   pulsed.power(bin, block.first_col + i) = factor * sums[i];
                }
              });
   return pulsed;
@@ -151,7 +154,8 @@ PulsedMap CastPulsedMap(const RayCaster& caster, const RayFan& fan, const Pose& 
 ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                        const AcousticGeometry& geometry, const ParameterSet& parameters,
                        const TraceOptions& options) {
-  if (CastsInOnePass(fan, options)) return CastScatterMap(caster, fan, world_from_sonar, geometry, parameters);
+  if (CastsInOnePass(fan, options))
+    return CastScatterMap(caster, fan, world_from_sonar, geometry, parameters);
   return MakeScatterMap(Trace(caster, fan, world_from_sonar, geometry.sonar.axes, options), fan, geometry,
                         parameters);
 }

@@ -74,16 +74,16 @@ struct BeamPair {
   void Sums(const std::complex<double>* const* rows, std::complex<double>* sums) const {
     for (const std::vector<double>& of_beam : weight) {
       for (int k = 0; k < row_math::kDots; ++k, ++sums) {
-        *sums = std::inner_product(of_beam.begin(), of_beam.end(), rows[k], std::complex<double>(0.0),
-                                   std::plus<>(),
-                                   [](double w, const std::complex<double>& v) { return w * v; });
+        *sums =
+            std::inner_product(of_beam.begin(), of_beam.end(), rows[k], std::complex<double>(0.0),
+                               std::plus<>(), [](double w, const std::complex<double>& v) { return w * v; });
       }
     }
   }
 };
 
-// Filters bins x columns along azimuth to bins x beams. A few bins and two beams at a time, because they share
-// their loads.
+// Filters bins x columns along azimuth to bins x beams. A few bins and two beams at a time, because they
+// share their loads.
 template <typename T>
 Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& azimuth) {
   constexpr int kTogether = row_math::kDots;
@@ -250,8 +250,8 @@ Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& g
 Grid<double> EchoPowerImage(const PulsedMap& pulsed, const AcousticGeometry& geometry,
                             const ParameterSet& parameters) {
   Grid<double> power =
-      AlongAzimuth(pulsed.power, AzimuthWindows(geometry.sonar, parameters, pulsed.column_azimuth_rad,
-                                                ResponseOf::kPower));
+      AlongAzimuth(pulsed.power,
+                   AzimuthWindows(geometry.sonar, parameters, pulsed.column_azimuth_rad, ResponseOf::kPower));
   const std::vector<double> gain = GainByBin(geometry, parameters);
   for (int bin = 0; bin < power.rows(); ++bin) {
     for (double& value : power.row(bin)) value *= gain[bin];

@@ -166,8 +166,8 @@ Uncovered MovedCrease(const Hit& hit, const Hit& other, float size, bool first) 
           .turn = factor * moved.direction.cross(moved.normal)};
 }
 
-// True if the triangle of a hit ends where the plane of another hit meets its plane, as that of a box does that
-// stands on a floor. False if it goes on behind the other surface.
+// True if the triangle of a hit ends where the plane of another hit meets its plane, as that of a box does
+// that stands on a floor. False if it goes on behind the other surface.
 bool EndsAtCrease(const Hit& hit, const Hit& other, const Scene& scene, const Pose& world_from_sonar) {
   constexpr float kBeyond = 1e-3F;  // of the way between the hits
   const float at_hit = hit.inverse_m - other.InverseRangeAt(hit.direction);
@@ -274,7 +274,8 @@ class SlopeGatherer {
     return range_m > 0.0F && range_m >= axes_.range_min_m && range_m < axes_.range_max_m;
   }
 
-  // Terms of a hit for moves of the sonar, then for those of each part. `changes`: which of them are not zero.
+  // Terms of a hit for moves of the sonar, then for those of each part. `changes`: which of them are not
+  // zero.
   void FillTerms(const HitRows& around, int row, int col, std::vector<FineTerms>& terms,
                  std::vector<char>& changes) const {
     const Hit& hit = around.At(row, col);

@@ -66,7 +66,8 @@ PatchShader::PatchShader(const RayFan& fan, const EchoPowerModel& model, double 
   for (const GsabParameters<double>& curve : model.materials()) {
     // Materials without a curve of their own share one.
     const auto earlier = std::find(model.materials().begin(), model.materials().end(), curve);
-    if (const auto same = static_cast<std::size_t>(earlier - model.materials().begin()); same < strength_.size()) {
+    if (const auto same = static_cast<std::size_t>(earlier - model.materials().begin());
+        same < strength_.size()) {
       strength_.push_back(std::vector<float>(strength_[same]));
       if (slopes) strength_slopes_.push_back(std::vector<float>(strength_slopes_[same]));
       continue;

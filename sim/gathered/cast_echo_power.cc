@@ -70,9 +70,9 @@ struct JoinedColumns {
     for (int col = 0; col <= last; ++col) {
       const int left = col / together;
       first.push_back(left);
-      const double part = col % together == 0
-                              ? 0.0
-                              : (fine_rad[col] - azimuth_rad[left]) / (azimuth_rad[left + 1] - azimuth_rad[left]);
+      const double part = col % together == 0 ? 0.0
+                                              : (fine_rad[col] - azimuth_rad[left]) /
+                                                    (azimuth_rad[left + 1] - azimuth_rad[left]);
       of_next.push_back(static_cast<float>(part));
     }
   }
@@ -155,8 +155,8 @@ class BlockGatherer {
       const float power = shaded_.power[i] / parts_[i];
       const float left = (1.0F - of_col) * power;
       const float right = of_col * power;
-      const std::array<float, 4> by_col_and_node = {left - left * of_node, left * of_node, right - right * of_node,
-                                                    right * of_node};
+      const std::array<float, 4> by_col_and_node = {left - left * of_node, left * of_node,
+                                                    right - right * of_node, right * of_node};
       const int col = shared_.columns.first[hits.col[i]] - first_joined_;
       const int key = hits.material[i] * nodes_ + node;
       const int parts = static_cast<int>(parts_[i]);
@@ -175,9 +175,9 @@ class BlockGatherer {
     const float further = above - static_cast<float>(row);
     const float nearer = 1.0F - further;
     const std::array<float, 4>& p = by_col_and_node;
-    SlotOf(row * kBlockCols + col, key).power += Corners{nearer * p[0],  nearer * p[1],  nearer * p[2],
-                                                         nearer * p[3],  further * p[0], further * p[1],
-                                                         further * p[2], further * p[3]};
+    SlotOf(row * kBlockCols + col, key).power +=
+        Corners{nearer * p[0],  nearer * p[1],  nearer * p[2],  nearer * p[3],
+                further * p[0], further * p[1], further * p[2], further * p[3]};
   }
 
   Slot& SlotOf(int place, int key) {
@@ -198,10 +198,12 @@ class BlockGatherer {
       for (; at != kNone; at = slots_[at].older) {
         const Slot& slot = slots_[at];
         for (int beside = 0; beside < 2; ++beside) {
-          float* sums = &sums_[static_cast<std::size_t>(col + beside) * shared_.materials * nodes_ + slot.node];
+          float* sums =
+              &sums_[static_cast<std::size_t>(col + beside) * shared_.materials * nodes_ + slot.node];
           sums[0] += slot.power[4 * half + 2 * beside];
           sums[1] += slot.power[4 * half + 2 * beside + 1];
-          std::uint64_t* present = &present_[static_cast<std::size_t>(col + beside) * words_ + slot.node / 64];
+          std::uint64_t* present =
+              &present_[static_cast<std::size_t>(col + beside) * words_ + slot.node / 64];
           present[0] |= std::uint64_t{3} << (slot.node % 64);
           if (slot.node % 64 == 63) present[1] |= 1;
         }

@@ -3,9 +3,10 @@
 // backscatter curves. A fit of materials, beam, pulse and receiver therefore needs no other geometry and
 // casts no ray.
 //
-// Cells are fine rows of range times columns of the ray fan, or fewer columns (sim/gathered/cast_echo_power.h). An echo is shared between the two nearest rows,
-// so power changes smoothly with range. Incidence uses the grid of sim/paper/echo_histogram.h. A curve is
-// piecewise linear in power between its values at the nodes.
+// Cells are fine rows of range times columns of the ray fan, or fewer columns
+// (sim/gathered/cast_echo_power.h). An echo is shared between the two nearest rows, so power changes smoothly
+// with range. Incidence uses the grid of sim/paper/echo_histogram.h. A curve is piecewise linear in power
+// between its values at the nodes.
 #pragma once
 
 #include <cstdint>

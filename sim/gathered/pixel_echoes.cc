@@ -176,7 +176,8 @@ struct BlockEntries {
   std::vector<std::uint32_t> count;  // per bin and beam
 };
 
-// Sends the nodes of a block of bins through the beams. Omits entries below `negligible_share` of their pixel.
+// Sends the nodes of a block of bins through the beams. Omits entries below `negligible_share` of their
+// pixel.
 BlockEntries ThroughBeams(const NodeLines& lines, const std::vector<BeamPair>& pairs, int bins, int beams,
                           double negligible_share) {
   BlockEntries block;
@@ -289,8 +290,8 @@ EchoPower EchoesOfPose(const Simulator& simulator, const Pose& world_from_sonar,
 
 PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& echoes,
                                 const ParameterSet& parameters) {
-  std::vector<ResponseWindow> azimuth = AzimuthWindows(simulator.sonar(), parameters, echoes.column_azimuth_rad,
-                                                       ResponseOf::kPower);
+  std::vector<ResponseWindow> azimuth =
+      AzimuthWindows(simulator.sonar(), parameters, echoes.column_azimuth_rad, ResponseOf::kPower);
   if (echoes.shared_columns) azimuth = SharpenedForShares(std::move(azimuth));
   return GatherPixelEchoes(
       echoes, {simulator.sonar().axes.range_bins, echoes.range_steps, std::move(azimuth),

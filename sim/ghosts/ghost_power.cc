@@ -46,8 +46,8 @@ constexpr int kBandCols = row_math::kBlockCols;
 constexpr std::size_t kChunk = 16384;  // echoes
 constexpr std::size_t kManyEchoes = 50'000;
 
-// Shares of a list, by bands of kBandCols columns. Computed on all cores; ForEach visits a band in the order of
-// the list, so sums do not depend on the number of threads.
+// Shares of a list, by bands of kBandCols columns. Computed on all cores; ForEach visits a band in the order
+// of the list, so sums do not depend on the number of threads.
 class BandShares {
  public:
   BandShares(const GhostList& ghosts, const GhostPower& power, const ArrivalGrid& grid, int cols)
@@ -185,8 +185,7 @@ double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
   if (azimuth_.shape().pattern == AzimuthPattern::kAperture) {
     // sin a - sin m by one sine and one cosine. Most legs of a floor or a surface arrive from one azimuth.
     const double mean_rad = 0.5 * (azimuth_rad + middle_rad);
-    const double field =
-        azimuth_.ApertureFieldAt(2.0 * std::cos(mean_rad) * std::sin(0.5 * apart_rad));
+    const double field = azimuth_.ApertureFieldAt(2.0 * std::cos(mean_rad) * std::sin(0.5 * apart_rad));
     return field * field < kMinInCommon ? 0.0 : field * field;
   }
   const double power = azimuth_.Power(azimuth_rad, middle_rad);

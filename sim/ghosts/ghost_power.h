@@ -42,8 +42,8 @@ class GhostPower {
   GhostPower(const std::vector<std::string>& material_names, const AcousticGeometry& geometry,
              const ParameterSet& parameters);
 
-  // Tabulates the elevation response, for lists of many echoes. Linear interpolation differs from it by at most
-  // 1e-5 of its peak.
+  // Tabulates the elevation response, for lists of many echoes. Linear interpolation differs from it by at
+  // most 1e-5 of its peak.
   void TabulateElevations();
 
   // Power in one direction of travel: out by `leg`, back by `other`.

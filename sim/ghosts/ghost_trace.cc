@@ -75,8 +75,11 @@ std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, 
     if (triangle < 0 || !(hits.range_m[ray] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
     const Eigen::Vector3d direction(directions[0][col], directions[1][col], directions[2][col]);
     const double range_m = hits.range_m[ray];
-    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()), triangle, col,
-               static_cast<float>(fan.SolidAngleSr(row, col)), {}};
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()),
+               triangle,
+               col,
+               static_cast<float>(fan.SolidAngleSr(row, col)),
+               {}};
     begun.leg.azimuth_rad = static_cast<float>(fan.AzimuthRad(row, col));
     begun.leg.elevation_rad = static_cast<float>(fan.ElevationRad(row, col));
     begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
@@ -104,8 +107,11 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
     const int triangle = hits.triangle[col];
     if (triangle < 0 || !(hits.range_m[col] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
     const Eigen::Vector3d& direction = directions[col];
-    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()), triangle, col,
-               static_cast<float>(fan.SolidAngleSr(row, col)), {}};
+    Seen begun{RayBundle(tracing.sonar_m, tracing.world_from_sonar * direction, tracing.mirrors.bends()),
+               triangle,
+               col,
+               static_cast<float>(fan.SolidAngleSr(row, col)),
+               {}};
     begun.leg.azimuth_rad = static_cast<float>(std::atan2(direction.x(), direction.y()));
     begun.leg.elevation_rad = static_cast<float>(std::asin(std::clamp(direction.z(), -1.0, 1.0)));
     begun.leg.mirror[0] = tracing.caster.TriangleMaterial(triangle);
@@ -150,8 +156,8 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
     patch.leg.incidence_rad = AngleRad(one.bundle.direction, patch.normal);
     patches.push_back(patch);
     if (level < tracing.options.order && tracing.mirrors.Reflects(triangle)) {
-      Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col, one.solid_angle_sr,
-                one.leg};
+      Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col,
+                one.solid_angle_sr, one.leg};
       next.leg.mirror[level] = tracing.caster.TriangleMaterial(triangle);
       further.push_back(next);
     }
@@ -248,8 +254,8 @@ void AddEchoes(const Tracing& tracing, const std::vector<Patch>& patches, std::v
 // Adds echoes that go out by the mirror that showed a patch and back by one flat mirror, and the reverse. The
 // second leg goes by the sonar's image behind that mirror. If both mirrors are flat, only the one with the
 // lower plane index may show the patch, so no pair occurs twice.
-void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
-                      std::int32_t plane_idx, std::vector<GhostEcho>& echoes) {
+void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches, std::int32_t plane_idx,
+                      std::vector<GhostEcho>& echoes) {
   struct Candidate {
     const Patch* patch;
     GhostLeg leg;

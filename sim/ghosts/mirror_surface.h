@@ -75,8 +75,8 @@ class MirrorSurface {
   std::vector<std::int32_t> corners_of_;        // per triangle: first of three in corner_normal_, or kFlat
   std::vector<Eigen::Vector3f> corner_normal_;  // unit length
   std::vector<Plane> planes_;
-  std::vector<std::int32_t> plane_of_;       // per triangle
-  std::vector<std::int32_t> normal_of_;      // per triangle: index into flat_normal_, if it reflects
+  std::vector<std::int32_t> plane_of_;        // per triangle
+  std::vector<std::int32_t> normal_of_;       // per triangle: index into flat_normal_, if it reflects
   std::vector<Eigen::Vector3d> flat_normal_;  // unit length, of the triangle itself
   double largest_coordinate_m_ = 0.0;
 };

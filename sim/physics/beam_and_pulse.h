@@ -44,7 +44,8 @@ struct ResponseWindow {
   std::vector<double> weight;
 };
 
-// kPowerSlope: change of the response of power while the echo moves, per radian to the right or per metre away.
+// kPowerSlope: change of the response of power while the echo moves, per radian to the right or per metre
+// away.
 enum class ResponseOf { kPower, kField, kPowerSlope };
 
 // Response of each beam, its sensitivity included, to echoes in columns at these azimuths.

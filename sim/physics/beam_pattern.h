@@ -86,7 +86,8 @@ T ApertureField(const T& v, const T& taper) {
   const T to_pole = square - T(1.0);
   // Where no argument is small, the three sincs share one sine: sin(pi (v +- 1)) = -sin(pi v).
   if (square > T(0.04) && (to_pole > T(0.4) || to_pole < T(-0.4)))
-    return sin(T(std::numbers::pi) * v) / (T(std::numbers::pi) * v) * (T(1.0) - T(2.0) * weight * square / to_pole);
+    return sin(T(std::numbers::pi) * v) / (T(std::numbers::pi) * v) *
+           (T(1.0) - T(2.0) * weight * square / to_pole);
   return Sinc(v) + weight * (Sinc(v - T(1.0)) + Sinc(v + T(1.0)));
 }
 

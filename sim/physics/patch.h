@@ -22,6 +22,8 @@ inline double PatchDepthM(double range_m, double height_rad, double incidence_co
 }
 
 // Largest tangent of incidence that PatchDepthM uses.
-inline double LargestTangent() { return PatchDepthM(1.0, 1.0, 0.0); }
+inline double LargestTangent() {
+  return PatchDepthM(1.0, 1.0, 0.0);
+}
 
 }  // namespace sonarcal::sim

@@ -111,8 +111,8 @@ inline double MeanDisplayed(const DisplayParameters<double>& display, double loo
 }
 
 // Steps of the midpoint rule that leave an error below 2e-6. kLog: (span / steps)^2 / 24 times the largest
-// slope of the survival over level, at most 0.092 sqrt(looks) per dB, over the span. Other laws may be steeper
-// at the lower end: kMeanSteps.
+// slope of the survival over level, at most 0.092 sqrt(looks) per dB, over the span. Other laws may be
+// steeper at the lower end: kMeanSteps.
 inline int MeanStepsFor(const DisplayParameters<double>& display, double looks) {
   constexpr double kError = 2e-6;
   if (display.law != DisplayLaw::kLog) return kMeanSteps;

@@ -73,9 +73,9 @@ class RayCaster {
   void CastRows(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                 const std::function<void(const RowHits&)>& take) const;
 
-  // Calls `of_block` for each block of columns of the fan; blocks run on all cores. block.cast(take) casts the
-  // rays of the block and passes the hits of its rows to `take`, in order and on the calling thread. Sums per
-  // column therefore do not depend on the number of threads.
+  // Calls `of_block` for each block of columns of the fan; blocks run on all cores. block.cast(take) casts
+  // the rays of the block and passes the hits of its rows to `take`, in order and on the calling thread. Sums
+  // per column therefore do not depend on the number of threads.
   static constexpr int kBlockCols = 32;
   struct ColumnBlock {
     int first_col = 0;

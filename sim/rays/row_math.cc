@@ -151,8 +151,8 @@ struct SmallTurn {
   explicit SmallTurn(float angle_rad) {
     const float square = angle_rad * angle_rad;
     // Factors rather than quotients, because the compiler may not turn a division into a multiplication.
-    sine = angle_rad *
-           (1.0F - square * (1.0F / 6.0F) * (1.0F - square * (1.0F / 20.0F) * (1.0F - square * (1.0F / 42.0F))));
+    sine = angle_rad * (1.0F - square * (1.0F / 6.0F) *
+                                   (1.0F - square * (1.0F / 20.0F) * (1.0F - square * (1.0F / 42.0F))));
     cosine = 1.0F - square * 0.5F * (1.0F - square * (1.0F / 12.0F) * (1.0F - square * (1.0F / 30.0F)));
   }
   float sine;

@@ -42,8 +42,7 @@ void AcousticFrame(benchmark::State& state) {
     std::vector<double> of_list;
     for (int round = 0; round < kRounds; ++round) {
       cast.push_back(seconds([&] {
-        benchmark::DoNotOptimize(
-            simulator.caster().Cast(simulator.fan(), pose, max_range_m).range_m.data());
+        benchmark::DoNotOptimize(simulator.caster().Cast(simulator.fan(), pose, max_range_m).range_m.data());
       }));
       // The fastest queries of these kernels.
       embree.push_back(same_kernels.Seconds(RayOrder::kTiles, 8, true));

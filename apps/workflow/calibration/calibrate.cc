@@ -788,7 +788,8 @@ class Calibrator {
     return {scene_, sonar_, OfTrials(sonar_, parameters)};
   }
 
-  // Trials differ by far more than what their rays at edges change. So they have fewer rays than the last fits.
+  // Trials differ by far more than what their rays at edges change. So they have fewer rays than the last
+  // fits.
   sim::SimulationOptions OfTrials(const SonarModel& sonar, const ParameterSet& parameters) const {
     constexpr int kDecimation = 2;
     sim::SimulationOptions options = AcousticSimulation(Rays(), sonar, WaterOf(), parameters);

@@ -65,9 +65,9 @@ TEST_P(AcousticFrame, IsTheMapOfTheEchoes) {
 }
 
 TEST_P(AcousticFrame, ThroughThePulseIsTheMapOfTheEchoesThroughThePulse) {
-  const PulsedMap slow = ThroughPulse(
-      MakeScatterMap(Trace(caster_, fan_, pose_, sonar_.axes), fan_, geometry_, Parameters()), geometry_,
-      Parameters());
+  const PulsedMap slow =
+      ThroughPulse(MakeScatterMap(Trace(caster_, fan_, pose_, sonar_.axes), fan_, geometry_, Parameters()),
+                   geometry_, Parameters());
   const PulsedMap quick = CastPulsedMap(caster_, fan_, pose_, geometry_, Parameters());
   EXPECT_EQ(quick.column_azimuth_rad, slow.column_azimuth_rad);
   ASSERT_EQ(quick.power.size(), slow.power.size());

@@ -78,8 +78,9 @@ TEST_P(CastEchoes, EqualThoseOfTheListOfEchoes) {
   EXPECT_EQ(ColumnsTogether(simulator_.fan(), geometry_, parameters_), GetParam().together);
   const EchoPower of_list =
       GatherEchoPower(simulator_.TraceEchoes(pose_), simulator_.fan(), geometry_, parameters_);
-  const Grid<double> slow = PowerOf(GatherPixelEchoes(
-      of_list, MakePowerResponse(simulator_.sonar(), parameters_, of_list.column_azimuth_rad, of_list.range_steps)));
+  const Grid<double> slow =
+      PowerOf(GatherPixelEchoes(of_list, MakePowerResponse(simulator_.sonar(), parameters_,
+                                                           of_list.column_azimuth_rad, of_list.range_steps)));
   const Grid<double> quick = PowerOf(GatherPixelEchoes(simulator_, pose_, parameters_));
   // Exact up to single precision, or up to the shares of an echo between two columns.
   EXPECT_LT(LargestDb(quick, slow, 40.0), GetParam().together == 1 ? 2e-3 : 0.17);
@@ -87,8 +88,9 @@ TEST_P(CastEchoes, EqualThoseOfTheListOfEchoes) {
 
 // Nodes of incidence differ from the curve itself, by the errors that sim/gathered/pixel_echoes.h states.
 TEST_P(CastEchoes, ShadeTheImageOfTheRays) {
-  const Grid<double> rays = EchoPowerImage(
-      CastScatterMap(simulator_.caster(), simulator_.fan(), pose_, geometry_, parameters_), geometry_, parameters_);
+  const Grid<double> rays =
+      EchoPowerImage(CastScatterMap(simulator_.caster(), simulator_.fan(), pose_, geometry_, parameters_),
+                     geometry_, parameters_);
   EXPECT_LT(LargestDb(PowerOf(GatherPixelEchoes(simulator_, pose_, parameters_)), rays, 40.0), 0.15);
 }
 

@@ -307,7 +307,8 @@ TEST(RowMath, DotsAreSumsOfEachRowByEachWeight) {
     row_math::Dots(weights, values, count, sums.data());
     for (int k = 0; k < row_math::kDots; ++k) {
       EXPECT_NEAR(sums[k], row_math::Dot(weights[0], values[k], count), 1e-9) << count << ' ' << k;
-      EXPECT_NEAR(sums[row_math::kDots + k], row_math::Dot(weights[1], values[k], count), 1e-9) << count << ' ' << k;
+      EXPECT_NEAR(sums[row_math::kDots + k], row_math::Dot(weights[1], values[k], count), 1e-9)
+          << count << ' ' << k;
     }
   }
 }
