@@ -313,7 +313,7 @@ class SlopeGatherer {
     }
   }
 
-  // What edges of nearer surfaces, those of the fan and creases between parts uncover of a patch.
+  // Shares that edges of nearer surfaces, edges of the fan and creases between parts uncover of a patch.
   void FindUncovered(const HitRows& around, int row, int col, const Vector3f& right, const Vector3f& upward,
                      float cosine, std::vector<Uncovered>& uncovered) const {
     const Hit& hit = around.At(row, col);

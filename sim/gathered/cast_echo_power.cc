@@ -82,7 +82,7 @@ struct JoinedColumns {
   std::vector<float> of_next;  // share of the next one
 };
 
-// What all blocks share.
+// Data shared by all blocks.
 struct Gathering {
   const RayFan& fan;
   const PatchShader& shader;

@@ -84,7 +84,7 @@ T ApertureField(const T& v, const T& taper) {
   const T weight = T(0.25) * taper / (T(1.0) - T(0.5) * taper);
   const T square = v * v;
   const T to_pole = square - T(1.0);
-  // Where no argument is small, the three sincs share one sine: sin(pi (v +- 1)) = -sin(pi v).
+  // If no argument is small, the three sincs share one sine: sin(pi (v +- 1)) = -sin(pi v).
   if (square > T(0.04) && (to_pole > T(0.4) || to_pole < T(-0.4)))
     return sin(T(std::numbers::pi) * v) / (T(std::numbers::pi) * v) *
            (T(1.0) - T(2.0) * weight * square / to_pole);
