@@ -51,8 +51,8 @@ class AcousticFrameModel final : public FrameModel {
   AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                      const ParameterSet& initial, const std::vector<std::string>& objects = {},
                      const std::vector<std::string>& outlines = {});
-  // Model of the same frames and parameters by the rays of another simulator of the same scene and sonar, traced about
-  // `values` as Linearise does.
+  // Model of the same frames and parameters by the rays of another simulator of the same scene and sonar,
+  // traced about `values` as Linearise does.
   AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,
                      const ParameterValues& values, const std::vector<int>& geometric);
 

@@ -116,7 +116,7 @@ TEST_F(GeometryFit, AnObjectIsFoundWhereItStood) {
 TEST_F(GeometryFit, ErrorsOfTheScoreAreTheMoveFromOneGridOfRaysToAnother) {
   const std::vector<AcousticFrame> frames = Recorded(SmallTank(), {});
   sim::SimulationOptions options = Options();
-  options.fan.rows /= 4;
+  options.fan.rows /= 8;
   const sim::Simulator simulator(SmallTank(), SmallSonar(), options);
   options.fan.rows += options.fan.rows / 7;
   const sim::Simulator other_simulator(SmallTank(), SmallSonar(), options);
