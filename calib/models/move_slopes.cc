@@ -12,8 +12,8 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr int kDecimationOfSlopes = 4;
-constexpr int kMinRowsOfSlopes = 250;
+constexpr int kDecimationOfSlopes = 2;
+constexpr int kMinRowsOfSlopes = 400;
 constexpr int kMinRows = 400;
 
 // Fewer columns of rays would make steps of a beam's response.
