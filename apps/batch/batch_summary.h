@@ -20,9 +20,9 @@ namespace sonarcal::batch {
 //              "why", "options": {...}, "figures": {...}}],
 //    "done": n, "failed": n, "waiting": n}
 //
-// Figures of a comparison: the ratios and intensity errors of `macro` in its metrics.json. Figures of a fit or
-// a calibration: cost_initial, cost_final, iterations, and those of `macro` in metrics_after. `states` correspond to the
-// jobs of the plan.
+// Figures of a comparison: the ratios and intensity errors of `macro` in its metrics.json. Figures of a fit
+// or a calibration: cost_initial, cost_final, iterations, and those of `macro` in metrics_after. `states`
+// correspond to the jobs of the plan.
 nlohmann::ordered_json BatchSummaryJson(const BatchPlan& plan, const std::vector<LedgerState>& states,
                                         const std::filesystem::path& out);
 

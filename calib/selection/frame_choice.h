@@ -3,8 +3,8 @@
 //
 // Frames are added one by one. Each is the one that raises log det(1 + sum of information) most
 // (D-optimality, Fedorov 1972). The greedy choice reaches at least 1 - 1/e of the best increase (Nemhauser et
-// al. 1978). Information is in units of the priors' standard deviations, so that the prior is the unit matrix. Half the
-// increase is the gain in nats: the sum of the logarithms by which the standard errors fall.
+// al. 1978). Information is in units of the priors' standard deviations, so that the prior is the unit
+// matrix. Half the increase is the gain in nats: the sum of the logarithms by which the standard errors fall.
 #pragma once
 
 #include <Eigen/Core>
