@@ -20,7 +20,7 @@ constexpr double kAgreeSigmas = 3.0;
 // Memory for the images of one pose, and number of poses: a long recording has more of both than the levels
 // need.
 constexpr std::size_t kMaxPixels = 64UL << 20U;
-constexpr int kMaxPoses = 32;
+constexpr int kMaxPoses = 8;
 
 // Empty without a noise level: the shape is then constant.
 std::vector<double> NoiseShapeDb(const ReceiverParameters& receiver, const PolarAxes& axes,

@@ -230,8 +230,11 @@ TEST_F(CalibrateCommand, ALongRecordingIsFittedByChosenFramesAndItsPlanKeepsThem
   const workflow::CalibrationPlan plan = workflow::ReadCalibrationPlan(*world_ / "chosen/plan.json");
   EXPECT_EQ(plan.fit.used->size(), 4U);
   EXPECT_EQ(plan.fit.held_out->size(), 2U);
-  EXPECT_EQ(plan.decided.front().choice, "4 of 9 frames are fitted, 2 are held out");
-  EXPECT_THAT(plan.decided.front().reason, HasSubstr("would lower the standard errors by"));
+  const auto frames = std::ranges::find(plan.decided, workflow::CalibrationStage::kFrames,
+                                        &workflow::CalibrationDecision::stage);
+  ASSERT_NE(frames, plan.decided.end());
+  EXPECT_EQ(frames->choice, "4 of 9 frames are fitted, 2 are held out");
+  EXPECT_THAT(frames->reason, HasSubstr("would lower the standard errors by"));
   const Outcome again = RunSonarcal(Arguments("rechosen", "--plan " + Quoted(*world_ / "chosen/plan.json")));
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(testing::ReadFile(*world_ / "rechosen/params.json"),
