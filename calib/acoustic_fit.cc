@@ -302,7 +302,14 @@ class AcousticFitter {
                               {.steps = JointSteps(),
                                .least = NoiseOfCost(),
                                .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
-                               .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); }},
+                               .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); },
+                               .settle =
+                                   [&](ParameterValues& at) {
+                                     if (radiometric_.empty()) return;
+                                     fit_.values = at;
+                                     const ModelFit settled = FitOnBlocks(again_);
+                                     if (settled.usable) at = settled.values;
+                                   }},
                               values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, *model_, geometric_, values, kHeld);

@@ -160,6 +160,11 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   bool ended = false;
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
+    if (step > 0 && options.settle) {
+      options.settle(values);
+      reached.back() = {values, stepper.CostAt(values)};
+      lowest = std::min(lowest, reached.back().cost);
+    }
     // The first one is taken for any gain: directions that the frames do not determine go to their priors.
     const auto found = stepper.Step(values, step == 0 ? 0.0 : options.least, lowest + roughness);
     ended = !found;

@@ -50,7 +50,8 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
     return model.TracedCost(at, tank.simulator.options().fan);
   };
   const auto roughness = [](const ParameterValues&) { return 17.0; };
-  TakeJointSteps(model, catalog, active, {.steps = 12, .least = 5.0, .cost = traced, .roughness = roughness},
+  TakeJointSteps(model, catalog, active,
+                 {.steps = 6, .least = 5.0, .cost = traced, .roughness = roughness, .settle = settle},
                  values);
   EXPECT_LT(CostAt(model, values, model.frame_count()), cost - 50.0);
 
