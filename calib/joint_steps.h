@@ -26,8 +26,8 @@ struct JointStepOptions {
   // A step may raise the cost by this over the lowest one. Otherwise a low cost by chance would stop the
   // steps in a flat valley.
   std::function<double(const ParameterValues&)> roughness;
-  // Refits the parameters that need no tracing, about the point at which the model is linearised. Called after
-  // each step, if given: curves are less linear than poses.
+  // Refits the parameters that need no tracing, about the point at which the model is linearised. Called
+  // after each step, if given: curves are less linear than poses.
   std::function<void(ParameterValues&)> settle = {};
 };
 

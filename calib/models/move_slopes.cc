@@ -61,7 +61,7 @@ sim::RayFan FanOfSlopes(const sim::Simulator& simulator, double coarser) {
 // difference.
 void MeanWhereAlike(const sim::AlongMoves& others, const Grid<double>& power, const Grid<double>& noise,
                     sim::AlongMoves& slopes) {
-  constexpr double kMinRatio = 2.0;
+  constexpr double kMinRatio = 3.5;
   constexpr int kMoves = sim::kSonarMoves;
   using Matrix = Eigen::Matrix<double, kMoves, kMoves>;
   using Vector = Eigen::Matrix<double, kMoves, 1>;
