@@ -96,7 +96,7 @@ class AcousticFitter {
         config_(WithDefaults(given, initial, simulator.caster().scene())),
         few_rays_(simulator.shared_caster(), simulator.sonar(), WithFewerRays(simulator)),
         model_(std::make_unique<AcousticFrameModel>(
-            MayMove(config_) ? few_rays_ : simulator, frames,
+            MayMove(config_) && HasFewerRays() ? few_rays_ : simulator, frames,
             WithMirrorStart(initial, config_, simulator.caster().material_names(), simulator.sonar()),
             ObjectsNamed(config_), OutlinesNamed(config_))),
         catalog_(model_->catalog()) {
@@ -194,12 +194,15 @@ class AcousticFitter {
     return options;
   }
 
-  // Returns false if the model has them already.
-  bool TakeAllRays() {
-    const sim::RayFanOptions& fan = model_->simulator().options().fan;
-    if (fan.rows == simulator_.options().fan.rows && fan.cols == simulator_.options().fan.cols) return false;
+  bool HasFewerRays() const {
+    const sim::RayFanOptions& few = few_rays_.options().fan;
+    const sim::RayFanOptions& all = simulator_.options().fan;
+    return few.rows < all.rows || few.cols < all.cols;
+  }
+
+  void TakeAllRays() {
+    if (&model_->simulator() == &simulator_) return;
     model_ = std::make_unique<AcousticFrameModel>(*model_, simulator_, fit_.values, std::vector<int>());
-    return true;
   }
 
   // The last solve uses all rays, about the point that the search found.
@@ -400,6 +403,7 @@ class AcousticFitter {
   }
 
   AcousticFit Result() {
+    TakeAllRays();  // the result outlives the simulator with fewer rays
     AcousticFit result{.parameters = model_->Parameters(fit_.values),
                        .world_from_sonar = {},
                        .moved_poses = MovedPoses(),

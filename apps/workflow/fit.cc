@@ -445,8 +445,7 @@ bool FreesGroup(const calib::FitConfig& config, std::initializer_list<std::strin
 void ChooseFramesOfFit(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
                        const FitOptions& options, const Listener& listener, calib::FitConfig& config) {
   const bool acoustic = start.model == EchoModel::kAcoustic;
-  const FrameChoiceOptions choice{.max_frames = options.max_frames,
-                                  .max_held_out = options.max_held_out,
+  const FrameChoiceOptions choice{.limits = options.limits,
                                   .geometry = acoustic && FreesGroup(config, {"geometry"}),
                                   .poses = acoustic && FreesGroup(config, {"pose", "mount"}),
                                   .pose_prior = config.pose_prior,

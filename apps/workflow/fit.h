@@ -16,6 +16,7 @@
 
 #include "apps/workflow/compare.h"
 #include "apps/workflow/comparison_options.h"
+#include "apps/workflow/frame_choice.h"
 #include "apps/workflow/listener.h"
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/still_poses.h"
@@ -119,8 +120,7 @@ struct FitOptions {
   std::vector<std::string> fixed = {};
   std::vector<calib::ChoiceAxis> choose = {};
   FrameList frames = {};
-  int max_frames = 24;
-  int max_held_out = 12;
+  FrameLimits limits = {};
   bool trust_all = false;
   RayOptions rays = {};
   int max_iterations = 100;
@@ -143,16 +143,7 @@ struct FitOptions {
                      .by_default = "all; of a recording with more than max-frames and max-held-out together, "
                                    "those that are expected to determine the parameters best"},
           self.frames);
-    visit(OptionInfo{.name = "max_frames",
-                     .help = "Max number of frames fitted of a long recording",
-                     .min = 1,
-                     .max = 100000},
-          self.max_frames);
-    visit(OptionInfo{.name = "max_held_out",
-                     .help = "Max number of frames held out of a long recording",
-                     .min = 0,
-                     .max = 100000},
-          self.max_held_out);
+    FrameLimits::Visit(self.limits, visit);
     visit(
         OptionInfo{.name = "free",
                    .help = "Parameters to fit: materials, noise, psf, mirrors, pose, mount, geometry, "

@@ -61,9 +61,9 @@ MaxFrames MaxFramesOf(const FrameChoiceOptions& options, const PolarAxes& axes, 
   const double pixels = std::max(1.0, static_cast<double>(axes.range_bins) * axes.beam_count());
   const int together = static_cast<int>(std::min(1e6, kMaxFittedPixels / pixels));
   const int by_size = std::max(2, options.fits_held_out ? 2 * together / 3 : together);
-  MaxFrames max{.fitted = std::min(options.max_frames, by_size),
-                .held_out = options.max_held_out,
-                .by_size = by_size < options.max_frames};
+  MaxFrames max{.fitted = std::min(options.limits.max_frames, by_size),
+                .held_out = options.limits.max_held_out,
+                .by_size = by_size < options.limits.max_frames};
   if (options.fits_held_out) max.held_out = std::min(max.held_out, std::max(1, together / 3));
   // A third stays for the evaluation.
   const int by_count = options.held_out ? free_count : std::max(1, 2 * free_count / 3);
@@ -86,7 +86,7 @@ std::string ReasonOf(const calib::InformationChoice& choice, int poses, const Ma
 }  // namespace
 
 bool NeedsFrameChoice(int frame_count, const FrameChoiceOptions& options) {
-  return frame_count > options.max_frames + options.max_held_out;
+  return frame_count > options.limits.max_frames + options.limits.max_held_out;
 }
 
 ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& timed,

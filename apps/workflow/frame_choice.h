@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/parameters/fit_config.h"
+#include "core/types/option.h"
 #include "core/types/parameters.h"
 #include "core/types/scene.h"
 #include "core/types/sonar_model.h"
@@ -18,10 +19,29 @@ namespace sonarcal::workflow {
 // A fit needs up to 160 bytes per pixel, so that this many stay below 2 GiB.
 inline constexpr double kMaxFittedPixels = 10e6;
 
+// Frames of a long recording that are used. Fewer of large frames: those that are fitted together hold max
+// kMaxFittedPixels.
+struct FrameLimits {
+  int max_frames = 24;    // fitted
+  int max_held_out = 12;  // evaluated
+
+  template <typename Self, typename Visitor>
+  static void Visit(Self& self, Visitor&& visit) {
+    visit(OptionInfo{.name = "max_frames",
+                     .help = "Max number of frames fitted of a long recording",
+                     .min = 1,
+                     .max = 100000},
+          self.max_frames);
+    visit(OptionInfo{.name = "max_held_out",
+                     .help = "Max number of frames held out of a long recording",
+                     .min = 0,
+                     .max = 100000},
+          self.max_held_out);
+  }
+};
+
 struct FrameChoiceOptions {
-  // Fewer of large frames: those that are fitted together hold max kMaxFittedPixels.
-  int max_frames = 24;         // fitted
-  int max_held_out = 12;       // evaluated
+  FrameLimits limits = {};
   bool fits_held_out = false;  // a last fit takes all of these together
   bool geometry = true;        // the geometry of the sonar is fitted
   bool poses = true;           // the poses are fitted

@@ -3,6 +3,7 @@
 //   FrameList::Parse("3,80:116")   frame 3, and frame 80 up to, but not including, 116
 //   FrameList::Parse("80:")        frame 80 up to the last
 //   FrameList::Parse(":20")        the first 20 frames
+//   FrameList::Parse("all")        every frame
 //
 // This is the only parser of such texts.
 #pragma once

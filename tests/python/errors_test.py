@@ -125,8 +125,8 @@ def test_frames_of_a_comparison_that_are_none_are_refused(recorded):
         sonarcal.compare(recorded, recorded, frames=[-1])
     with pytest.raises(sonarcal.UsageError, match="frames '0:2,1:3' name frame 1 twice"):
         sonarcal.compare(recorded, recorded, frames="0:2,1:3")
-    with pytest.raises(sonarcal.UsageError, match="frames 'all', expected frames K and ranges A:B"):
-        sonarcal.compare(recorded, recorded, frames="all")
+    with pytest.raises(sonarcal.UsageError, match="frames 'some', expected frames K and ranges A:B"):
+        sonarcal.compare(recorded, recorded, frames="some")
 
 
 def test_parameters_of_another_type_are_refused(world):

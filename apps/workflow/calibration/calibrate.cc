@@ -232,7 +232,8 @@ class Calibrator {
   }
 
   CalibrationDecision ChooseFrames() {
-    if (options_.frames.empty() && recording_.frame_count() > options_.max_frames) return ChooseOfMany();
+    if (options_.frames.empty() && recording_.frame_count() > options_.limits.max_frames)
+      return ChooseOfMany();
     std::vector<int> frames = options_.frames.In(recording_.frame_count());
     std::ranges::sort(frames);
     if (frames.empty()) {
@@ -260,14 +261,13 @@ class Calibrator {
 
   // Frames of a long recording, by the information that they are expected to give.
   CalibrationDecision ChooseOfMany() {
-    const ChosenFrames chosen = workflow::ChooseFrames(
-        {.scene = scene_,
-         .sonar = sonar_,
-         .water = WaterOf(),
-         .absorption = options_.rays.absorption,
-         .parameters = plan_.parameters},
-        data_io::PosesOfRecording(recording_),
-        {.max_frames = options_.max_frames, .max_held_out = options_.max_held_out, .fits_held_out = true});
+    const ChosenFrames chosen = workflow::ChooseFrames({.scene = scene_,
+                                                        .sonar = sonar_,
+                                                        .water = WaterOf(),
+                                                        .absorption = options_.rays.absorption,
+                                                        .parameters = plan_.parameters},
+                                                       data_io::PosesOfRecording(recording_),
+                                                       {.limits = options_.limits, .fits_held_out = true});
     plan_.fit.used = chosen.used;
     plan_.fit.held_out = chosen.held_out;
     CalibrationDecision decision{chosen.choice, chosen.reason};

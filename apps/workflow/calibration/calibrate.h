@@ -16,6 +16,7 @@
 
 #include "apps/workflow/calibration/calibration_plan.h"
 #include "apps/workflow/fit.h"
+#include "apps/workflow/frame_choice.h"
 #include "apps/workflow/listener.h"
 #include "core/types/frame_list.h"
 #include "core/types/option.h"
@@ -25,8 +26,7 @@ namespace sonarcal::workflow {
 struct CalibrateOptions {
   std::string target = {};
   FrameList frames = {};
-  int max_frames = 24;
-  int max_held_out = 12;
+  FrameLimits limits = {};
   RayOptions rays = {};
 
   template <typename Self, typename Visitor>
@@ -45,16 +45,7 @@ struct CalibrateOptions {
                    .by_default = "all; of a recording with more than max-frames, those that are expected to "
                                  "determine the parameters best"},
         self.frames);
-    visit(OptionInfo{.name = "max_frames",
-                     .help = "Max number of frames fitted of a long recording",
-                     .min = 1,
-                     .max = 100000},
-          self.max_frames);
-    visit(OptionInfo{.name = "max_held_out",
-                     .help = "Max number of frames held out of a long recording",
-                     .min = 0,
-                     .max = 100000},
-          self.max_held_out);
+    FrameLimits::Visit(self.limits, visit);
     RayOptions::Visit(self.rays, visit);
   }
 };
