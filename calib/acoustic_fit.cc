@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -326,12 +325,15 @@ class AcousticFitter {
   double NoiseOfCost() const { return 0.5 * model_->speckle_cell().bins * model_->speckle_cell().beams; }
 
   // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at
-  // edges. They do so as well from one grid of rays to another, which is what is measured.
+  // edges. They do so as well from one grid of rays to another, which is what is measured, per frame.
   double RoughnessOfCost(const ParameterValues& values) const {
     const sim::RayFanOptions& fan = model_->simulator().options().fan;
-    const double difference = model_->TracedCost(values, OtherGrid(fan)) - model_->TracedCost(values, fan);
-    const double least = NoiseOfCost() * std::sqrt(static_cast<double>(model_->frame_count()));
-    return 2.0 * std::max(std::abs(difference) * (1.0 / std::numbers::sqrt2), least);
+    const std::vector<double> costs = model_->TracedCosts(values, fan);
+    const std::vector<double> others = model_->TracedCosts(values, OtherGrid(fan));
+    double square = 0.0;
+    for (std::size_t frame = 0; frame < costs.size(); ++frame)
+      square += std::max(0.5 * std::pow(others[frame] - costs[frame], 2), std::pow(NoiseOfCost(), 2));
+    return 2.0 * std::sqrt(square);
   }
 
   // Solves for all parameters about a sequence of points. If a point proves worse after tracing, the fit goes

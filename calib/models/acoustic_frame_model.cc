@@ -186,7 +186,8 @@ AcousticFrameModel::Rays AcousticFrameModel::RaysAt(const ParameterValues& value
   return {std::move(simulator), std::move(of_sonar)};
 }
 
-double AcousticFrameModel::TracedCost(const ParameterValues& values, const sim::RayFanOptions& fan) const {
+std::vector<double> AcousticFrameModel::TracedCosts(const ParameterValues& values,
+                                                    const sim::RayFanOptions& fan) const {
   const Rays rays = RaysAt(values, fan);
   const ParameterSet parameters = Parameters(values);
   std::vector<double> costs(frames_.size(), 0.0);
@@ -204,6 +205,11 @@ double AcousticFrameModel::TracedCost(const ParameterValues& values, const sim::
       costs[frame] += 0.5 * Weight(frame, pixel) * residual * residual;
     }
   });
+  return costs;
+}
+
+double AcousticFrameModel::TracedCost(const ParameterValues& values, const sim::RayFanOptions& fan) const {
+  const std::vector<double> costs = TracedCosts(values, fan);
   return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 

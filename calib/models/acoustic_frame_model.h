@@ -107,8 +107,10 @@ class AcousticFrameModel final : public FrameModel {
   Grid<float> SlopeAlongObject(const MoveSlopes& slopes, int entry, const Pose& world_from_sonar,
                                const ParameterValues& values) const;
 
-  // Half of -2 log likelihood of all frames, as half the sum of squared residuals is, from images traced with
-  // a fan. Gathers nothing, so it costs far less than Linearise. Infinite if an image has no value.
+  // Half of -2 log likelihood per frame, as half the sum of squared residuals is, from images traced with a
+  // fan. Gathers nothing, so it costs far less than Linearise. Infinite if an image has no value.
+  std::vector<double> TracedCosts(const ParameterValues& values, const sim::RayFanOptions& fan) const;
+  // Their sum.
   double TracedCost(const ParameterValues& values, const sim::RayFanOptions& fan) const;
 
   const ParameterValues& initial_values() const { return initial_values_; }

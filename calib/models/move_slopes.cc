@@ -1,6 +1,5 @@
 #include "calib/models/move_slopes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,28 +12,13 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr int kDecimationOfSlopes = 2;
-constexpr int kMinRowsOfSlopes = 400;
 constexpr int kMinRows = 400;
 
 // Fewer columns of rays would make steps of a beam's response.
 constexpr double kColumnsPerBeamWidth = 4.0;
 
-int DecimationOfRows(const sim::RayFanOptions& fan, int decimation, int min_rows) {
-  return std::clamp(fan.rows / min_rows, 1, decimation);
-}
-
-sim::RayFanOptions Divided(const SonarModel& sonar, sim::RayFanOptions fan, double rows_by, double cols_by) {
-  const double width_deg = sonar.azimuth_beam_width_deg;
-  const double field_deg = DegFromRad(sonar.axes.field_of_view_rad());
-  const int least =
-      width_deg > 0.0 ? static_cast<int>(std::ceil(kColumnsPerBeamWidth * field_deg / width_deg)) : fan.cols;
-  fan.cols = std::max(std::min(fan.cols, least), static_cast<int>(fan.cols / cols_by));
-  fan.rows = std::max(1, static_cast<int>(fan.rows / rows_by));
-  return fan;
-}
-
-int DecimationOfSlopes(const sim::RayFanOptions& fan) {
-  return DecimationOfRows(fan, kDecimationOfSlopes, kMinRowsOfSlopes);
+int DecimationOfRows(const sim::RayFanOptions& fan, int decimation) {
+  return std::clamp(fan.rows / kMinRows, 1, decimation);
 }
 
 // Moves and turns of sim::EchoSlopes by component of a PoseStep: right, ahead, up; roll, pitch, yaw.
@@ -44,65 +28,16 @@ void Add(const Grid<double>& from, double factor, Grid<float>& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to.values()[i] += static_cast<float>(factor * from.values()[i]);
 }
 
-// The two fans differ in their grids.
-constexpr double kOtherGrid = 1.15;
-
-// `coarser`: divides rows and columns once more.
-sim::RayFan FanOfSlopes(const sim::Simulator& simulator, double coarser) {
-  const sim::RayFanOptions& all = simulator.options().fan;
-  const double by = coarser * DecimationOfSlopes(all);
-  sim::RayFanOptions fan = Divided(simulator.sonar(), all, by, by);
+sim::RayFan FanOfSlopes(const sim::Simulator& simulator) {
+  sim::RayFanOptions fan = Decimated(simulator.sonar(), simulator.options().fan, kDecimationOfSlopes);
   fan.sampling = sim::Sampling::kBeams;
   return {simulator.sonar(), fan};
-}
-
-// Replaces slopes by their mean with those by other rays, without directions that both do not share: whose
-// mean square, as a share of the power with its noise, is less than kMinRatio times the square of half the
-// difference.
-void MeanWhereAlike(const sim::AlongMoves& others, const Grid<double>& power, const Grid<double>& noise,
-                    sim::AlongMoves& slopes) {
-  constexpr double kMinRatio = 3.5;
-  constexpr int kMoves = sim::kSonarMoves;
-  using Matrix = Eigen::Matrix<double, kMoves, kMoves>;
-  using Vector = Eigen::Matrix<double, kMoves, 1>;
-  Matrix means = Matrix::Zero();
-  Matrix differences = Matrix::Zero();
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    const double level = power.values()[i] + noise.values()[i];
-    Vector mean;
-    Vector difference;
-    for (int k = 0; k < kMoves; ++k) {
-      const double one = slopes[k].values()[i] / level;
-      const double other = others[k].values()[i] / level;
-      mean(k) = 0.5 * (one + other);
-      difference(k) = 0.5 * (one - other);
-    }
-    means += mean * mean.transpose();
-    differences += difference * difference.transpose();
-  }
-  // Directions v with means v = ratio differences v, in units in which the differences are alike.
-  const Vector scale = means.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  constexpr double kLeast = 1e-9;
-  const Matrix scaled = scale.asDiagonal() * differences * scale.asDiagonal() + kLeast * Matrix::Identity();
-  const Matrix scaled_means = scale.asDiagonal() * means * scale.asDiagonal();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(scaled_means, scaled);
-  // Projection of the slopes: v is orthonormal in `scaled`, so that the coordinates of a slope s are v^T s.
-  const Vector keep = (solver.eigenvalues().array() >= kMinRatio).cast<double>();
-  const Matrix& v = solver.eigenvectors();
-  const Matrix projection =
-      scale.cwiseInverse().asDiagonal() * scaled * v * keep.asDiagonal() * v.transpose() * scale.asDiagonal();
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    Vector mean;
-    for (int k = 0; k < kMoves; ++k) mean(k) = 0.5 * (slopes[k].values()[i] + others[k].values()[i]);
-    const Vector kept = projection * mean;
-    for (int k = 0; k < kMoves; ++k) slopes[k].values()[i] = static_cast<float>(kept(k));
-  }
 }
 
 // Adds the slopes of ghosts, from differences: their paths turn at mirrors.
 void AddGhosts(const sim::Simulator& simulator, const sim::RayFan& fan, const Pose& pose,
                const ParameterSet& parameters, MoveSlopes& slopes) {
-  const int decimation = DecimationOfSlopes(simulator.options().fan);
+  const int decimation = DecimationOfRows(simulator.options().fan, kDecimationOfSlopes);
   const sim::GhostList at_pose = simulator.TraceGhosts(pose, parameters, decimation);
   if (at_pose.echoes.empty()) return;
   const auto power_of = [&](const sim::GhostList& ghosts, double range_offset_m) {
@@ -153,8 +88,15 @@ Grid<float> AlongRangeOffset(const sim::EchoSlopes& echoes, const sim::AcousticG
 }  // namespace
 
 sim::RayFanOptions Decimated(const SonarModel& sonar, const sim::RayFanOptions& fan, int decimation) {
-  const int by = DecimationOfRows(fan, decimation, kMinRows);
-  return Divided(sonar, fan, by, by);
+  const int by = DecimationOfRows(fan, decimation);
+  const double width_deg = sonar.azimuth_beam_width_deg;
+  const double field_deg = DegFromRad(sonar.axes.field_of_view_rad());
+  const int least =
+      width_deg > 0.0 ? static_cast<int>(std::ceil(kColumnsPerBeamWidth * field_deg / width_deg)) : fan.cols;
+  sim::RayFanOptions divided = fan;
+  divided.cols = std::max(std::min(fan.cols, least), fan.cols / by);
+  divided.rows = std::max(1, fan.rows / by);
+  return divided;
 }
 
 Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
@@ -186,16 +128,9 @@ Grid<float> MoveSlopes::AlongPlacement(int part, const PlaceableObject& object,
 MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const sim::SceneParts& parts) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  const auto by_fan = [&](double coarser) {
-    return sim::SlopesAlongMoves(simulator.caster(), FanOfSlopes(simulator, coarser), world_from_sonar,
-                                 geometry, parameters, parts);
-  };
-  sim::EchoSlopes echoes = by_fan(1.0);
-  const sim::EchoSlopes others = by_fan(kOtherGrid);
-  const Grid<double> noise = sim::NoiseFloorPower(geometry, parameters);
-  MeanWhereAlike(others.along, echoes.power, noise, echoes.along);
-  for (int part = 0; part < parts.count; ++part)
-    MeanWhereAlike(others.of_part[part], echoes.power, noise, echoes.of_part[part]);
+  const sim::RayFan fan = FanOfSlopes(simulator);
+  sim::EchoSlopes echoes =
+      sim::SlopesAlongMoves(simulator.caster(), fan, world_from_sonar, geometry, parameters, parts);
   MoveSlopes slopes;
   slopes.range_offset = AlongRangeOffset(echoes, geometry, parameters);
   slopes.power = std::move(echoes.power);
@@ -205,7 +140,7 @@ MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const Pose& world_from
     if (k < 3) continue;
     for (float& value : slopes.along[k].values()) value *= static_cast<float>(RadFromDeg(1.0));
   }
-  AddGhosts(simulator, FanOfSlopes(simulator, 1.0), world_from_sonar, parameters, slopes);
+  AddGhosts(simulator, fan, world_from_sonar, parameters, slopes);
   return slopes;
 }
 

@@ -36,9 +36,7 @@ sim::RayFanOptions Decimated(const SonarModel& sonar, const sim::RayFanOptions& 
 // Echoes at the axes of the simulator's sonar. Those of mirrors are included, except along moves of objects.
 //
 // Slopes need far fewer rays than an image, because edges are followed and not sampled
-// (sim/acoustic/echo_slopes.h). They are the mean of two fans. Directions along which the two fans differ by
-// as much as the slopes themselves, such as a move over a bare floor, get no slope: there it would only be
-// the error of a sum over rays.
+// (sim/acoustic/echo_slopes.h).
 MoveSlopes SlopesOfMoves(const sim::Simulator& simulator, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const sim::SceneParts& parts = {});
 

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3f;
 
 // Eight numbers of a fine row or a range bin, in one column: of shifts along the three axes, of turns about
-// them, and two more.
+// them, and for the image itself and for all echoes that arrive farther away.
 struct alignas(32) Lanes {
   std::array<float, 8> value = {};
 
@@ -31,15 +31,19 @@ struct alignas(32) Lanes {
 };
 
 struct FineTerms {
-  Lanes level;    // change of the power; then the power itself, and 0
+  Lanes level;    // change of the power
   Lanes azimuth;  // power times the change of azimuth
-  Lanes range;    // power times the change of range; then 0, and the power, whose range all echoes may change
 
   void Add(float part, const FineTerms& other) {
     level.Add(part, other.level);
     azimuth.Add(part, other.azimuth);
-    range.Add(part, other.range);
   }
+};
+
+// Terms of a patch.
+struct PatchTerms {
+  FineTerms fine;
+  Lanes range;  // power times the change of range
 };
 
 // Terms that the response of a beam weights, and those that its slope weights.
@@ -206,14 +210,21 @@ struct SlopedWindow {
   std::vector<float> slopes;
 };
 
+// Min difference of ranges whose spread echoes give the slope along range, as a fraction of the pulse.
+constexpr double kLeastStep = 0.1;
+
+// Largest step between parts of a patch, as a fraction of the pulse: parts at the step of an image leave a
+// ripple whose slope shows.
+constexpr double kPart = 0.5;
+
 // Terms by fine row and column of a block.
 struct FineMap {
   FineMap(int rows, int columns)
       : cols(columns), terms(static_cast<std::size_t>(rows) * columns), heard(rows, 0) {}
 
-  void Add(int row, int col, float share, const FineTerms& of) {
-    terms[static_cast<std::size_t>(row) * cols + col].Add(share, of);
+  FineTerms& At(int row, int col) {
     heard[row] = 1;
+    return terms[static_cast<std::size_t>(row) * cols + col];
   }
 
   int cols;
@@ -229,16 +240,20 @@ class SlopeGatherer {
         fan_(fan),
         axes_(geometry.sonar.axes),
         steps_(RangeStepsFor(geometry.sonar, parameters)),
-        rows_(axes_, steps_, PulseLengthM(geometry.sonar, parameters)),
+        pulse_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPower)),
+        beyond_((static_cast<int>(pulse_.weight.size()) + steps_ - 1) / steps_),
+        traced_(Extended(axes_, beyond_)),
+        rows_(traced_, steps_, PulseLengthM(geometry.sonar, parameters)),
+        least_step_m_(kLeastStep * PulseLengthM(geometry.sonar, parameters)),
         shader_(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
                 ElevationWidthDeg(geometry.sonar, parameters.beam), /*slopes=*/true),
-        hits_(caster.Cast(fan, world_from_sonar, axes_.range_max_m)),
+        hits_(caster.Cast(fan, world_from_sonar, traced_.range_max_m)),
         parts_(parts),
         world_from_sonar_(world_from_sonar),
-        pulse_(PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPower),
-               PulseWindow(geometry.sonar, parameters, steps_, ResponseOf::kPowerSlope)),
         in_bins_(1 + parts.count,
-                 std::vector<BinTerms>(static_cast<std::size_t>(axes_.range_bins) * fan.cols())) {}
+                 std::vector<BinTerms>(static_cast<std::size_t>(axes_.range_bins) * fan.cols())) {
+    rows_.part_m = kPart * PulseLengthM(geometry.sonar, parameters);
+  }
 
   // Terms per range bin and column, bin by bin: for moves of the sonar, then for those of each part.
   std::vector<std::vector<BinTerms>> Run() {
@@ -249,19 +264,32 @@ class SlopeGatherer {
       const int cols = std::min(kBlockCols, fan_.cols() - first);
       std::vector<FineMap> fine(in_bins_.size(), FineMap(rows_.count, cols));
       HitRows around(caster_, fan_, hits_, parts_, world_from_sonar_, first, cols);
-      std::vector<FineTerms> terms(in_bins_.size());
+      std::vector<PatchTerms> terms(in_bins_.size());
       std::vector<char> changes(in_bins_.size(), 0);
       for (int row = 0; row < fan_.rows(); ++row, around.Advance()) {
         for (int col = first; col < first + cols; ++col) {
-          const Hit& hit = around.At(row, col);
-          if (!hit.exists() || !InWindow(hit.range_m)) continue;
-          FillTerms(around, row, col, terms, changes);
-          const double depth_m = PatchDepthM(hit.range_m, fan_.SpreadHeightRad(row, col), hit.cosine);
-          rows_.Spread(hit.range_m, depth_m, 1.0, [&](int at, double share) {
-            for (std::size_t of = 0; of < fine.size(); ++of) {
-              if (changes[of] != 0) fine[of].Add(at, col - first, static_cast<float>(share), terms[of]);
-            }
-          });
+          if (!around.At(row, col).exists()) continue;
+          const Hit hit = InColumn(around.At(row, col), row, col);
+          if (!InWindow(hit.range_m)) continue;
+          FillTerms(hit, around, row, col, terms, changes);
+          const double depth_m = PatchDepthM(hit.range_m, fan_.RowHeightRad(row), hit.cosine);
+          const auto spread = [&](double range_m, double over_m, const auto& add) {
+            rows_.Spread(range_m, over_m, 1.0, [&](int at, double share) {
+              for (std::size_t of = 0; of < fine.size(); ++of) {
+                if (changes[of] != 0) add(fine[of].At(at, col - first), static_cast<float>(share), terms[of]);
+              }
+            });
+          };
+          spread(hit.range_m, depth_m,
+                 [](FineTerms& to, float share, const PatchTerms& of) { to.Add(share, of.fine); });
+          const double step_m = std::clamp(depth_m, least_step_m_, FineRows::kMaxParts * rows_.part_m);
+          for (const double sign : {-1.0, 1.0}) {
+            spread(hit.range_m + 0.5 * sign * step_m, step_m,
+                   [per_m = static_cast<float>(sign / step_m)](FineTerms& to, float share,
+                                                               const PatchTerms& of) {
+                     to.level.Add(share * per_m, of.range);
+                   });
+          }
         }
       }
       for (std::size_t of = 0; of < fine.size(); ++of) ThroughPulse(fine[of], first, in_bins_[of]);
@@ -270,15 +298,39 @@ class SlopeGatherer {
   }
 
  private:
+  static PolarAxes Extended(PolarAxes axes, int bins) {
+    const double by_m = bins * axes.range_bin_m();
+    axes.range_min_m -= by_m;
+    axes.range_max_m += by_m;
+    axes.range_bins += 2 * bins;
+    return axes;
+  }
+
   bool InWindow(float range_m) const {
-    return range_m > 0.0F && range_m >= axes_.range_min_m && range_m < axes_.range_max_m;
+    return range_m > 0.0F && range_m >= traced_.range_min_m && range_m < traced_.range_max_m;
+  }
+
+  // The hit of the same plane in the middle of the column. Patches of a plane in one column then follow each
+  // other without gaps, although the rows are staggered, and a plane that slides in itself changes nothing.
+  Hit InColumn(Hit hit, int row, int col) const {
+    if (!fan_.staggered()) return hit;
+    constexpr float kMaxChange = 0.1F;  // of the inverse range
+    const auto by_rad = static_cast<float>(fan_.AzimuthRad(col) - fan_.AzimuthRad(row, col));
+    const Vector3f& u = hit.direction;
+    const Vector3f middle(u.x() + by_rad * u.y(), u.y() - by_rad * u.x(), u.z());
+    const float inverse_m = hit.InverseRangeAt(middle);
+    if (!(std::abs(inverse_m - hit.inverse_m) < kMaxChange * hit.inverse_m)) return hit;
+    hit.direction = middle;
+    hit.cosine *= inverse_m / hit.inverse_m;
+    hit.inverse_m = inverse_m;
+    hit.range_m = 1.0F / inverse_m;
+    return hit;
   }
 
   // Terms of a hit for moves of the sonar, then for those of each part. `changes`: which of them are not
   // zero.
-  void FillTerms(const HitRows& around, int row, int col, std::vector<FineTerms>& terms,
+  void FillTerms(const Hit& hit, const HitRows& around, int row, int col, std::vector<PatchTerms>& terms,
                  std::vector<char>& changes) const {
-    const Hit& hit = around.At(row, col);
     const float half_tangent = std::sqrt(std::max(0.0F, 1.0F - hit.cosine) / (1.0F + hit.cosine));
     const PatchShader::Patch patch =
         shader_.Shade(row, col, caster_.TriangleMaterial(hit.triangle), hit.range_m, half_tangent);
@@ -299,9 +351,9 @@ class SlopeGatherer {
     FindUncovered(around, row, col, right, upward, cosine, uncovered);
     const auto fill = [&](std::size_t of, float moves, float power) {
       const Uncovered& by_edges = uncovered[of];
-      terms[of] = {.level = {moves * level_shift + patch.power * by_edges.shift,
-                             moves * level_turn + patch.power * by_edges.turn, power, 0.0F},
-                   .azimuth = {moves * azimuth_shift, moves * azimuth_turn, 0.0F, 0.0F},
+      terms[of] = {.fine = {.level = {moves * level_shift + patch.power * by_edges.shift,
+                                      moves * level_turn + patch.power * by_edges.turn, power, 0.0F},
+                            .azimuth = {moves * azimuth_shift, moves * azimuth_turn, 0.0F, 0.0F}},
                    .range = {moves * patch.power * u, Vector3f::Zero(), 0.0F, power}};
     };
     changes[0] = 1;
@@ -365,13 +417,13 @@ class SlopeGatherer {
     for (int bin = 0; bin < axes_.range_bins; ++bin) {
       BinTerms* out = &in_bins[static_cast<std::size_t>(bin) * fan_.cols() + first];
       for (std::size_t k = 0; k < pulse_.weight.size(); ++k) {
-        const int row = bin * steps_ + pulse_.first + static_cast<int>(k);
+        const int row = (bin + beyond_) * steps_ + pulse_.first + static_cast<int>(k);
         if (row < 0 || row >= rows_.count || fine.heard[row] == 0) continue;
+        const auto weight = static_cast<float>(pulse_.weight[k]);
         const FineTerms* in = &fine.terms[static_cast<std::size_t>(row) * fine.cols];
         for (int col = 0; col < fine.cols; ++col) {
-          out[col].by_response.Add(pulse_.weight[k], in[col].level);
-          out[col].by_response.Add(pulse_.slopes[k], in[col].range);
-          out[col].by_slope.Add(pulse_.weight[k], in[col].azimuth);
+          out[col].by_response.Add(weight, in[col].level);
+          out[col].by_slope.Add(weight, in[col].azimuth);
         }
       }
     }
@@ -381,12 +433,15 @@ class SlopeGatherer {
   const RayFan& fan_;
   const PolarAxes& axes_;
   int steps_;
+  ResponseWindow pulse_;
+  int beyond_;        // range bins on either side of the axes
+  PolarAxes traced_;  // with these, because patches beyond the axes move into them
   FineRows rows_;
+  double least_step_m_;
   PatchShader shader_;
   FanHits hits_;
   SceneParts parts_;
   Pose world_from_sonar_;
-  SlopedWindow pulse_;
   std::vector<std::vector<BinTerms>> in_bins_;  // of the sonar and of each part, per range bin and column
 };
 

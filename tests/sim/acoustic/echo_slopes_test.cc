@@ -7,8 +7,10 @@
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
+#include <utility>
 
 #include "core/types/rotation.h"
+#include "core/types/units.h"
 #include "sim/acoustic/acoustic_frame.h"
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
@@ -114,6 +116,40 @@ TEST_F(EchoSlopesTest, AreDifferencesOfImages) {
     const Agreement agreement = Compare(slopes.along[move], moved(step), moved(-step), 2.0 * step);
     EXPECT_LT(agreement.error, kError) << "move " << move;
     EXPECT_NEAR(agreement.gain, 1.0, kGain) << "move " << move;
+  }
+}
+
+// A wide floor that slides or turns in itself looks the same. Pixels at the far end of the range axis see
+// patches beyond it.
+TEST_F(EchoSlopesTest, AFloorThatSlidesInItselfChangesNothing) {
+  Scene floor;
+  floor.vertices_m = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}};
+  floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+  floor.triangle_material = {0, 0};
+  floor.material_names = {"floor"};
+  const RayCaster caster(std::move(floor));
+  for (const double pitch_deg : {-10.0, -30.0}) {
+    const Pose pose{Turned(Eigen::Quaterniond::Identity(), {RadFromDeg(pitch_deg), 0.0, 0.0}),
+                    {0.0, 0.0, 1.5}};
+    const EchoSlopes slopes =
+        SlopesAlongMoves(caster, Fan(sonar_, 1), pose, {sonar_, kAlphaDbPerM}, parameters_);
+    const Eigen::Matrix3d sonar_from_world = pose.rotation.conjugate().toRotationMatrix();
+    const double floor_power = 1e-3 * *std::ranges::max_element(slopes.power.values());
+    // Root mean square of the slope along a world axis, as a share of the power.
+    const auto size = [&](int first_move, const Eigen::Vector3d& world_axis) {
+      const Eigen::Vector3d axis = sonar_from_world * world_axis;
+      double squares = 0.0;
+      for (std::size_t i = 0; i < slopes.power.size(); ++i) {
+        double slope = 0.0;
+        for (int k = 0; k < 3; ++k) slope += axis(k) * slopes.along[first_move + k].values()[i];
+        squares += std::pow(slope / (slopes.power.values()[i] + floor_power), 2);
+      }
+      return std::sqrt(squares / static_cast<double>(slopes.power.size()));
+    };
+    const double up = size(0, Eigen::Vector3d::UnitZ());
+    EXPECT_LT(size(0, Eigen::Vector3d::UnitX()), 0.02 * up) << pitch_deg;
+    EXPECT_LT(size(0, Eigen::Vector3d::UnitY()), 0.02 * up) << pitch_deg;
+    EXPECT_LT(size(3, Eigen::Vector3d::UnitZ()), 0.04 * size(3, Eigen::Vector3d::UnitX())) << pitch_deg;
   }
 }
 
