@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "calib/parameters/parameter_catalog.h"
+
 namespace sonarcal::calib {
 
 // Sums over the residuals of a least-squares problem at its solution. Also over each block of residuals that
@@ -66,11 +68,6 @@ struct NamedCoordinate {
 // parameters move together, and which combination of them is determined.
 std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,
                                         const std::vector<NamedCoordinate>& coordinates);
-
-// Share of the prior variance above which a parameter or a direction counts as not determined. Below it the
-// prior hardly pulls: if its centre is off by 2 sigma, a 68 % interval still covers 61 % (28 % at a share of
-// 0.5).
-inline constexpr double kOpenShare = 0.1;
 
 Eigen::MatrixXd CorrelationFromCovariance(const Eigen::MatrixXd& covariance);
 

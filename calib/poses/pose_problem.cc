@@ -102,7 +102,7 @@ void PoseProblem::AddSlopesOfScene(const ParameterValues& values, Slopes& slopes
   }
 }
 
-QuadraticCost PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
+QuadraticCost PoseProblem::OfFrames(const State& state, const Slopes& slopes) const {
   const auto count = static_cast<Eigen::Index>(entries_.size());
   QuadraticCost normal{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -113,25 +113,52 @@ QuadraticCost PoseProblem::NormalAt(const State& state, const Slopes& slopes) co
         moves.transpose() * (slope.transpose() * evaluated.information.asDiagonal() * slope) * moves;
     normal.score += moves.transpose() * (slope.transpose() * evaluated.score);
   }
-  for (Eigen::Index k = 0; k < count; ++k) {
+  return normal;
+}
+
+Eigen::VectorXd PoseProblem::PriorSigmas() const {
+  Eigen::VectorXd sigma(static_cast<Eigen::Index>(entries_.size()));
+  for (std::size_t k = 0; k < entries_.size(); ++k) {
     const auto& prior = catalog_[entries_[k]].prior;
+    sigma(static_cast<Eigen::Index>(k)) = prior ? prior->sigma : catalog_[entries_[k]].typical_step;
+  }
+  return sigma;
+}
+
+void PoseProblem::AddPriors(const ParameterValues& values, QuadraticCost& normal) const {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const auto& prior = catalog_[entries_[i]].prior;
     if (!prior) continue;
     normal.information(k, k) += 1.0 / (prior->sigma * prior->sigma);
-    normal.score(k) -= catalog_[entries_[k]].FromPrior(state.values[entries_[k]]) / prior->sigma;
+    normal.score(k) -= catalog_[entries_[i]].FromPrior(values[entries_[i]]) / prior->sigma;
   }
+}
+
+QuadraticCost PoseProblem::NormalAt(const State& state, const Slopes& slopes) const {
+  QuadraticCost normal = OfFrames(state, slopes);
+  AddPriors(state.values, normal);
   return normal;
 }
 
 double PoseProblem::Step(const Slopes& slopes, double& damping, State& state) const {
   const auto trial_at = [&](const Eigen::VectorXd& step) { return At(MovedEntries(state.values, step)); };
-  return DampedStep(NormalAt(state, slopes), kSettledNats, trial_at, damping, state);
+  // Priors alone count along directions that the frames do not determine, as in joint steps.
+  QuadraticCost normal = OfFrames(state, slopes);
+  const Eigen::VectorXd sigma = PriorSigmas();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sigma.asDiagonal() * normal.information *
+                                                             sigma.asDiagonal());
+  const Eigen::VectorXd told = (eigen.eigenvalues().array() >= 1.0 / kOpenShare).cast<double>();
+  const Eigen::MatrixXd kept = sigma.cwiseInverse().asDiagonal() * eigen.eigenvectors() * told.asDiagonal();
+  const Eigen::MatrixXd in_sigmas = eigen.eigenvectors().transpose() * sigma.asDiagonal();
+  normal.score = kept * (in_sigmas * normal.score);
+  normal.information = kept * eigen.eigenvalues().asDiagonal() * kept.transpose();
+  AddPriors(state.values, normal);
+  return DampedStep(normal, kSettledNats, trial_at, damping, state);
 }
 
 Eigen::VectorXd PoseProblem::Ridge(const State& state, const Slopes& slopes) const {
-  Eigen::VectorXd sigma = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(entries_.size()));
-  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
-    if (const auto& prior = catalog_[entries_[k]].prior; prior) sigma(k) = prior->sigma;
-  }
+  const Eigen::VectorXd sigma = PriorSigmas();
   const Eigen::MatrixXd in_sigmas =
       sigma.asDiagonal() * NormalAt(state, slopes).information * sigma.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(in_sigmas);

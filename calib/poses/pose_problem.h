@@ -55,6 +55,10 @@ class PoseProblem {
   const CatalogEntry& entry(int index) const { return catalog_[index]; }
 
  private:
+  // Without priors.
+  QuadraticCost OfFrames(const State& state, const Slopes& slopes) const;
+  Eigen::VectorXd PriorSigmas() const;
+  void AddPriors(const ParameterValues& values, QuadraticCost& normal) const;
   // d column of the slopes / d value of each entry.
   Eigen::MatrixXd MovesOfEntries(int frame, const ParameterValues& values) const;
   void AddSlopesOfScene(const ParameterValues& values, Slopes& slopes) const;

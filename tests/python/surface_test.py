@@ -93,7 +93,7 @@ FUNCTIONS_OF = {
 # recordings that the project knows, and fits without a scene.
 ELSEWHERE = {
     "simulate": {"scene", "scene-unit", "scene-up", "sonar", "params", "poses", "out", "force", "fan", "depth",
-                 "resume"},
+                 "resume", "frames"},
     "compare": {"real", "sim", "sonar", "out", "force", "sweep-csv", "pictures", "fail-above", "part", "merge"},
     "fit": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "poses", "out", "force", "noise-only", "still",
             "range-min", "range-max", "find-background", "hold-out-bands", "reject-beyond"},

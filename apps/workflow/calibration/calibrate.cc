@@ -495,10 +495,12 @@ class Calibrator {
 
   // Tries the other elevation patterns, each with poses, geometry and objects free. `found`: the search with
   // the given pattern. `fall`: of its cost from the recorded placement. A pattern that is worse by more than
-  // that at the placement found is not searched, because no placement can be expected to make up for it.
-  // Blocks of pixels are too wide to tell azimuth patterns apart.
+  // that at the placement found is not searched, because no placement can be expected to make up for it. One
+  // that lowers the cost by less than kNatsOfAnother is no better: the odds are below 20 to 1. Blocks of
+  // pixels are too wide to tell azimuth patterns apart.
   void SearchElevation(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
                        calib::FitReport& found) {
+    constexpr double kNatsOfAnother = 3.0;
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
     const Placed placed = PlacedFrames(WithLobes());
@@ -507,6 +509,7 @@ class Calibrator {
       return at_found.Search(parameters, Radiometry(), near).report.cost_final;
     };
     const double most = cost_at_found(best) + fall;
+    found = trials.Search(best, config, near).report;  // as many steps as the others
     for (const calib::ModelVariant& variant : calib::ElevationVariants(best.beam)) {
       if (variant.given) continue;
       listener_.Message(fmt::format("placement: the same with elevation {}", variant.name));
@@ -514,7 +517,7 @@ class Calibrator {
       variant.apply(other);
       if (cost_at_found(other) > most) continue;
       calib::FitReport report = trials.Search(other, config, near).report;
-      if (report.cost_final >= found.cost_final) continue;
+      if (report.cost_final > found.cost_final - kNatsOfAnother) continue;
       found = std::move(report);
       best = std::move(other);
       variant.apply(plan_.parameters);
