@@ -288,13 +288,14 @@ int ColumnsTogether(const RayFan& fan, const AcousticGeometry& geometry, const P
   return std::max(together, 1);
 }
 
-std::vector<ResponseWindow> SharpenedForShares(std::vector<ResponseWindow> windows) {
+std::vector<ResponseWindow> SharpenedForShares(std::vector<ResponseWindow> windows, int together) {
+  const double share = (1.0 - 1.0 / (static_cast<double>(together) * together)) / 12.0;
   for (ResponseWindow& window : windows) {
     double before = 0.0;
     for (std::size_t i = 0; i < window.weight.size(); ++i) {
       const double here = window.weight[i];
       const double after = i + 1 < window.weight.size() ? window.weight[i + 1] : 0.0;
-      window.weight[i] = here - (after - 2.0 * here + before) / 12.0;
+      window.weight[i] = here - share * (after - 2.0 * here + before);
       before = here;
     }
   }
@@ -314,7 +315,7 @@ EchoPower CastEchoPower(const RayCaster& caster, const RayFan& fan, const Pose& 
   frame.cols = static_cast<int>(columns.azimuth_rad.size());
   frame.materials = static_cast<int>(caster.material_names().size());
   frame.nodes = static_cast<int>(CoarseIncidenceDeg().size());
-  frame.shared_columns = together > 1;
+  frame.columns_together = together;
   frame.column_azimuth_rad = columns.azimuth_rad;
 
   const ParameterSet unit = WithUnitCurves(parameters, caster.material_names());

@@ -292,7 +292,7 @@ PixelEchoes ThroughBeamAndPulse(const Simulator& simulator, const EchoPower& ech
                                 const ParameterSet& parameters) {
   std::vector<ResponseWindow> azimuth =
       AzimuthWindows(simulator.sonar(), parameters, echoes.column_azimuth_rad, ResponseOf::kPower);
-  if (echoes.shared_columns) azimuth = SharpenedForShares(std::move(azimuth));
+  if (echoes.columns_together > 1) azimuth = SharpenedForShares(std::move(azimuth), echoes.columns_together);
   return GatherPixelEchoes(
       echoes, {simulator.sonar().axes.range_bins, echoes.range_steps, std::move(azimuth),
                PulseWindow(simulator.sonar(), parameters, echoes.range_steps, ResponseOf::kPower)});

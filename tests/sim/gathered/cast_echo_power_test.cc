@@ -83,7 +83,7 @@ TEST_P(CastEchoes, EqualThoseOfTheListOfEchoes) {
                                                            of_list.column_azimuth_rad, of_list.range_steps)));
   const Grid<double> quick = PowerOf(GatherPixelEchoes(simulator_, pose_, parameters_));
   // Exact up to single precision, or up to the shares of an echo between two columns.
-  EXPECT_LT(LargestDb(quick, slow, 40.0), GetParam().together == 1 ? 2e-3 : 0.09);
+  EXPECT_LT(LargestDb(quick, slow, 40.0), GetParam().together == 1 ? 2e-3 : 0.17);
 }
 
 // Nodes of incidence differ from the curve itself, by the errors that sim/gathered/pixel_echoes.h states, and
@@ -93,7 +93,7 @@ TEST_P(CastEchoes, ShadeTheImageOfTheRays) {
       EchoPowerImage(CastScatterMap(simulator_.caster(), simulator_.fan(), pose_, geometry_, parameters_),
                      geometry_, parameters_);
   EXPECT_LT(LargestDb(PowerOf(GatherPixelEchoes(simulator_, pose_, parameters_)), rays, 40.0),
-            GetParam().together == 1 ? 0.08 : 0.16);
+            GetParam().together == 1 ? 0.08 : 0.24);
 }
 
 TEST_P(CastEchoes, AreTheSameOnAnyNumberOfThreads) {
@@ -109,7 +109,7 @@ TEST_P(CastEchoes, AreTheSameOnAnyNumberOfThreads) {
 INSTANTIATE_TEST_SUITE_P(
     All, CastEchoes,
     ::testing::Values(Case{.fan = {.sampling = Sampling::kBeams, .cols = 300, .rows = 300}},
-                      Case{.fan = {.sampling = Sampling::kBeams, .cols = 1500, .rows = 300}, .together = 2},
+                      Case{.fan = {.sampling = Sampling::kBeams, .cols = 1500, .rows = 300}, .together = 3},
                       Case{.fan = {.sampling = Sampling::kBeams,
                                    .cols = 2560,
                                    .rows = 200,
@@ -118,23 +118,27 @@ INSTANTIATE_TEST_SUITE_P(
                                    .row_crowding = 6.0,
                                    .stagger = true,
                                    .stagger_rows = true},
-                           .together = 3}));
+                           .together = 5}));
 
-// A beam's weights times linear shares, over positions between two columns: no error on average.
+// A beam's weights times linear shares, over the columns that are joined: no error on average.
 TEST(SharpenedForShares, LeaveNoErrorOnAverage) {
   ResponseWindow window{.first = 0, .weight = {}};
   const auto response = [](double column) { return GaussianResponse(column - 40.0, kColumnsOfBeam); };
   for (int col = 0; col <= 80; ++col) window.weight.push_back(response(col));
-  const ResponseWindow sharp = SharpenedForShares({window}).front();
-  for (int col = 5; col < 75; ++col) {
-    double mean = 0.0;
-    for (int i = 0; i < 100; ++i) {
-      const double part = (i + 0.5) / 100.0;
-      const double shared = (1.0 - part) * sharp.weight[col] + part * sharp.weight[col + 1];
-      EXPECT_NEAR(shared, response(col + part), 0.002) << col << ' ' << part;
-      mean += (shared - response(col + part)) / 100.0;
+  for (const int together : {2, 3, 5, 50}) {
+    const ResponseWindow sharp = SharpenedForShares({window}, together).front();
+    for (int col = 5; col < 75; ++col) {
+      double mean = 0.0;
+      for (int i = -together / 2; i < together - together / 2; ++i) {
+        const double part = std::abs(static_cast<double>(i) / together);
+        const int next = i < 0 ? col - 1 : col + 1;
+        const double shared = (1.0 - part) * sharp.weight[col] + part * sharp.weight[next];
+        const double expected = response(i < 0 ? col - part : col + part);
+        EXPECT_NEAR(shared, expected, 0.004) << col << ' ' << part;
+        mean += (shared - expected) / together;
+      }
+      EXPECT_NEAR(mean, 0.0, 3e-4) << together << ' ' << col;
     }
-    EXPECT_NEAR(mean, 0.0, 3e-4) << col;
   }
 }
 
