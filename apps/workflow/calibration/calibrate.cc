@@ -438,10 +438,10 @@ class Calibrator {
     Searched searched{.as_recorded = as_recorded};
     const CalibrationPlan given = plan_;
     if (!plan_.Has(CalibrationStage::kBeam)) TryElevation(trials, searched.as_recorded);
-    KeepStart(searched.as_recorded.fit.report, [](const FittedParameter&) { return true; });
+    StartAt(searched.as_recorded.fit.report, plan_.fit);
     searched.plan_as_recorded = plan_;
     plan_ = given;
-    KeepStart(as_recorded.fit.report, [](const FittedParameter&) { return true; });
+    StartAt(as_recorded.fit.report, plan_.fit);
 
     FitConfig config = Radiometry();
     config.start = plan_.fit.start;
@@ -463,16 +463,16 @@ class Calibrator {
       listener_.Message(
           fmt::format("placement: again, with poses that scatter by {:.3g} m and {:.2g} degrees",
                       config.pose_prior.position_m, config.pose_prior.angle_deg));
-      KeepStart(found, [](const FittedParameter&) { return true; });
+      StartAt(found, plan_.fit);
       config.start = plan_.fit.start;
       found = trials.Search(blocks, config, search).report;
     }
-    KeepStart(found, [](const FittedParameter&) { return true; });
+    StartAt(found, plan_.fit);
     config.start = plan_.fit.start;
     if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
       const double recorded_cost = trials.Search(blocks, Radiometry(), Near()).report.cost_final;
       SearchElevation(trials, blocks, config, recorded_cost - found.cost_final, found);
-      KeepStart(found, [](const FittedParameter&) { return true; });
+      StartAt(found, plan_.fit);
       config.start = plan_.fit.start;
     }
     searched.config = std::move(config);
@@ -541,9 +541,10 @@ class Calibrator {
       if (moves) plan_.fit.free->push_back(parameter.name);
     }
     plan_.fit.start.clear();
-    KeepStart(moved.fit.report, [&](const FittedParameter& parameter) {
-      if (parameter.name.starts_with("pose.")) return poses;
-      return !IsPlacementName(parameter.name) || std::ranges::find(kept, parameter.name) != kept.end();
+    StartAt(moved.fit.report, plan_.fit);
+    std::erase_if(plan_.fit.start, [&](const auto& start) {
+      if (start.first.starts_with("pose.")) return !poses;
+      return IsPlacementName(start.first) && std::ranges::find(kept, start.first) == kept.end();
     });
     if (poses) {
       for (std::size_t i = 0; i < moved.held_out_poses.size(); ++i) {
@@ -760,14 +761,6 @@ class Calibrator {
     });
     std::erase_if(config.start, [](const auto& start) { return IsPlacementName(start.first); });
     return config;
-  }
-
-  template <typename Keep>
-  void KeepStart(const calib::FitReport& report, const Keep& keep) {
-    for (const FittedParameter& parameter : report.parameters) {
-      if (parameter.status != ParameterStatus::kFixed && keep(parameter))
-        plan_.fit.start[parameter.name] = parameter.value;
-    }
   }
 
   // Options of fits that start where an earlier one ended.

@@ -21,8 +21,21 @@ std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording, const
   return frames;
 }
 
-Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig& config,
-                         const calib::FitOptions& options) {
+void StartAt(const calib::FitReport& found, calib::FitConfig& config) {
+  for (const calib::FittedParameter& parameter : found.parameters) {
+    if (parameter.status != calib::ParameterStatus::kFixed) config.start[parameter.name] = parameter.value;
+  }
+}
+
+Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig& given,
+                         const calib::FitOptions& given_options) {
+  calib::FitConfig config = given;
+  calib::FitOptions options = given_options;
+  if (options.starts > 1) {
+    StartAt(Search(parameters, config, options).report, config);
+    options.starts = 1;
+    options.search_level = false;
+  }
   Trial trial;
   const std::vector<calib::AcousticFrame> frames = calib::FramesFor(used_, parameters.display);
   trial.fit = calib::FitAcousticModel(simulator_, frames, parameters, config, options);

@@ -29,7 +29,8 @@ class HeldOutTrials {
                 std::vector<calib::GreyFrame> held_out)
       : simulator_(simulator), used_(std::move(used)), held_out_(std::move(held_out)) {}
 
-  // Fits and evaluates. The poses of the held-out frames are fitted too if those of the others are free.
+  // Fits and evaluates. The poses of the held-out frames are fitted too if those of the others are free. A fit
+  // with several starts begins with Search.
   Trial Try(const ParameterSet& parameters, const calib::FitConfig& config, const calib::FitOptions& options);
 
   // Fits to blocks of pixels of about half a speckle cell: a search that is quicker by as many pixels.
@@ -50,6 +51,9 @@ class HeldOutTrials {
   std::vector<calib::GreyFrame> held_out_;
   std::optional<calib::BlockPixels> block_;  // the same for all trials
 };
+
+// Lets a fit start at the values of another one.
+void StartAt(const calib::FitReport& found, calib::FitConfig& config);
 
 // Returns true if a gain is more than two standard errors.
 bool IsSignificant(const calib::LikelihoodDifference& gain);
