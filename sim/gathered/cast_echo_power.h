@@ -28,8 +28,8 @@ EchoPower CastEchoPower(const RayCaster& caster, const RayFan& fan, const Pose& 
 int ColumnsTogether(const RayFan& fan, const AcousticGeometry& geometry, const ParameterSet& parameters);
 
 // Weights for echoes from `together` columns that are shared between two columns each: less the multiple
-// (1 - 1 / together^2) / 12 of their second difference, by which linear interpolation at these columns differs
-// from the response on average.
+// (1 - 1 / together^2) / 12 of their second difference, by which linear interpolation at these columns
+// differs from the response on average.
 std::vector<ResponseWindow> SharpenedForShares(std::vector<ResponseWindow> windows, int together);
 
 }  // namespace sonarcal::sim

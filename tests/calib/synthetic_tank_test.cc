@@ -21,8 +21,8 @@ using testing::SyntheticTank;
 constexpr int kCovered = 90;
 
 // Within `tolerance_db` where the curve's own standard error is below kDetermined, which must be most of the
-// covered angles, and within twice that elsewhere: between 5 and 20 degrees of incidence on the wall, 90 pixels
-// in the flank of a brighter echo leave the curve open, to 2 to 16 dB by its standard error.
+// covered angles, and within twice that elsewhere: between 5 and 20 degrees of incidence on the wall, 90
+// pixels in the flank of a brighter echo leave the curve open, to 2 to 16 dB by its standard error.
 void ExpectCurve(const SyntheticTank& tank, const std::string& material, const AcousticFit& fit,
                  double tolerance_db) {
   constexpr double kDetermined = 1.0;  // dB

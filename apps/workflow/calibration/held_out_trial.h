@@ -29,8 +29,8 @@ class HeldOutTrials {
                 std::vector<calib::GreyFrame> held_out)
       : simulator_(simulator), used_(std::move(used)), held_out_(std::move(held_out)) {}
 
-  // Fits and evaluates. The poses of the held-out frames are fitted too if those of the others are free. A fit
-  // with several starts begins with Search.
+  // Fits and evaluates. The poses of the held-out frames are fitted too if those of the others are free. A
+  // fit with several starts begins with Search.
   Trial Try(const ParameterSet& parameters, const calib::FitConfig& config, const calib::FitOptions& options);
 
   // Fits to blocks of pixels of about half a speckle cell: a search that is quicker by as many pixels.
