@@ -481,39 +481,26 @@ class Calibrator {
     return searched;
   }
 
-  // Fall of the cost that makes another pattern better: odds of 20 to 1.
-  static constexpr double kNatsOfAnother = 3.0;
-
-  // Chooses the elevation pattern at the recorded poses, on blocks of pixels. Poses and objects would
-  // otherwise seem to have moved, to make up for a wrong one.
+  // Chooses the elevation pattern at the recorded poses. Poses and objects would otherwise seem to have
+  // moved, to make up for a wrong one.
   void TryElevation(HeldOutTrials& trials, Trial& as_recorded) {
     if (trials.held_out().empty()) return;
-    FitConfig config = Radiometry();
-    StartAt(as_recorded.fit.report, config);
-    const ParameterSet given = WithNoiseLevel(trials.used());
-    double cost = trials.Search(given, config, Near()).report.cost_final;
-    bool is_another = false;
-    for (const calib::ModelVariant& variant : calib::ElevationVariants(given.beam)) {
-      if (variant.given) continue;
-      listener_.Message(fmt::format("placement: at the recorded poses with elevation {}", variant.name));
-      ParameterSet other = given;
-      variant.apply(other);
-      const double cost_of_other = trials.Search(other, config, Near()).report.cost_final;
-      if (cost_of_other > cost - kNatsOfAnother) continue;
-      cost = cost_of_other;
-      variant.apply(plan_.parameters);
-      is_another = true;
-    }
-    if (is_another) as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
+    const BeamParameters before = plan_.parameters.beam;
+    const calib::ModelChoice chosen =
+        ChooseForm(trials.simulator(), trials.used(), trials.held_out(), {calib::ChoiceAxis::kElevation});
+    listener_.Message(fmt::format("placement: at the recorded poses, {}", Names(FormOf(chosen))));
+    if (plan_.parameters.beam == before) return;
+    as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
   }
 
   // Tries the other elevation patterns, each with poses, geometry and objects free. `found`: the search with
   // the given pattern. `fall`: of its cost from the recorded placement. A pattern that is worse by more than
   // that at the placement found is not searched, because no placement can be expected to make up for it. One
-  // that lowers the cost by less than kNatsOfAnother is no better. Blocks of pixels are too wide to tell
-  // azimuth patterns apart.
+  // that lowers the cost by less than kNatsOfAnother is no better: the odds are below 20 to 1. Blocks of
+  // pixels are too wide to tell azimuth patterns apart.
   void SearchElevation(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
                        calib::FitReport& found) {
+    constexpr double kNatsOfAnother = 3.0;
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
     const Placed placed = PlacedFrames(WithLobes());
