@@ -36,9 +36,8 @@ struct EchoPower {
   int cols = 0;
   int materials = 0;
   int nodes = kIncidenceNodes;  // per material; or those of CoarseIncidenceDeg (sim/gathered/pixel_echoes.h)
-  // True if an echo between two columns is shared between them, false if columns are those of the fan.
-  int columns_together =
-      1;  // columns of rays whose echoes are shared between two of these (cast_echo_power.h)
+  // Columns of the fan per column here. Above 1, an echo is shared between the two nearest ones.
+  int columns_together = 1;
   std::vector<double> column_azimuth_rad;
   std::vector<Cell> cells;  // by row, then column; a cell may occur twice
   std::vector<Entry> entries;
