@@ -282,6 +282,8 @@ class SlopeGatherer {
           };
           spread(hit.range_m, depth_m,
                  [](FineTerms& to, float share, const PatchTerms& of) { to.Add(share, of.fine); });
+          // Slope along range: spread once farther away, less once nearer, by half the depth each. Neighbours
+          // then overlap, and their steps cancel.
           const double step_m = std::clamp(depth_m, least_step_m_, FineRows::kMaxParts * rows_.part_m);
           for (const double sign : {-1.0, 1.0}) {
             spread(hit.range_m + 0.5 * sign * step_m, step_m,
