@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -43,6 +44,9 @@ constexpr double kHeld = 0.02;
 // Max number of moves to better poses away from the present ones, and the min gain of a move.
 constexpr int kMovesToBetter = 3;
 constexpr double kBetterNats = 1.0;
+
+// Max number of joint steps after such a move: curves follow a few frames at once.
+constexpr int kStepsAfterMove = 2;
 
 // Rounds of reducing the weight of pixels that do not match the scene.
 constexpr int kWeightRounds = 2;
@@ -204,12 +208,19 @@ class AcousticFitter {
     model_ = std::make_unique<AcousticFrameModel>(*model_, simulator_, fit_.values, std::vector<int>());
   }
 
-  // The last solve uses all rays, about the point that the search found.
+  // The last solve uses all rays, about the point that the search found. Curves are solved on blocks before,
+  // where a step costs a fraction.
   void EndWithAllRays() {
     if (poses_.empty() || !fit_.usable) return;
     TakeAllRays();
     model_->Linearise(fit_.values, geometric_);
     near_ = Near(config_, *model_, geometric_, fit_.values, 1.0);
+    if (radiometric_.empty()) return;
+    FitOptions fine = again_;
+    fine.rough = false;
+    fine.test_others = false;
+    fit_ = FitOnBlocks(fine);
+    iterations_ += fit_.report.iterations;
   }
 
   // Configuration that fixes all geometric parameters.
@@ -223,6 +234,10 @@ class AcousticFitter {
   // are discarded.
   void ShareRepeats() {
     if (!model_->has_repeats()) return;
+    if (!options_.repeat_shares.empty()) {
+      model_->TakeRepeatShares(options_.repeat_shares);
+      return;
+    }
     ParameterValues values = fit_.values;
     if (!radiometric_.empty()) {
       FitOptions look = options_;
@@ -268,12 +283,12 @@ class AcousticFitter {
     const bool geometry =
         std::ranges::any_of(poses_, [&](int entry) { return ChangesAxes(catalog_[entry]); });
     if (rigid_.empty() || geometry || options_.near_start) return;
-    for (const PoseStage& stage : PoseStages(model_->speckle_cell())) RefineStage(stage);
+    for (const PoseStage& stage : PoseStages(model_->speckle_cell())) RefineStage(stage, rigid_);
   }
 
-  void RefineStage(const PoseStage& stage) {
+  void RefineStage(const PoseStage& stage, const std::vector<int>& entries) {
     if (!fit_.usable) return;
-    RefinePoses(*model_, catalog_, rigid_, stage, fit_.values, options_.progress);
+    RefinePoses(*model_, catalog_, entries, stage, fit_.values, options_.progress);
     model_->Linearise(fit_.values, {});
     RefitRadiometry();
   }
@@ -288,12 +303,12 @@ class AcousticFitter {
     if (poses_.empty()) {
       FitInRounds();
     } else {
-      FitJointly();
+      FitJointly(JointSteps());
     }
   }
 
   // Fits poses together with the parameters that are correlated with them. Each step is traced.
-  void FitJointly() {
+  void FitJointly(int steps) {
     if (!fit_.usable) return;
     std::vector<int> active = geometric_;
     active.insert(active.end(), radiometric_.begin(), radiometric_.end());
@@ -301,7 +316,7 @@ class AcousticFitter {
     const sim::RayFanOptions& fan = model_->simulator().options().fan;
     ParameterValues values = fit_.values;
     settled_ = TakeJointSteps(*model_, catalog_, active,
-                              {.steps = JointSteps(),
+                              {.steps = steps,
                                .least = NoiseOfCost(),
                                .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
                                .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); },
@@ -373,25 +388,37 @@ class AcousticFitter {
     for (int round = 0; round < kWeightRounds && fit_.usable; ++round) {
       Say("reducing the weight of pixels that do not match the scene");
       model_->DownWeight(fit_.values);
-      if (!poses_.empty()) FitJointly();
+      if (!poses_.empty()) {
+        FitJointly(JointSteps());
+        model_->Linearise(fit_.values, geometric_);
+      }
       again_.test_others = options_.test_others && round + 1 == kWeightRounds;
       Refit(false);
     }
   }
 
   // Moves to better poses that rounds cannot reach, because rounds only follow one valley, and refits there.
+  // Only frames that moved are searched again.
   void GoToBetterPoses() {
+    std::vector<int> searched = poses_;  // entries
+    std::vector<OtherPose> others;
     for (int move = 0; move < kMovesToBetter && !options_.near_start && !poses_.empty() && fit_.usable;
          ++move) {
       Say("searching for poses that fit the frames better");
-      other_poses_ = OtherPoses(*model_, catalog_, poses_, fit_.values);
-      const int moved = TakeBetterPoses(*other_poses_, kBetterNats, fit_.values);
-      if (moved == 0) return;
-      other_poses_.reset();
-      Say(fmt::format("{} frame{} moved to a better pose", moved, moved == 1 ? "" : "s"));
+      std::vector<OtherPose> found = OtherPoses(*model_, catalog_, searched, fit_.values);
+      std::ranges::move(found, std::back_inserter(others));
+      const std::set<int> moved = TakeBetterPoses(others, kBetterNats, fit_.values);
+      if (moved.empty()) {
+        other_poses_ = std::move(others);
+        return;
+      }
+      Say(fmt::format("{} frame{} moved to a better pose", moved.size(), moved.size() == 1 ? "" : "s"));
+      const auto stays = [&](int frame) { return !moved.contains(frame); };
+      std::erase_if(others, [&](const OtherPose& other) { return !stays(other.frame); });
+      std::erase_if(searched, [&](int entry) { return stays(catalog_[entry].frame); });
       model_->Linearise(fit_.values, {});
-      RefineStage(PoseStages(model_->speckle_cell()).back());
-      FitJointly();
+      RefineStage(PoseStages(model_->speckle_cell()).back(), searched);
+      FitJointly(std::min(kStepsAfterMove, JointSteps()));
     }
   }
 
@@ -413,8 +440,10 @@ class AcousticFitter {
                        .geometry = GeometryOf(catalog_, fit_.values),
                        .simulator = model_->SimulatorAt(fit_.values),
                        .weights = {},
+                       .repeat_shares = {},
                        .report = std::move(fit_.report),
                        .usable = fit_.usable};
+    if (model_->has_repeats()) result.repeat_shares = model_->repeat_shares();
     for (int frame = 0; frame < model_->frame_count(); ++frame) {
       result.world_from_sonar.push_back(model_->PoseOf(frame, fit_.values));
       if (options_.down_weight) result.weights.push_back(model_->weights(frame));

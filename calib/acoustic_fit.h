@@ -48,7 +48,8 @@ struct AcousticFit {
   // Traces with the fitted geometry and placement of objects. The given one if neither is free, and then not
   // owned.
   std::shared_ptr<const sim::Simulator> simulator;
-  std::vector<std::vector<float>> weights;  // per frame and pixel; empty: all are 1
+  std::vector<std::vector<float>> weights;        // per frame and pixel; empty: all are 1
+  std::vector<std::vector<float>> repeat_shares;  // as FitOptions wants them; empty if all poses differ
   FitReport report;
   bool usable = false;
 };

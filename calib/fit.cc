@@ -27,7 +27,7 @@ constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to distinguish valleys
 constexpr double kLikelihoodTolerance = 1e-2;
 
-// Max number of moves to a better curve, and the min gain of a move.
+// Max number of moves to a better curve, and the min gain of a move per pixel of a speckle cell.
 constexpr int kMovesToBetter = 2;
 constexpr double kBetterNats = 0.05;
 
@@ -172,12 +172,13 @@ class Fitter {
     state_.values = best;
   }
 
+  double PixelsPerCell() const { return model_.speckle_cell().bins * model_.speckle_cell().beams; }
+
   // A hundredth of a nat of log-likelihood per speckle cell is negligible.
   double Tolerance() const {
     if (!model_.IsLikelihood()) return options_.function_tolerance;
     const double cost = CostAt(model_, state_.values, model_.frame_count());
-    const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
-    return cost > 0.0 ? std::max(options_.function_tolerance, kLikelihoodTolerance * pixels_per_cell / cost)
+    return cost > 0.0 ? std::max(options_.function_tolerance, kLikelihoodTolerance * PixelsPerCell() / cost)
                       : options_.function_tolerance;
   }
 
@@ -248,7 +249,8 @@ class Fitter {
     const std::string termination = report_.termination;
     for (const ParameterValues& start : starts) {
       state_.values = start;
-      if (Solve(model_, Tolerance(), options_.max_iterations) && report_.cost_final < cost - kBetterNats) {
+      if (Solve(model_, Tolerance(), options_.max_iterations) &&
+          report_.cost_final < cost - kBetterNats * PixelsPerCell()) {
         OrderGaussians(catalog_, Free(), state_.values);
         return true;
       }

@@ -39,10 +39,12 @@ class Stepper {
   }
 
   // Traces at `values`. Returns the cost there, with priors.
-  double CostAt(const ParameterValues& values) const {
-    double cost = options_.cost(values);
-    for (const int entry : active_) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
-    return cost;
+  double TracedCost(const ParameterValues& values) const { return options_.cost(values) + OfPriors(values); }
+
+  // The same of the model about its point of linearisation, without tracing. The bins of its echoes make it
+  // differ from the traced cost by a little that is the same for all curves.
+  double CostAtPoint(const ParameterValues& values) const {
+    return CostAt(model_, values, model_.frame_count()) + OfPriors(values);
   }
 
   // Gathers the echoes at `values`, with derivatives.
@@ -62,7 +64,7 @@ class Stepper {
       const double promised = -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
       if (promised < least) return std::nullopt;
       Found trial{.values = Moved(values, Scales().cwiseProduct(along.vectors * step.matrix())), .cost = 0.0};
-      trial.cost = CostAt(trial.values);
+      trial.cost = TracedCost(trial.values);
       if (!(trial.cost < limit)) continue;
       damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
       return trial;
@@ -87,10 +89,16 @@ class Stepper {
       for (const Found* found : alike) sum += catalog_[entry].CoordinateFromValue(found->values[entry]);
       mean[entry] = catalog_[entry].ValueFromCoordinate(sum / static_cast<double>(alike.size()));
     }
-    return CostAt(mean) < lowest->cost + roughness ? mean : lowest->values;
+    return TracedCost(mean) < lowest->cost + roughness ? mean : lowest->values;
   }
 
  private:
+  double OfPriors(const ParameterValues& values) const {
+    double cost = 0.0;
+    for (const int entry : active_) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
+    return cost;
+  }
+
   // Directions in which the cost is a sum of parabolas, in units of the prior sigmas.
   struct Directions {
     Eigen::MatrixXd vectors;  // columns
@@ -151,7 +159,7 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
                     const std::vector<int>& active, const JointStepOptions& options, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress) {
   Stepper stepper(model, catalog, active, options);
-  std::vector<Stepper::Found> reached = {{values, stepper.CostAt(values)}};
+  std::vector<Stepper::Found> reached = {{values, stepper.TracedCost(values)}};
   double roughness = options.roughness(values);
   double rough_at = reached.front().cost;
   double lowest = rough_at;
@@ -161,8 +169,9 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
     if (step > 0 && options.settle) {
+      const double before = stepper.CostAtPoint(values);
       options.settle(values);
-      reached.back() = {values, stepper.CostAt(values)};
+      reached.back() = {values, reached.back().cost + stepper.CostAtPoint(values) - before};
       lowest = std::min(lowest, reached.back().cost);
     }
     // The first one is taken for any gain: directions that the frames do not determine go to their priors.
@@ -186,7 +195,6 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
     }
   }
   values = stepper.AmongAlike(reached, roughness);
-  stepper.Linearise(values);
   return ended;
 }
 

@@ -1,24 +1,128 @@
 #include "calib/solve.h"
 
 #include <ceres/iteration_callback.h>
+#include <ceres/manifold.h>
 #include <ceres/solver.h>
 
-#include <optional>
+#include <algorithm>
 
 namespace sonarcal::calib {
 namespace {
 
-// Ends a solve on request.
-class StopCallback final : public ceres::IterationCallback {
- public:
-  explicit StopCallback(const std::function<bool()>& stop) : stop_(stop) {}
+// A coordinate this close to a bound, as a fraction of the distance between its bounds, is at it.
+constexpr double kAtBound = 1e-12;
 
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return stop_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+// Solves with an active set of bounds. Ceres moves a step that leaves the bounds back to them. The other
+// coordinates of such a step are wrong if they are correlated with one that was moved back, and the solver
+// creeps. So coordinates that a bound stops are held, and let go when the cost falls inwards.
+class BoundedSolve {
+ public:
+  BoundedSolve(ceres::Problem& problem, std::vector<double>& coordinates, const std::function<bool()>& stop)
+      : problem_(problem), coordinates_(coordinates), watch_(*this, stop) {
+    for (int k = 0; k < size(); ++k) {
+      lower_.push_back(problem.GetParameterLowerBound(coordinates.data(), k));
+      upper_.push_back(problem.GetParameterUpperBound(coordinates.data(), k));
+    }
+  }
+
+  SolveSummary Run(const SolveLimits& limits) {
+    SolveSummary result;
+    held_ = Stopped();
+    int rounds = 2 * size() + 1;
+    while (true) {
+      const SolveLimits left{.function_tolerance = limits.function_tolerance,
+                             .max_iterations = limits.max_iterations - result.iterations};
+      Solve(left, result);
+      const std::vector<int> stopped = Stopped();
+      const bool same = stopped == held_ && !watch_.reached_bound;
+      if (!result.usable || same || result.iterations >= limits.max_iterations || --rounds == 0)
+        return result;
+      held_ = stopped;
+    }
   }
 
  private:
-  const std::function<bool()>& stop_;
+  // Ends a solve on request, and when another coordinate reaches a bound.
+  class Watch final : public ceres::IterationCallback {
+   public:
+    Watch(const BoundedSolve& solve, const std::function<bool()>& stop) : solve_(solve), stop_(stop) {}
+
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+      if (stop_ && stop_()) return ceres::SOLVER_ABORT;
+      const std::vector<int> sides = solve_.Sides();
+      if (summary.iteration == 0) at_start_ = sides;
+      for (std::size_t k = 0; k < sides.size(); ++k)
+        reached_bound = reached_bound || (sides[k] != 0 && at_start_[k] == 0);
+      return reached_bound ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    }
+
+    bool reached_bound = false;
+
+   private:
+    const BoundedSolve& solve_;
+    const std::function<bool()>& stop_;
+    std::vector<int> at_start_;
+  };
+
+  int size() const { return static_cast<int>(coordinates_.size()); }
+
+  // Per coordinate: -1 at the lower bound, 1 at the upper one, 0 between them.
+  std::vector<int> Sides() const {
+    std::vector<int> sides;
+    for (int k = 0; k < size(); ++k) {
+      const double close = kAtBound * (upper_[k] - lower_[k]);
+      const int above = coordinates_[k] >= upper_[k] - close ? 1 : 0;
+      sides.push_back(coordinates_[k] <= lower_[k] + close ? -1 : above);
+    }
+    return sides;
+  }
+
+  // Coordinates at a bound beyond which the cost would fall.
+  std::vector<int> Stopped() {
+    std::vector<int> stopped;
+    const std::vector<int> sides = Sides();
+    if (std::ranges::all_of(sides, [](int side) { return side == 0; })) return stopped;
+    std::vector<double> gradient;
+    problem_.SetManifold(coordinates_.data(), nullptr);
+    if (!problem_.Evaluate({}, nullptr, nullptr, &gradient, nullptr)) return stopped;
+    for (int k = 0; k < size(); ++k) {
+      if (sides[k] * gradient[k] < 0.0) stopped.push_back(k);
+    }
+    return stopped;
+  }
+
+  void Solve(const SolveLimits& limits, SolveSummary& result) {
+    watch_.reached_bound = false;
+    problem_.SetManifold(coordinates_.data(),
+                         held_.empty() ? nullptr : new ceres::SubsetManifold(size(), held_));
+    ceres::Solver::Options solver;
+    solver.max_num_iterations = limits.max_iterations;
+    solver.function_tolerance = limits.function_tolerance;
+    solver.num_threads = 1;  // threads share the pixels of a frame, not the frames
+    solver.logging_type = ceres::SILENT;
+    // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
+    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    // A shorter trust region costs one evaluation, a line search up to twenty.
+    solver.max_num_line_search_step_size_iterations = 0;
+    solver.initial_trust_region_radius = radius_;
+    solver.update_state_every_iteration = true;
+    solver.callbacks.push_back(&watch_);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem_, &summary);
+    result.usable = summary.IsSolutionUsable();
+    result.cost = summary.final_cost;
+    result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // without the start
+    radius_ = summary.iterations.back().trust_region_radius;
+    result.termination = summary.message;
+  }
+
+  ceres::Problem& problem_;
+  std::vector<double>& coordinates_;
+  std::vector<double> lower_;
+  std::vector<double> upper_;
+  std::vector<int> held_;
+  Watch watch_;
+  double radius_ = ceres::Solver::Options().initial_trust_region_radius;
 };
 
 }  // namespace
@@ -27,22 +131,8 @@ SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& 
                       const SolveLimits& limits, const std::function<bool()>& stop, FitState& state) {
   std::vector<double> coordinates = state.Coordinates(catalog);
   const auto problem = BuildProblem(model, catalog, state, coordinates);
-  ceres::Solver::Options solver;
-  solver.max_num_iterations = limits.max_iterations;
-  solver.function_tolerance = limits.function_tolerance;
-  solver.num_threads = 1;  // threads share the pixels of a frame, not the frames
-  solver.logging_type = ceres::SILENT;
-  // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
-  solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  std::optional<StopCallback> callback;
-  if (stop) solver.callbacks.push_back(&callback.emplace(stop));
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, problem.get(), &summary);
+  const SolveSummary result = BoundedSolve(*problem, coordinates, stop).Run(limits);
   if (stop && stop()) throw FitStopped();
-  SolveSummary result{.usable = summary.IsSolutionUsable(),
-                      .cost = summary.final_cost,
-                      .iterations = static_cast<int>(summary.iterations.size()),
-                      .termination = summary.message};
   if (result.usable) state.SetCoordinates(catalog, coordinates);
   return result;
 }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "calib/models/coarse_frame_model.h"
@@ -445,6 +446,15 @@ void AcousticFrameModel::ShareRepeats(const ParameterValues& values) {
       share.push_back(static_cast<float>(1.0 / (1.0 + others * std::pow(1.0 - of_noise, 2))));
     }
   }
+}
+
+void AcousticFrameModel::TakeRepeatShares(const std::vector<std::vector<float>>& shares) {
+  const auto fits = [&](const std::vector<float>& share, const AcousticFrame& frame) {
+    return share.empty() || share.size() == frame.recorded.size();
+  };
+  if (!std::ranges::equal(shares, frames_, fits))
+    throw std::invalid_argument("acoustic model: weights of repeated frames belong to other pixels");
+  repeat_shares_ = shares;
 }
 
 AcousticState AcousticFrameModel::StateAt(const ParameterSet& parameters,

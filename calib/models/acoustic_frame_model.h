@@ -142,6 +142,10 @@ class AcousticFrameModel final : public FrameModel {
   // the mean mu. So n frames count as n / (1 + (n - 1) rho): as one if there is only speckle, as n if there
   // is only noise. Without this, frozen speckle would count n times against the priors.
   void ShareRepeats(const ParameterValues& values);
+  // The same with the weights of another model of these frames. Throws std::invalid_argument if their number
+  // is another.
+  void TakeRepeatShares(const std::vector<std::vector<float>>& shares);
+  const std::vector<std::vector<float>>& repeat_shares() const { return repeat_shares_; }
 
   // Mean power of a frame's pixels.
   std::vector<double> MeanPower(int frame, const ParameterValues& values) const;

@@ -21,10 +21,13 @@ struct FitOptions {
   int block_bins = 8;                // min size of a covariance block in pixels; if pulse or beam are wide,
   int block_beams = 16;              // eight of their widths
   bool search_level = true;          // searches a start level and dB range before the first solve
-  bool test_others = true;   // tests if other curves (calib/curve_alternatives.h) or poses fit equally well
-  int joint_steps = 6;       // max number of steps of placements and curves together, each traced
-  bool near_start = false;   // placements start near their best values: leaves out searches
-  bool rough = false;        // ends after the starts, with values but no sigmas, for a fit in rounds
+  bool test_others = true;  // tests if other curves (calib/curve_alternatives.h) or poses fit equally well
+  int joint_steps = 6;      // max number of steps of placements and curves together, each traced
+  bool near_start = false;  // placements start near their best values: leaves out searches
+  bool rough = false;       // ends after the starts, with values but no sigmas, for a fit in rounds
+  // Weights of frames of one pose by an earlier fit to the same pixels, per frame and pixel. Costs of fits can
+  // be compared if their weights are the same. Empty: this fit finds its own.
+  std::vector<std::vector<float>> repeat_shares = {};
   bool down_weight = false;  // reduces the weight of pixels that do not match the scene (acoustic model)
   std::function<void(const std::string&)> progress;  // receives messages, one line each
   // Called after each step of a solver. If it returns true, the fit throws FitStopped.

@@ -153,17 +153,19 @@ std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::ve
   return others;
 }
 
-int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values) {
+std::set<int> TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values) {
   std::map<int, const OtherPose*> best;
   for (const OtherPose& other : others) {
     if (!(other.worse_by < -by_nats)) continue;
     const OtherPose*& of_frame = best[other.frame];
     if (of_frame == nullptr || other.worse_by < of_frame->worse_by) of_frame = &other;
   }
+  std::set<int> moved;
   for (const auto& [frame, other] : best) {
+    moved.insert(frame);
     for (const auto& [entry, value] : other->entries) values[entry] = value;
   }
-  return static_cast<int>(best.size());
+  return moved;
 }
 
 }  // namespace sonarcal::calib

@@ -7,6 +7,7 @@
 // such a plane looks the same from both poses. Poses that the prior excludes are not tested.
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,8 +30,8 @@ std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::ve
                                   const std::vector<int>& entries, const ParameterValues& values);
 
 // Moves each frame to the best of its other poses if that fits better by more than `by_nats`. Returns the
-// number of moved frames.
-int TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values);
+// moved frames.
+std::set<int> TakeBetterPoses(const std::vector<OtherPose>& others, double by_nats, ParameterValues& values);
 
 // Returns the reflected pose. `lowest_m` and `highest_m` bound the heights of the visible surfaces.
 Pose ReflectedPose(const Pose& world_from_sonar, double lowest_m, double highest_m);

@@ -53,6 +53,7 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
   TakeJointSteps(model, catalog, active,
                  {.steps = 6, .least = 5.0, .cost = traced, .roughness = roughness, .settle = settle},
                  values);
+  model.Linearise(values, {});
   EXPECT_LT(CostAt(model, values, model.frame_count()), cost - 50.0);
 
   double mean_deg = 0.0;

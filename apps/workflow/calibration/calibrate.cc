@@ -62,6 +62,10 @@ std::string GainText(const calib::LikelihoodDifference& gain) {
   return fmt::format("held-out frames {:+.4f} +- {:.4f} nats a pixel", gain.mean, gain.sigma);
 }
 
+double Cost(const calib::AcousticFit& fit) {
+  return fit.report.cost_final;
+}
+
 bool IsPlacementName(const std::string& name) {
   return name.starts_with("pose.") || name.starts_with("geometry.") || name.starts_with("object.");
 }
@@ -373,12 +377,12 @@ class Calibrator {
     const Trial plain = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
     FoundMirrors mirrors;
     if (!plan_.Has(CalibrationStage::kMirrors)) mirrors = FindMirrors(trials, plain);
-    Searched searched;
-    if (mirrors.names.empty()) {
-      searched = SearchPlacement(trials, plain, objects);
-    } else {
-      searched = SearchWithMirrors(trials, plain, mirrors, objects);
-    }
+    ParameterSet start = WithNoiseLevel(trials.used());
+    start.pulse = plain.fit.parameters.pulse;
+    start.beam = plain.fit.parameters.beam;
+    const BlockSearch blocks{.parameters = start, .objects = objects};
+    const Searched searched = mirrors.names.empty() ? SearchPlacement(trials, plain, blocks)
+                                                    : SearchWithMirrors(trials, plain, mirrors, blocks);
     plan_ = searched.plan;
     listener_.Message("placement: fitting it to all pixels");
     const Trial moved = trials.Try(WithNoiseLevel(trials.used()), searched.config, Near());
@@ -388,7 +392,7 @@ class Calibrator {
       return {"poses, geometry and objects as declared",
               "moving them does not raise the likelihood: " + GainText(gain)};
     }
-    return TakePlacement(moved, searched.config, gain);
+    return TakePlacement(trials, moved, searched.config, gain);
   }
 
   struct FoundMirrors {
@@ -397,12 +401,18 @@ class Calibrator {
     calib::LikelihoodDifference gain = {};
   };
 
+  struct BlockSearch {
+    ParameterSet parameters = {};
+    std::vector<std::string> objects = {};
+    std::vector<std::vector<float>> repeat_shares = {};  // as in FitOptions
+  };
+
   struct Searched {
     Trial as_recorded = {};  // with the placement fixed
     CalibrationPlan plan_as_recorded = {};
     FitConfig config = {};  // with the placement free
     CalibrationPlan plan = {};
-    calib::FitReport found = {};
+    calib::AcousticFit found = {};  // on blocks
   };
 
   // Ghosts of mirrors look like another placement of sonar and objects, and a wrong placement looks like
@@ -410,19 +420,19 @@ class Calibrator {
   // any. Mirrors must lower the cost by `kNatsPerValue` for each of their values. Ten nats are more than the
   // Bayesian criterion asks for a million pixels: half the logarithm of their number, 6.9.
   Searched SearchWithMirrors(HeldOutTrials& trials, const Trial& plain, const FoundMirrors& mirrors,
-                             const std::vector<std::string>& objects) {
+                             BlockSearch blocks) {
     constexpr double kNatsPerValue = 10.0;
     const CalibrationPlan before = plan_;
     FreeMirrors(mirrors.names, plan_.fit);
     const std::size_t values = plan_.fit.free->size() - before.fit.free->size();
     listener_.Message(fmt::format("placement: with ghosts by {}, because {}", Names(mirrors.names),
                                   GainText(mirrors.gain)));
-    Searched with = SearchPlacement(trials, mirrors.with, objects);
+    Searched with = SearchPlacement(trials, mirrors.with, blocks);
     plan_ = before;
     listener_.Message("placement: the same without ghosts");
-    Searched without = SearchPlacement(trials, plain, objects);
-    if (with.found.cost_final + kNatsPerValue * static_cast<double>(values) < without.found.cost_final)
-      return with;
+    blocks.repeat_shares = with.found.repeat_shares;
+    Searched without = SearchPlacement(trials, plain, blocks);
+    if (Cost(with.found) + kNatsPerValue * static_cast<double>(values) < Cost(without.found)) return with;
     listener_.Message("placement: without ghosts, because the placement explains the frames as well");
     // Staying at the recorded poses is still judged with ghosts.
     without.as_recorded = std::move(with.as_recorded);
@@ -430,8 +440,7 @@ class Calibrator {
     return without;
   }
 
-  Searched SearchPlacement(HeldOutTrials& trials, const Trial& as_recorded,
-                           const std::vector<std::string>& objects) {
+  Searched SearchPlacement(HeldOutTrials& trials, const Trial& as_recorded, const BlockSearch& blocks) {
     // At wrong poses, the pattern that looks best is often a wrong one. From it the search does not find the
     // right placement. So it starts with the given pattern. Staying at the recorded poses is judged with the
     // best one there.
@@ -448,31 +457,32 @@ class Calibrator {
     for (const char* name : {"pose", "geometry.range_*", "geometry.azimuth_offset_deg",
                              "geometry.azimuth_scale", "geometry.azimuth_cubic"})
       config.free->push_back(name);
-    for (const std::string& object : objects) config.free->push_back("object:" + object);
+    for (const std::string& object : blocks.objects) config.free->push_back("object:" + object);
     calib::FitOptions search = solver_;
     search.joint_steps = kSearchSteps;
-    ParameterSet blocks = WithNoiseLevel(trials.used());
-    blocks.pulse = as_recorded.fit.parameters.pulse;
-    blocks.beam = as_recorded.fit.parameters.beam;
+    search.repeat_shares = blocks.repeat_shares;
     listener_.Message("placement: searching poses, geometry of the sonar and objects on blocks of pixels");
-    calib::FitReport found = trials.Search(blocks, config, search).report;
+    calib::AcousticFit found = trials.Search(blocks.parameters, config, search);
+    search.repeat_shares = found.repeat_shares;
     // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from
     // the geometry.
     if (plan_.fit.used->size() > 1) {
-      config.pose_prior = ScatterOfPoses(found);
+      config.pose_prior = ScatterOfPoses(found.report);
       listener_.Message(
           fmt::format("placement: again, with poses that scatter by {:.3g} m and {:.2g} degrees",
                       config.pose_prior.position_m, config.pose_prior.angle_deg));
-      StartAt(found, plan_.fit);
+      StartAt(found.report, plan_.fit);
       config.start = plan_.fit.start;
-      found = trials.Search(blocks, config, search).report;
+      found = trials.Search(blocks.parameters, config, search);
     }
-    StartAt(found, plan_.fit);
+    StartAt(found.report, plan_.fit);
     config.start = plan_.fit.start;
     if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
-      const double recorded_cost = trials.Search(blocks, Radiometry(), Near()).report.cost_final;
-      SearchElevation(trials, blocks, config, recorded_cost - found.cost_final, found);
-      StartAt(found, plan_.fit);
+      calib::FitOptions near = Near();
+      near.repeat_shares = search.repeat_shares;
+      const double recorded_cost = Cost(trials.Search(blocks.parameters, Radiometry(), near));
+      SearchElevation(trials, blocks.parameters, config, recorded_cost - Cost(found), found);
+      StartAt(found.report, plan_.fit);
       config.start = plan_.fit.start;
     }
     searched.config = std::move(config);
@@ -499,33 +509,35 @@ class Calibrator {
   // that lowers the cost by less than kNatsOfAnother is no better: the odds are below 20 to 1. Blocks of
   // pixels are too wide to tell azimuth patterns apart.
   void SearchElevation(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
-                       calib::FitReport& found) {
+                       calib::AcousticFit& found) {
     constexpr double kNatsOfAnother = 3.0;
     calib::FitOptions near = Near();
     near.joint_steps = kPatternSteps;
     const Placed placed = PlacedFrames(WithLobes());
     const HeldOutTrials at_found(*placed.simulator, placed.used, placed.held_out);
-    const auto cost_at_found = [&](const ParameterSet& parameters) {
-      return at_found.Search(parameters, Radiometry(), near).report.cost_final;
-    };
-    const double most = cost_at_found(best) + fall;
-    found = trials.Search(best, config, near).report;  // as many steps as the others
+    const calib::AcousticFit given = at_found.Search(best, Radiometry(), near);
+    const double most = Cost(given) + fall;
+    calib::FitOptions as_given = near;
+    as_given.repeat_shares = given.repeat_shares;
+    near.repeat_shares = found.repeat_shares;
+    found = trials.Search(best, config, near);  // as many steps as the others
     for (const calib::ModelVariant& variant : calib::ElevationVariants(best.beam)) {
       if (variant.given) continue;
       listener_.Message(fmt::format("placement: the same with elevation {}", variant.name));
       ParameterSet other = best;
       variant.apply(other);
-      if (cost_at_found(other) > most) continue;
-      calib::FitReport report = trials.Search(other, config, near).report;
-      if (report.cost_final > found.cost_final - kNatsOfAnother) continue;
-      found = std::move(report);
+      if (Cost(at_found.Search(other, Radiometry(), as_given)) > most) continue;
+      calib::AcousticFit searched = trials.Search(other, config, near);
+      if (Cost(searched) > Cost(found) - kNatsOfAnother) continue;
+      found = std::move(searched);
       best = std::move(other);
       variant.apply(plan_.parameters);
     }
   }
 
-  // Frees what moved, and starts the last fit there.
-  CalibrationDecision TakePlacement(const Trial& moved, const FitConfig& config,
+  // Frees what moved, and starts the last fit there. Poses that were fitted together with values that go back
+  // are fitted again.
+  CalibrationDecision TakePlacement(HeldOutTrials& trials, const Trial& moved, const FitConfig& config,
                                     const calib::LikelihoodDifference& gain) {
     std::vector<std::string> kept;
     std::vector<std::string> left;
@@ -540,19 +552,21 @@ class Calibrator {
       (moves ? kept : left).push_back(parameter.name);
       if (moves) plan_.fit.free->push_back(parameter.name);
     }
-    plan_.fit.start.clear();
-    StartAt(moved.fit.report, plan_.fit);
-    std::erase_if(plan_.fit.start, [&](const auto& start) {
+    FitConfig taken = plan_.fit;
+    taken.start.clear();
+    StartAt(moved.fit.report, taken);
+    std::erase_if(taken.start, [&](const auto& start) {
       if (start.first.starts_with("pose.")) return !poses;
       return IsPlacementName(start.first) && std::ranges::find(kept, start.first) == kept.end();
     });
-    if (poses) {
-      for (std::size_t i = 0; i < moved.held_out_poses.size(); ++i) {
-        const calib::PoseStep named = calib::NamedValues(moved.held_out_poses[i]);
-        for (int k = 0; k < calib::kPoseSteps; ++k)
-          plan_.fit.start[fmt::format("pose.{}.{}", plan_.fit.held_out->at(i), calib::kPoseNames[k])] =
-              named(k);
-      }
+    plan_.fit.start = taken.start;
+    if (poses && !left.empty()) {
+      listener_.Message(fmt::format("placement: again, with {} as declared", Names(left)));
+      calib::FitOptions near = Near();
+      near.joint_steps = kPatternSteps;
+      StartWithPoses(trials.Try(WithNoiseLevel(trials.used()), taken, near));
+    } else if (poses) {
+      StartWithPoses(moved);
     }
     std::vector<std::string> open;
     if (!left.empty())
@@ -563,6 +577,17 @@ class Calibrator {
               : "poses as recorded; ";
     return {choice + "moved: " + Names(kept),
             plan_.fit.held_out->empty() ? "no frame is held out" : GainText(gain), open};
+  }
+
+  // Takes the values of a trial with free poses, those of the held-out frames included.
+  void StartWithPoses(const Trial& trial) {
+    StartAt(trial.fit.report, plan_.fit);
+    for (std::size_t i = 0; i < trial.held_out_poses.size(); ++i) {
+      const calib::PoseStep named = calib::NamedValues(trial.held_out_poses[i]);
+      for (int k = 0; k < calib::kPoseSteps; ++k)
+        plan_.fit.start[fmt::format("pose.{}.{}", plan_.fit.held_out->at(i), calib::kPoseNames[k])] =
+            named(k);
+    }
   }
 
   // Stages after the placement keep it fixed: what a beam looks like does not move a wall.

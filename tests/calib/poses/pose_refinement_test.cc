@@ -122,11 +122,11 @@ TEST(OtherPoses, AFrameGoesToTheBestThatIsBetterByMoreThanAsked) {
       {.frame = 1, .entries = {{3, 30.0}}, .worse_by = -1.0, .sentence = {}},
       {.frame = 2, .entries = {{4, 40.0}}, .worse_by = 0.5, .sentence = {}}};
   ParameterValues values = {0.0, 1.0, 2.0, 3.0, 4.0};
-  EXPECT_EQ(TakeBetterPoses(others, 2.0, values), 1);
+  EXPECT_EQ(TakeBetterPoses(others, 2.0, values).size(), 1U);
   EXPECT_EQ(values, (ParameterValues{0.0, 11.0, 21.0, 3.0, 4.0}));
-  EXPECT_EQ(TakeBetterPoses(others, 0.0, values), 2);
+  EXPECT_EQ(TakeBetterPoses(others, 0.0, values).size(), 2U);
   EXPECT_EQ(values, (ParameterValues{0.0, 11.0, 21.0, 30.0, 4.0}));
-  EXPECT_EQ(TakeBetterPoses({}, 0.0, values), 0);
+  EXPECT_EQ(TakeBetterPoses({}, 0.0, values).size(), 0U);
 }
 
 // Bounds of today, not of the theory: three frames of a box on a bare floor do not separate pitch from the
