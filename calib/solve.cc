@@ -102,8 +102,6 @@ class BoundedSolve {
     solver.logging_type = ceres::SILENT;
     // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
     solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    // A shorter trust region costs one evaluation, a line search up to twenty.
-    solver.max_num_line_search_step_size_iterations = 0;
     solver.initial_trust_region_radius = radius_;
     solver.update_state_every_iteration = true;
     solver.callbacks.push_back(&watch_);

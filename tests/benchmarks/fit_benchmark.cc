@@ -1,12 +1,17 @@
-// A fit beside the ray tracing that it rests on, in the same run: 30 frames of 256 beams x 330 bins, 1500 x
-// 1200 rays each, 12 free parameters, on a SYNTHETIC recording of the paper's tank by the acoustic model.
+// Fits beside the ray tracing that they rest on, in the same run, on SYNTHETIC recordings of the paper's tank by
+// the acoustic model, frames of 256 beams x 330 bins. Curves: 30 frames, 1500 x 1200 rays each, 12 free
+// parameters. Poses: 8 frames with default rays, poses and curves free.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "calib/acoustic_fit.h"
+#include "calib/parameters/pose_step.h"
+#include "sim/rays/acoustic_fan.h"
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
@@ -55,27 +60,37 @@ std::vector<Pose> Poses() {
   return poses;
 }
 
-void FitBesideTracing(benchmark::State& state) {
-  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
-  SonarModel sonar = preset.sonar;
-  sim::SimulationOptions options;
-  options.fan = {.sampling = sim::Sampling::kBeams, .cols = 1500, .rows = 1200, .elevation_span_deg = 60.0};
-  options.water = preset.water;
-  options.noise = true;
-  const sim::Simulator simulator(sim::MakeMockupTank(), sonar, options);
+// Frames that were really seen from these poses.
+std::vector<calib::AcousticFrame> Record(const sim::Simulator& simulator, const std::vector<Pose>& poses) {
   const ParameterSet truth = Truth();
   std::vector<calib::AcousticFrame> frames;
-  for (const Pose& pose : Poses()) {
+  for (const Pose& pose : poses) {
     const int index = static_cast<int>(frames.size());
     const PolarImage image = simulator.Render(pose, truth, index);
     frames.push_back(
         {.index = index, .world_from_sonar = pose, .recorded = calib::RecordedPowers(image, truth.display)});
   }
-  ParameterSet initial = truth;
+  return frames;
+}
+
+// Curves as a user would start them.
+ParameterSet Initial() {
+  ParameterSet initial = Truth();
   for (const char* material : {"floor", "mockup"}) {
     initial.materials[material].gsab = {
         .a = 0.05, .b_deg = 5.0, .c = 0.005, .d = 1.5, .e = 0.02, .f_deg = 15.0};
   }
+  return initial;
+}
+
+void FitBesideTracing(benchmark::State& state) {
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  const sim::Simulator simulator(
+      sim::MakeMockupTank(), preset.sonar,
+      Options(preset,
+              {.sampling = sim::Sampling::kBeams, .cols = 1500, .rows = 1200, .elevation_span_deg = 60.0}));
+  const std::vector<calib::AcousticFrame> frames = Record(simulator, Poses());
+  const ParameterSet initial = Initial();
   calib::FitConfig config;
   config.free = {"material.floor.*", "material.mockup.*"};
 
@@ -113,6 +128,52 @@ void FitBesideTracing(benchmark::State& state) {
   }
 }
 BENCHMARK(FitBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
+
+// Recorded poses are wrong by 15 mm and 0.8 degrees in each component.
+void PosesBesideTracing(benchmark::State& state) {
+  constexpr std::size_t kWrongFrames = 8;
+  constexpr calib::PosePrior kWrong = {.position_m = 0.015, .angle_deg = 0.8};
+  const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
+  const sim::Simulator simulator(sim::MakeMockupTank(), preset.sonar,
+                                 Options(preset, sim::AcousticFanOptions(preset.sonar, Truth())));
+  std::vector<Pose> poses = Poses();
+  poses.resize(kWrongFrames);
+  std::vector<calib::AcousticFrame> frames = Record(simulator, poses);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (calib::AcousticFrame& frame : frames) {
+    calib::PoseStep named = calib::NamedValues(frame.world_from_sonar);
+    for (int k = 0; k < calib::kPoseSteps; ++k)
+      named(k) += normal(random) * (k < 3 ? kWrong.position_m : kWrong.angle_deg);
+    frame.world_from_sonar = calib::PoseFromNamedValues(named);
+  }
+  const calib::FitConfig config{.free = std::vector<std::string>{"materials", "noise", "pose"},
+                                .pose_prior = kWrong};
+  calib::FitOptions options;
+  options.starts = 1;
+
+  for (auto unused : state) {
+    const double start = ProcessorSeconds();
+    for (const Pose& pose : poses) benchmark::DoNotOptimize(simulator.TraceEchoes(pose).range_m.data());
+    const double traced = ProcessorSeconds();
+    const calib::AcousticFit fit = calib::FitAcousticModel(simulator, frames, Initial(), config, options);
+    const double fitted = ProcessorSeconds();
+    if (!fit.usable) state.SkipWithError(fit.report.termination.c_str());
+    double square_m2 = 0.0;
+    double was_m2 = 0.0;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      square_m2 += (fit.world_from_sonar[i].position_m - poses[i].position_m).squaredNorm();
+      was_m2 += (frames[i].world_from_sonar.position_m - poses[i].position_m).squaredNorm();
+    }
+    state.counters["trace_processor_s"] = traced - start;
+    state.counters["fit_processor_s"] = fitted - traced;
+    state.counters["fit_over_trace"] = (fitted - traced) / (traced - start);
+    state.counters["limit"] = 40;
+    state.counters["position_error_before_mm"] = 1e3 * std::sqrt(was_m2 / static_cast<double>(poses.size()));
+    state.counters["position_error_mm"] = 1e3 * std::sqrt(square_m2 / static_cast<double>(poses.size()));
+  }
+}
+BENCHMARK(PosesBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
 
 // Preparation of a fit of the paper's model, with its own rays. Without the fit itself.
 void PaperGatherBesideTracing(benchmark::State& state) {

@@ -157,7 +157,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    sonarcal::WriteAll(argv[1]);
+    sonarcal::benchmarks::WriteAll(argv[1]);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", argv[0], error.what());
     return 1;
