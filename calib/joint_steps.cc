@@ -41,8 +41,8 @@ class Stepper {
   // Traces at `values`. Returns the cost there, with priors.
   double TracedCost(const ParameterValues& values) const { return options_.cost(values) + OfPriors(values); }
 
-  // The same of the model about its point of linearisation, without tracing. The bins of its echoes make it
-  // differ from the traced cost by a little that is the same for all curves.
+  // Cost of the model about its point of linearisation, with priors, without tracing. It differs from the
+  // traced cost because its echoes are in bins, by nearly the same for all curves.
   double CostAtPoint(const ParameterValues& values) const {
     return CostAt(model_, values, model_.frame_count()) + OfPriors(values);
   }

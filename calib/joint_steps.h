@@ -32,8 +32,8 @@ struct JointStepOptions {
 };
 
 // Moves the entries `active` of `values` within their bounds. `catalog` is that of the model, with bounds and
-// priors. Leaves the model linearised about some point of the search. Returns false if the max number of steps
-// ended the search.
+// priors. Leaves the model linearised about some point of the search. Returns false if the max number of
+// steps ended the search.
 bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                     const std::vector<int>& active, const JointStepOptions& options, ParameterValues& values,
                     const std::function<void(const std::string&)>& progress = {});

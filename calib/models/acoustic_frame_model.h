@@ -142,8 +142,8 @@ class AcousticFrameModel final : public FrameModel {
   // the mean mu. So n frames count as n / (1 + (n - 1) rho): as one if there is only speckle, as n if there
   // is only noise. Without this, frozen speckle would count n times against the priors.
   void ShareRepeats(const ParameterValues& values);
-  // The same with the weights of another model of these frames. Throws std::invalid_argument if their number
-  // is another.
+  // Takes the weights of another model of these frames. Throws std::invalid_argument if they belong to other
+  // pixels.
   void TakeRepeatShares(const std::vector<std::vector<float>>& shares);
   const std::vector<std::vector<float>>& repeat_shares() const { return repeat_shares_; }
 

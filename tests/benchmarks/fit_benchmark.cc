@@ -1,5 +1,5 @@
-// Fits beside the ray tracing that they rest on, in the same run, on SYNTHETIC recordings of the paper's tank by
-// the acoustic model, frames of 256 beams x 330 bins. Curves: 30 frames, 1500 x 1200 rays each, 12 free
+// Fits beside the ray tracing that they rest on, in the same run, on SYNTHETIC recordings of the paper's tank
+// by the acoustic model, frames of 256 beams x 330 bins. Curves: 30 frames, 1500 x 1200 rays each, 12 free
 // parameters. Poses: 8 frames with default rays, poses and curves free.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
