@@ -524,9 +524,10 @@ class AcousticFitter {
 
 std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
                                                const std::vector<std::string>& material_names) {
-  std::vector<std::string> free = {"materials", "receiver.noise_db"};
+  std::vector<std::string> free = MirrorsFreeByDefault(initial, material_names);
+  free.emplace_back("materials");
+  free.emplace_back("receiver.noise_db");
   if (!(initial.pulse.length_m > 0.0)) free.emplace_back("pulse.length_m");
-  for (std::string& name : MirrorsFreeByDefault(initial, material_names)) free.push_back(std::move(name));
   return free;
 }
 

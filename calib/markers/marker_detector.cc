@@ -10,6 +10,18 @@
 #include "data_io/parameters/marker_map_io.h"
 
 namespace sonarcal::calib {
+namespace {
+
+// OpenCV 4.6 returns dictionaries as pointers, later versions as values.
+using DictionaryPointer = cv::Ptr<cv::aruco::Dictionary>;
+[[maybe_unused]] DictionaryPointer Shared(const DictionaryPointer& dictionary) {
+  return dictionary;
+}
+[[maybe_unused]] DictionaryPointer Shared(const cv::aruco::Dictionary& dictionary) {
+  return cv::makePtr<cv::aruco::Dictionary>(dictionary);
+}
+
+}  // namespace
 
 MarkerDetector::MarkerDetector(const std::string& dictionary) {
   const data_io::MarkerDictionary* found = data_io::FindMarkerDictionary(dictionary);
@@ -25,8 +37,7 @@ MarkersSeen MarkerDetector::Detect(const Grid<std::uint8_t>& grey) const {
   const cv::Mat image(grey.rows(), grey.cols(), CV_8UC1, const_cast<std::uint8_t*>(grey.values().data()));
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(opencv_code_), corners, ids,
-                           cv::aruco::DetectorParameters::create());
+  cv::aruco::detectMarkers(image, Shared(cv::aruco::getPredefinedDictionary(opencv_code_)), corners, ids);
   std::map<int, std::vector<MarkerQuad>> by_id;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     MarkerQuad quad;

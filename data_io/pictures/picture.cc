@@ -140,7 +140,7 @@ RgbImage OverlayRegions(const Mask& real, const Mask& simulated, const Mask* ins
 }
 
 RgbImage StretchPolar(const RgbImage& picture, int min_height_px) {
-  if (picture.empty()) return picture;
+  if (picture.empty()) return {};
   const int row_repeat = std::max(1, (min_height_px + picture.rows() - 1) / picture.rows());
   const int height_px = picture.rows() * row_repeat;
   const int col_repeat = std::max(1, static_cast<int>(std::lround(0.75 * height_px / picture.cols())));

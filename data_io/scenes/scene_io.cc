@@ -27,19 +27,37 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little-endian");
 
-// File access of tinygltf for buffers. Exceptions pass through it.
+// Sets the callback for the size of a file, which tinygltf has since 2.9. Reading checks the size, so this
+// allows any.
+template <typename Callbacks>
+void AllowAnySize(Callbacks& files) {
+  if constexpr (requires { files.GetFileSizeInBytes; }) {
+    files.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string&, void*) {
+      *size = 0;
+      return true;
+    };
+  }
+}
+
+// File access of tinygltf for buffers. Exceptions pass through it. tinygltf refuses a set with a callback
+// missing.
 tinygltf::FsCallbacks FilesBelow(std::filesystem::path* directory) {
   // Every file "exists", so that reading is always attempted and reports the error.
-  return {.FileExists = [](const std::string&, void*) { return true; },
-          .ExpandFilePath = [](const std::string& uri, void*) { return uri; },
-          .ReadWholeFile =
-              [](std::vector<unsigned char>* bytes, std::string*, const std::string& uri, void* below) {
-                const std::string read = ReadGltfBuffer(*static_cast<std::filesystem::path*>(below), uri);
-                bytes->assign(read.begin(), read.end());
-                return true;
-              },
-          .WriteWholeFile = nullptr,
-          .user_data = directory};
+  tinygltf::FsCallbacks files{};
+  files.FileExists = [](const std::string&, void*) { return true; };
+  files.ExpandFilePath = [](const std::string& uri, void*) { return uri; };
+  files.ReadWholeFile = [](std::vector<unsigned char>* bytes, std::string*, const std::string& uri,
+                           void* below) {
+    const std::string read = ReadGltfBuffer(*static_cast<std::filesystem::path*>(below), uri);
+    bytes->assign(read.begin(), read.end());
+    return true;
+  };
+  files.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  };
+  AllowAnySize(files);
+  files.user_data = directory;
+  return files;
 }
 
 tinygltf::Model LoadModel(std::string_view bytes, const std::filesystem::path& file) {
