@@ -109,6 +109,7 @@ class BoundedSolve {
     ceres::Solve(solver, &problem_, &summary);
     result.usable = summary.IsSolutionUsable();
     result.cost = summary.final_cost;
+    if (summary.iterations.empty()) return;                                // every coordinate is held
     result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // without the start
     radius_ = summary.iterations.back().trust_region_radius;
     result.termination = summary.message;
