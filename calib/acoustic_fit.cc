@@ -45,7 +45,7 @@ constexpr double kHeld = 0.02;
 constexpr int kMovesToBetter = 3;
 constexpr double kBetterNats = 1.0;
 
-// Max number of joint steps after such a move: curves follow a few frames at once.
+// Max number of joint steps after such a move. Few frames move, so the curves change little.
 constexpr int kStepsAfterMove = 2;
 
 // Rounds of reducing the weight of pixels that do not match the scene.
@@ -208,8 +208,8 @@ class AcousticFitter {
     model_ = std::make_unique<AcousticFrameModel>(*model_, simulator_, fit_.values, std::vector<int>());
   }
 
-  // The last solve uses all rays, about the point that the search found. Curves are solved on blocks before,
-  // where a step costs a fraction.
+  // Prepares the last solve: all rays, about the point that the search found. Fits the curves to blocks of
+  // pixels first, because a step costs less there.
   void EndWithAllRays() {
     if (poses_.empty() || !fit_.usable) return;
     TakeAllRays();

@@ -49,7 +49,7 @@ struct AcousticFit {
   // owned.
   std::shared_ptr<const sim::Simulator> simulator;
   std::vector<std::vector<float>> weights;        // per frame and pixel; empty: all are 1
-  std::vector<std::vector<float>> repeat_shares;  // as FitOptions wants them; empty if all poses differ
+  std::vector<std::vector<float>> repeat_shares;  // see FitOptions::repeat_shares; empty if all poses differ
   FitReport report;
   bool usable = false;
 };

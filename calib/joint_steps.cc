@@ -41,8 +41,8 @@ class Stepper {
   // Traces at `values`. Returns the cost there, with priors.
   double TracedCost(const ParameterValues& values) const { return options_.cost(values) + OfPriors(values); }
 
-  // Cost of the model about its point of linearisation, with priors, without tracing. It differs from the
-  // traced cost because its echoes are in bins, by nearly the same for all curves.
+  // Returns the cost at the point of linearisation, with priors, without tracing. The model bins its echoes,
+  // so this differs from the traced cost. The difference is nearly the same for all curves.
   double CostAtPoint(const ParameterValues& values) const {
     return CostAt(model_, values, model_.frame_count()) + OfPriors(values);
   }

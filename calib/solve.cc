@@ -9,12 +9,9 @@
 namespace sonarcal::calib {
 namespace {
 
-// A coordinate this close to a bound, as a fraction of the distance between its bounds, is at it.
-constexpr double kAtBound = 1e-12;
-
-// Solves with an active set of bounds. Ceres moves a step that leaves the bounds back to them. The other
-// coordinates of such a step are wrong if they are correlated with one that was moved back, and the solver
-// creeps. So coordinates that a bound stops are held, and let go when the cost falls inwards.
+// Solves with an active set of bounds. Ceres moves each coordinate that leaves its bounds back to the bound.
+// The step of correlated coordinates is then wrong, and convergence is slow. So coordinates at a bound are
+// held if the cost falls beyond it, and freed if the cost falls inwards.
 class BoundedSolve {
  public:
   BoundedSolve(ceres::Problem& problem, std::vector<double>& coordinates, const std::function<bool()>& stop)
@@ -70,14 +67,13 @@ class BoundedSolve {
   std::vector<int> Sides() const {
     std::vector<int> sides;
     for (int k = 0; k < size(); ++k) {
-      const double close = kAtBound * (upper_[k] - lower_[k]);
-      const int above = coordinates_[k] >= upper_[k] - close ? 1 : 0;
-      sides.push_back(coordinates_[k] <= lower_[k] + close ? -1 : above);
+      const int above = coordinates_[k] >= upper_[k] ? 1 : 0;
+      sides.push_back(coordinates_[k] <= lower_[k] ? -1 : above);
     }
     return sides;
   }
 
-  // Coordinates at a bound beyond which the cost would fall.
+  // Returns the coordinates at a bound beyond which the cost falls.
   std::vector<int> Stopped() {
     std::vector<int> stopped;
     const std::vector<int> sides = Sides();
@@ -109,10 +105,10 @@ class BoundedSolve {
     ceres::Solve(solver, &problem_, &summary);
     result.usable = summary.IsSolutionUsable();
     result.cost = summary.final_cost;
+    result.termination = summary.message;
     if (summary.iterations.empty()) return;                                // every coordinate is held
     result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // without the start
     radius_ = summary.iterations.back().trust_region_radius;
-    result.termination = summary.message;
   }
 
   ceres::Problem& problem_;

@@ -25,8 +25,8 @@ struct FitOptions {
   int joint_steps = 6;      // max number of steps of placements and curves together, each traced
   bool near_start = false;  // placements start near their best values: leaves out searches
   bool rough = false;       // ends after the starts, with values but no sigmas, for a fit in rounds
-  // Weights of frames of one pose by an earlier fit to the same pixels, per frame and pixel. Costs of fits
-  // can be compared if their weights are the same. Empty: this fit finds its own.
+  // Weights of frames of one pose, per frame and pixel, from an earlier fit to the same pixels. Costs of two
+  // fits are comparable only with equal weights. Empty: the fit computes its own weights.
   std::vector<std::vector<float>> repeat_shares = {};
   bool down_weight = false;  // reduces the weight of pixels that do not match the scene (acoustic model)
   std::function<void(const std::string&)> progress;  // receives messages, one line each

@@ -60,7 +60,7 @@ std::vector<Pose> Poses() {
   return poses;
 }
 
-// Frames that were really seen from these poses.
+// Returns speckled samples, SYNTHETIC, seen from these poses.
 std::vector<calib::AcousticFrame> Record(const sim::Simulator& simulator, const std::vector<Pose>& poses) {
   const ParameterSet truth = Truth();
   std::vector<calib::AcousticFrame> frames;

@@ -2,7 +2,8 @@
 
     numpy_frame.py DIR      DIR: what sonarcal_frame_hits wrote
 
-The hits (range, normal, direction and material of each ray) are given. What follows is timed: incidence, GSAB, transmission loss, level, errors of range and azimuth, bins, polar and fan image. Written from
+The hits (range, normal, direction and material of each ray) are given. The time is that of all further steps:
+incidence, GSAB, transmission loss, level, errors of range and azimuth, bins, polar and fan image. Written from
 the paper's formulas alone, so its image is a second opinion of the program's: at least 99.9 % of the pixels
 are within one grey level of it. With errors the two draw different numbers; over several frames the
 difference of the means, squared, over its variance must average what Student's t would. Exits with 1 where

@@ -401,9 +401,10 @@ class Calibrator {
     calib::LikelihoodDifference gain = {};
   };
 
+  // Start of a search on blocks of pixels.
   struct BlockSearch {
     ParameterSet parameters = {};
-    std::vector<std::string> objects = {};
+    std::vector<std::string> objects = {};               // to be placed
     std::vector<std::vector<float>> repeat_shares = {};  // as in FitOptions
   };
 
@@ -535,8 +536,8 @@ class Calibrator {
     }
   }
 
-  // Frees what moved, and starts the last fit there. Poses that were fitted together with values that go back
-  // are fitted again.
+  // Frees the values that moved, and starts the last fit there. The others go back to their declared values,
+  // and the poses are then fitted again.
   CalibrationDecision TakePlacement(HeldOutTrials& trials, const Trial& moved, const FitConfig& config,
                                     const calib::LikelihoodDifference& gain) {
     std::vector<std::string> kept;
