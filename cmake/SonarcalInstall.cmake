@@ -29,7 +29,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/sonarcalConfigVersion.cma
 install(FILES
   ${PROJECT_BINARY_DIR}/sonarcalConfig.cmake
   ${PROJECT_BINARY_DIR}/sonarcalConfigVersion.cmake
+  cmake/FindLZ4.cmake
   cmake/FindRosbagStorage.cmake
+  cmake/FindZstd.cmake
   cmake/SonarcalDependencies.cmake
   DESTINATION ${SONARCAL_PACKAGE_DIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -36,7 +36,7 @@ void ForEachPose(const PoseTopic& from, const std::function<void(const RosPose&,
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::string where = fmt::format("{}: {}: message {}", from.file, Printable(from.topic().name), i);
     const std::vector<std::byte> bytes = from.bag.Read(messages[i]);
-    MessageStream stream(bytes, from.bag.encoding(), where);
+    MessageStream stream(bytes, from.topic().encoding, where);
     std::vector<RosPose> poses;
     if (IsTransforms(type)) {
       poses = ReadTransforms(stream);

@@ -30,7 +30,7 @@ constexpr Format kFormats[] = {
     {"Oculus simple ping results", IsOculus, OpenOculus},
     {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
     {"a recording of the DFKI UXO data set (aris_frame_meta.csv, aris_raw)", IsDfkiUxo, OpenDfkiUxo},
-    {"a ROS bag with a sonar's topic (.bag, .db3)", IsBag, OpenBag},
+    {"a ROS bag with a sonar's topic (.bag, .mcap, .db3)", IsBag, OpenBag},
     // Last, because it accepts any picture, also those of the formats above.
     {"pictures or a video of a viewer (PNG, JPEG, AVI, MP4)", IsPictures, OpenPictureRecording},
 };

@@ -25,6 +25,7 @@ FOLDERS = [
     "data_io/parameters",
     "data_io/recordings",
     "data_io/sonars",
+    "data_io/mcap",
     "data_io/ros",
     "data_io",
     "metrics/segmentation",
@@ -82,6 +83,7 @@ LIBRARIES = {
     "tinygltf": (r"tiny_gltf\.h", r"data_io/scenes/scene_io\.cc"),
     "librosbag": (r"ros(bag)?/", r"data_io/ros/ros1_bag(_writer)?\.cc"),
     "libarchive": (r"archive(_entry)?\.h", r"data_io/.*/npz_writer\.cc"),
+    "lz4 and zstd": (r"(lz4frame|zstd)\.h", r"data_io/files/compression\.cc"),
     "SQLite": (r"sqlite3\.h", r"data_io/ros/ros2_bag\.cc"),
     "yaml-cpp": (r"yaml-cpp/", r"data_io/.*/yaml_reader\.cc"),
     "OpenCV": (r"opencv2?/", r".*\.cc"),  # never in a header

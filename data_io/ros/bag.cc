@@ -3,6 +3,7 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/ros/bag_kind.h"
+#include "data_io/ros/mcap_bag.h"
 #include "data_io/ros/ros1_bag.h"
 #include "data_io/ros/ros2_bag.h"
 
@@ -10,9 +11,11 @@ namespace sonarcal::data_io {
 
 std::unique_ptr<Bag> Bag::Open(const std::filesystem::path& path) {
   if (IsRos1Bag(path)) return OpenRos1Bag(path);
-  if (IsRos2Bag(path)) return OpenRos2Bag(path);
-  throw DataError("{}: no bag, expected one of ROS 1 (.bag), or of ROS 2 (.db3, or the folder that holds it)",
-                  path.string());
+  if (const auto files = Ros2BagFiles(path, Ros2Storage::kSqlite); !files.empty()) return OpenRos2Bag(files);
+  if (const auto files = Ros2BagFiles(path, Ros2Storage::kMcap); !files.empty()) return OpenMcapBag(files);
+  throw DataError(
+      "{}: no bag, expected one of ROS 1 (.bag), or of ROS 2 (.mcap, .db3, or the folder that holds them)",
+      path.string());
 }
 
 std::optional<std::size_t> Bag::FindTopic(const std::string& name) const {

@@ -1,7 +1,7 @@
-// ROS bag of either version: its topics, and the serialised messages of one of them, read one at a time.
+// ROS bag of any kind: its topics, and the serialised messages of one of them, read one at a time.
 //
-// Bag::Open distinguishes ROS 1 bags (data_io/ros/ros1_bag.h) and ROS 2 bags (data_io/ros/ros2_bag.h) by
-// their content.
+// Bag::Open distinguishes ROS 1 bags (data_io/ros/ros1_bag.h) and ROS 2 bags in SQLite storage
+// (data_io/ros/ros2_bag.h) or MCAP storage (data_io/ros/mcap_bag.h) by their content.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,14 @@
 
 namespace sonarcal::data_io {
 
-// Max size of a message, and of an inflated chunk of a ROS 1 bag.
+// Max size of a message, and of an inflated chunk.
 inline constexpr std::uint64_t kMaxBagMessageBytes = 256 << 20;
 
 struct BagTopic {
   std::string name;  // "/sonar"
   std::string type;  // "sensor_msgs/Image", also for ROS 2
   std::uint64_t count = 0;
+  MessageEncoding encoding = MessageEncoding::kRos1;
 };
 
 // Position of a message in its bag.
@@ -46,7 +47,6 @@ class Bag {
   static std::unique_ptr<Bag> Open(const std::filesystem::path& path);
 
   virtual std::string format() const = 0;  // "ROS 1 bag"
-  virtual MessageEncoding encoding() const = 0;
   virtual const std::vector<BagTopic>& topics() const = 0;
   virtual const std::vector<std::string>& notes() const = 0;  // omitted parts of the bag, one sentence each
 
@@ -63,7 +63,7 @@ class Bag {
   std::optional<std::size_t> FindTopic(const std::string& name) const;
 };
 
-// True if the path is a bag of either version.
+// True if the path is a bag of any kind.
 bool IsBag(const std::filesystem::path& path);
 
 // Text for messages and notes: "/sonar (sensor_msgs/Image, 12 messages), ...".

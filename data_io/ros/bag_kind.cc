@@ -59,11 +59,11 @@ bool IsRos1Bag(const fs::path& path) {
 }
 
 bool IsRos2Bag(const fs::path& path) {
-  return !Ros2BagFiles(path).empty() || !FilesThatBegin(path, kMcapMagic).empty();
+  return !Ros2BagFiles(path, Ros2Storage::kSqlite).empty() || !Ros2BagFiles(path, Ros2Storage::kMcap).empty();
 }
 
-std::vector<fs::path> Ros2BagFiles(const fs::path& path) {
-  return FilesThatBegin(path, kSqliteMagic);
+std::vector<fs::path> Ros2BagFiles(const fs::path& path, Ros2Storage storage) {
+  return FilesThatBegin(path, storage == Ros2Storage::kSqlite ? kSqliteMagic : kMcapMagic);
 }
 
 }  // namespace sonarcal::data_io

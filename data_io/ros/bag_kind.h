@@ -9,11 +9,13 @@ namespace sonarcal::data_io {
 // True if the file begins with "#ROSBAG V".
 bool IsRos1Bag(const std::filesystem::path& path);
 
-// True for a file or a folder of files in one of the storages of ROS 2: SQLite or mcap.
-bool IsRos2Bag(const std::filesystem::path& path);
+// Storages of bags of ROS 2.
+enum class Ros2Storage { kSqlite, kMcap };
 
-// The file itself or the files of a folder that are SQLite databases, by the number in the name, then by
-// name.
-std::vector<std::filesystem::path> Ros2BagFiles(const std::filesystem::path& path);
+// The file itself or the files of a folder that have this storage, by the number in the name, then by name.
+std::vector<std::filesystem::path> Ros2BagFiles(const std::filesystem::path& path, Ros2Storage storage);
+
+// True for a file or a folder of files in one of the storages of ROS 2.
+bool IsRos2Bag(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

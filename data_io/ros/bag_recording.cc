@@ -27,6 +27,11 @@ std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
                      Printable(topic.type));
 }
 
+// Damage of the bag, which may be why a topic is missing.
+std::string FirstNote(const Bag& bag) {
+  return bag.notes().empty() ? "" : fmt::format(" ({})", bag.notes().front());
+}
+
 // Index of the sonar's topic.
 std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOptions& options) {
   const bool pictures = options.message.geometry.has_value();
@@ -53,7 +58,7 @@ std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOption
                   pictures ? "sensor_msgs/Image or sensor_msgs/CompressedImage"
                            : "marine_acoustic_msgs/ProjectedSonarImage or sonar_oculus/OculusPing (of "
                              "sensor_msgs/Image or CompressedImage with --picture-geometry)",
-                  DescribeTopics(bag.topics()));
+                  DescribeTopics(bag.topics()) + FirstNote(bag));
 }
 
 class BagRecording final : public RecordingSource {
@@ -67,9 +72,7 @@ class BagRecording final : public RecordingSource {
     if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       throw DataError("{}: {} messages, expected an int's", info_.source, messages_.size());
     info_.format = fmt::format("{}, {}", bag_->format(), topic_.type);
-    const std::vector<std::byte> first = bag_->Read(messages_.front());
-    DescribeSonarMessage(topic_.type, first, bag_->encoding(), Where(0), options_, info_);
-    NoteBag(first);
+    NoteBag(DescribeFirst());
   }
 
   const RecordingInfo& info() const override { return info_; }
@@ -82,7 +85,7 @@ class BagRecording final : public RecordingSource {
   Frame ReadFrame(int index) const override {
     const std::vector<std::byte> bytes = bag_->Read(messages_.at(index));
     return {InfoOf(index, bytes),
-            DecodeSonarMessage(topic_.type, bytes, bag_->encoding(), Where(index), options_)};
+            DecodeSonarMessage(topic_.type, bytes, topic_.encoding, Where(index), options_)};
   }
 
  private:
@@ -91,7 +94,7 @@ class BagRecording final : public RecordingSource {
   }
 
   std::int64_t StampNs(int index, std::span<const std::byte> bytes) const {
-    MessageStream stream(bytes.first(std::min(bytes.size(), kRosStampBytes)), bag_->encoding(), Where(index));
+    MessageStream stream(bytes.first(std::min(bytes.size(), kRosStampBytes)), topic_.encoding, Where(index));
     return ReadStampNs(stream);
   }
 
@@ -102,10 +105,34 @@ class BagRecording final : public RecordingSource {
             info_.settings};
   }
 
+  // Describes the sonar from the first message that can be read, so that one damaged message does not hide
+  // the others. Returns its bytes. Throws DataError if none of the first messages can be read.
+  std::vector<std::byte> DescribeFirst() {
+    constexpr int kMaxTries = 100;
+    std::string of_first;
+    for (int index = 0; index < std::min(frame_count(), kMaxTries); ++index) {
+      RecordingInfo info = info_;
+      try {
+        std::vector<std::byte> bytes = bag_->Read(messages_[index]);
+        DescribeSonarMessage(topic_.type, bytes, topic_.encoding, Where(index), options_, info);
+        info_ = std::move(info);
+        if (index > 0) {
+          info_.notes.push_back(fmt::format(
+              "The sonar is described from message {}, the first that can be read: {}.", index, of_first));
+        }
+        return bytes;
+      } catch (const DataError& error) {
+        if (index == 0) of_first = error.what();
+      }
+    }
+    throw DataError("{}", of_first);
+  }
+
   void NoteBag(std::span<const std::byte> first) {
     info_.details.emplace_back("topic", Printable(topic_.name));
     for (const BagTopic& topic : bag_->topics()) {
-      if (topic.name == topic_.name && topic.type == topic_.type) continue;
+      if (topic.name == topic_.name && topic.type == topic_.type && topic.encoding == topic_.encoding)
+        continue;
       info_.details.emplace_back("other topic " + Printable(topic.name),
                                  fmt::format("{}, {} {}", Printable(topic.type), topic.count,
                                              topic.count == 1 ? "message" : "messages"));

@@ -166,7 +166,6 @@ class Ros1Bag final : public Bag {
   }
 
   std::string format() const override { return "ROS 1 bag"; }
-  MessageEncoding encoding() const override { return MessageEncoding::kRos1; }
   const std::vector<BagTopic>& topics() const override { return topics_; }
   const std::vector<std::string>& notes() const override { return notes_; }
 

@@ -11,7 +11,6 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
-#include "data_io/ros/bag_kind.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -150,7 +149,6 @@ class Ros2Bag final : public Bag {
   }
 
   std::string format() const override { return "ROS 2 bag"; }
-  MessageEncoding encoding() const override { return MessageEncoding::kCdr; }
   const std::vector<BagTopic>& topics() const override { return topics_; }
   const std::vector<std::string>& notes() const override { return notes_; }
   std::vector<BagMessage> Messages(std::size_t topic) const override { return messages_.at(topic); }
@@ -196,7 +194,7 @@ class Ros2Bag final : public Bag {
     for (std::size_t i = 0; i < topics_.size(); ++i) {
       if (topics_[i].name == name && topics_[i].type == type) return i;
     }
-    topics_.push_back({name, type, 0});
+    topics_.push_back({name, type, 0, MessageEncoding::kCdr});
     messages_.emplace_back();
     return topics_.size() - 1;
   }
@@ -210,14 +208,7 @@ class Ros2Bag final : public Bag {
 
 }  // namespace
 
-std::unique_ptr<Bag> OpenRos2Bag(const fs::path& path) {
-  const std::vector<fs::path> files = Ros2BagFiles(path);
-  if (files.empty()) {
-    throw DataError(
-        "{}: a bag in mcap storage cannot be read, expected sqlite3 storage (.db3): 'ros2 bag convert' makes "
-        "it",
-        path.string());
-  }
+std::unique_ptr<Bag> OpenRos2Bag(const std::vector<fs::path>& files) {
   return std::make_unique<Ros2Bag>(files);
 }
 

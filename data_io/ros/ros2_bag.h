@@ -5,8 +5,7 @@
 //   messages  id, topic_id, timestamp in ns, data (the message, CDR)
 //
 // Source: github.com/ros2/rosbag2, rosbag2_storage_sqlite3. The files of a folder are ordered by the number
-// at the end of their names; metadata.yaml is not read. Storage mcap and compressed bags are rejected by
-// name.
+// at the end of their names; metadata.yaml is not read.
 //
 // The database is opened read-only and immutable; its triggers, views and schema functions are disabled. No
 // value above kMaxBagMessageBytes or above the file's size is read, and not more rows than the file can
@@ -15,12 +14,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "data_io/ros/bag.h"
 
 namespace sonarcal::data_io {
 
-// Throws DataError if no file is an SQLite database, which is the only storage that is read.
-std::unique_ptr<Bag> OpenRos2Bag(const std::filesystem::path& path);
+// Opens the databases of one bag. Throws DataError if one of them has no tables of a bag.
+std::unique_ptr<Bag> OpenRos2Bag(const std::vector<std::filesystem::path>& files);
 
 }  // namespace sonarcal::data_io

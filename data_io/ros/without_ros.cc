@@ -8,8 +8,9 @@ namespace sonarcal::data_io {
 namespace {
 
 [[noreturn]] void Refuse(const std::filesystem::path& file) {
-  throw DataError("{}: a ROS bag, but this sonarcal was built without ROS support (SONARCAL_WITH_ROS)",
-                  file.string());
+  throw DataError(
+      "{}: a ROS bag (.bag or .db3), but this sonarcal was built without ROS support (SONARCAL_WITH_ROS)",
+      file.string());
 }
 
 }  // namespace
@@ -18,8 +19,8 @@ std::unique_ptr<Bag> OpenRos1Bag(const std::filesystem::path& file) {
   Refuse(file);
 }
 
-std::unique_ptr<Bag> OpenRos2Bag(const std::filesystem::path& path) {
-  Refuse(path);
+std::unique_ptr<Bag> OpenRos2Bag(const std::vector<std::filesystem::path>& files) {
+  Refuse(files.front());
 }
 
 void WriteRos1Bag(const RecordingSource&, const std::filesystem::path& file,

@@ -10,6 +10,7 @@
 
 #include "core/types/error.h"
 #include "data_io/images/image_io.h"
+#include "data_io/mcap/mcap_file.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/camera_io.h"
 #include "data_io/parameters/marker_map_io.h"
@@ -128,6 +129,16 @@ void PictureGeometry(std::string_view bytes) {
   ReadSomeFrames(*data_io::OpenRecording(picture));
 }
 
+// The container alone: every message is read.
+void Mcap(std::string_view bytes) {
+  constexpr std::uint64_t kMaxMessageBytes = 1 << 24;
+  constexpr std::size_t kMaxMessages = 10'000;
+  data_io::McapFile file(TheFolder().Write("file.mcap", bytes), "file.mcap", kMaxMessageBytes);
+  for (const auto& [channel, messages] : file.TakeMessages()) {
+    for (std::size_t i = 0; i < std::min(messages.size(), kMaxMessages); ++i) file.Read(messages[i]);
+  }
+}
+
 void Gltf(std::string_view bytes) {
   data_io::ParseGltf(bytes, TheFolder().Write("scene.gltf", bytes));
 }
@@ -178,6 +189,7 @@ constexpr NamedParser kParsers[] = {
     {"fan_picture", FanPicture},
     {"picture_geometry", PictureGeometry},
     {"gltf", Gltf},
+    {"mcap", Mcap},
     {"obj", Obj},
     {"stl", Stl},
     {"parameters", Parameters},

@@ -212,6 +212,38 @@ def ros2_bag(topic, kind, message):
     return data
 
 
+def mcap(topic, kind, message, compression="", with_index=True, in_chunk=True):
+    def text(value):
+        return struct.pack("<I", len(value)) + value.encode()
+
+    def record(kind_of_record, content):
+        return struct.pack("<BQ", kind_of_record, len(content)) + content
+
+    schema = record(3, struct.pack("<H", 1) + text(kind) + text("ros2msg") + text(""))
+    channel = record(4, struct.pack("<HH", 1, 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
+    time = 50_000_000_000
+    records = schema + channel + record(5, struct.pack("<HIQQ", 1, 0, time, time) + message)
+    data = b"\x89MCAP0\r\n" + record(1, text("ros2") + text(""))
+    if in_chunk:
+        # Frames of one block that is not compressed.
+        packed = {"": records,
+                  "lz4": b"\x04\x22\x4d\x18\x60\x40\x82" + struct.pack("<I", 1 << 31 | len(records)) + records + bytes(4),
+                  "zstd": b"\x28\xb5\x2f\xfd\x60" + struct.pack("<H", len(records) - 256) +
+                          struct.pack("<I", len(records) << 3 | 1)[:3] + records}[compression]
+        data += record(6, struct.pack("<QQQI", time, time, len(records), zlib.crc32(records)) + text(compression) +
+                       struct.pack("<Q", len(packed)) + packed)
+        if with_index:
+            data += record(7, struct.pack("<HIQQ", 1, 16, time, len(schema) + len(channel)))
+    else:
+        data += records
+    data += record(15, struct.pack("<I", zlib.crc32(data)))
+    start = len(data)
+    if with_index:
+        data += schema + channel + record(11, struct.pack("<QHIIIIQQI", 1, 1, 1, 0, 0, 1, time, time, 0))
+    footer = struct.pack("<BQQQ", 2, 20, start if with_index else 0, 0)
+    return data + footer + struct.pack("<I", zlib.crc32(data[start:] + footer)) + b"\x89MCAP0\r\n"
+
+
 def gltf(buffer=None, **more):
     corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<3H", 0, 1, 2)
     uri = buffer or "data:application/octet-stream;base64," + base64.b64encode(corners).decode()
@@ -254,6 +286,12 @@ def main():
 
     kind = "marine_acoustic_msgs/ProjectedSonarImage"
     put("recording_file", "ros1_bag", ros1_bag("/sonar", kind, projected_sonar_image(cdr=False)))
+    for name, options in {"plain": {}, "lz4": {"compression": "lz4"}, "zstd": {"compression": "zstd"},
+                          "no_index": {"with_index": False}, "no_chunk": {"in_chunk": False}}.items():
+        data = mcap("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True), **options)
+        put("mcap", name + ".mcap", data)
+        put("recording_file", "mcap_" + name, data)
+    put("mcap", "cut_off.mcap", data[:data.rindex(b"\x0f\x04")])
     put("recording_file", "ros2_bag", ros2_bag("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True)))
 
     sonar = {"name": "small", "frequency_hz": 9e5, "beam_azimuth_deg": [-1, 1], "range_min_m": 1, "range_max_m": 2,

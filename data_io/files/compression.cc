@@ -1,0 +1,226 @@
+#include "data_io/files/compression.h"
+
+#include <lz4frame.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <string_view>
+#include <system_error>
+
+#include "core/types/error.h"
+#include "data_io/files/byte_reader.h"
+
+namespace sonarcal::data_io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kFirstOutputBytes = 64 << 10;
+
+// Grows `bytes` for more output, at most to `max_bytes`. Returns false if it has that size already.
+bool Grow(std::vector<std::byte>& bytes, std::uint64_t max_bytes) {
+  if (bytes.size() >= max_bytes) return false;
+  bytes.resize(std::min(max_bytes, std::max<std::uint64_t>(kFirstOutputBytes, 2 * bytes.size())));
+  return true;
+}
+
+// A step of a decoder: bytes taken and given, whether a frame is complete, and why it failed, if it did.
+struct Step {
+  std::size_t taken = 0;
+  std::size_t given = 0;
+  bool frame_is_complete = false;
+  const char* fault = nullptr;
+};
+
+class Lz4Decoder {
+ public:
+  Lz4Decoder() {
+    SONARCAL_CHECK(!LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)),
+                   "lz4 has no memory");
+  }
+  ~Lz4Decoder() { LZ4F_freeDecompressionContext(context_); }
+  Lz4Decoder(const Lz4Decoder&) = delete;
+  Lz4Decoder& operator=(const Lz4Decoder&) = delete;
+
+  Step Next(std::span<const std::byte> in, std::span<std::byte> out) {
+    std::size_t taken = in.size();
+    std::size_t given = out.size();
+    const std::size_t result = LZ4F_decompress(context_, out.data(), &given, in.data(), &taken, nullptr);
+    if (LZ4F_isError(result) != 0) return {.fault = LZ4F_getErrorName(result)};
+    return {taken, given, result == 0, nullptr};
+  }
+
+ private:
+  LZ4F_dctx* context_ = nullptr;
+};
+
+class ZstdDecoder {
+ public:
+  // Refuses frames whose window exceeds `max_window_bytes`, rounded up to a power of two.
+  explicit ZstdDecoder(std::uint64_t max_window_bytes) : context_(ZSTD_createDCtx(), ZSTD_freeDCtx) {
+    SONARCAL_CHECK(context_ != nullptr, "zstd has no memory");
+    constexpr int kMinLog = 20;
+    constexpr int kMaxLog = 27;  // the limit of zstd itself
+    const int needed = static_cast<int>(std::bit_width(max_window_bytes));
+    ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, std::clamp(needed, kMinLog, kMaxLog));
+  }
+
+  Step Next(std::span<const std::byte> in, std::span<std::byte> out) {
+    ZSTD_inBuffer input{in.data(), in.size(), 0};
+    ZSTD_outBuffer output{out.data(), out.size(), 0};
+    const std::size_t result = ZSTD_decompressStream(context_.get(), &output, &input);
+    if (ZSTD_isError(result) != 0) return {.fault = ZSTD_getErrorName(result)};
+    return {input.pos, output.pos, result == 0, nullptr};
+  }
+
+ private:
+  std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context_;
+};
+
+template <typename Decoder>
+Inflated InflateWith(Decoder decoder, std::span<const std::byte> packed, std::uint64_t max_bytes) {
+  Inflated inflated;
+  std::vector<std::byte>& bytes = inflated.bytes;
+  std::uint64_t size = 0;
+  bool is_complete = false;
+  // One byte more than wanted shows that there is more.
+  const std::uint64_t capacity = max_bytes == ~std::uint64_t{0} ? max_bytes : max_bytes + 1;
+  while (true) {
+    if (size == bytes.size() && !Grow(bytes, capacity)) break;
+    const Step step = decoder.Next(packed, std::span(bytes).subspan(size));
+    if (step.fault != nullptr) {
+      inflated.end = Inflated::End::kDamaged;
+      inflated.fault = step.fault;
+      break;
+    }
+    packed = packed.subspan(step.taken);
+    size += step.given;
+    is_complete = step.frame_is_complete;
+    if (packed.empty() && (is_complete || step.given == 0)) {
+      inflated.end = is_complete ? Inflated::End::kWhole : Inflated::End::kCut;
+      break;
+    }
+    if (step.taken == 0 && step.given == 0) {
+      inflated.end = Inflated::End::kDamaged;
+      inflated.fault = "the decoder does not advance";
+      break;
+    }
+  }
+  if (size > max_bytes) {
+    inflated.end = Inflated::End::kMore;
+    size = max_bytes;
+  }
+  bytes.resize(size);
+  return inflated;
+}
+
+}  // namespace
+
+Inflated Inflate(Codec codec, std::span<const std::byte> packed, std::uint64_t max_bytes) {
+  // An empty block of frames is no frame at all.
+  if (codec != Codec::kNone && packed.empty()) return {.bytes = {}, .end = Inflated::End::kCut, .fault = {}};
+  switch (codec) {
+    case Codec::kLz4:
+      return InflateWith<Lz4Decoder&>(*std::make_unique<Lz4Decoder>(), packed, max_bytes);
+    case Codec::kZstd:
+      return InflateWith<ZstdDecoder&>(*std::make_unique<ZstdDecoder>(max_bytes), packed, max_bytes);
+    case Codec::kNone:
+      break;
+  }
+  const bool is_more = packed.size() > max_bytes;
+  const auto kept = is_more ? packed.first(max_bytes) : packed;
+  return {{kept.begin(), kept.end()}, is_more ? Inflated::End::kMore : Inflated::End::kWhole, {}};
+}
+
+std::vector<std::byte> Compress(Codec codec, std::span<const std::byte> bytes) {
+  if (codec == Codec::kNone) return {bytes.begin(), bytes.end()};
+  const bool is_lz4 = codec == Codec::kLz4;
+  std::vector<std::byte> packed(is_lz4 ? LZ4F_compressFrameBound(bytes.size(), nullptr)
+                                       : ZSTD_compressBound(bytes.size()));
+  const std::size_t size =
+      is_lz4 ? LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr)
+             : ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+  if (is_lz4 ? LZ4F_isError(size) != 0 : ZSTD_isError(size) != 0) {
+    throw DataError("{} bytes cannot be compressed: {}", bytes.size(),
+                    is_lz4 ? LZ4F_getErrorName(size) : ZSTD_getErrorName(size));
+  }
+  packed.resize(size);
+  return packed;
+}
+
+bool IsZstd(std::span<const std::byte> bytes) {
+  return bytes.size() >= sizeof(ZSTD_MAGICNUMBER) && LittleEndian(bytes.first(4)) == ZSTD_MAGICNUMBER;
+}
+
+InflatedFile::InflatedFile(const fs::path& file) {
+  std::string name = (fs::temp_directory_path() / "sonarcal_XXXXXX").string();
+  const int descriptor = mkstemp(name.data());
+  if (descriptor < 0) {
+    throw DataError("{}: cannot be written, for the inflated content of {}: {}", name, file.string(),
+                    std::generic_category().message(errno));
+  }
+  path_ = name;
+  try {
+    Fill(file, descriptor);
+  } catch (...) {
+    close(descriptor);
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+    throw;
+  }
+  close(descriptor);
+}
+
+InflatedFile::~InflatedFile() {
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+}
+
+void InflatedFile::Fill(const fs::path& file, int descriptor) const {
+  constexpr std::size_t kPieceBytes = 1 << 20;
+  constexpr std::uint64_t kMaxWindowBytes = 1 << 27;
+  const std::uint64_t file_bytes = RegularFileSize(file);
+  const std::uint64_t limit = std::max(kMinInflationLimit, file_bytes * kMaxInflationRatio);
+  ZstdDecoder decoder(kMaxWindowBytes);
+  std::vector<std::byte> out(kPieceBytes);
+  std::uint64_t written = 0;
+  bool is_complete = false;
+  for (std::uint64_t offset = 0; offset < file_bytes; offset += kPieceBytes) {
+    const std::vector<std::byte> piece =
+        ReadFileRange(file, offset, std::min<std::uint64_t>(kPieceBytes, file_bytes - offset), "content");
+    std::span<const std::byte> rest = piece;
+    std::size_t given = 0;
+    while (!rest.empty() || given == out.size()) {
+      const Step step = decoder.Next(rest, out);
+      if (step.fault != nullptr) {
+        throw DataError("{}: byte {}: the compressed content is damaged: {}", file.string(),
+                        offset + piece.size() - rest.size(), step.fault);
+      }
+      rest = rest.subspan(step.taken);
+      given = step.given;
+      is_complete = step.frame_is_complete;
+      written += given;
+      if (written > limit) {
+        throw DataError("{}: {} bytes inflate to more than {}, expected at most {} times as many",
+                        file.string(), file_bytes, limit, kMaxInflationRatio);
+      }
+      if (given > 0 && write(descriptor, out.data(), given) != static_cast<ssize_t>(given)) {
+        throw DataError("{}: cannot be written, for the inflated content of {}: {}", path_.string(),
+                        file.string(), std::generic_category().message(errno));
+      }
+      if (rest.empty() && is_complete) break;
+    }
+  }
+  if (!is_complete) {
+    throw DataError("{}: the compressed content ends after {} bytes within a frame: the file was cut off",
+                    file.string(), file_bytes);
+  }
+}
+
+}  // namespace sonarcal::data_io
