@@ -155,37 +155,38 @@ std::vector<std::byte> Compress(Codec codec, std::span<const std::byte> bytes) {
 }
 
 bool IsZstd(std::span<const std::byte> bytes) {
-  return bytes.size() >= sizeof(ZSTD_MAGICNUMBER) && LittleEndian(bytes.first(4)) == ZSTD_MAGICNUMBER;
+  return bytes.size() >= kZstdMagicBytes && LittleEndian(bytes.first(kZstdMagicBytes)) == ZSTD_MAGICNUMBER;
 }
 
-InflatedFile::InflatedFile(const fs::path& file) {
+PlainFile::PlainFile(const fs::path& file) : file_(file) {
+  if (!IsZstd(FirstBytes(file, kZstdMagicBytes))) return;
   std::string name = (fs::temp_directory_path() / "sonarcal_XXXXXX").string();
   const int descriptor = mkstemp(name.data());
   if (descriptor < 0) {
     throw DataError("{}: cannot be written, for the inflated content of {}: {}", name, file.string(),
                     std::generic_category().message(errno));
   }
-  path_ = name;
+  copy_ = name;
   try {
-    Fill(file, descriptor);
+    FillCopy(descriptor);
   } catch (...) {
     close(descriptor);
     std::error_code ignored;
-    fs::remove(path_, ignored);
+    fs::remove(copy_, ignored);
     throw;
   }
   close(descriptor);
 }
 
-InflatedFile::~InflatedFile() {
+PlainFile::~PlainFile() {
   std::error_code ignored;
-  fs::remove(path_, ignored);
+  if (!copy_.empty()) fs::remove(copy_, ignored);
 }
 
-void InflatedFile::Fill(const fs::path& file, int descriptor) const {
+void PlainFile::FillCopy(int descriptor) const {
   constexpr std::size_t kPieceBytes = 1 << 20;
   constexpr std::uint64_t kMaxWindowBytes = 1 << 27;
-  const std::uint64_t file_bytes = RegularFileSize(file);
+  const std::uint64_t file_bytes = RegularFileSize(file_);
   const std::uint64_t limit = std::max(kMinInflationLimit, file_bytes * kMaxInflationRatio);
   ZstdDecoder decoder(kMaxWindowBytes);
   std::vector<std::byte> out(kPieceBytes);
@@ -193,13 +194,13 @@ void InflatedFile::Fill(const fs::path& file, int descriptor) const {
   bool is_complete = false;
   for (std::uint64_t offset = 0; offset < file_bytes; offset += kPieceBytes) {
     const std::vector<std::byte> piece =
-        ReadFileRange(file, offset, std::min<std::uint64_t>(kPieceBytes, file_bytes - offset), "content");
+        ReadFileRange(file_, offset, std::min<std::uint64_t>(kPieceBytes, file_bytes - offset), "content");
     std::span<const std::byte> rest = piece;
     std::size_t given = 0;
     while (!rest.empty() || given == out.size()) {
       const Step step = decoder.Next(rest, out);
       if (step.fault != nullptr) {
-        throw DataError("{}: byte {}: the compressed content is damaged: {}", file.string(),
+        throw DataError("{}: byte {}: the compressed content is damaged: {}", name(),
                         offset + piece.size() - rest.size(), step.fault);
       }
       rest = rest.subspan(step.taken);
@@ -207,20 +208,31 @@ void InflatedFile::Fill(const fs::path& file, int descriptor) const {
       is_complete = step.frame_is_complete;
       written += given;
       if (written > limit) {
-        throw DataError("{}: {} bytes inflate to more than {}, expected at most {} times as many",
-                        file.string(), file_bytes, limit, kMaxInflationRatio);
+        throw DataError("{}: {} bytes inflate to more than {}, expected at most {} times as many", name(),
+                        file_bytes, limit, kMaxInflationRatio);
       }
       if (given > 0 && write(descriptor, out.data(), given) != static_cast<ssize_t>(given)) {
-        throw DataError("{}: cannot be written, for the inflated content of {}: {}", path_.string(),
-                        file.string(), std::generic_category().message(errno));
+        throw DataError("{}: cannot be written, for the inflated content of {}: {}", copy_.string(), name(),
+                        std::generic_category().message(errno));
       }
       if (rest.empty() && is_complete) break;
     }
   }
   if (!is_complete) {
     throw DataError("{}: the compressed content ends after {} bytes within a frame: the file was cut off",
-                    file.string(), file_bytes);
+                    name(), file_bytes);
   }
+}
+
+std::vector<std::byte> FirstBytes(const fs::path& file, std::size_t max_bytes) {
+  return ReadFileRange(file, 0, std::min<std::uint64_t>(max_bytes, RegularFileSize(file)), "first bytes");
+}
+
+std::vector<std::byte> FirstPlainBytes(const fs::path& file, std::size_t max_bytes) {
+  constexpr std::size_t kFirstBlockBytes = 256 << 10;  // a block of a frame has at most 128 KiB
+  std::vector<std::byte> bytes = FirstBytes(file, max_bytes);
+  if (!IsZstd(bytes)) return bytes;
+  return Inflate(Codec::kZstd, FirstBytes(file, kFirstBlockBytes), max_bytes).bytes;
 }
 
 }  // namespace sonarcal::data_io

@@ -35,26 +35,36 @@ Inflated Inflate(Codec codec, std::span<const std::byte> packed, std::uint64_t m
 // One frame. Throws DataError if the library fails.
 std::vector<std::byte> Compress(Codec codec, std::span<const std::byte> bytes);
 
-// True if the bytes begin with the magic number of a Zstandard frame.
+// True if the bytes begin with the magic number of a Zstandard frame, which has kZstdMagicBytes.
+inline constexpr std::size_t kZstdMagicBytes = 4;
 bool IsZstd(std::span<const std::byte> bytes);
 
-// Inflated copy of a Zstandard file in the folder of temporary files, removed with the object.
-class InflatedFile {
+// A file to be read from its start to its end: the file itself or, if it is one of Zstandard frames, an
+// inflated copy in the folder of temporary files, which is removed with the object.
+class PlainFile {
  public:
-  // Throws DataError if the file is damaged or cut off, inflates to more than a recording plausibly does
-  // (kMaxInflationRatio), or cannot be written.
-  explicit InflatedFile(const std::filesystem::path& file);
-  ~InflatedFile();
-  InflatedFile(const InflatedFile&) = delete;
-  InflatedFile& operator=(const InflatedFile&) = delete;
+  // Throws DataError if a compressed file is damaged or cut off, inflates to more than a recording plausibly
+  // does (kMaxInflationRatio), or the copy cannot be written.
+  explicit PlainFile(const std::filesystem::path& file);
+  ~PlainFile();
+  PlainFile(const PlainFile&) = delete;
+  PlainFile& operator=(const PlainFile&) = delete;
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return copy_.empty() ? file_ : copy_; }
+  std::string name() const { return file_.string(); }  // for messages
 
  private:
-  void Fill(const std::filesystem::path& file, int descriptor) const;
+  void FillCopy(int descriptor) const;
 
-  std::filesystem::path path_;
+  std::filesystem::path file_;
+  std::filesystem::path copy_;  // empty: none
 };
+
+// First bytes of a file, at most `max_bytes`.
+std::vector<std::byte> FirstBytes(const std::filesystem::path& file, std::size_t max_bytes);
+
+// First bytes of the content of a file, at most `max_bytes`: inflated if it is a file of Zstandard frames.
+std::vector<std::byte> FirstPlainBytes(const std::filesystem::path& file, std::size_t max_bytes);
 
 // Largest plausible ratio of inflated to compressed bytes of a recording, beyond kMinInflationLimit.
 inline constexpr std::uint64_t kMaxInflationRatio = 1000;

@@ -1,7 +1,11 @@
 #include "data_io/ros/bag.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/files/compression.h"
 #include "data_io/ros/bag_kind.h"
 #include "data_io/ros/mcap_bag.h"
 #include "data_io/ros/ros1_bag.h"
@@ -23,6 +27,27 @@ std::optional<std::size_t> Bag::FindTopic(const std::string& name) const {
     if (topics()[i].name == name) return i;
   }
   return std::nullopt;
+}
+
+std::vector<std::byte> InflatedMessage(std::vector<std::byte> stored, std::uint64_t wanted_bytes,
+                                       const std::function<std::vector<std::byte>()>& read_all,
+                                       const std::string& where) {
+  if (!IsZstd(stored)) return stored;
+  const std::uint64_t max_bytes = std::min(wanted_bytes, kMaxBagMessageBytes);
+  Inflated inflated = Inflate(Codec::kZstd, read_all(), max_bytes);
+  switch (inflated.end) {
+    case Inflated::End::kWhole:
+      return std::move(inflated.bytes);
+    case Inflated::End::kMore:
+      if (max_bytes == wanted_bytes) return std::move(inflated.bytes);
+      throw DataError("{}: it inflates to more than {} bytes, expected at most as many", where, max_bytes);
+    case Inflated::End::kCut:
+      throw DataError("{}: the compressed message is not whole: {} bytes come out", where,
+                      inflated.bytes.size());
+    case Inflated::End::kDamaged:
+      break;
+  }
+  throw DataError("{}: the compressed message is damaged: {}", where, inflated.fault);
 }
 
 bool IsBag(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -62,6 +63,13 @@ class Bag {
   // Index of the topic with this name.
   std::optional<std::size_t> FindTopic(const std::string& name) const;
 };
+
+// Bytes of a message of ROS 2. rosbag2 can store each message as a Zstandard frame (compression mode
+// "message"); these are inflated. `stored` holds at least the first min(wanted_bytes, all) bytes of the
+// message, `read_all` returns all of them. Throws DataError, beginning with `where`, if the frame is damaged.
+std::vector<std::byte> InflatedMessage(std::vector<std::byte> stored, std::uint64_t wanted_bytes,
+                                       const std::function<std::vector<std::byte>()>& read_all,
+                                       const std::string& where);
 
 // True if the path is a bag of any kind.
 bool IsBag(const std::filesystem::path& path);

@@ -13,6 +13,8 @@ bool IsRos1Bag(const std::filesystem::path& path);
 enum class Ros2Storage { kSqlite, kMcap };
 
 // The file itself or the files of a folder that have this storage, by the number in the name, then by name.
+// Files that rosbag2 has compressed as a whole (Zstandard, name "dive_0.db3.zstd") are among them, unless the
+// inflated file stands beside them.
 std::vector<std::filesystem::path> Ros2BagFiles(const std::filesystem::path& path, Ros2Storage storage);
 
 // True for a file or a folder of files in one of the storages of ROS 2.

@@ -6,6 +6,7 @@
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/files/compression.h"
 #include "data_io/mcap/mcap_file.h"
 
 namespace sonarcal::data_io {
@@ -24,7 +25,8 @@ class McapBag final : public Bag {
   explicit McapBag(const std::vector<fs::path>& files) {
     SONARCAL_CHECK(files.size() < (std::size_t{1} << (64 - kContainerBits)), "{} files", files.size());
     for (const fs::path& file : files) {
-      files_.push_back(std::make_unique<McapFile>(file, file.string(), kMaxBagMessageBytes));
+      const auto& plain = plain_files_.emplace_back(std::make_unique<PlainFile>(file));
+      files_.push_back(std::make_unique<McapFile>(plain->path(), plain->name(), kMaxBagMessageBytes));
       Index(files_.size() - 1);
     }
     for (std::size_t i = 0; i < topics_.size(); ++i) {
@@ -39,11 +41,14 @@ class McapBag final : public Bag {
   std::vector<BagMessage> Messages(std::size_t topic) const override { return messages_.at(topic); }
 
   std::vector<std::byte> Read(const BagMessage& message, std::uint64_t wanted_bytes) const override {
-    return files_.at(message.container >> kContainerBits)
-        ->Read({.log_time_ns = message.log_time_ns,
-                .container = message.container & ((std::uint64_t{1} << kContainerBits) - 1),
-                .position = static_cast<std::uint64_t>(message.position)},
-               wanted_bytes);
+    const std::uint64_t file = message.container >> kContainerBits;
+    const McapMessage in_file{.log_time_ns = message.log_time_ns,
+                              .container = message.container & ((std::uint64_t{1} << kContainerBits) - 1),
+                              .position = static_cast<std::uint64_t>(message.position)};
+    return InflatedMessage(
+        files_.at(file)->Read(in_file, wanted_bytes), wanted_bytes,
+        [&] { return files_[file]->Read(in_file); },
+        fmt::format("{}: message at byte {}", plain_files_[file]->name(), message.position));
   }
 
  private:
@@ -83,6 +88,7 @@ class McapBag final : public Bag {
     return topics_.size() - 1;
   }
 
+  std::vector<std::unique_ptr<PlainFile>> plain_files_;
   std::vector<std::unique_ptr<McapFile>> files_;
   std::vector<BagTopic> topics_;
   std::vector<std::vector<BagMessage>> messages_;  // per topic

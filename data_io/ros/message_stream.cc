@@ -18,10 +18,6 @@ MessageStream::MessageStream(std::span<const std::byte> bytes, MessageEncoding e
   if (encoding == MessageEncoding::kRos1) return;
   const std::uint8_t high = reader_.U8(0, "encapsulation");
   const std::uint8_t low = reader_.U8(1, "encapsulation");
-  if (high == 0x28 && low == 0xb5) {
-    throw DataError("{}: the message is compressed (zstd), expected plain CDR: decompress the bag first",
-                    reader_.Where(0, "encapsulation"));
-  }
   if (high != 0 || low > 1) {
     throw DataError("{}: {:#04x} {:#04x}, expected 0x00 and 0x00 or 0x01 (plain CDR)",
                     reader_.Where(0, "encapsulation"), high, low);

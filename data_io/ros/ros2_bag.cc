@@ -11,6 +11,7 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
+#include "data_io/files/compression.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -32,8 +33,8 @@ std::string ImmutableUri(const fs::path& file) {
 // One file of a bag. Not thread-safe.
 class Database {
  public:
-  explicit Database(const fs::path& file) : name_(file.string()), size_(RegularFileSize(file)) {
-    const int opened = sqlite3_open_v2(ImmutableUri(file).c_str(), &db_,
+  explicit Database(const fs::path& file) : file_(file), size_(RegularFileSize(file_.path())) {
+    const int opened = sqlite3_open_v2(ImmutableUri(file_.path()).c_str(), &db_,
                                        SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
     handle_.reset(db_);
     if (opened != SQLITE_OK) Fail("cannot be opened");
@@ -52,7 +53,7 @@ class Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  const std::string& name() const { return name_; }
+  std::string name() const { return file_.name(); }
   std::uint64_t size() const { return size_; }
 
   // Calls `take` with the statement for every row. Throws DataError if there are more rows than the file can
@@ -68,7 +69,7 @@ class Database {
     int status = SQLITE_OK;
     while ((status = sqlite3_step(prepared)) == SQLITE_ROW) {
       if (++rows > size_ / kMinRowBytes)
-        throw DataError("{}: a table has more rows than {} bytes can hold: damaged", name_, size_);
+        throw DataError("{}: a table has more rows than {} bytes can hold: damaged", name(), size_);
       take(prepared);
     }
     if (status != SQLITE_DONE) Fail("is damaged");
@@ -81,7 +82,8 @@ class Database {
       const bool is_virtual = Text(row, 2).find("VIRTUAL") != std::string::npos;
       if (Text(row, 0) == table && Text(row, 1) == "table" && !is_virtual) ++ordinary;
     });
-    if (ordinary != 1) throw DataError("{}: no table '{}', expected the tables of a ROS 2 bag", name_, table);
+    if (ordinary != 1)
+      throw DataError("{}: no table '{}', expected the tables of a ROS 2 bag", name(), table);
   }
 
   static std::string Text(sqlite3_stmt* row, int column) {
@@ -99,7 +101,7 @@ class Database {
     if (status != SQLITE_OK) Fail(what + " cannot be read");
     const auto bytes = static_cast<std::uint64_t>(sqlite3_blob_bytes(opened));
     if (bytes > std::min(kMaxBagMessageBytes, size_)) {
-      throw DataError("{}: {}: {} bytes, expected at most {}", name_, what, bytes,
+      throw DataError("{}: {}: {} bytes, expected at most {}", name(), what, bytes,
                       std::min(kMaxBagMessageBytes, size_));
     }
     std::vector<std::byte> data(std::min(bytes, wanted_bytes));
@@ -119,10 +121,10 @@ class Database {
   }
 
   [[noreturn]] void Fail(const std::string& what) const {
-    throw DataError("{}: {}: {}", name_, what, Printable(sqlite3_errmsg(db_)));
+    throw DataError("{}: {}: {}", name(), what, Printable(sqlite3_errmsg(db_)));
   }
 
-  std::string name_;
+  PlainFile file_;
   std::uint64_t size_;
   sqlite3* db_ = nullptr;
   std::unique_ptr<sqlite3, int (*)(sqlite3*)> handle_{nullptr, sqlite3_close};
@@ -155,7 +157,11 @@ class Ros2Bag final : public Bag {
 
   std::vector<std::byte> Read(const BagMessage& message, std::uint64_t wanted_bytes) const override {
     const std::lock_guard lock(mutex_);
-    return databases_.at(message.container)->ReadData(message.position, wanted_bytes);
+    Database& database = *databases_.at(message.container);
+    return InflatedMessage(
+        database.ReadData(message.position, wanted_bytes), wanted_bytes,
+        [&] { return database.ReadData(message.position, std::numeric_limits<std::uint64_t>::max()); },
+        fmt::format("{}: message of row {}", database.name(), message.position));
   }
 
  private:

@@ -1,5 +1,5 @@
 // Bags of ROS 2 in SQLite storage: a `.db3` file, or a folder of them beside `metadata.yaml`, as rosbag2
-// writes. Tables since its first version:
+// writes, also compressed by file (`.db3.zstd`) or by message. Tables since its first version:
 //
 //   topics    id, name, type "package/msg/Message", serialization_format "cdr", ...
 //   messages  id, topic_id, timestamp in ns, data (the message, CDR)

@@ -212,6 +212,12 @@ def ros2_bag(topic, kind, message):
     return data
 
 
+def zstd(data):
+    """A frame of one block that is not compressed, of 256 to 65791 bytes."""
+    head = b"\x28\xb5\x2f\xfd\x60" + struct.pack("<H", len(data) - 256)
+    return head + struct.pack("<I", len(data) << 3 | 1)[:3] + data
+
+
 def mcap(topic, kind, message, compression="", with_index=True, in_chunk=True):
     def text(value):
         return struct.pack("<I", len(value)) + value.encode()
@@ -225,11 +231,10 @@ def mcap(topic, kind, message, compression="", with_index=True, in_chunk=True):
     records = schema + channel + record(5, struct.pack("<HIQQ", 1, 0, time, time) + message)
     data = b"\x89MCAP0\r\n" + record(1, text("ros2") + text(""))
     if in_chunk:
-        # Frames of one block that is not compressed.
-        packed = {"": records,
-                  "lz4": b"\x04\x22\x4d\x18\x60\x40\x82" + struct.pack("<I", 1 << 31 | len(records)) + records + bytes(4),
-                  "zstd": b"\x28\xb5\x2f\xfd\x60" + struct.pack("<H", len(records) - 256) +
-                          struct.pack("<I", len(records) << 3 | 1)[:3] + records}[compression]
+        # The frame of lz4 has one block that is not compressed.
+        packed = {"": records, "zstd": zstd(records),
+                  "lz4": b"\x04\x22\x4d\x18\x60\x40\x82" + struct.pack("<I", 1 << 31 | len(records)) + records + bytes(4)
+                  }[compression]
         data += record(6, struct.pack("<QQQI", time, time, len(records), zlib.crc32(records)) + text(compression) +
                        struct.pack("<Q", len(packed)) + packed)
         if with_index:
@@ -292,7 +297,11 @@ def main():
         put("mcap", name + ".mcap", data)
         put("recording_file", "mcap_" + name, data)
     put("mcap", "cut_off.mcap", data[:data.rindex(b"\x0f\x04")])
-    put("recording_file", "ros2_bag", ros2_bag("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True)))
+    bag = ros2_bag("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True))
+    put("recording_file", "ros2_bag", bag)
+    put("recording_file", "ros2_bag_zstd", zstd(bag))
+    put("recording_file", "ros2_bag_zstd_messages",
+        ros2_bag("/sonar", kind.replace("/", "/msg/"), zstd(projected_sonar_image(cdr=True, ranges=80))))
 
     sonar = {"name": "small", "frequency_hz": 9e5, "beam_azimuth_deg": [-1, 1], "range_min_m": 1, "range_max_m": 2,
              "range_bins": 3, "sound_speed_m_per_s": 1480}
