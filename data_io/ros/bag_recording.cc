@@ -56,8 +56,9 @@ std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOption
   }
   throw DataError("{}: no topic of a sonar, expected one of {}; the bag has {}", file,
                   pictures ? "sensor_msgs/Image or sensor_msgs/CompressedImage"
-                           : "marine_acoustic_msgs/ProjectedSonarImage or sonar_oculus/OculusPing (of "
-                             "sensor_msgs/Image or CompressedImage with --picture-geometry)",
+                           : "marine_acoustic_msgs/ProjectedSonarImage, sonar_oculus/OculusPing, "
+                             "oculus_interfaces/Ping, OculusPing or OculusStampedPing (of sensor_msgs/Image "
+                             "or CompressedImage with --picture-geometry)",
                   DescribeTopics(bag.topics()) + FirstNote(bag));
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/ros/oculus_interfaces.h"
 #include "data_io/ros/projected_sonar_image.h"
 #include "data_io/ros/ros_messages.h"
 #include "data_io/ros/ros_picture.h"
@@ -25,15 +26,10 @@ bool IsOculusPing(const std::string& type) {
   return type == "sonar_oculus/OculusPing" || type == "sonar_oculus_interface/OculusPing";
 }
 
-struct PingWithPicture {
-  OculusPing ping;
-  RosPicture picture;
-};
-
 // Converts the message to the sonar's own ping, with the checks that DescribeOculus requires.
-PingWithPicture PingOf(const RosOculusPing& message, const std::string& where) {
+OculusPingWithSamples PingOf(const RosOculusPing& message, const std::string& where) {
   constexpr std::uint8_t kRangeIsMetres = 1;
-  const RosPicture picture =
+  RosPicture picture =
       message.is_compressed ? PictureOf(message.compressed, where) : PictureOf(message.image, where);
   if (message.beams < 2 || std::cmp_not_equal(picture.value.rows(), message.ranges) ||
       std::cmp_not_equal(picture.value.cols(), message.beams)) {
@@ -58,30 +54,31 @@ PingWithPicture PingOf(const RosOculusPing& message, const std::string& where) {
   ping.beams = static_cast<int>(message.beams);
   ping.bytes_per_sample = picture.full_scale > 255.0 ? 2 : 1;
   ping.bearing_centideg = message.bearing_centideg;
-  return {std::move(ping), picture};
+  return {std::move(ping), std::move(picture.value)};
 }
 
 void Mirror(std::vector<std::int16_t>& bearing_centideg) {
   for (std::int16_t& bearing : bearing_centideg) bearing = static_cast<std::int16_t>(-bearing);
 }
 
-PolarImage ImageOf(PingWithPicture with_picture, const std::string& where,
+PolarImage ImageOf(OculusPingWithSamples with_samples, const std::string& where,
                    const SonarMessageOptions& options) {
-  OculusPing& ping = with_picture.ping;
-  if (options.mirrored) Mirror(ping.bearing_centideg);
-  PolarImage image{OculusAxes(ping, where), OculusScale(ping), std::move(with_picture.picture.value)};
-  if (BearingsRunRightToLeft(ping)) {
-    for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
-  }
-  return image;
+  if (options.mirrored) Mirror(with_samples.ping.bearing_centideg);
+  return OculusImage(with_samples.ping, std::move(with_samples.samples), where);
 }
 
-void Describe(PingWithPicture with_picture, const RosOculusPing& message, const SonarMessageOptions& options,
+void Describe(OculusPing ping, const SonarMessageOptions& options, RecordingInfo& info) {
+  if (options.mirrored) Mirror(ping.bearing_centideg);
+  DescribeOculus(ping, info);
+  if (options.mirrored) info.notes.emplace_back(kMirrored);
+}
+
+void Describe(const RosOculusPing& message, const std::string& where, const SonarMessageOptions& options,
               RecordingInfo& info) {
   constexpr std::uint8_t kRowGains = 4;
-  if (options.mirrored) Mirror(with_picture.ping.bearing_centideg);
-  DescribeOculus(with_picture.ping, info);
-  if (!with_picture.ping.has_environment && message.fire_sound_speed_m_per_s > 1300.0 &&
+  const OculusPing ping = PingOf(message, where).ping;
+  Describe(ping, options, info);
+  if (!ping.has_environment && message.fire_sound_speed_m_per_s > 1300.0 &&
       message.fire_sound_speed_m_per_s < 1700.0) {
     info.sonar.sound_speed_m_per_s = message.fire_sound_speed_m_per_s;
     info.notes.emplace_back("The sound speed is the one that was asked for.");
@@ -89,7 +86,6 @@ void Describe(PingWithPicture with_picture, const RosOculusPing& message, const 
   if (message.is_compressed) info.details.emplace_back("picture", Printable(message.compressed.format));
   if ((message.flags & kRowGains) != 0)
     info.notes.emplace_back("The sonar was set to send row gains, but the message does not contain them.");
-  if (options.mirrored) info.notes.emplace_back(kMirrored);
 }
 
 ImageScale ScaleOf(const RosPicture& picture, const PictureGeometry& geometry) {
@@ -163,7 +159,7 @@ bool IsPictureType(const std::string& type) {
 }
 
 bool IsSonarType(const std::string& type) {
-  return IsProjected(type) || IsOculusPing(type);
+  return IsProjected(type) || IsOculusPing(type) || IsOculusInterfacesType(type);
 }
 
 PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte> bytes,
@@ -173,6 +169,8 @@ PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte
     MessageStream stream(bytes, encoding, where);
     return ImageOf(ReadProjectedSonarImage(stream), where, options);
   }
+  if (IsOculusInterfacesType(type))
+    return ImageOf(ReadOculusInterfaces(type, bytes, encoding, where), where, options);
   if (!IsOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options).image;
   return ImageOf(PingOf(ReadRosOculusPing(bytes, encoding, where), where), where, options);
 }
@@ -184,12 +182,15 @@ void DescribeSonarMessage(const std::string& type, std::span<const std::byte> by
     Describe(ReadProjectedSonarImage(stream), where, options, info);
     return;
   }
+  if (IsOculusInterfacesType(type)) {
+    Describe(ReadOculusInterfaces(type, bytes, encoding, where).ping, options, info);
+    return;
+  }
   if (!IsOculusPing(type)) {
     DescribePicture(ImageOfPicture(type, bytes, encoding, where, options), options, info);
     return;
   }
-  const RosOculusPing message = ReadRosOculusPing(bytes, encoding, where);
-  Describe(PingOf(message, where), message, options, info);
+  Describe(ReadRosOculusPing(bytes, encoding, where), where, options, info);
 }
 
 }  // namespace sonarcal::data_io

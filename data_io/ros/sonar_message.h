@@ -17,6 +17,8 @@
 //
 // sonar_oculus/OculusPing: as data_io/sonars/oculus_model.h; rows of the picture are ranges. It contains no
 // row gains.
+//
+// oculus_interfaces/Ping, OculusPing and OculusStampedPing: data_io/ros/oculus_interfaces.h.
 #pragma once
 
 #include <cstddef>

@@ -40,28 +40,10 @@ class OculusRecording final : public RecordingSource {
   Frame ReadFrame(int index) const override {
     const PingOfFile read = ReadPing(index);
     const OculusPing& ping = read.ping;
-    Frame frame{InfoOf(read), {AxesOf(ping, index), OculusScale(ping), Grid<float>(ping.ranges, ping.beams)}};
-    const bool right_to_left = BearingsRunRightToLeft(ping);
-    const std::uint64_t start = offsets_.at(index);
-    const ByteReader image(ByteReader(read.bytes, name_, start)
-                               .Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image"),
-                           name_, start + ping.image_offset);
-    for (int range = 0; range < ping.ranges; ++range) {
-      std::uint64_t at = ping.row_bytes() * range;
-      float scale = 1.0f;
-      if (ping.has_gains) {
-        const std::uint32_t gain = image.U32(at, "gain of a row");
-        if (gain == 0) throw DataError("{}: 0, expected at least 1", image.Where(at, "gain of a row"));
-        scale = 1.0f / std::sqrt(static_cast<float>(gain));
-        at += 4;
-      }
-      for (int beam = 0; beam < ping.beams; ++beam, at += ping.bytes_per_sample) {
-        const std::uint32_t sample = LittleEndian(image.Bytes(at, ping.bytes_per_sample, "sample"));
-        const int column = right_to_left ? ping.beams - 1 - beam : beam;
-        frame.image.value(range, column) = static_cast<float>(sample) * scale;
-      }
-    }
-    return frame;
+    const ByteReader message(read.bytes, name_, offsets_.at(index));
+    const auto image = message.Bytes(ping.image_offset, ping.row_bytes() * ping.ranges, "image");
+    const std::string what = fmt::format("{}: ping {}", name_, index);
+    return {InfoOf(read), OculusImage(ping, OculusSamples(ping, image, what + ": image"), what)};
   }
 
  private:
@@ -153,10 +135,6 @@ class OculusRecording final : public RecordingSource {
     const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, offset});
     if (!head) throw DataError("{}: byte {}: no Oculus message any more, expected one", name_, offset);
     return *head;
-  }
-
-  PolarAxes AxesOf(const OculusPing& ping, int index) const {
-    return OculusAxes(ping, fmt::format("{}: ping {}", name_, index));
   }
 
   FrameInfo InfoOf(const PingOfFile& read) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -46,7 +47,11 @@ void DescribeSonar(const OculusPing& ping, RecordingInfo& info) {
   info.sonar.axes = OculusAxes(ping, info.source + ": ping 0");
   info.scale = OculusScale(ping);
   info.settings.compression = Compression::kPower;
-  info.display_gamma = ping.gamma == 0 ? 1.0 : ping.gamma / 255.0;
+  if (ping.has_settings) {
+    info.display_gamma = ping.gamma == 0 ? 1.0 : ping.gamma / 255.0;
+  } else {
+    info.notes.emplace_back("Neither gamma nor salinity is recorded.");
+  }
   if (!ping.has_environment) {
     info.notes.emplace_back(
         "Neither model, beam widths, frequency, temperature, pressure nor sound speed is recorded.");
@@ -73,11 +78,14 @@ void DescribeSonar(const OculusPing& ping, RecordingInfo& info) {
   info.details = {
       {"mode", ping.mode == 1 ? "1 (low frequency)" : fmt::format("{} (high frequency)", ping.mode)},
       {"range setting", fmt::format("{} {}", ping.range_setting, ping.range_is_metres ? "m" : "%")},
-      {"gain", fmt::format("{} %", ping.gain_percent)},
-      {"gamma", fmt::format("{:.3f} (byte {})", *info.display_gamma, ping.gamma)},
-      {"salinity setting", fmt::format("{} ppt", ping.salinity_ppt)},
-      {"sample size", fmt::format("{} bits", 8 * ping.bytes_per_sample)},
-      {"gain of each row", ping.has_gains ? "sent, values divided by its square root" : "not sent"}};
+      {"gain", fmt::format("{} %", ping.gain_percent)}};
+  if (ping.has_settings) {
+    info.details.emplace_back("gamma", fmt::format("{:.3f} (byte {})", *info.display_gamma, ping.gamma));
+    info.details.emplace_back("salinity setting", fmt::format("{} ppt", ping.salinity_ppt));
+  }
+  info.details.emplace_back("sample size", fmt::format("{} bits", 8 * ping.bytes_per_sample));
+  info.details.emplace_back("gain of each row",
+                            ping.has_gains ? "sent, values divided by its square root" : "not sent");
   if (ping.version == 2) {
     info.details.emplace_back("heading, pitch, roll", fmt::format("{}, {}, {} degrees", ping.heading_deg,
                                                                   ping.pitch_deg, ping.roll_deg));
@@ -86,7 +94,9 @@ void DescribeSonar(const OculusPing& ping, RecordingInfo& info) {
 
 void NoteEnvironment(const OculusPing& ping, RecordingInfo& info) {
   if (!ping.has_environment) return;
-  if (IsPlausible(ping.temperature_c, -3.0, 45.0) && IsPlausible(ping.salinity_ppt, 0.0, 50.0)) {
+  if (IsPlausible(ping.temperature_c, -3.0, 45.0) && !ping.has_settings) {
+    info.details.emplace_back("temperature", fmt::format("{:.2f} C", ping.temperature_c));
+  } else if (IsPlausible(ping.temperature_c, -3.0, 45.0) && IsPlausible(ping.salinity_ppt, 0.0, 50.0)) {
     info.water = Water{.temperature_c = ping.temperature_c, .salinity_ppt = ping.salinity_ppt};
     info.details.emplace_back("temperature", fmt::format("{:.2f} C", ping.temperature_c));
     info.notes.emplace_back("Acidity and depth of the water are not recorded; defaults are used.");
@@ -122,6 +132,35 @@ ImageScale OculusScale(const OculusPing& ping) {
   ImageScale scale;
   scale.full_scale = ping.full_scale();
   return scale;
+}
+
+Grid<float> OculusSamples(const OculusPing& ping, std::span<const std::byte> image,
+                          const std::string& where) {
+  const ByteReader reader(image, where);
+  Grid<float> samples(ping.ranges, ping.beams);
+  for (int range = 0; range < ping.ranges; ++range) {
+    std::uint64_t at = ping.row_bytes() * range;
+    float scale = 1.0f;
+    if (ping.has_gains) {
+      const std::uint32_t gain = reader.U32(at, "gain of a row");
+      if (gain == 0) throw DataError("{}: 0, expected at least 1", reader.Where(at, "gain of a row"));
+      scale = 1.0f / std::sqrt(static_cast<float>(gain));
+      at += 4;
+    }
+    for (float& sample : samples.row(range)) {
+      sample = static_cast<float>(LittleEndian(reader.Bytes(at, ping.bytes_per_sample, "sample"))) * scale;
+      at += ping.bytes_per_sample;
+    }
+  }
+  return samples;
+}
+
+PolarImage OculusImage(const OculusPing& ping, Grid<float> samples, const std::string& what) {
+  PolarImage image{OculusAxes(ping, what), OculusScale(ping), std::move(samples)};
+  if (BearingsRunRightToLeft(ping)) {
+    for (int row = 0; row < image.value.rows(); ++row) std::ranges::reverse(image.value.row(row));
+  }
+  return image;
 }
 
 void DescribeOculus(const OculusPing& ping, RecordingInfo& info) {

@@ -32,6 +32,7 @@ struct OculusPing {
   double range_setting = 0.0;
   double gain_percent = 0.0;
   double salinity_ppt = 0.0;
+  bool has_settings = true;  // gamma and salinity are recorded
   // Result.
   std::uint32_t ping_id = 0;
   bool has_environment = true;  // frequency, temperature, pressure and sound speed
