@@ -13,6 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kPoints =
+    "as drivers of mechanically scanning sonars write them, which have neither beams nor range bins";
+
 // Reason why a requested topic is not a sonar's.
 std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
   const auto index = bag.FindTopic(asked);
@@ -23,8 +26,23 @@ std::string WhyNot(const Bag& bag, const std::string& asked, bool pictures) {
         "has bare pictures ({}), which do not contain their window and beams: give --picture-geometry",
         Printable(topic.type));
   }
+  if (IsPointsType(topic.type)) return fmt::format("has points ({}), {}", Printable(topic.type), kPoints);
   return fmt::format("has {} of type {}", topic.count == 0 ? "no message" : "messages",
                      Printable(topic.type));
+}
+
+// Names the topics that may be those of a sonar but cannot be read: of points, and without messages.
+std::string AlmostSonars(const Bag& bag) {
+  std::vector<BagTopic> points;
+  std::vector<BagTopic> empty;
+  for (const BagTopic& topic : bag.topics()) {
+    if (IsPointsType(topic.type)) points.push_back(topic);
+    if (IsSonarType(topic.type) && topic.count == 0) empty.push_back(topic);
+  }
+  std::string text;
+  if (!points.empty()) text += fmt::format("; {} has points, {}", DescribeTopics(points), kPoints);
+  if (!empty.empty()) text += fmt::format("; {} is a sonar's, without messages", DescribeTopics(empty));
+  return text;
 }
 
 // Damage of the bag, which may be why a topic is missing.
@@ -54,7 +72,7 @@ std::size_t ChooseTopic(const Bag& bag, const std::string& file, const BagOption
                     WhyNot(bag, options.topic, pictures), pictures ? "pictures" : "a sonar's",
                     DescribeTopics(bag.topics()));
   }
-  throw DataError("{}: no topic of a sonar, expected one of {}; the bag has {}", file,
+  throw DataError("{}: no topic of a sonar{}; expected one of {}; the bag has {}", file, AlmostSonars(bag),
                   pictures ? "sensor_msgs/Image or sensor_msgs/CompressedImage"
                            : "marine_acoustic_msgs/ProjectedSonarImage, sonar_oculus/OculusPing, "
                              "oculus_interfaces/Ping, OculusPing or OculusStampedPing (of sensor_msgs/Image "

@@ -158,6 +158,10 @@ bool IsPictureType(const std::string& type) {
   return type == kPictureType || type == kCompressedPictureType;
 }
 
+bool IsPointsType(const std::string& type) {
+  return type == "sensor_msgs/PointCloud" || type == "sensor_msgs/PointCloud2";
+}
+
 bool IsSonarType(const std::string& type) {
   return IsProjected(type) || IsOculusPing(type) || IsOculusInterfacesType(type);
 }

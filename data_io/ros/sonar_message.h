@@ -51,6 +51,10 @@ struct SonarMessageOptions {
 // True if messages of the type are pings of a sonar, geometry included.
 bool IsSonarType(const std::string& type);
 
+// True if messages of the type are points, as drivers of mechanically scanning sonars write them. Points have
+// neither beams nor range bins, so they are no image.
+bool IsPointsType(const std::string& type);
+
 // True if messages of the type are bare pictures.
 bool IsPictureType(const std::string& type);
 

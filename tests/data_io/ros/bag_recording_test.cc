@@ -9,7 +9,9 @@
 #include "data_io/open_recording.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_bag.h"
+#include "tests/data_io/refusal.h"
 #include "tests/data_io/sonar_messages.h"
+#include "tests/support/recordings.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -244,7 +246,29 @@ TEST_F(BagRecordingTest, TopicsAreListedAndOneIsChosen) {
     EXPECT_THROW(OpenBagRecording(path, {.topic = "/up"}), DataError);
   }
   EXPECT_THAT(testing::RefusalOf(Write(Wire::kRos1, {{"/odom", "nav_msgs/Odometry", 4, "?"}})),
-              HasSubstr("no topic of a sonar"));
+              HasSubstr("no topic of a sonar; expected one of"));
+}
+
+TEST_F(BagRecordingTest, SonarsOfPointsAndTopicsWithoutMessagesAreNamed) {
+  for (const std::string type : {"sensor_msgs/PointCloud", "sensor_msgs/PointCloud2"}) {
+    const auto path = Write(Wire::kRos1, {{"/scan", type, 4, "?"}, {"/odom", "nav_msgs/Odometry", 4, "?"}});
+    EXPECT_THAT(testing::RefusalOf(path),
+                HasSubstr("no topic of a sonar; /scan (" + type +
+                          ", 1 message) has points, as drivers of mechanically scanning sonars write them, "
+                          "which have neither beams nor range bins; expected one of marine_acoustic_msgs"));
+    EXPECT_THAT(testing::MessageOf([&] { OpenBagRecording(path, {.topic = "/scan"}); }),
+                HasSubstr("topic '/scan' has points (" + type + "), as drivers of mechanically"));
+  }
+  testing::WriteRos2Bag(dir_ / "empty.db3", {{"/sonar", kProjectedType, 1, "?"}}, "DELETE FROM messages");
+  EXPECT_THAT(
+      testing::RefusalOf(dir_ / "empty.db3"),
+      HasSubstr("/sonar (marine_acoustic_msgs/ProjectedSonarImage, 0 messages) is a sonar's, without"));
+}
+
+// A real bag of a mechanically scanning sonar.
+TEST_F(BagRecordingTest, ARealScanningSonarIsNamed) {
+  SONARCAL_NEEDS_RECORDING(path, "ros1_micron_bag/static_sonar.bag");
+  EXPECT_THAT(testing::RefusalOf(path), HasSubstr("/tritech_micron/scan (sensor_msgs/PointCloud, "));
 }
 
 TEST_F(BagRecordingTest, CompressedChunksAreInflated) {

@@ -62,7 +62,8 @@ std::string OculusPingMessage(Wire wire, Kind kind, const std::string& data) {
 
 class OculusInterfacesTest : public ::testing::Test {
  protected:
-  std::filesystem::path Write(const std::string& type, const std::string& bytes, Wire wire = Wire::kCdrLittle) {
+  std::filesystem::path Write(const std::string& type, const std::string& bytes,
+                              Wire wire = Wire::kCdrLittle) {
     testing::WriteFile(dir_ / "test.mcap",
                        testing::McapBytes({{"/oculus", type, 1, bytes}},
                                           {.message_encoding = wire == Wire::kRos1 ? "ros1" : "cdr"}));
@@ -146,9 +147,9 @@ TEST_F(OculusInterfacesTest, SizesThatDisagreeAreRefused) {
                         "message, or an image of 5 rows of 4 bytes"));
   EXPECT_THAT(refusal(Ping(Wire::kCdrLittle, ping, ImageOf(ping), 1), "oculus_interfaces/Ping"),
               HasSubstr("with 5 bytes per row"));
-  EXPECT_THAT(refusal(Ping(Wire::kCdrLittle, ping, ping.Write().bytes().substr(0, 150)),
-                      "oculus_interfaces/Ping"),
-              HasSubstr("ping_data: the sonar's own message has 156 bytes, of which 150 are there"));
+  EXPECT_THAT(
+      refusal(Ping(Wire::kCdrLittle, ping, ping.Write().bytes().substr(0, 150)), "oculus_interfaces/Ping"),
+      HasSubstr("ping_data: the sonar's own message has 156 bytes, of which 150 are there"));
   EXPECT_THAT(refusal(Ping(Wire::kCdrLittle, {.bytes_per_sample = 5}, ""), "oculus_interfaces/Ping"),
               HasSubstr("of 5 bytes, expected"));
   EXPECT_THAT(refusal(Ping(Wire::kCdrLittle, {.bearing_centideg = {1, 2}}, ""), "oculus_interfaces/Ping"),
