@@ -1,7 +1,6 @@
-// Takes the place of ros1_bag.cc, ros1_bag_writer.cc and ros2_bag.cc in a build without SONARCAL_WITH_ROS.
+// Takes the place of ros1_bag.cc and ros2_bag.cc in a build without SONARCAL_WITH_ROS.
 #include "core/types/error.h"
 #include "data_io/ros/ros1_bag.h"
-#include "data_io/ros/ros1_bag_writer.h"
 #include "data_io/ros/ros2_bag.h"
 
 namespace sonarcal::data_io {
@@ -21,11 +20,6 @@ std::unique_ptr<Bag> OpenRos1Bag(const std::filesystem::path& file) {
 
 std::unique_ptr<Bag> OpenRos2Bag(const std::vector<std::filesystem::path>& files) {
   Refuse(files.front());
-}
-
-void WriteRos1Bag(const RecordingSource&, const std::filesystem::path& file,
-                  const std::function<void(int)>&) {
-  Refuse(file);
 }
 
 }  // namespace sonarcal::data_io

@@ -12,13 +12,13 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/bag_trajectory.h"
+#include "data_io/bag_writers/ros1_bag_writer.h"
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/pictures/fan_pictures.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recordings/npz_writer.h"
 #include "data_io/ros/bag_recording.h"
-#include "data_io/ros/ros1_bag_writer.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal::data_io {

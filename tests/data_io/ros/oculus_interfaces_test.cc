@@ -13,6 +13,7 @@
 #include "tests/data_io/made_up_ping.h"
 #include "tests/data_io/message_writer.h"
 #include "tests/data_io/refusal.h"
+#include "tests/support/recordings.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -126,6 +127,14 @@ TEST_F(OculusInterfacesTest, AStampedPingIsReadFromTheSonarsOwnMessage) {
                                      Wire::kRos1)),
                 ping);
   }
+}
+
+// Real messages that a driver sent without a sonar: all fields are 0, and there is no data.
+TEST(OculusInterfacesSample, RealStampedPingsWithoutDataAreRefused) {
+  SONARCAL_NEEDS_RECORDING(path, "ros2_oculus_db3/rosbag2_2022_11_18-23_20_16_0.db3");
+  EXPECT_EQ(Bag::Open(path)->topics().at(2).count, 17U);
+  EXPECT_THAT(testing::RefusalOf(path),
+              HasSubstr("/topic: message 0: data has 0 bytes, expected the sonar's own message"));
 }
 
 TEST_F(OculusInterfacesTest, LeftAndRightCanBeExchanged) {
