@@ -4,7 +4,9 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -21,6 +23,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
+#include "apps/cli/scene_option.h"
 #include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
 #include "apps/export/simulator_configs.h"
@@ -28,27 +31,41 @@
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "core/types/words.h"
+#include "data_io/bag_writers/mcap_recording_writer.h"
+#include "data_io/bag_writers/ros1_bag_writer.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pictures/fan_pictures.h"
 #include "data_io/recordings/npz_writer.h"
 #include "data_io/recordings/selected_frames.h"
-#include "data_io/ros/ros1_bag_writer.h"
+#include "data_io/scenes/cad_io.h"
 
 namespace sonarcal::commands {
 namespace {
 
-enum class ExportTarget { kDave, kHoloOcean, kStonefish, kOceanSim, kGazebo, kRos1Bag, kNpz, kPng, kMp4 };
+enum class ExportTarget {
+  kDave,
+  kHoloOcean,
+  kStonefish,
+  kOceanSim,
+  kGazebo,
+  kRos1Bag,
+  kMcap,
+  kNpz,
+  kPng,
+  kMp4
+};
 constexpr auto WordsOf(std::type_identity<ExportTarget>) {
-  return Words<ExportTarget, 9>{{{"dave", ExportTarget::kDave},
-                                 {"holoocean", ExportTarget::kHoloOcean},
-                                 {"stonefish", ExportTarget::kStonefish},
-                                 {"oceansim", ExportTarget::kOceanSim},
-                                 {"gazebo", ExportTarget::kGazebo},
-                                 {"rosbag1", ExportTarget::kRos1Bag},
-                                 {"npz", ExportTarget::kNpz},
-                                 {"png", ExportTarget::kPng},
-                                 {"mp4", ExportTarget::kMp4}}};
+  return Words<ExportTarget, 10>{{{"dave", ExportTarget::kDave},
+                                  {"holoocean", ExportTarget::kHoloOcean},
+                                  {"stonefish", ExportTarget::kStonefish},
+                                  {"oceansim", ExportTarget::kOceanSim},
+                                  {"gazebo", ExportTarget::kGazebo},
+                                  {"rosbag1", ExportTarget::kRos1Bag},
+                                  {"mcap", ExportTarget::kMcap},
+                                  {"npz", ExportTarget::kNpz},
+                                  {"png", ExportTarget::kPng},
+                                  {"mp4", ExportTarget::kMp4}}};
 }
 
 struct ExportOptions {
@@ -62,7 +79,9 @@ struct ExportOptions {
   // For a recording:
   std::filesystem::path recording;
   cli::BagArguments bag;
-  FrameList frames;           // empty: all
+  FrameList frames;             // empty: all
+  std::filesystem::path scene;  // of an MCAP file; empty: that of the recording
+  cli::SceneFormat scene_format;
   int height_px = 0;          // height of pictures; 0: one pixel per range bin, at most 800
   double frames_per_s = 0.0;  // frame rate of a video; 0: as recorded
 };
@@ -107,8 +126,10 @@ void CheckOptions(const ExportOptions& options) {
     refuse(!options.params.empty(), "--params", "simulators");
     refuse(!options.sonar.empty(), "--sonar", "simulators");
   }
-  const bool draws = options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4;
-  if (!draws) refuse(options.height_px != 0, "--height", "png and mp4");
+  const bool draws = options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4 ||
+                     options.to == ExportTarget::kMcap;
+  if (!draws) refuse(options.height_px != 0, "--height", "mcap, png and mp4");
+  if (options.to != ExportTarget::kMcap) refuse(!options.scene.empty(), "--scene", "mcap");
   if (options.to != ExportTarget::kPng) refuse(options.common.force, "--force", "png");
   if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
   if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
@@ -122,16 +143,19 @@ void CheckOptions(const ExportOptions& options) {
 }
 
 Json Configuration(const ExportOptions& options) {
-  return {{"to", Word(options.to)},
-          {"out", options.out.string()},
-          {"params", options.params.string()},
-          {"sonar", options.sonar},
-          {"absorption", ToString(options.rays.absorption)},
-          {"recording", options.recording.string()},
-          {"topic", options.bag.bag.topic},
-          {"frames", options.frames.Text()},
-          {"height_px", options.height_px},
-          {"frames_per_s", options.frames_per_s}};
+  Json configuration = {{"to", Word(options.to)},
+                        {"out", options.out.string()},
+                        {"params", options.params.string()},
+                        {"sonar", options.sonar},
+                        {"absorption", ToString(options.rays.absorption)},
+                        {"recording", options.recording.string()},
+                        {"topic", options.bag.bag.topic},
+                        {"frames", options.frames.Text()},
+                        {"height_px", options.height_px},
+                        {"frames_per_s", options.frames_per_s},
+                        {"scene", options.scene.string()}};
+  configuration.update(cli::SceneFormatJson(options.scene_format));
+  return configuration;
 }
 
 // Folder of --out.
@@ -216,7 +240,7 @@ cli::ExitStatus ExportConfiguration(const ExportOptions& options, const Simulato
 
 // Prints which properties of a recording a bag cannot hold.
 void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
-  if (options.to != ExportTarget::kRos1Bag) return;
+  if (options.to != ExportTarget::kRos1Bag && options.to != ExportTarget::kMcap) return;
   std::vector<std::string> lost;
   if (info.water) lost.emplace_back("the water");
   if (info.scale.db_min || info.scale.db_span) lost.emplace_back("the dB scale");
@@ -226,7 +250,34 @@ void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
   }
   if (info.valid) lost.emplace_back("which samples hold no measurement");
   if (info.synthetic) lost.emplace_back("that the recording is synthetic");
-  if (!lost.empty()) cli::PrintNote(options.common, fmt::format("not in a bag: {}", fmt::join(lost, ", ")));
+  const char* where =
+      options.to == ExportTarget::kMcap ? "not in the messages, only in the metadata" : "not in a bag";
+  if (!lost.empty()) cli::PrintNote(options.common, fmt::format("{}: {}", where, fmt::join(lost, ", ")));
+}
+
+// Scene of an MCAP file: --scene, or that of the recording, which may be absent.
+std::optional<Scene> SceneOf(const ExportOptions& options, const RecordingInfo& info) {
+  if (!options.scene.empty()) return cli::ReadSceneFile(options.scene, options.scene_format, options.common);
+  if (!info.scene_path) return std::nullopt;
+  try {
+    Scene scene = data_io::ReadScene(*info.scene_path);
+    if (scene.triangles.size() <= data_io::kMaxMcapSceneTriangles) return scene;
+    throw DataError("{}: {} triangles, expected at most {}", *info.scene_path, scene.triangles.size(),
+                    data_io::kMaxMcapSceneTriangles);
+  } catch (const DataError& error) {
+    cli::PrintNote(options.common, fmt::format("the file has no scene: {}", error.what()));
+    return std::nullopt;
+  }
+}
+
+void WriteMcap(const ExportOptions& options, const RecordingSource& recording, const fs::path& file,
+               const std::function<void(int)>& advance) {
+  const std::optional<Scene> scene = SceneOf(options, recording.info());
+  if (recording.info().scale.quantity != Quantity::kGrey)
+    cli::PrintNote(options.common, "no fan pictures: only grey values are drawn as a fan");
+  data_io::WriteMcapRecording(recording,
+                              {.scene = scene ? &*scene : nullptr, .fan_height_px = options.height_px},
+                              fmt::format("sonarcal {}", SONARCAL_VERSION), file, advance);
 }
 
 cli::ExitStatus ExportRecording(const ExportOptions& options) {
@@ -235,6 +286,7 @@ cli::ExitStatus ExportRecording(const ExportOptions& options) {
   NoteWhatIsLost(options, recording->info());
   std::vector<fs::path> inputs = {options.recording};
   if (!options.bag.picture_geometry.empty()) inputs.push_back(options.bag.picture_geometry);
+  if (!options.scene.empty()) inputs.push_back(options.scene);
   const cli::Provenance provenance{
       .command = "export", .configuration = Configuration(options), .inputs = inputs};
 
@@ -245,6 +297,8 @@ cli::ExitStatus ExportRecording(const ExportOptions& options) {
   const auto advance = [&](int frames_done) { progress.Update(frames_done); };
   if (options.to == ExportTarget::kRos1Bag) {
     data_io::WriteRos1Bag(*recording, file, advance);
+  } else if (options.to == ExportTarget::kMcap) {
+    WriteMcap(options, *recording, file, advance);
   } else if (options.to == ExportTarget::kNpz) {
     data_io::WriteNpz(*recording, file, advance);
   } else {
@@ -312,6 +366,8 @@ void SetupExport(CLI::App& app) {
       ->type_name("REC");
   cli::AddBagOptions(*command, options->bag);
   cli::AddFrames(*command, options->frames, "Frames to export");
+  cli::AddSceneOptions(*command, options->scene, options->scene_format,
+                       "Scene to write into an MCAP file (default: that of the recording)", false);
   command
       ->add_option("--height", options->height_px,
                    "Height of pictures, pixels (default: one per range bin, at most 800)")

@@ -15,6 +15,8 @@
 //                        indices, u64 their length, string compression, u64 packed size, u64 inflated size
 //   11    statistics     u64 messages, u16 schemas, u32 channels, u32 attachments, u32 metadata, u32 chunks,
 //                        u64 start, u64 end, map of messages by channel
+//   12    metadata       string name, map of string to string
+//   13    metadata index u64 position, u64 length and string name of a metadata record
 //   14    summary offset u8 kind, u64 position and u64 length of the summary's records of this kind
 //   15    end of data    u32 CRC of all bytes before it
 //
@@ -45,6 +47,8 @@ enum class McapKind : std::uint8_t {
   kMessageIndex = 7,
   kChunkIndex = 8,
   kStatistics = 11,
+  kMetadata = 12,
+  kMetadataIndex = 13,
   kSummaryOffset = 14,
   kDataEnd = 15,
 };

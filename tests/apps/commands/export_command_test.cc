@@ -82,7 +82,7 @@ TEST_F(ExportCommandTest, ARecordingGivesTheSonar) {
 }
 
 TEST_F(ExportCommandTest, ExportedRecordingsReadBackInEveryFormat) {
-  for (const char* name : {"a.bag", "a.npz", "a.mp4", "fans"}) {
+  for (const char* name : {"a.bag", "a.npz", "a.mp4", "a.mcap", "fans"}) {
     const std::string to = std::string(name) == "a.bag"  ? "rosbag1"
                            : std::string(name) == "fans" ? "png"
                                                          : std::string(name).substr(2);
@@ -99,6 +99,17 @@ TEST_F(ExportCommandTest, ExportedRecordingsReadBackInEveryFormat) {
   EXPECT_TRUE(std::filesystem::exists(dir_ / "fans" / "provenance.json"));
 }
 
+TEST_F(ExportCommandTest, AnMcapFileHoldsTheGivenScene) {
+  testing::WriteFile(dir_ / "s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl floor\nf 1 2 3\n");
+  const std::string arguments = "--to mcap --recording " + Quoted(dir_ / "rec") + Out("a.mcap");
+  const Outcome outcome = Export(arguments + " --scene " + Quoted(dir_ / "s.obj") + " --scene-unit m");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err,
+              HasSubstr("not in the messages, only in the metadata: that the recording is synthetic"));
+  const Outcome inspected = RunSonarcal("inspect " + Quoted(dir_ / "a.mcap"));
+  EXPECT_THAT(inspected.out, HasSubstr("visualization_msgs/MarkerArray, 1 message"));
+}
+
 TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
   const std::string params = " --params " + Quoted(dir_ / "p.json");
   const std::string recording = " --recording " + Quoted(dir_ / "rec");
@@ -112,6 +123,7 @@ TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
       {"--to dave --sonar p900-45" + params + recording + Out("x"), 2, "needs either --sonar or --recording"},
       {"--to npz" + Out("x"), 2, "--to npz needs --recording"},
       {"--to npz" + params + recording + Out("x"), 2, "--params is given with --to npz"},
+      {"--to npz --scene x.gltf" + recording + Out("x"), 2, "--scene is given with --to npz"},
       {"--to npz --fps 3" + recording + Out("x"), 2, "--fps is given with --to npz"},
       {"--to mp4" + recording + Out("x.avi"), 2, "ends in .mp4"},
       {"--to word" + recording + Out("x"), 2, "expected dave|holoocean"},
