@@ -51,6 +51,10 @@ class Bag {
   virtual const std::vector<BagTopic>& topics() const = 0;
   virtual const std::vector<std::string>& notes() const = 0;  // omitted parts of the bag, one sentence each
 
+  // recording.json without frames, which the writers of data_io/bag_writers store beside the messages; empty
+  // if the bag has none.
+  virtual std::string recording_json() const { return {}; }
+
   // Messages of topics()[topic], in order of their time of recording.
   virtual std::vector<BagMessage> Messages(std::size_t topic) const = 0;
 

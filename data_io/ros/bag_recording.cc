@@ -1,12 +1,16 @@
 #include "data_io/ros/bag_recording.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/json/json_reader.h"
+#include "data_io/ros/mcap_bag.h"
 #include "data_io/ros/ros_messages.h"
+#include "data_io/ros/sonar_info.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -91,7 +95,10 @@ class BagRecording final : public RecordingSource {
     if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       throw DataError("{}: {} messages, expected an int's", info_.source, messages_.size());
     info_.format = fmt::format("{}, {}", bag_->format(), topic_.type);
-    NoteBag(DescribeFirst());
+    const std::vector<std::byte> first = DescribeFirst();
+    ReadSonarInfos();
+    ReadOrigin();
+    NoteBag(first);
   }
 
   const RecordingInfo& info() const override { return info_; }
@@ -103,8 +110,10 @@ class BagRecording final : public RecordingSource {
 
   Frame ReadFrame(int index) const override {
     const std::vector<std::byte> bytes = bag_->Read(messages_.at(index));
-    return {InfoOf(index, bytes),
-            DecodeSonarMessage(topic_.type, bytes, topic_.encoding, Where(index), options_)};
+    Frame frame{InfoOf(index, bytes),
+                DecodeSonarMessage(topic_.type, bytes, topic_.encoding, Where(index), options_)};
+    if (const SonarInfo* sonar = SonarInfoAt(TimeNs(index, bytes))) Apply(*sonar, frame.image);
+    return frame;
   }
 
  private:
@@ -117,11 +126,74 @@ class BagRecording final : public RecordingSource {
     return ReadStampNs(stream);
   }
 
-  FrameInfo InfoOf(int index, std::span<const std::byte> bytes) const {
+  std::int64_t TimeNs(int index, std::span<const std::byte> bytes) const {
     const std::int64_t stamp_ns = StampNs(index, bytes);
-    return {fmt::format("frame {}", index),
-            SecondsOfNs(stamp_ns == 0 ? messages_.at(index).log_time_ns : stamp_ns), std::nullopt,
-            info_.settings};
+    return stamp_ns == 0 ? messages_.at(index).log_time_ns : stamp_ns;
+  }
+
+  FrameInfo InfoOf(int index, std::span<const std::byte> bytes) const {
+    const std::int64_t time_ns = TimeNs(index, bytes);
+    const SonarInfo* sonar = SonarInfoAt(time_ns);
+    return {fmt::format("frame {}", index), SecondsOfNs(time_ns), std::nullopt,
+            sonar == nullptr ? settings_ : SettingsWith(*sonar, message_scale_, settings_)};
+  }
+
+  // Last message of SonarInfo at or before this time, otherwise the first one; nullptr if there is none.
+  const SonarInfo* SonarInfoAt(std::int64_t time_ns) const {
+    const auto after = std::ranges::upper_bound(sonar_infos_, time_ns, {}, &SonarInfo::stamp_ns);
+    if (after == sonar_infos_.end() && sonar_infos_.empty()) return nullptr;
+    return after == sonar_infos_.begin() ? &*after : &*std::prev(after);
+  }
+
+  // Index of the topic of SonarInfo that belongs to the sonar: the only one, or that beside the sonar's.
+  std::optional<std::size_t> FindSonarInfoTopic() {
+    const auto parent = [](const std::string& name) { return name.substr(0, name.rfind('/') + 1); };
+    std::vector<std::size_t> all;
+    std::vector<std::size_t> beside;
+    for (std::size_t i = 0; i < bag_->topics().size(); ++i) {
+      const BagTopic& topic = bag_->topics()[i];
+      if (topic.type != kSonarInfoType || topic.count == 0) continue;
+      all.push_back(i);
+      if (parent(topic.name) == parent(topic_.name)) beside.push_back(i);
+    }
+    if (all.size() == 1) return all.front();
+    if (beside.size() == 1) return beside.front();
+    if (!all.empty()) {
+      info_.notes.push_back(fmt::format(
+          "{} topics of SonarInfo are in the bag, none of them alone beside the sonar's: they were ignored.",
+          all.size()));
+    }
+    return std::nullopt;
+  }
+
+  // Keeps the messages that state something new.
+  void ReadSonarInfos() {
+    settings_ = info_.settings;
+    message_scale_ = info_.scale;
+    const std::optional<std::size_t> index = FindSonarInfoTopic();
+    if (!index) return;
+    const BagTopic& topic = bag_->topics()[*index];
+    int damaged = 0;
+    const std::vector<BagMessage> messages = bag_->Messages(*index);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const std::string where = fmt::format("{}: {}: message {}", info_.source, Printable(topic.name), i);
+      try {
+        SonarInfo sonar = ReadSonarInfo(bag_->Read(messages[i]), topic.encoding, where);
+        if (sonar.stamp_ns == 0) sonar.stamp_ns = messages[i].log_time_ns;
+        if (sonar_infos_.empty() || !SaysTheSame(sonar, sonar_infos_.back()))
+          sonar_infos_.push_back(std::move(sonar));
+      } catch (const DataError& error) {
+        if (++damaged == 1) info_.notes.push_back(fmt::format("SonarInfo was left out: {}.", error.what()));
+      }
+    }
+    std::ranges::stable_sort(sonar_infos_, {}, &SonarInfo::stamp_ns);
+    if (sonar_infos_.empty()) return;
+    Describe(sonar_infos_.front(), info_);
+    if (sonar_infos_.size() > 1) {
+      info_.notes.push_back(
+          fmt::format("SonarInfo has {} versions, each for a part of the frames: settings and scale differ.",
+                      sonar_infos_.size()));
+    }
   }
 
   // Describes the sonar from the first message that can be read, so that one damaged message does not hide
@@ -147,6 +219,20 @@ class BagRecording final : public RecordingSource {
     throw DataError("{}", of_first);
   }
 
+  // A simulation stays one, whatever file it is in.
+  void ReadOrigin() {
+    const std::string text = bag_->recording_json();
+    if (text.empty()) return;
+    try {
+      const std::string where = fmt::format("{}: {}", info_.source, kRecordingJsonKey);
+      const JsonReader json = JsonReader::FromText(text, where);
+      const auto synthetic = json.Find("synthetic");
+      info_.synthetic = synthetic && synthetic->Bool();
+    } catch (const DataError& error) {
+      info_.notes.push_back(fmt::format("The metadata of the recording were left out: {}.", error.what()));
+    }
+  }
+
   void NoteBag(std::span<const std::byte> first) {
     info_.details.emplace_back("topic", Printable(topic_.name));
     for (const BagTopic& topic : bag_->topics()) {
@@ -169,6 +255,10 @@ class BagRecording final : public RecordingSource {
   BagTopic topic_;
   std::vector<BagMessage> messages_;
   RecordingInfo info_;
+  std::vector<SonarInfo> sonar_infos_;  // by time
+  // Settings and scale as the sonar's own messages state them.
+  SonarSettings settings_;
+  ImageScale message_scale_;
 };
 
 }  // namespace

@@ -38,6 +38,7 @@ class McapBag final : public Bag {
   std::string format() const override { return "MCAP"; }
   const std::vector<BagTopic>& topics() const override { return topics_; }
   const std::vector<std::string>& notes() const override { return notes_; }
+  std::string recording_json() const override { return recording_json_; }
   std::vector<BagMessage> Messages(std::size_t topic) const override { return messages_.at(topic); }
 
   std::vector<std::byte> Read(const BagMessage& message, std::uint64_t wanted_bytes) const override {
@@ -58,6 +59,10 @@ class McapBag final : public Bag {
   void Index(std::size_t file) {
     McapFile& mcap = *files_[file];
     notes_.insert(notes_.end(), mcap.notes().begin(), mcap.notes().end());
+    if (const auto record = mcap.metadata().find(kRecordingMetadata); record != mcap.metadata().end()) {
+      const auto text = record->second.find(kRecordingJsonKey);
+      if (text != record->second.end()) recording_json_ = text->second;
+    }
     const std::map<std::uint16_t, std::vector<McapMessage>> by_channel = mcap.TakeMessages();
     for (const auto& [id, channel] : mcap.channels()) {
       const auto encoding = EncodingOf(channel.message_encoding);
@@ -93,6 +98,7 @@ class McapBag final : public Bag {
   std::vector<BagTopic> topics_;
   std::vector<std::vector<BagMessage>> messages_;  // per topic
   std::vector<std::string> notes_;
+  std::string recording_json_;
 };
 
 }  // namespace

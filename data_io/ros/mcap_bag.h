@@ -14,6 +14,10 @@
 
 namespace sonarcal::data_io {
 
+// Record of metadata and its key that hold recording.json.
+inline constexpr const char* kRecordingMetadata = "recording";
+inline constexpr const char* kRecordingJsonKey = "recording.json";
+
 // Throws DataError for a file of another version, and a file that cannot be read.
 std::unique_ptr<Bag> OpenMcapBag(const std::vector<std::filesystem::path>& files);
 

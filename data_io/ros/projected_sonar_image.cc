@@ -225,9 +225,8 @@ void Describe(const ProjectedSonarImage& message, const std::string& where,
   sonar.elevation_beam_width_deg = MeanDeg(message.tx_beam_width_rad);
   info.scale = ScaleOf(message, where);
   info.details.emplace_back("samples", TypeOf(message, where).name);
-  info.notes.emplace_back("Neither gain, TVG, dB scale nor water is recorded.");
-  if (info.scale.quantity == Quantity::kPower)
-    info.notes.emplace_back("The quantity of the samples is not recorded; floats are read as linear power.");
+  info.notes.emplace_back(kNoSettingsRecorded);
+  if (info.scale.quantity == Quantity::kPower) info.notes.emplace_back(kFloatsAreTakenAsPower);
   NoteOrder(message, where, options, info);
   if (LookAlongX(message)) {
     info.notes.emplace_back(
