@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,10 +35,12 @@
 #include "core/types/words.h"
 #include "data_io/bag_writers/mcap_recording_writer.h"
 #include "data_io/bag_writers/ros1_bag_writer.h"
+#include "data_io/files/hash.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pictures/fan_pictures.h"
 #include "data_io/recordings/npz_writer.h"
+#include "data_io/recordings/recalibrated_recording.h"
 #include "data_io/recordings/selected_frames.h"
 #include "data_io/scenes/cad_io.h"
 
@@ -123,8 +127,10 @@ void CheckOptions(const ExportOptions& options) {
     refuse(!options.frames.empty(), "--frames", "recordings");
   } else {
     if (options.recording.empty()) throw UsageError("--to {} needs --recording, which is exported", to);
-    refuse(!options.params.empty(), "--params", "simulators");
-    refuse(!options.sonar.empty(), "--sonar", "simulators");
+    if (options.to != ExportTarget::kMcap) {
+      refuse(!options.params.empty(), "--params", "simulators and mcap");
+      refuse(!options.sonar.empty(), "--sonar", "simulators and mcap");
+    }
   }
   const bool draws = options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4 ||
                      options.to == ExportTarget::kMcap;
@@ -241,17 +247,18 @@ cli::ExitStatus ExportConfiguration(const ExportOptions& options, const Simulato
 // Prints which properties of a recording a bag cannot hold.
 void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
   if (options.to != ExportTarget::kRos1Bag && options.to != ExportTarget::kMcap) return;
+  const bool is_mcap = options.to == ExportTarget::kMcap;
   std::vector<std::string> lost;
   if (info.water) lost.emplace_back("the water");
-  if (info.scale.db_min || info.scale.db_span) lost.emplace_back("the dB scale");
+  // SonarInfo states the dB scale of an MCAP file, and its metadata state the origin.
+  if (!is_mcap && (info.scale.db_min || info.scale.db_span)) lost.emplace_back("the dB scale");
   if (info.scale.quantity == Quantity::kGrey && info.scale.full_scale != 255.0 &&
       info.scale.full_scale != 65535.0) {
     lost.push_back(fmt::format("that {:g} is full scale", info.scale.full_scale));
   }
   if (info.valid) lost.emplace_back("which samples hold no measurement");
-  if (info.synthetic) lost.emplace_back("that the recording is synthetic");
-  const char* where =
-      options.to == ExportTarget::kMcap ? "not in the messages, only in the metadata" : "not in a bag";
+  if (!is_mcap && info.synthetic) lost.emplace_back("that the recording is synthetic");
+  const char* where = is_mcap ? "not in the messages, only in the metadata" : "not in a bag";
   if (!lost.empty()) cli::PrintNote(options.common, fmt::format("{}: {}", where, fmt::join(lost, ", ")));
 }
 
@@ -270,23 +277,51 @@ std::optional<Scene> SceneOf(const ExportOptions& options, const RecordingInfo& 
   }
 }
 
+// Calibration of an MCAP file: --params, identified by its name and hash.
+std::optional<data_io::SonarCalibration> CalibrationOf(const ExportOptions& options,
+                                                       const RecordingInfo& info) {
+  if (options.params.empty()) return std::nullopt;
+  data_io::SonarCalibration calibration{.parameters = data_io::ReadParameters(options.params),
+                                        .reference = {}};
+  const workflow::WaterChoice water = workflow::ChooseWater(calibration.parameters, info.water);
+  if (!water.note.empty()) cli::PrintNote(options.common, water.note);
+  calibration.absorption_db_per_m =
+      info.sonar.frequency_hz > 0.0
+          ? sim::AbsorptionDbPerM(options.rays.absorption, info.sonar.frequency_hz, water.water)
+          : std::numeric_limits<double>::quiet_NaN();
+  constexpr std::size_t kShownDigits = 16;
+  calibration.reference = fmt::format("{} sha256:{}", options.params.filename().string(),
+                                      data_io::Sha256OfFile(options.params).substr(0, kShownDigits));
+  const auto written = std::chrono::file_clock::to_sys(fs::last_write_time(options.params));
+  calibration.time_ns =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(written.time_since_epoch()).count();
+  return calibration;
+}
+
 void WriteMcap(const ExportOptions& options, const RecordingSource& recording, const fs::path& file,
                const std::function<void(int)>& advance) {
   const std::optional<Scene> scene = SceneOf(options, recording.info());
   if (recording.info().scale.quantity != Quantity::kGrey)
     cli::PrintNote(options.common, "no fan pictures: only grey values are drawn as a fan");
   data_io::WriteMcapRecording(recording,
-                              {.scene = scene ? &*scene : nullptr, .fan_height_px = options.height_px},
+                              {.scene = scene ? &*scene : nullptr,
+                               .fan_height_px = options.height_px,
+                               .calibration = CalibrationOf(options, recording.info())},
                               fmt::format("sonarcal {}", SONARCAL_VERSION), file, advance);
 }
 
 cli::ExitStatus ExportRecording(const ExportOptions& options) {
   std::unique_ptr<RecordingSource> recording = cli::OpenWithBagOptions(options.recording, options.bag);
   recording = data_io::SelectFrames(std::move(recording), options.frames);
+  if (!options.sonar.empty()) {
+    recording = std::make_unique<data_io::RecalibratedRecording>(std::move(recording),
+                                                                 workflow::ChooseSonar(options.sonar).sonar);
+  }
   NoteWhatIsLost(options, recording->info());
   std::vector<fs::path> inputs = {options.recording};
   if (!options.bag.picture_geometry.empty()) inputs.push_back(options.bag.picture_geometry);
   if (!options.scene.empty()) inputs.push_back(options.scene);
+  if (!options.params.empty()) inputs.push_back(options.params);
   const cli::Provenance provenance{
       .command = "export", .configuration = Configuration(options), .inputs = inputs};
 
@@ -357,8 +392,12 @@ void SetupExport(CLI::App& app) {
                     "File to write (a folder for png); an account of the export is written beside it as JSON")
       ->type_name("FILE")
       ->required();
-  command->add_option("--params", options->params, "Parameters to export to a simulator")->type_name("JSON");
-  cli::AddSonar(*command, options->sonar, " (for the configuration of a simulator)");
+  command
+      ->add_option("--params", options->params,
+                   "Parameters to export to a simulator, or into an MCAP file as SonarInfo")
+      ->type_name("JSON");
+  cli::AddSonar(*command, options->sonar,
+                " (for the configuration of a simulator, or in place of the recording's in an MCAP file)");
   cli::AddOptionNamed(*command, options->rays, "absorption");
   command
       ->add_option("--recording", options->recording,

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -17,6 +18,7 @@
 #include "data_io/mcap/mcap_writer.h"
 #include "data_io/pictures/fan_pictures.h"
 #include "data_io/recordings/recording_json.h"
+#include "data_io/ros/mcap_bag.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -59,8 +61,8 @@ void Add(MessageBuilder& message, const Colour& colour) {
 void Add(MessageBuilder& message, const Marker& marker) {
   const bool is_one_colour = marker.colours.size() == 1;
   message.Header(0, 0, marker.frame).Text(marker.name).Number(std::int32_t{marker.id});
-  message.Number(static_cast<std::int32_t>(marker.shape)).Number(std::int32_t{0});        // add
-  for (const double value : {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}) message.Number(value);    // pose
+  message.Number(static_cast<std::int32_t>(marker.shape)).Number(std::int32_t{0});       // add
+  for (const double value : {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}) message.Number(value);  // pose
   for (int axis = 0; axis < 3; ++axis) message.Number(marker.size_m);
   Add(message, is_one_colour ? marker.colours.front() : Colour{});
   message.Time(0).Number(std::uint8_t{1});  // lifetime without an end, moves with its frame
@@ -72,7 +74,7 @@ void Add(MessageBuilder& message, const Marker& marker) {
   if (!is_one_colour) {
     for (const Colour& colour : marker.colours) Add(message, colour);
   }
-  message.Text("").Header(0, 0, "").Text("").Count(0).Count(0);  // texture and its coordinates
+  message.Text("").Header(0, 0, "").Text("").Count(0).Count(0);         // texture and its coordinates
   message.Text("").Text("").Text("").Count(0).Number(std::uint8_t{0});  // text and meshes
 }
 
@@ -92,8 +94,8 @@ float Brightness(const Eigen::Vector3d& normal) {
 
 std::vector<Marker> SceneMarkers(const Scene& scene) {
   if (scene.triangles.size() > kMaxMcapSceneTriangles) {
-    throw DataError("the scene has {} triangles, expected at most {} for an MCAP file", scene.triangles.size(),
-                    kMaxMcapSceneTriangles);
+    throw DataError("the scene has {} triangles, expected at most {} for an MCAP file",
+                    scene.triangles.size(), kMaxMcapSceneTriangles);
   }
   std::vector<Marker> markers;
   for (std::size_t material = 0; material < scene.material_names.size(); ++material) {
@@ -147,7 +149,9 @@ Marker FieldOfView(const PolarAxes& axes) {
 
 std::string PictureMessage(int rows, int cols, SampleType type, const std::string& samples,
                            std::int64_t stamp_ns) {
-  const char* encoding = type == SampleType::kByte ? "mono8" : type == SampleType::kShort ? "mono16" : "32FC1";
+  const char* encoding = type == SampleType::kByte    ? "mono8"
+                         : type == SampleType::kShort ? "mono16"
+                                                      : "32FC1";
   MessageBuilder message(kCdr);
   message.Header(0, stamp_ns, kSonarFrame);
   message.Number(static_cast<std::uint32_t>(rows)).Number(static_cast<std::uint32_t>(cols));
@@ -222,6 +226,28 @@ void WriteFrame(const Frame& frame, const RecordingInfo& info, const FrameTimes&
   topics.Write("/tf", "tf2_msgs/TFMessage", logged_ns, TransformMessage(pose, logged_ns));
 }
 
+// Writes SonarInfo with the first frame, if it changes, and again and again, so that each part of a split
+// recording has one.
+class SonarInfoWriter {
+ public:
+  SonarInfoWriter(const RecordingInfo& info, const std::optional<SonarCalibration>& calibration)
+      : info_(info), calibration_(calibration) {}
+
+  void Write(const FrameInfo& frame, std::int64_t logged_ns, Topics& topics) {
+    constexpr std::int64_t kHeartbeatNs = 10 * kNsPerS;
+    SonarInfo sonar = SonarInfoOf(info_, frame.settings, calibration_);
+    sonar.stamp_ns = logged_ns;
+    if (last_ && SaysTheSame(sonar, *last_) && std::abs(logged_ns - last_->stamp_ns) < kHeartbeatNs) return;
+    topics.Write(kSonarInfoTopic, kSonarInfoType, logged_ns, SonarInfoMessage(kCdr, sonar));
+    last_ = std::move(sonar);
+  }
+
+ private:
+  const RecordingInfo& info_;
+  const std::optional<SonarCalibration>& calibration_;
+  std::optional<SonarInfo> last_;
+};
+
 std::string RecordingText(const RecordingInfo& info) {
   const int bits = info.scale.quantity != Quantity::kGrey ? 32 : info.scale.full_scale > 255.0 ? 16 : 8;
   return RecordingJson({.info = info, .bits = bits, .frames = {}}, "/").dump();
@@ -239,6 +265,7 @@ void WriteMcapRecording(const RecordingSource& recording, const McapRecordingOpt
     painter.emplace(info, FanOptions{.height_px = options.fan_height_px});
   McapWriter writer(file, "ros2", library);
   Topics topics(writer);
+  SonarInfoWriter sonar_info(info, options.calibration);
   for (int i = 0; i < recording.frame_count(); ++i) {
     const Frame frame = recording.ReadFrame(i);
     std::string why;
@@ -255,10 +282,11 @@ void WriteMcapRecording(const RecordingSource& recording, const McapRecordingOpt
                      MarkerArray({FieldOfView(info.sonar.axes)}));
       }
     }
+    sonar_info.Write(frame.info, at.logged_ns, topics);
     WriteFrame(frame, info, at, painter ? &*painter : nullptr, topics);
     if (progress) progress(i + 1);
   }
-  writer.AddMetadata("recording", {{"recording.json", RecordingText(info)}});
+  writer.AddMetadata(kRecordingMetadata, {{kRecordingJsonKey, RecordingText(info)}});
   writer.Close();
 }
 

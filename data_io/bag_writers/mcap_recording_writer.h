@@ -7,6 +7,8 @@
 //   /sonar/pose           geometry_msgs/PoseStamped
 //   /tf                   tf2_msgs/TFMessage: the same pose
 //   /sonar/field_of_view  visualization_msgs/MarkerArray: outline of the fan, in the frame of the sonar
+//   /sonar/sonar_info     marine_interfaces/SonarInfo (data_io/bag_writers/sonar_info_message.h): with the
+//                         first frame, with each change of the settings, and every 10 s
 //   /scene                visualization_msgs/MarkerArray: triangles of a scene, one marker per material
 //
 // The record of metadata "recording" holds what the messages do not: recording.json without its frames.
@@ -15,10 +17,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "core/types/recording.h"
 #include "core/types/scene.h"
+#include "data_io/bag_writers/sonar_info_message.h"
 
 namespace sonarcal::data_io {
 
@@ -28,6 +32,7 @@ inline constexpr std::size_t kMaxMcapSceneTriangles = 2'000'000;
 struct McapRecordingOptions {
   const Scene* scene = nullptr;  // written if given
   int fan_height_px = 0;         // height of the fan pictures; 0: one pixel per range bin, at most 800
+  std::optional<SonarCalibration> calibration = {};  // written into SonarInfo
 };
 
 // Writes `file`, which must not exist, frame by frame. `library` names the writing program. Throws DataError

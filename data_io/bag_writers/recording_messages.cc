@@ -77,7 +77,8 @@ std::string ImageMessage(MessageEncoding encoding, const Frame& frame, const Son
     message.Number(0.0).Number(std::sin(azimuth_rad)).Number(std::cos(azimuth_rad));
   }
   message.Count(static_cast<std::size_t>(axes.range_bins));
-  for (int bin = 0; bin < axes.range_bins; ++bin) message.Number(static_cast<float>(axes.range_centre_m(bin)));
+  for (int bin = 0; bin < axes.range_bins; ++bin)
+    message.Number(static_cast<float>(axes.range_centre_m(bin)));
   message.Number(std::uint8_t{0});
   message.Number(static_cast<std::uint32_t>(SampleTypeOf(frame.image.scale)));
   message.Count(axes.beam_azimuth_rad.size());

@@ -27,8 +27,7 @@ constexpr Definition kDefinitions[] = {
     {"geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"},
     {"geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n"},
     {"geometry_msgs/PoseStamped", "std_msgs/Header header\ngeometry_msgs/Pose pose\n"},
-    {"geometry_msgs/Transform",
-     "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n"},
+    {"geometry_msgs/Transform", "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n"},
     {"geometry_msgs/TransformStamped",
      "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n"},
     {"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"},
@@ -46,13 +45,23 @@ constexpr Definition kDefinitions[] = {
      "visualization_msgs/UVCoordinate[] uv_coordinates\nstring text\nstring mesh_resource\n"
      "visualization_msgs/MeshFile mesh_file\nbool mesh_use_embedded_materials\n"},
     {"visualization_msgs/MarkerArray", "visualization_msgs/Marker[] markers\n"},
+    {"marine_interfaces/SonarInfo",
+     "std_msgs/Header header\nstring sonar_model\nstring calibration_ref\n"
+     "builtin_interfaces/Time calibration_time\nfloat32[] pulse_lengths\nfloat32[] bandwidths\n"
+     "uint8[] tx_signal_types\nuint8 intensity_quantity\nuint8 intensity_scale\nuint8 intensity_reference\n"
+     "float32 scale\nfloat32 offset\nuint8 tvg_model\nfloat32 tvg_absorption_db_per_km\n"
+     "float32 source_level_db\nuint8 angular_normalization\nfloat32[] angular_response_angle_deg\n"
+     "float32[] angular_response_db_rel_nadir\nuint8 angular_response_tl\n"
+     "float32 angular_response_absorption_db_per_m\nfloat32[] beam_pattern_angle_deg\n"
+     "float32[] beam_pattern_gain_db\n"},
     {"marine_acoustic_msgs/PingInfo",
      "float32 frequency\nfloat32 sound_speed\nfloat32[] tx_beamwidths\nfloat32[] rx_beamwidths\n"},
     {"marine_acoustic_msgs/SonarImageData",
      "bool is_bigendian\nuint32 dtype\nuint32 beam_count\nuint8[] data\n"},
     {"marine_acoustic_msgs/ProjectedSonarImage",
      "std_msgs/Header header\nmarine_acoustic_msgs/PingInfo ping_info\n"
-     "geometry_msgs/Vector3[] beam_directions\nfloat32[] ranges\nmarine_acoustic_msgs/SonarImageData image\n"},
+     "geometry_msgs/Vector3[] beam_directions\nfloat32[] ranges\nmarine_acoustic_msgs/SonarImageData "
+     "image\n"},
 };
 
 std::string FieldsOf(std::string_view type) {

@@ -28,6 +28,9 @@ class McapFile {
 
   const std::map<std::uint16_t, McapChannel>& channels() const { return index_.channels; }
   const std::vector<std::string>& notes() const { return index_.notes; }
+  const std::map<std::string, std::map<std::string, std::string>>& metadata() const {
+    return index_.metadata;
+  }
 
   // Messages by channel, in the order of the file. Moves them out of the object.
   std::map<std::uint16_t, std::vector<McapMessage>> TakeMessages() { return std::move(index_.messages); }

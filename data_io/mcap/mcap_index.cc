@@ -157,6 +157,8 @@ class Scan {
       case McapKind::kSchema:
       case McapKind::kChannel:
         return TakeDefinition(head);
+      case McapKind::kMetadata:
+        return TakeMetadata(head);
       case McapKind::kMessage:
         return AddMessage(heads_.At(head.content_at, kMcapMessageHeadBytes), 0, offset);
       case McapKind::kChunk:
@@ -176,14 +178,30 @@ class Scan {
     }
   }
 
-  void TakeDefinition(const RecordHead& head) {
+  // Content of a record that is held in memory.
+  std::vector<std::byte> ReadContent(const RecordHead& head, const char* what) {
     if (head.is_cut() || head.content_bytes > kMaxDefinitionBytes) {
-      throw DataError("{}: byte {}: a definition of {} bytes, of which {} are there, expected at most {}",
-                      name_, head.content_at, head.content_bytes, head.bytes_there, kMaxDefinitionBytes);
+      throw DataError("{}: byte {}: {} of {} bytes, of which {} are there, expected at most {}", name_,
+                      head.content_at, what, head.content_bytes, head.bytes_there, kMaxDefinitionBytes);
     }
-    const std::vector<std::byte> bytes =
-        ReadFileRange(file_, head.content_at, head.content_bytes, "definition");
+    return ReadFileRange(file_, head.content_at, head.content_bytes, what);
+  }
+
+  void TakeDefinition(const RecordHead& head) {
+    const std::vector<std::byte> bytes = ReadContent(head, "definition");
     Define(head.kind, {bytes, name_, head.content_at});
+  }
+
+  void TakeMetadata(const RecordHead& head) {
+    const std::vector<std::byte> bytes = ReadContent(head, "metadata");
+    McapFields fields({bytes, name_, head.content_at});
+    std::map<std::string, std::string>& pairs = index_.metadata[fields.String("name of metadata")];
+    const std::uint64_t pair_bytes = fields.U32("length of metadata");
+    const std::uint64_t begin = fields.position();
+    while (fields.position() - begin < pair_bytes) {
+      std::string key = fields.String("key of metadata");
+      pairs[std::move(key)] = fields.String("value of metadata");
+    }
   }
 
   // Records with one id are identical, so the first is kept.

@@ -49,6 +49,7 @@ struct McapIndex {
   std::map<std::uint16_t, McapChannel> channels;
   std::map<std::uint16_t, std::vector<McapMessage>> messages;  // by channel
   std::vector<McapChunk> chunks;
+  std::map<std::string, std::map<std::string, std::string>> metadata;  // pairs by name of the record
   std::vector<std::string> notes;  // damage and oddities, one sentence each
 };
 

@@ -52,8 +52,7 @@ std::string Record(McapKind kind, const Content& content) {
 }
 
 std::uint32_t Crc(std::string_view bytes, std::uint32_t crc = 0) {
-  return static_cast<std::uint32_t>(
-      crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace
@@ -107,8 +106,7 @@ void McapWriter::AddMetadata(std::string_view name, const std::map<std::string, 
   Content pairs;
   for (const auto& [key, value] : values) pairs.Text(key).Text(value);
   const std::string record = Record(McapKind::kMetadata, Content().Text(name).Text(pairs.bytes()));
-  metadata_indices_ +=
-      Record(McapKind::kMetadataIndex, Content().U64(offset_).U64(record.size()).Text(name));
+  metadata_indices_ += Record(McapKind::kMetadataIndex, Content().U64(offset_).U64(record.size()).Text(name));
   Put(record);
   ++metadata_;
 }

@@ -20,9 +20,9 @@
 namespace sonarcal::data_io {
 namespace {
 
+using testing::DecodedMessage;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::DecodedMessage;
 using Json = nlohmann::json;
 
 constexpr int kBins = 40;
@@ -103,6 +103,7 @@ TEST_F(McapRecordingWriterTest, OurReaderFindsTheSame) {
     ASSERT_EQ(read->frame_count(), 3);
     EXPECT_TRUE(read->info().sonar.axes.Matches(recording.info().sonar.axes));
     EXPECT_EQ(read->info().scale.quantity, scale.quantity);
+    EXPECT_TRUE(read->info().synthetic);
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(read->ReadFrame(i).image.value, recording.ReadFrame(i).image.value);
       EXPECT_NEAR(*read->frame_info(i).time_s, 100.25 + i, 1e-6);
@@ -124,8 +125,8 @@ TEST_F(McapRecordingWriterTest, OurReaderFindsTheSame) {
 TEST_F(McapRecordingWriterTest, AReaderOfDefinitionsFindsImageFanPoseAndScene) {
   const MemoryRecording recording = Recording(GreyUpTo(255.0));
   const Scene scene = TwoTriangles();
-  const auto mcap = testing::DecodeMcap(
-      testing::ReadFile(Write(recording, {.scene = &scene, .fan_height_px = 50})));
+  const auto mcap =
+      testing::DecodeMcap(testing::ReadFile(Write(recording, {.scene = &scene, .fan_height_px = 50})));
   EXPECT_EQ(mcap.profile, "ros2");
   const PolarImage image = recording.ReadFrame(1).image;
   const auto projected = Of(mcap, "/sonar/image");
@@ -172,6 +173,92 @@ TEST_F(McapRecordingWriterTest, AReaderOfDefinitionsFindsImageFanPoseAndScene) {
   EXPECT_EQ(about.at("synthetic"), true);
 }
 
+// The result of a calibration has a standard place, and comes back.
+TEST_F(McapRecordingWriterTest, ACalibratedSonarIsWrittenAsSonarInfo) {
+  SonarCalibration calibration{
+      .parameters = {}, .absorption_db_per_m = 0.25, .reference = "a calibration", .time_ns = 5};
+  calibration.parameters.source_level_db = 190.0;
+  calibration.parameters.display = {.db_min = 60.0, .db_max = 120.0};
+  calibration.parameters.receiver.time_varied_gain = TimeVariedGain::k40LogRAndAbsorption;
+  calibration.parameters.pulse.length_m = 0.0148;
+  for (int beam = 0; beam < kBeams; ++beam)
+    calibration.parameters.beam.sensitivity_db.push_back(-0.5 * std::abs(beam - 7.5));
+  const MemoryRecording recording = Recording(GreyUpTo(255.0), 25);
+  const auto path = Write(recording, {.calibration = calibration});
+  const auto infos = Of(testing::DecodeMcap(testing::ReadFile(path)), "/sonar/sonar_info");
+  ASSERT_EQ(infos.size(), 3U);  // at 0, 10 and 20 s
+  EXPECT_EQ(infos[0].type, "marine_interfaces/msg/SonarInfo");
+  const Json& message = infos[0].message;
+  EXPECT_EQ(message.at("header").at("frame_id"), "sonar");
+  EXPECT_EQ(message.at("sonar_model"), "made up");
+  EXPECT_EQ(message.at("calibration_ref"), "a calibration");
+  EXPECT_EQ(message.at("calibration_time").at("nanosec"), 5);
+  EXPECT_NEAR(message.at("pulse_lengths").at(0).get<double>(), 2e-5, 1e-9);
+  EXPECT_EQ(message.at("intensity_quantity"), 3);
+  EXPECT_EQ(message.at("intensity_scale"), 2);
+  EXPECT_EQ(message.at("intensity_reference"), 2);
+  EXPECT_NEAR(message.at("scale").get<double>(), 60.0 / 255.0, 1e-6);
+  EXPECT_EQ(message.at("offset"), 60.0);
+  EXPECT_EQ(message.at("tvg_model"), 3);
+  EXPECT_EQ(message.at("tvg_absorption_db_per_km"), 250.0);
+  EXPECT_EQ(message.at("source_level_db"), 190.0);
+  EXPECT_NEAR(message.at("beam_pattern_angle_deg").at(0).get<double>(), -15.0, 1e-5);
+  EXPECT_EQ(message.at("beam_pattern_gain_db").at(0), -3.75);
+  const auto read = OpenRecording(path);
+  const RecordingInfo& info = read->info();
+  EXPECT_EQ(info.sonar.name, "made up");
+  EXPECT_NEAR(*info.scale.db_min, 60.0, 1e-5);
+  EXPECT_NEAR(*info.scale.db_max, 120.0, 1e-4);
+  EXPECT_EQ(info.scale, read->ReadFrame(24).image.scale);
+  EXPECT_NEAR(*info.settings.pulse_length_us, 20.0, 1e-3);
+  EXPECT_EQ(info.settings.time_varied_gain, true);
+  EXPECT_EQ(info.settings.compression, Compression::kLogarithm);
+  EXPECT_EQ(*info.source_level_db, 190.0);
+  EXPECT_THAT(info.details,
+              ::testing::Contains(::testing::Pair("time-varied gain", "40logR, absorption 250 dB/km")));
+  EXPECT_THAT(info.notes, ::testing::Each(::testing::Not(HasSubstr("SonarInfo has"))));
+}
+
+TEST_F(McapRecordingWriterTest, UnknownValuesAreLeftOutOfSonarInfo) {
+  const auto unknown =
+      Of(testing::DecodeMcap(testing::ReadFile(Write(Recording(GreyUpTo(255.0))))), "/sonar/sonar_info");
+  ASSERT_EQ(unknown.size(), 1U);
+  const Json& message = unknown[0].message;
+  for (const char* name : {"intensity_quantity", "intensity_scale", "intensity_reference", "scale",
+                           "tvg_model", "angular_normalization", "angular_response_tl"}) {
+    EXPECT_EQ(message.at(name), 0) << name;
+  }
+  for (const char* name :
+       {"tvg_absorption_db_per_km", "source_level_db", "angular_response_absorption_db_per_m"}) {
+    EXPECT_TRUE(std::isnan(message.at(name).get<double>())) << name;
+  }
+  EXPECT_EQ(message.at("pulse_lengths"), Json::array());
+  // Levels without a source level are relative.
+  ImageScale scale = GreyUpTo(255.0);
+  scale.db_min = 40.0;
+  scale.db_max = 91.0;
+  const auto path = Write(Recording(scale));
+  const auto relative = Of(testing::DecodeMcap(testing::ReadFile(path)), "/sonar/sonar_info");
+  EXPECT_EQ(relative.at(0).message.at("intensity_reference"), 1);
+  EXPECT_NEAR(*OpenRecording(path)->info().scale.db_span, 51.0, 1e-4);
+  EXPECT_FALSE(OpenRecording(path)->info().scale.db_min);
+}
+
+TEST_F(McapRecordingWriterTest, SettingsThatChangeAreWrittenAgainAndComeBack) {
+  const MemoryRecording recording = Recording(GreyUpTo(255.0), 4);
+  std::vector<Frame> frames;
+  for (int i = 0; i < 4; ++i) {
+    frames.push_back(recording.ReadFrame(i));
+    frames.back().info.settings.pulse_length_us = i < 2 ? 10.0 : 30.0;
+  }
+  const auto read = OpenRecording(Write(MemoryRecording(recording.info(), frames)));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(*read->frame_info(i).settings.pulse_length_us, i < 2 ? 10.0 : 30.0, 1e-3);
+    EXPECT_EQ(read->ReadFrame(i).info.settings, read->frame_info(i).settings);
+  }
+  EXPECT_THAT(read->info().notes, ::testing::Contains(HasSubstr("SonarInfo has 2 versions")));
+}
+
 TEST_F(McapRecordingWriterTest, PowerHasNoFanAndRecordingsWithoutPosesHaveNone) {
   ImageScale power;
   power.quantity = Quantity::kPower;
@@ -195,7 +282,8 @@ TEST_F(McapRecordingWriterTest, RecordingsThatDoNotFitAreRefused) {
   const std::vector<Frame> frames = {recording.ReadFrame(0), recording.ReadFrame(1)};
   std::vector<Frame> late = frames;
   late[1].info.time_s = 3e9;
-  EXPECT_THAT(refusal(recording.info(), late), HasSubstr("time_s is 3e+09, expected 0 .. 2147483647 for ROS"));
+  EXPECT_THAT(refusal(recording.info(), late),
+              HasSubstr("time_s is 3e+09, expected 0 .. 2147483647 for ROS"));
   std::vector<Frame> other = frames;
   other[1].image.axes.range_max_m = 5.0;
   EXPECT_THAT(refusal(recording.info(), other), HasSubstr("frame 1 differs from that of the first frame"));
@@ -209,10 +297,9 @@ TEST_F(McapRecordingWriterTest, RecordingsThatDoNotFitAreRefused) {
   RecordingInfo info = recording.info();
   info.scale = decibel;
   EXPECT_THAT(refusal(info, levels), HasSubstr("expected grey or power"));
-  EXPECT_THAT(testing::MessageOf([&] {
-                WriteMcapRecording(recording, {}, "a test", dir_ / "absent" / "out.mcap");
-              }),
-              HasSubstr("out.mcap: cannot be written"));
+  EXPECT_THAT(
+      testing::MessageOf([&] { WriteMcapRecording(recording, {}, "a test", dir_ / "absent" / "out.mcap"); }),
+      HasSubstr("out.mcap: cannot be written"));
 }
 
 TEST(McapWriterTest, ChunksOfManyMessagesAreIndexed) {

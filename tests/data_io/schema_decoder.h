@@ -144,8 +144,8 @@ inline DecodedMcap DecodeMcap(const std::string& file) {
     std::string topic;
   };
   std::map<int, Channel> channels;
-  std::string inflated;                        // of the last chunk
-  std::map<std::size_t, char> kinds;           // of records, by their position
+  std::string inflated;               // of the last chunk
+  std::map<std::size_t, char> kinds;  // of records, by their position
   std::size_t indexed = 0;
   std::size_t at = magic.size();
   const auto take_record = [&](auto&& self, char kind, std::string_view content) -> void {
@@ -178,7 +178,8 @@ inline DecodedMcap DecodeMcap(const std::string& file) {
       Require(cursor.Text() == "zstd", "compression");
       const std::string_view packed = cursor.Bytes(cursor.Take<std::uint64_t>());
       Require(cursor.is_at_end(), "bytes behind a chunk");
-      const std::size_t size = ZSTD_decompress(inflated.data(), inflated.size(), packed.data(), packed.size());
+      const std::size_t size =
+          ZSTD_decompress(inflated.data(), inflated.size(), packed.data(), packed.size());
       Require(size == inflated.size() && CrcOf(inflated) == crc, "chunk");
       Cursor records(inflated);
       while (!records.is_at_end()) {
@@ -229,7 +230,8 @@ inline DecodedMcap DecodeMcap(const std::string& file) {
       const auto summary = cursor.Take<std::uint64_t>();
       Require(kinds.at(summary) == 3 && kinds.at(cursor.Take<std::uint64_t>()) == 14, "footer");
       const std::size_t end = at + 9 + 16;
-      Require(cursor.Take<std::uint32_t>() == CrcOf(file.substr(summary, end - summary)), "CRC of the summary");
+      Require(cursor.Take<std::uint32_t>() == CrcOf(file.substr(summary, end - summary)),
+              "CRC of the summary");
     }
   };
   while (at < file.size() - magic.size()) {

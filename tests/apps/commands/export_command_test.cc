@@ -104,10 +104,22 @@ TEST_F(ExportCommandTest, AnMcapFileHoldsTheGivenScene) {
   const std::string arguments = "--to mcap --recording " + Quoted(dir_ / "rec") + Out("a.mcap");
   const Outcome outcome = Export(arguments + " --scene " + Quoted(dir_ / "s.obj") + " --scene-unit m");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.err,
-              HasSubstr("not in the messages, only in the metadata: that the recording is synthetic"));
   const Outcome inspected = RunSonarcal("inspect " + Quoted(dir_ / "a.mcap"));
   EXPECT_THAT(inspected.out, HasSubstr("visualization_msgs/MarkerArray, 1 message"));
+  EXPECT_THAT(inspected.out, HasSubstr("SYNTHETIC"));
+}
+
+TEST_F(ExportCommandTest, AnMcapFileHoldsTheCalibrationOfTheSonar) {
+  const Outcome outcome = Export("--to mcap --recording " + Quoted(dir_ / "rec") + " --params " +
+                                 Quoted(dir_ / "p.json") + Out("a.mcap"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto read = data_io::OpenRecording(dir_ / "a.mcap");
+  EXPECT_EQ(read->info().sonar.name, "made up");
+  EXPECT_NEAR(*read->info().scale.db_min, 60.0, 1e-4);
+  EXPECT_NEAR(*read->info().scale.db_max, 120.0, 1e-4);
+  EXPECT_EQ(read->info().settings.time_varied_gain, true);
+  EXPECT_THAT(read->info().details,
+              ::testing::Contains(::testing::Pair("calibration", ::testing::StartsWith("p.json sha256:"))));
 }
 
 TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
@@ -123,6 +135,8 @@ TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
       {"--to dave --sonar p900-45" + params + recording + Out("x"), 2, "needs either --sonar or --recording"},
       {"--to npz" + Out("x"), 2, "--to npz needs --recording"},
       {"--to npz" + params + recording + Out("x"), 2, "--params is given with --to npz"},
+      {"--to npz --sonar p900-45" + recording + Out("x"), 2, "--sonar is given with --to npz"},
+      {"--to mcap --sonar p900-45" + recording + Out("x"), 1, "range bins"},
       {"--to npz --scene x.gltf" + recording + Out("x"), 2, "--scene is given with --to npz"},
       {"--to npz --fps 3" + recording + Out("x"), 2, "--fps is given with --to npz"},
       {"--to mp4" + recording + Out("x.avi"), 2, "ends in .mp4"},
