@@ -420,8 +420,9 @@ void SetupExport(CLI::App& app) {
       ->default_str("")
       ->check(CLI::Range(0.01, 1000.0).description(""));
   cli::OnRun(command, options->common, [command, options] {
-    if (SimulatorOf(options->to) == nullptr)
-      cli::RefuseGiven(*command, {"--absorption"}, "on the export of a recording");
+    if (SimulatorOf(options->to) == nullptr &&
+        (options->to != ExportTarget::kMcap || options->params.empty()))
+      cli::RefuseGiven(*command, {"--absorption"}, "on the export of a recording without --params");
     if (options->recording.empty())
       cli::RefuseGiven(*command, {"--topic", "--sample-order", "--mirror", "--picture-geometry"},
                        "without --recording");

@@ -22,7 +22,8 @@ void AddEnum(MessageBuilder& message, Enum value) {
 void SetTvg(const SonarSettings& settings, const std::optional<SonarCalibration>& calibration,
             SonarInfo& sonar) {
   if (!calibration) {
-    if (settings.time_varied_gain) sonar.tvg = *settings.time_varied_gain ? TvgModel::kCustom : TvgModel::kNone;
+    if (settings.time_varied_gain)
+      sonar.tvg = *settings.time_varied_gain ? TvgModel::kCustom : TvgModel::kNone;
     return;
   }
   switch (calibration->parameters.receiver.time_varied_gain) {

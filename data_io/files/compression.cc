@@ -83,6 +83,16 @@ class ZstdDecoder {
   std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context_;
 };
 
+// Returns 0, or the number of the error.
+int WriteAll(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+    if (written < 0) return errno;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
 template <typename Decoder>
 Inflated InflateWith(Decoder decoder, std::span<const std::byte> packed, std::uint64_t max_bytes) {
   Inflated inflated;
@@ -160,11 +170,12 @@ bool IsZstd(std::span<const std::byte> bytes) {
 
 PlainFile::PlainFile(const fs::path& file) : file_(file) {
   if (!IsZstd(FirstBytes(file, kZstdMagicBytes))) return;
-  std::string name = (fs::temp_directory_path() / "sonarcal_XXXXXX").string();
-  const int descriptor = mkstemp(name.data());
+  std::error_code no_folder;
+  std::string name = (fs::temp_directory_path(no_folder) / "sonarcal_XXXXXX").string();
+  const int descriptor = no_folder ? -1 : mkstemp(name.data());
   if (descriptor < 0) {
     throw DataError("{}: cannot be written, for the inflated content of {}: {}", name, file.string(),
-                    std::generic_category().message(errno));
+                    no_folder ? no_folder.message() : std::generic_category().message(errno));
   }
   copy_ = name;
   try {
@@ -211,9 +222,9 @@ void PlainFile::FillCopy(int descriptor) const {
         throw DataError("{}: {} bytes inflate to more than {}, expected at most {} times as many", name(),
                         file_bytes, limit, kMaxInflationRatio);
       }
-      if (given > 0 && write(descriptor, out.data(), given) != static_cast<ssize_t>(given)) {
+      if (const int error = WriteAll(descriptor, std::span(out).first(given)); error != 0) {
         throw DataError("{}: cannot be written, for the inflated content of {}: {}", copy_.string(), name(),
-                        std::generic_category().message(errno));
+                        std::generic_category().message(error));
       }
       if (rest.empty() && is_complete) break;
     }

@@ -349,22 +349,27 @@ class Scan {
     return {};
   }
 
+  // False, with a note, if more comes out of the chunks that are looked into than a recording plausibly
+  // holds.
+  bool MayInflate(const McapChunk& chunk) {
+    inflated_ += std::min(chunk.inflated_bytes, max_chunk_bytes_);
+    if (inflated_ <= std::max(kMinInflationLimit, file_bytes_ * kMaxInflationRatio)) return true;
+    Note(
+        fmt::format("{}: more than {} times as many bytes as the file has would come out, and the chunk was "
+                    "left out.",
+                    McapChunkName(name_, chunk), kMaxInflationRatio));
+    return false;
+  }
+
   // Lists the messages of a chunk without an index.
   void ListMessagesOf(std::size_t index) {
     const McapChunk& chunk = index_.chunks[index];
+    if (!MayInflate(chunk)) return;
     if (chunk.has_index) {
       for (auto& [channel, messages] : index_.messages) {
         message_count_ -= std::erase_if(
             messages, [&](const McapMessage& message) { return message.container == index + 1; });
       }
-    }
-    inflated_ += chunk.inflated_bytes;
-    if (inflated_ > std::max(kMinInflationLimit, file_bytes_ * kMaxInflationRatio)) {
-      Note(
-          fmt::format("{}: more than {} times as many bytes as the file has come out, and its messages were "
-                      "left out.",
-                      McapChunkName(name_, chunk), kMaxInflationRatio));
-      return;
     }
     const McapContent content = ReadMcapChunk(file_, name_, chunk, max_chunk_bytes_);
     std::string fault = content.fault;
@@ -392,6 +397,7 @@ class Scan {
     for (const McapChunk& chunk : index_.chunks) {
       if (!is_missing()) return;
       if (!chunk.has_index) continue;
+      if (!MayInflate(chunk)) break;
       const McapContent content = ReadMcapChunk(file_, name_, chunk, max_chunk_bytes_);
       if (!content.fault.empty()) continue;
       ForEachRecordIn(content, McapChunkName(name_, chunk),
@@ -426,7 +432,7 @@ class Scan {
   std::map<std::uint16_t, std::string> schema_names_;
   std::map<std::uint16_t, std::uint16_t> schema_of_channel_;
   std::uint64_t message_count_ = 0;
-  std::uint64_t inflated_ = 0;  // bytes of chunks without an index
+  std::uint64_t inflated_ = 0;  // bytes of the chunks that were looked into
   bool follows_chunk_ = false;
   bool has_bare_messages_ = false;
   bool footer_ = false;

@@ -109,15 +109,16 @@ bool HoldsLevels(const SonarInfo& sonar, const ImageScale& scale) {
 
 }  // namespace
 
-SonarInfo ReadSonarInfo(std::span<const std::byte> bytes, MessageEncoding encoding, const std::string& where) {
+SonarInfo ReadSonarInfo(std::span<const std::byte> bytes, MessageEncoding encoding,
+                        const std::string& where) {
   std::string of_first;
   for (const Layout layout : {Layout::kWithLoss, Layout::kWithBandwidths, Layout::kFirst}) {
     try {
       SonarInfo sonar = ReadAs({bytes, encoding, where}, layout);
       CheckParallel(sonar.pulse_length_s.size(), sonar.bandwidth_hz.size(), "pulse_lengths and bandwidths",
                     where);
-      CheckParallel(sonar.pulse_length_s.size(), sonar.signal_type.size(), "pulse_lengths and tx_signal_types",
-                    where);
+      CheckParallel(sonar.pulse_length_s.size(), sonar.signal_type.size(),
+                    "pulse_lengths and tx_signal_types", where);
       CheckParallel(sonar.angular_response_angle_deg.size(), sonar.angular_response_db.size(),
                     "angles and levels of the angular response", where);
       CheckParallel(sonar.beam_pattern_angle_deg.size(), sonar.beam_pattern_gain_db.size(),
@@ -133,8 +134,8 @@ SonarInfo ReadSonarInfo(std::span<const std::byte> bytes, MessageEncoding encodi
 bool SaysTheSame(const SonarInfo& a, const SonarInfo& b) {
   // NaN, which means "unknown", equals itself here.
   const auto same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  return a.frame_id == b.frame_id && a.sonar_model == b.sonar_model && a.calibration_ref == b.calibration_ref &&
-         a.calibration_time_ns == b.calibration_time_ns &&
+  return a.frame_id == b.frame_id && a.sonar_model == b.sonar_model &&
+         a.calibration_ref == b.calibration_ref && a.calibration_time_ns == b.calibration_time_ns &&
          std::ranges::equal(a.pulse_length_s, b.pulse_length_s, same) &&
          std::ranges::equal(a.bandwidth_hz, b.bandwidth_hz, same) && a.signal_type == b.signal_type &&
          a.quantity == b.quantity && a.intensity_scale == b.intensity_scale && a.reference == b.reference &&
@@ -175,8 +176,9 @@ void Apply(const SonarInfo& sonar, PolarImage& image) {
 
 SonarSettings SettingsWith(const SonarInfo& sonar, const ImageScale& scale, SonarSettings settings) {
   const std::vector<float>& pulses_s = sonar.pulse_length_s;
-  const bool is_one_pulse =
-      !pulses_s.empty() && std::ranges::all_of(pulses_s, [&](float pulse_s) { return pulse_s == pulses_s[0]; });
+  const bool is_one_pulse = !pulses_s.empty() && std::ranges::all_of(pulses_s, [&](float pulse_s) {
+    return pulse_s == pulses_s[0];
+  });
   if (is_one_pulse && std::isfinite(pulses_s[0]) && pulses_s[0] > 0.0F)
     settings.pulse_length_us = 1e6 * static_cast<double>(pulses_s[0]);
   if (sonar.tvg != TvgModel::kUnknown) settings.time_varied_gain = sonar.tvg != TvgModel::kNone;

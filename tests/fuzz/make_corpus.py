@@ -165,6 +165,28 @@ def projected_sonar_image(cdr, beams=3, ranges=2):
     return message.put("B", 0).put("I", 0, beams).blob(bytes(range(beams * ranges))).done()
 
 
+def oculus_interfaces_ping(data, ranges=5, beams=4):
+    message = Message(True).stamped().put("I", 77, 5).put("d", 2.0, 50.0, 2.1e6, 1490.0, 0.01, 11.5, 1.2)
+    message.put("B", 2, 0).put("H", ranges, beams).put("I", beams).put("B", 1)
+    message.put("I", beams).put("h", *[180 * i - 270 for i in range(beams)])
+    return message.blob(data).done()
+
+
+def oculus_stamped_ping(data):
+    message = Message(True).stamped().stamped()
+    message.put("H", *[0] * 5).put("I", 0).put("H", 0).put("B", *[0] * 5).put("d", *[0.0] * 4)
+    message.put("I", 77, 0).put("d", *[0.0] * 4).put("I", 0).put("B", 0).put("d", 0.01).put("H", 5, 4).put("I", 0, 0, 0)
+    return message.blob(data).done()
+
+
+def sonar_info():
+    message = Message(True).stamped().text("m3").text("a calibration").put("I", 7, 8)
+    message.put("I", 1).put("f", 2e-5).put("I", 1).put("f", 5e4).blob(b"\1")
+    message.put("B", 3, 2, 2).put("f", 0.5, 40.0).put("B", 3).put("f", 250.0, 190.0).put("B", 1)
+    message.put("I", 0, 0).put("B", 0).put("f", float("nan")).put("I", 1).put("f", 0.0).put("I", 1).put("f", -1.0)
+    return message.done()
+
+
 def ros1_bag(topic, kind, message):
     def record(head, data):
         packed = b"".join(struct.pack("<I", len(name) + 1 + len(value)) + name.encode() + b"=" + value
@@ -218,7 +240,7 @@ def zstd(data):
     return head + struct.pack("<I", len(data) << 3 | 1)[:3] + data
 
 
-def mcap(topic, kind, message, compression="", with_index=True, in_chunk=True):
+def mcap(topic, kind, message, compression="", with_index=True, in_chunk=True, more=()):
     def text(value):
         return struct.pack("<I", len(value)) + value.encode()
 
@@ -229,6 +251,10 @@ def mcap(topic, kind, message, compression="", with_index=True, in_chunk=True):
     channel = record(4, struct.pack("<HH", 1, 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
     time = 50_000_000_000
     records = schema + channel + record(5, struct.pack("<HIQQ", 1, 0, time, time) + message)
+    for number, (other_topic, other_kind, other) in enumerate(more, start=2):
+        records += record(3, struct.pack("<H", number) + text(other_kind) + text("ros2msg") + text(""))
+        records += record(4, struct.pack("<HH", number, number) + text(other_topic) + text("cdr") + struct.pack("<I", 0))
+        records += record(5, struct.pack("<HIQQ", number, 0, time, time) + other)
     data = b"\x89MCAP0\r\n" + record(1, text("ros2") + text(""))
     if in_chunk:
         # The frame of lz4 has one block that is not compressed.
@@ -296,6 +322,15 @@ def main():
         data = mcap("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True), **options)
         put("mcap", name + ".mcap", data)
         put("recording_file", "mcap_" + name, data)
+    put("recording_file", "mcap_oculus_ping", mcap(
+        "/oculus", "oculus_interfaces/msg/Ping", oculus_interfaces_ping(bytes(range(20))), with_index=False))
+    put("recording_file", "mcap_oculus_own_message", mcap(
+        "/oculus", "oculus_interfaces/msg/Ping", oculus_interfaces_ping(oculus(2)), with_index=False))
+    put("recording_file", "mcap_oculus_stamped_ping", mcap(
+        "/oculus", "oculus_interfaces/msg/OculusStampedPing", oculus_stamped_ping(oculus(1)), with_index=False))
+    put("recording_file", "mcap_sonar_info", mcap(
+        "/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True), with_index=False,
+        more=[("/sonar_info", "marine_interfaces/msg/SonarInfo", sonar_info())]))
     put("mcap", "cut_off.mcap", data[:data.rindex(b"\x0f\x04")])
     bag = ros2_bag("/sonar", kind.replace("/", "/msg/"), projected_sonar_image(cdr=True))
     put("recording_file", "ros2_bag", bag)

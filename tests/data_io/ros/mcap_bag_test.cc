@@ -312,6 +312,20 @@ TEST_F(McapBagTest, ABombIsLeftOut) {
   EXPECT_THAT(Notes(bytes), Contains(HasSubstr("in as many bytes, expected fewer: the file is damaged")));
 }
 
+// Chunks that inflate enormously, and messages of a channel that none of them defines.
+TEST_F(McapBagTest, AMissingChannelIsNotSearchedInBombs) {
+  constexpr std::size_t kInflated = 200 << 20;
+  const std::string packed = testing::PackedBytes(std::string(kInflated, '\0'), "zstd");
+  std::string bytes("\x89MCAP0\r\n", 8);
+  for (int i = 0; i < 20; ++i) {
+    bytes += testing::McapRecord(
+        6, U64(0) + U64(0) + U64(kInflated) + U32(0) + U32(4) + "zstd" + U64(packed.size()) + packed);
+    bytes += testing::McapRecord(7, std::string("\1\0", 2) + U32(16) + U64(0) + U64(0));
+  }
+  EXPECT_THAT(Notes(bytes), AllOf(Contains(HasSubstr("would come out, and the chunk was left out")),
+                                  Contains(HasSubstr("20 messages are of no known channel"))));
+}
+
 TEST_F(McapBagTest, UnknownCompressionIsNamed) {
   EXPECT_THAT(testing::RefusalOf(Write(Bytes({.compression = "brotli"}))),
               HasSubstr("compression 'brotli', expected '', lz4 or zstd"));
