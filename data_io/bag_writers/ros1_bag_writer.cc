@@ -78,17 +78,17 @@ void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path&
     bag.setCompression(rosbag::compression::LZ4);
     for (int i = 0; i < recording.frame_count(); ++i) {
       const Frame frame = recording.ReadFrame(i);
-      const auto& [stamp_ns, logged_ns] = times[static_cast<std::size_t>(i)];
+      const FrameTimes& at = times[static_cast<std::size_t>(i)];
       const auto sequence = static_cast<std::uint32_t>(i);
       const auto write = [&](const char* topic, const char* type, const char* md5, const char* definition,
                              std::string bytes) {
-        bag.write(topic, RosTime(logged_ns), Ros1Message{type, md5, definition, std::move(bytes)});
+        bag.write(topic, RosTime(at.logged_ns), Ros1Message{type, md5, definition, std::move(bytes)});
       };
       write(kImageTopic, kProjectedSonarImageType, kProjectedSonarImageMd5, kProjectedSonarImageText,
-            ImageMessage(MessageEncoding::kRos1, frame, recording.info().sonar, sequence, stamp_ns));
+            ImageMessage(MessageEncoding::kRos1, frame, recording.info().sonar, sequence, at.stamp_ns));
       if (frame.info.world_from_sonar) {
         write(kPoseTopic, kPoseStampedType, kPoseStampedMd5, kPoseStampedText,
-              PoseMessage(MessageEncoding::kRos1, *frame.info.world_from_sonar, sequence, stamp_ns));
+              PoseMessage(MessageEncoding::kRos1, *frame.info.world_from_sonar, sequence, at.stamp_ns));
       }
       if (progress) progress(i + 1);
     }
