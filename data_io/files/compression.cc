@@ -5,7 +5,6 @@
 #include <zstd.h>
 
 #include <algorithm>
-#include <bit>
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
@@ -60,15 +59,12 @@ class Lz4Decoder {
   LZ4F_dctx* context_ = nullptr;
 };
 
+// Refuses frames that require a window of more than 128 MiB, which is the limit of zstd itself. Frames that
+// were written as a stream require the window of their compression level, however short they are.
 class ZstdDecoder {
  public:
-  // Refuses frames whose window exceeds `max_window_bytes`, rounded up to a power of two.
-  explicit ZstdDecoder(std::uint64_t max_window_bytes) : context_(ZSTD_createDCtx(), ZSTD_freeDCtx) {
+  ZstdDecoder() : context_(ZSTD_createDCtx(), ZSTD_freeDCtx) {
     SONARCAL_CHECK(context_ != nullptr, "zstd has no memory");
-    constexpr int kMinLog = 20;
-    constexpr int kMaxLog = 27;  // the limit of zstd itself
-    const int needed = static_cast<int>(std::bit_width(max_window_bytes));
-    ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, std::clamp(needed, kMinLog, kMaxLog));
   }
 
   Step Next(std::span<const std::byte> in, std::span<std::byte> out) {
@@ -139,7 +135,7 @@ Inflated Inflate(Codec codec, std::span<const std::byte> packed, std::uint64_t m
     case Codec::kLz4:
       return InflateWith<Lz4Decoder&>(*std::make_unique<Lz4Decoder>(), packed, max_bytes);
     case Codec::kZstd:
-      return InflateWith<ZstdDecoder&>(*std::make_unique<ZstdDecoder>(max_bytes), packed, max_bytes);
+      return InflateWith<ZstdDecoder&>(*std::make_unique<ZstdDecoder>(), packed, max_bytes);
     case Codec::kNone:
       break;
   }
@@ -196,10 +192,9 @@ PlainFile::~PlainFile() {
 
 void PlainFile::FillCopy(int descriptor) const {
   constexpr std::size_t kPieceBytes = 1 << 20;
-  constexpr std::uint64_t kMaxWindowBytes = 1 << 27;
   const std::uint64_t file_bytes = RegularFileSize(file_);
   const std::uint64_t limit = std::max(kMinInflationLimit, file_bytes * kMaxInflationRatio);
-  ZstdDecoder decoder(kMaxWindowBytes);
+  ZstdDecoder decoder;
   std::vector<std::byte> out(kPieceBytes);
   std::uint64_t written = 0;
   bool is_complete = false;
