@@ -4,7 +4,7 @@
 
 #include "data_io/recordings/recording_io.h"
 #include "tests/apps/run_program.h"
-#include "tests/data_io/made_up_bag.h"
+#include "tests/data_io/made_up_mcap.h"
 #include "tests/data_io/sonar_messages.h"
 #include "tests/support/temp_dir.h"
 
@@ -100,6 +100,28 @@ TEST_P(ConvertBagTest, MissingTopicsAndFramesAreRefusedByName) {
   const Outcome page = RunSonarcal("inspect --topic /spare " + Quoted(bag_));
   EXPECT_EQ(page.status, 0) << page.err;
   EXPECT_THAT(page.out, HasSubstr("other topic /odom"));
+}
+
+// A recording that a crash ended in the middle of the third ping.
+TEST(ConvertMcapTest, ATruncatedFileIsSalvaged) {
+  const testing::TempDir dir;
+  std::vector<testing::MadeUpMessage> messages;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    messages.push_back({"/sonar", "marine_acoustic_msgs/ProjectedSonarImage", i,
+                        MadeUpProjected{.seconds = 100 + i}.Write(Wire::kCdrLittle)});
+  }
+  testing::MadeUpMcapPlaces places;
+  const std::string bytes = testing::McapBytes(messages, {.messages_a_chunk = 1}, &places);
+  testing::WriteFile(dir / "cut.mcap", bytes.substr(0, places.message_index[2] - 20));
+  const std::string arguments = Quoted(dir / "cut.mcap") + " --out " + Quoted(dir / "out");
+  const Outcome whole = RunSonarcal("convert " + arguments);
+  EXPECT_EQ(whole.status, 1);
+  EXPECT_THAT(whole.err, HasSubstr("are there: the file was cut off"));
+  EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+  const Outcome salvaged = RunSonarcal("convert --salvage " + arguments);
+  EXPECT_EQ(salvaged.status, 0) << salvaged.err;
+  EXPECT_THAT(salvaged.out, HasSubstr("2 frames, 1 left out that could not be read"));
+  EXPECT_EQ(data_io::OpenRecordingFolder(dir / "out")->frame_count(), 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ConvertBagTest, ::testing::Values(Wire::kRos1, Wire::kCdrLittle));
