@@ -6,11 +6,11 @@
 #include <limits>
 #include <stdexcept>
 
-#include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "data_io/parameters/marker_map_io.h"
+#include "tests/support/marker_print.h"
 
 namespace sonarcal::testing {
 namespace {
@@ -111,15 +111,8 @@ FieldRenderer::FieldRenderer(const MarkerMap& map, const Camera& camera, const F
   const data_io::MarkerDictionary* dictionary = data_io::FindMarkerDictionary(map.dictionary);
   if (dictionary == nullptr) throw std::logic_error("no such dictionary");
   for (const Marker& marker : map.markers) {
-    cv::Mat print;
-    cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(dictionary->opencv_code), marker.id,
-                          dictionary->cells, print, 1);
-    Sheet sheet{marker.world_from_marker.Inverse(), marker.size_m,
-                Grid<std::uint8_t>(print.rows, print.cols)};
-    for (int r = 0; r < print.rows; ++r) {
-      for (int c = 0; c < print.cols; ++c) sheet.cells(r, c) = print.at<std::uint8_t>(r, c);
-    }
-    sheets_.push_back(std::move(sheet));
+    sheets_.push_back({marker.world_from_marker.Inverse(), marker.size_m,
+                       MarkerPrint(dictionary->opencv_code, marker.id, dictionary->cells)});
   }
 }
 

@@ -8,6 +8,7 @@
 #include "calib/markers/marker_detector.h"
 #include "core/types/units.h"
 #include "tests/data_io/refusal.h"
+#include "tests/support/marker_print.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal::data_io {
@@ -80,9 +81,9 @@ TEST_F(MarkerMapTest, InvalidMapsAreRefusedInOneSentence) {
 TEST(MarkerDictionaries, NamesIdsAndCellsEqualThoseOfOpenCv) {
   EXPECT_EQ(MarkerDictionaries().size(), static_cast<std::size_t>(cv::aruco::DICT_APRILTAG_36h11) + 1);
   for (const MarkerDictionary& dictionary : MarkerDictionaries()) {
-    const auto opencv = cv::aruco::getPredefinedDictionary(dictionary.opencv_code);
-    EXPECT_EQ(opencv->bytesList.rows, dictionary.ids) << dictionary.name;
-    EXPECT_EQ(opencv->markerSize + 2, dictionary.cells) << dictionary.name;
+    const testing::MarkerDictionarySize opencv = testing::SizeOfMarkerDictionary(dictionary.opencv_code);
+    EXPECT_EQ(opencv.ids, dictionary.ids) << dictionary.name;
+    EXPECT_EQ(opencv.cells, dictionary.cells) << dictionary.name;
   }
   EXPECT_EQ(FindMarkerDictionary("DICT_APRILTAG_36h11")->opencv_code, cv::aruco::DICT_APRILTAG_36h11);
   EXPECT_EQ(FindMarkerDictionary("DICT_4X4_50")->opencv_code, cv::aruco::DICT_4X4_50);
@@ -95,13 +96,11 @@ TEST(MarkerDetector, FindsPrintsOfEveryKind) {
   for (const char* name :
        {"DICT_4X4_50", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5", "DICT_APRILTAG_36h11"}) {
     const MarkerDictionary& dictionary = *FindMarkerDictionary(name);
-    cv::Mat print;
-    cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(dictionary.opencv_code), 7,
-                          12 * dictionary.cells, print);
+    const Grid<std::uint8_t> print = testing::MarkerPrint(dictionary.opencv_code, 7, 12 * dictionary.cells);
     Grid<std::uint8_t> grey(200, 400, 220);
     const auto paste = [&](int top, int left) {
-      for (int r = 0; r < print.rows; ++r) {
-        for (int c = 0; c < print.cols; ++c) grey(top + r, left + c) = print.at<std::uint8_t>(r, c);
+      for (int r = 0; r < print.rows(); ++r) {
+        for (int c = 0; c < print.cols(); ++c) grey(top + r, left + c) = print(r, c);
       }
     };
     paste(30, 40);
@@ -109,7 +108,7 @@ TEST(MarkerDetector, FindsPrintsOfEveryKind) {
     ASSERT_EQ(once.markers.size(), 1U) << name;
     EXPECT_EQ(once.markers[0].id, 7);
     EXPECT_LT((once.markers[0].corners_px[0] - Eigen::Vector2d(40, 30)).norm(), 2.0);
-    EXPECT_LT((once.markers[0].corners_px[1] - Eigen::Vector2d(40 + print.cols, 30)).norm(), 2.0);
+    EXPECT_LT((once.markers[0].corners_px[1] - Eigen::Vector2d(40 + print.cols(), 30)).norm(), 2.0);
     paste(60, 220);
     const calib::MarkersSeen twice = calib::MarkerDetector(name).Detect(grey);
     EXPECT_TRUE(twice.markers.empty());

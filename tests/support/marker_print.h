@@ -1,0 +1,22 @@
+// Markers as OpenCV knows them, for every version of OpenCV that the project builds with.
+#pragma once
+
+#include <cstdint>
+
+#include "core/types/image.h"
+
+namespace sonarcal::testing {
+
+// Size of one of OpenCV's predefined dictionaries.
+struct MarkerDictionarySize {
+  int ids = 0;
+  int cells = 0;  // along a side, black border included
+};
+
+// `opencv_code` is a value of cv::aruco::PREDEFINED_DICTIONARY_NAME.
+MarkerDictionarySize SizeOfMarkerDictionary(int opencv_code);
+
+// Print of marker `id`, `side_px` pixels square, row 0 on top, with a black border of one cell. 0 is black, 255 white.
+Grid<std::uint8_t> MarkerPrint(int opencv_code, int id, int side_px);
+
+}  // namespace sonarcal::testing
