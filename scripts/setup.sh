@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing, and builds sonarcal into build/.
+# Installs the packages that are missing (Debian 12, Debian 13, Ubuntu 24.04), and builds sonarcal into build/.
 #
 #   scripts/setup.sh [--tests | --quick-tests] [--no-build]
 #     --tests        also what the tests need, and build the tests
@@ -30,13 +30,11 @@ for argument in "$@"; do
   esac
 done
 
+# wanted_packages WHEN...: the packages of scripts/packages.txt with one of these words before them.
 wanted_packages() {
   local when package
   while read -r when package; do
-    case "$when" in
-      build) echo "$package" ;;
-      test) if [[ $with_tests == yes ]]; then echo "$package"; fi ;;
-    esac
+    if [[ -n "$package" && " $* " == *" $when "* ]]; then echo "$package"; fi
   done <"$root/scripts/packages.txt"
 }
 
@@ -52,6 +50,11 @@ as_root() {
   fi
 }
 
+# Whether apt can install a package. A name that others merely provide does not count.
+is_offered() {
+  apt-cache policy "$1" 2>/dev/null | grep -q '^ *Candidate: [^(]'
+}
+
 # One sentence for the ways in which apt fails most often.
 explain_apt() {
   local log
@@ -64,29 +67,43 @@ explain_apt() {
     *"Temporary failure resolving"* | *"Could not connect"* | *"Failed to fetch"* | *"Could not resolve"*)
       fail "the package servers cannot be reached: is there a network?" ;;
     *"Unable to locate package"* | *"has no installation candidate"*)
-      fail "apt knows not all of the packages: this needs Debian 12 or newer" ;;
+      fail "apt knows not all of the packages: this needs Debian 12, Debian 13 or Ubuntu 24.04" ;;
     *) fail "apt failed, its last lines are above" ;;
   esac
 }
 
-install_missing() {
-  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    fail "this is not a Debian system; install what scripts/packages.txt lists, then build with cmake"
-  fi
-  local package missing=()
-  while read -r package; do
-    is_installed "$package" || missing+=("$package")
-  done < <(wanted_packages)
-  if [[ ${#missing[@]} == 0 ]]; then
-    say "All Debian packages are there."
-    return
-  fi
-  say "Debian packages to install: ${missing[*]}"
+need_root() {
   [[ "$(id -u)" == 0 ]] || command -v sudo >/dev/null ||
     fail "installing packages needs root: run this as root, or install sudo"
+}
+
+install_missing() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    fail "this is neither Debian nor Ubuntu; install what scripts/packages.txt lists, then build with cmake"
+  fi
+  local package words=(build) required=() optional=()
+  if [[ $with_tests == yes ]]; then words+=(test); fi
+  while read -r package; do
+    is_installed "$package" || required+=("$package")
+  done < <(wanted_packages "${words[@]}")
   local apt=(apt-get -o DPkg::Lock::Timeout=120 --yes --no-install-recommends)
-  # The lists of a fresh machine are empty, those of an old one may name packages that are gone.
-  quietly "Updating the package lists" as_root "${apt[@]}" update || explain_apt
+  if [[ ${#required[@]} != 0 ]]; then
+    need_root
+    # The lists of a fresh machine are empty, those of an old one may name packages that are gone.
+    quietly "Updating the package lists" as_root "${apt[@]}" update || explain_apt
+  fi
+  if [[ $with_tests == yes ]]; then
+    while read -r package; do
+      is_installed "$package" || ! is_offered "$package" || optional+=("$package")
+    done < <(wanted_packages optional)
+  fi
+  local missing=("${required[@]}" "${optional[@]}")
+  if [[ ${#missing[@]} == 0 ]]; then
+    say "All packages are there."
+    return
+  fi
+  need_root
+  say "Packages to install: ${missing[*]}"
   quietly "Installing ${#missing[@]} packages" as_root "${apt[@]}" install "${missing[@]}" || explain_apt
 }
 

@@ -1,0 +1,118 @@
+#!/usr/bin/env bash
+# Builds and tests the committed tree on Debian 13, in a root folder of its own. Needs root, debootstrap and git.
+#
+#   scripts/debian13.sh [--root DIR] [--quick | -- ARGUMENTS OF CTEST]
+#     --root DIR  the folder of the Debian 13 system (default: ~/.cache/sonarcal/debian13). It is made if it is
+#                 absent, and kept: a second run installs and builds only what has changed.
+#     --quick     only `scripts/test.sh --quick`
+#     --          only `scripts/test.sh` with these arguments
+#   Otherwise it runs both commands of the README: `scripts/demo.sh report` and `scripts/test.sh`.
+#
+# SONARCAL_DEBIAN_MIRROR names another Debian server. SONARCAL_RECORDINGS is passed on, read-only.
+
+# shellcheck source=scripts/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+system="${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/sonarcal/debian13"
+commands=(demo test)
+test_arguments=()
+while (($# > 0)); do
+  case "$1" in
+    --root)
+      [[ -n "${2:-}" ]] || fail "--root needs a folder"
+      system="$2"
+      shift 2
+      ;;
+    --quick)
+      commands=(test)
+      test_arguments=(--quick)
+      shift
+      ;;
+    --)
+      commands=(test)
+      shift
+      test_arguments=("$@")
+      break
+      ;;
+    -h | --help)
+      sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+      exit 0
+      ;;
+    *) fail "unknown argument '$1', expected --root, --quick or --" ;;
+  esac
+done
+
+[[ "$(id -u)" == 0 ]] || fail "chroot needs root: run this as root or with sudo"
+command -v git >/dev/null || fail "there is no git: install git"
+
+# Mounts are made in a mount namespace of this process: they end with it, however it ends.
+if [[ -z "${SONARCAL_OWN_MOUNTS:-}" ]]; then
+  arguments=(--root "$system")
+  case "${commands[*]},${test_arguments[*]:-}" in
+    test,--quick) arguments+=(--quick) ;;
+    test,*) arguments+=(-- "${test_arguments[@]}") ;;
+  esac
+  SONARCAL_OWN_MOUNTS=1 exec unshare --mount --propagation private -- "${BASH_SOURCE[0]}" "${arguments[@]}"
+fi
+
+make_system() {
+  if [[ -e "$system" ]]; then
+    [[ "$(cat "$system/etc/debian_version" 2>/dev/null)" == 13* ]] || fail "$system is not a Debian 13 system"
+    return 0
+  fi
+  command -v debootstrap >/dev/null || fail "there is no debootstrap: install debootstrap"
+  local unfinished="$system.unfinished"
+  rm -rf "$unfinished"
+  mkdir -p "$unfinished"
+  quietly "Making a Debian 13 system in $system" debootstrap --variant=minbase --include=ca-certificates \
+    trixie "$unfinished" "${SONARCAL_DEBIAN_MIRROR:-http://deb.debian.org/debian}" ||
+    fail "debootstrap failed, its last lines are above"
+  mv "$unfinished" "$system"
+}
+
+mount_all() {
+  mkdir -p "$system/proc" "$system/sys" "$system/dev"
+  mount -t proc proc "$system/proc"
+  mount --rbind --make-rslave /sys "$system/sys"
+  mount --rbind --make-rslave /dev "$system/dev"
+  if [[ -n "${SONARCAL_RECORDINGS:-}" ]]; then
+    mkdir -p "$system/srv/recordings"
+    mount --bind "$SONARCAL_RECORDINGS" "$system/srv/recordings"
+    mount -o remount,bind,ro "$system/srv/recordings"
+    passed_on+=(SONARCAL_RECORDINGS=/srv/recordings)
+  fi
+}
+
+# A clone rather than an archive: a checkout leaves the time stamps of unchanged files alone, so that ninja builds
+# only what has changed.
+copy_tree() {
+  local tree="$system/srv/sonarcal"
+  [[ -z "$(git -C "$root" status --porcelain)" ]] || say "Changes that are not committed are not built."
+  [[ -d "$tree/.git" ]] || git clone --quiet --no-checkout "$root" "$tree"
+  git -C "$tree" fetch --quiet "$root" HEAD
+  git -C "$tree" checkout --quiet --force --detach FETCH_HEAD
+  say "Commit $(git -C "$tree" rev-parse --short HEAD) in $tree"
+}
+
+# inside SCRIPT ARGUMENTS...: runs a script of the project in the system, with little of this environment.
+inside() {
+  # shellcheck disable=SC2016  # the shell in the system expands these
+  chroot "$system" /usr/bin/env -i HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin "${passed_on[@]}" \
+    /bin/bash -c 'cd /srv/sonarcal && "$@"' bash "$@"
+}
+
+passed_on=()
+for name in http_proxy https_proxy no_proxy; do
+  if [[ -n "${!name:-}" ]]; then passed_on+=("$name=${!name}"); fi
+done
+
+make_system
+mount_all
+copy_tree
+for command in "${commands[@]}"; do
+  case "$command" in
+    demo) inside scripts/demo.sh report ;;
+    test) inside scripts/test.sh "${test_arguments[@]}" ;;
+  esac
+done
+say "Debian $(cat "$system/etc/debian_version"): done."
