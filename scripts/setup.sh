@@ -52,7 +52,7 @@ as_root() {
 
 # Whether apt can install a package. A name that others merely provide does not count.
 is_offered() {
-  apt-cache policy "$1" 2>/dev/null | grep -q '^ *Candidate: [^(]'
+  [[ "$(apt-cache policy "$1" 2>/dev/null)" == *"Candidate: "[^\(]* ]]
 }
 
 # One sentence for the ways in which apt fails most often.
