@@ -16,7 +16,7 @@ struct MarkerDictionarySize {
 // `opencv_code` is a value of cv::aruco::PREDEFINED_DICTIONARY_NAME.
 MarkerDictionarySize SizeOfMarkerDictionary(int opencv_code);
 
-// Print of marker `id`, `side_px` pixels square, row 0 on top, with a black border of one cell. 0 is black, 255 white.
+// Print of marker `id`, `side_px` square, with a black border of one cell. Row 0 is on top, 0 is black.
 Grid<std::uint8_t> MarkerPrint(int opencv_code, int id, int side_px);
 
 }  // namespace sonarcal::testing
