@@ -1,5 +1,6 @@
 #include "apps/reproduce/case_plan.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -192,6 +193,15 @@ fs::path FirstFolder(const std::vector<fs::path>& candidates) {
   return {};
 }
 
+// Folder of the file that holds this code: the program, or the Python module. The root folder if it is not known.
+fs::path FolderOfThisCode() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&FolderOfThisCode), &info) == 0) return "/";
+  std::error_code error;
+  const fs::path file = fs::canonical(info.dli_fname, error);
+  return error ? fs::path("/") : file.parent_path();
+}
+
 }  // namespace
 
 CasePlan ReadCase(const fs::path& folder) {
@@ -219,8 +229,10 @@ fs::path CasesFolder() {
   }
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  // A Python package that pip installed brings the cases in its own folder.
   const fs::path found = FirstFolder({program.parent_path().parent_path() / "share/sonarcal/cases",
-                                      SONARCAL_SOURCE_CASES, SONARCAL_INSTALLED_CASES});
+                                      FolderOfThisCode() / "share/sonarcal/cases", SONARCAL_SOURCE_CASES,
+                                      SONARCAL_INSTALLED_CASES});
   if (found.empty()) {
     throw DataError("no cases are found, neither in {} nor in {}; SONARCAL_CASES says where they are",
                     SONARCAL_SOURCE_CASES, SONARCAL_INSTALLED_CASES);
