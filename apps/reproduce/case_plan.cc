@@ -193,7 +193,8 @@ fs::path FirstFolder(const std::vector<fs::path>& candidates) {
   return {};
 }
 
-// Folder of the file that holds this code: the program, or the Python module. The root folder if it is not known.
+// Folder of the file that holds this code: the program, or the Python module. The root folder if it is not
+// known.
 fs::path FolderOfThisCode() {
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&FolderOfThisCode), &info) == 0) return "/";
