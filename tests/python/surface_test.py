@@ -129,7 +129,7 @@ def test_help_explains_every_option_with_unit_and_default(command):
     function, options_class, _ = FUNCTIONS_OF[command]
     text = " ".join(pydoc.render_doc(function, renderer=pydoc.plaintext).split())
     for option in options_class.describe():
-        assert f" {option['name']}: {' '.join(option['text'].split())}" in text, option["name"]
+        assert f" {option['name']} : optional {' '.join(option['text'].split())}" in text, option["name"]
         assert "; default: " in option["text"], option["name"]
         assert not option["unit"] or f" in {option['unit']}; " in option["text"], option["name"]
 
@@ -174,3 +174,19 @@ def test_arrays_are_explained_by_shape_and_unit():
                 assert re.search(r"shape \(", member.__doc__), (cls, name)
     for name, cls in (("value", sonarcal.Image), ("vertices_m", sonarcal.Scene), ("range_edges_m", sonarcal.PolarAxes)):
         assert "shape" in vars(cls)[name].__doc__
+
+
+def test_docstrings_of_functions_follow_numpydoc():
+    """Each parameter is listed with its type, in order, and each option after them."""
+    functions = [value for value in map(sonarcal.__dict__.get, sonarcal.__all__) if isinstance(value, types.FunctionType)]
+    assert len(functions) > 10
+    for function in functions:
+        doc = inspect.getdoc(function)
+        listed = []
+        for names in re.findall(r"^(\w[\w, ]*) : \S", doc, re.MULTILINE):
+            listed += names.split(", ")
+        assert listed == list(inspect.signature(function).parameters), function.__name__
+        headings = re.findall(r"^([A-Z][\w ]+)\n-+$", doc, re.MULTILINE)
+        known = ["Parameters", "Returns", "Other Parameters", "Raises", "Notes", "Examples"]
+        assert headings[0] == "Parameters" and headings == [name for name in known if name in headings], headings
+        assert len(doc.splitlines()[0]) <= 110 and doc.splitlines()[0].endswith(".")

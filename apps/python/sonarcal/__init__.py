@@ -134,17 +134,52 @@ def _recording(source: Union[Recording, _Path]) -> Recording:
 
 
 def read_parameters(file: _Path) -> dict[str, Any]:
-    """params.json as a dict, every group of it with its defaults."""
+    """Reads params.json.
+
+    Parameters
+    ----------
+    file : path
+        The file.
+
+    Returns
+    -------
+    dict
+        Every group of parameters, with its defaults.
+    """
     return Parameters(file).to_dict()
 
 
 def resolve_parameters(params: _Params) -> dict[str, Any]:
-    """The same parameters with every default filled in. DataError names the key of anything wrong."""
+    """Fills in every default of the parameters.
+
+    Parameters
+    ----------
+    params : Parameters, dict or path
+        The parameters.
+
+    Returns
+    -------
+    dict
+        Every group of parameters, with its defaults.
+
+    Raises
+    ------
+    DataError
+        Names the key of anything wrong.
+    """
     return _params(params).to_dict()
 
 
 def write_parameters(params: _Params, file: _Path) -> None:
-    """Writes params.json, whole or not at all."""
+    """Writes params.json, whole or not at all.
+
+    Parameters
+    ----------
+    params : Parameters, dict or path
+        The parameters.
+    file : path
+        The file to write.
+    """
     _params(params).save(file)
 
 
@@ -161,11 +196,33 @@ def recording(
     source: str = "NumPy",
     synthetic: bool = False,
 ) -> Recording:
-    """A recording of images from any source: another simulator, or a model of your own.
+    """Makes a recording of images from any source: another simulator, or a model of your own.
 
-    images: shape (frames, range_bins, beams) or a sequence of (range_bins, beams), grey values 0 .. full_scale,
-    row 0 nearest, column 0 leftmost; copied. db_min and db_max: levels shown as 0 and as full_scale, if known.
-    valid: shape (range_bins, beams), 0 where a sample holds no measurement. synthetic: the images are simulated.
+    Parameters
+    ----------
+    images : array or sequence of arrays
+        Shape (frames, range_bins, beams), or a sequence of (range_bins, beams). Grey values 0 .. full_scale, row 0
+        nearest, column 0 leftmost. They are copied.
+    sonar_or_axes : Sonar, PolarAxes or str
+        The sonar, the name of a preset, or the axes of the images.
+    poses : sequence of Pose, optional
+        One pose per frame.
+    times_s : sequence of float, optional
+        One time per frame, in s.
+    full_scale : float, optional
+        Grey value that counts as full scale.
+    db_min, db_max : float, optional
+        Levels that are shown as 0 and as full_scale, in dB.
+    valid : array, optional
+        Shape (range_bins, beams), 0 where a sample holds no measurement.
+    source : str, optional
+        Name of the source.
+    synthetic : bool, optional
+        Whether the images are simulated.
+
+    Returns
+    -------
+    Recording
     """
     known = sonar(sonar_or_axes) if isinstance(sonar_or_axes, str) else sonar_or_axes
     if isinstance(known, PolarAxes):
@@ -187,10 +244,27 @@ def simulate(
     progress: Optional[_Progress] = None,
     **keywords: Unpack[SimulateKeywords],
 ) -> Recording:
-    """Simulates what the sonar sees of the scene from each pose: a recording in memory.
+    """Simulates what the sonar sees of the scene from each pose.
 
-    sonar: a Sonar, the name of a preset, a recording, or a file. params: Parameters, a dict or a file. poses: Pose
-    objects, or a recording that has them, or a file. Frames are images of 2^bits - 1 grey levels.
+    Parameters
+    ----------
+    scene : Scene or path
+        The scene: glTF, OBJ or STL.
+    sonar : Sonar, Recording, path or str
+        The sonar, that of a recording, a file, or the name of a preset.
+    params : Parameters, dict or path
+        The parameters, which name the image model.
+    poses : Recording, path, Pose or iterable of Pose
+        One pose per frame, or a recording or a file that has them.
+    options : SimulateOptions or dict, optional
+        Options. The keywords below override them.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    Recording
+        A recording in memory. Its frames are images of 2^bits - 1 grey levels.
     """
     settings = SimulateOptions(options, **keywords)
     mesh, scene_path = _scene(scene)
@@ -229,11 +303,26 @@ def compare(
 ) -> Comparison:
     """Measures how well a simulated recording agrees with a real one.
 
-    The result is metrics.json as a dict (docs/reference/metrics.md), with _repr_html_ and plot().
+    Parameters
+    ----------
+    real, simulated : Recording or path
+        The recordings.
+    options : CompareOptions or dict, optional
+        Options. The keywords below override them.
+    frames : str or sequence of int, optional
+        Frames to compare, the same in both, such as range(2, 5) or "2:5". Default: all.
+    scene : Scene or path, optional
+        For residuals by incidence angle and material, and for `object`. Default for `object`: the scene that a
+        recording names.
+    scene_unit, scene_up : str, optional
+        Unit and upward axis of an OBJ or STL file, as for read_scene.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
 
-    frames: numbers of the frames to compare, the same in both, such as range(2, 5) or "2:5" (default: all).
-    scene: for residuals by incidence angle and material, and for `object`; a Scene or a file (default for `object`:
-    the scene that a recording names). scene_unit, scene_up: of an OBJ or STL file, as read_scene() takes them.
+    Returns
+    -------
+    Comparison
+        metrics.json as a dict (docs/reference/metrics.md), with plot().
     """
     settings = CompareOptions(options, **keywords)
     pair = _recording(real), _recording(simulated)
@@ -262,11 +351,29 @@ def compare_images(
     valid: Optional[np.ndarray] = None,
     **keywords: Unpack[CompareKeywords],
 ) -> Comparison:
-    """Compares two polar images from any source, as compare() does.
+    """Compares two polar images from any source, as compare does.
 
-    real, simulated: shape (range_bins, beams), grey values 0 .. full_scale, row 0 nearest, column 0 leftmost.
-    range_edges_m: range_bins + 1 edges, evenly spaced; beam_azimuth_deg: centres of the beams, rising, positive to
-    the right. valid: 0 where a sample holds no measurement.
+    Parameters
+    ----------
+    real, simulated : array
+        Shape (range_bins, beams), grey values 0 .. full_scale, row 0 nearest, column 0 leftmost.
+    options : CompareOptions or dict, optional
+        Options. The keywords below override them.
+    range_edges_m : sequence of float
+        range_bins + 1 edges in m, evenly spaced.
+    beam_azimuth_deg : sequence of float
+        Centres of the beams in degrees, rising, positive to the right.
+    full_scale : float, optional
+        Grey value that counts as full scale.
+    db_min, db_max : float, optional
+        Levels that are shown as 0 and as full_scale, in dB.
+    valid : array, optional
+        Shape (range_bins, beams), 0 where a sample holds no measurement.
+
+    Returns
+    -------
+    Comparison
+        metrics.json as a dict (docs/reference/metrics.md), with plot().
     """
     axes = PolarAxes.from_edges(range_edges_m, beam_azimuth_deg)
     pair = [
@@ -280,7 +387,20 @@ def compare_images(
 def segment(
     image: Image, options: Union[ComparisonOptions, _Options, None] = None, **keywords: Unpack[ComparisonKeywords]
 ) -> np.ndarray:
-    """Finds the object: an array of shape (range_bins, beams), uint8, 1 where it is."""
+    """Finds the object in an image.
+
+    Parameters
+    ----------
+    image : Image
+        A polar image.
+    options : ComparisonOptions or dict, optional
+        Options. The keywords below override them.
+
+    Returns
+    -------
+    array
+        Shape (range_bins, beams), uint8, 1 where the object is.
+    """
     return _sonarcal._segment(image, ComparisonOptions(options, **keywords))
 
 
@@ -296,8 +416,23 @@ def fit(
 ) -> FitResult:
     """Fits the parameters of an image model to a recording with poses.
 
-    params: parameters to start from, which name the model: Parameters, a dict or a file. The result has the fitted
-    parameters, the report (fit.json), _repr_html_ and plot().
+    Parameters
+    ----------
+    recording : Recording or path
+        The recording, with a pose for each frame.
+    scene : Scene or path
+        The scene that was recorded: glTF, OBJ or STL.
+    params : Parameters, dict or path
+        Parameters to start from, which name the model.
+    options : FitOptions or dict, optional
+        Options. The keywords below override them.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    FitResult
+        The fitted parameters and the report (fit.json), with plot().
     """
     settings = FitOptions(options, **keywords)
     return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], _params(params), settings, progress, _say))
@@ -314,11 +449,28 @@ def calibrate(
     progress: Optional[_Progress] = None,
     **keywords: Unpack[CalibrateKeywords],
 ) -> Calibration:
-    """Calibrates a simulator to a recording with rough poses and a scene: decides in stages what to fit, and fits it.
+    """Calibrates a simulator in stages, and decides what to fit.
 
-    background: pings without targets, for the noise law. plan: decisions to take as they are, plan.json of an earlier
-    run as a dict or a file, whole or in part. The result has the fit to all frames, the one that did not see the
-    held-out frames, the decisions with their reasons, the calibrated sonar, _repr_html_ and plot().
+    Parameters
+    ----------
+    recording : Recording or path
+        The recording, with rough poses.
+    scene : Scene or path
+        The scene that was recorded: glTF, OBJ or STL.
+    options : CalibrateOptions or dict, optional
+        Options. The keywords below override them.
+    background : Recording or path, optional
+        Pings without targets, for the noise law.
+    plan : dict or path, optional
+        Decisions to take as they are: plan.json of an earlier run, whole or in part.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    Calibration
+        The fit to all frames, the one that did not use the held-out frames, the decisions with their reasons, and the
+        calibrated sonar, with plot().
     """
     settings = CalibrateOptions(options, **keywords)
     pings = None if background is None else _recording(background)
@@ -339,9 +491,23 @@ def judge_noise(
 ) -> NoiseJudgement:
     """Measures how well a noise law describes pings without targets, without fitting it again.
 
-    params: the law, params.json of `sonarcal fit --noise-only`. Of a file, the fit.json beside it gives window and
-    speckle. frames: pings to judge, such as range(60, 80) or "60:80" (default: all). The result is judgement.json as
-    a dict (docs/guide/noise.md), with _repr_html_ and plot().
+    Parameters
+    ----------
+    recording : Recording or path
+        The pings.
+    params : Parameters, dict or path
+        The law: params.json of `sonarcal fit --noise-only`. Beside a file, fit.json gives window and speckle.
+    options : JudgeNoiseOptions or dict, optional
+        Options. The keywords below override them.
+    frames : str or sequence of int, optional
+        Pings to evaluate, such as range(60, 80) or "60:80". Default: all.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    NoiseJudgement
+        judgement.json as a dict (docs/guide/noise.md), with plot().
     """
     settings = JudgeNoiseOptions(options, **keywords)
     pings = _recording(recording)
@@ -365,8 +531,25 @@ def locate(
 ) -> Location:
     """Finds the pose of a target in frames of a recording, from the mesh of the target.
 
-    frame: one frame or several. poses: start poses, one per frame or one for all, that are refined without a
-    search. The result has the posed recording, the scene, parameters to start a fit from, and all candidate poses (poses.json).
+    Parameters
+    ----------
+    recording : Recording or path
+        The recording. It needs no poses.
+    target : Scene or path
+        The mesh of the target.
+    options : LocateOptions or dict, optional
+        Options. The keywords below override them.
+    frame : int or sequence of int, optional
+        One frame or several.
+    poses : sequence of Pose, optional
+        Start poses, one per frame or one for all, that are refined without a search.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    Location
+        The recording with poses, the scene, parameters to start a fit from, and all candidate poses (poses.json).
     """
     settings = LocateOptions(options, **keywords)
     frames = [frame] if isinstance(frame, int) else list(frame)
@@ -386,9 +569,23 @@ def explain(
 ) -> Explanation:
     """Ablation study: adds the parts of the acoustic model one by one and evaluates each on held-out frames.
 
-    params: parameters of the acoustic model to start from: Parameters, a dict or a file. The recording needs two
-    frames or more, each with a pose. The result has the steps with their figures, the main cause of each pixel,
-    _repr_html_ and plot().
+    Parameters
+    ----------
+    recording : Recording or path
+        The recording: two frames or more, each with a pose.
+    scene : Scene or path
+        The scene that was recorded: glTF, OBJ or STL.
+    params : Parameters, dict or path
+        Parameters of the acoustic model to start from.
+    options : ExplainOptions or dict, optional
+        Options. The keywords below override them.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    Explanation
+        The steps with their figures, and the main cause of each pixel, with plot().
     """
     settings = ExplainOptions(options, **keywords)
     return Explanation(
@@ -406,14 +603,37 @@ def residual_view(
     progress: Optional[_Progress] = None,
     **keywords: Unpack[RayKeywords],
 ) -> ResidualView:
-    """The residual that a fit would minimise, for inspection from Python. Nothing is solved.
+    """Shows the residual that a fit would minimise. Nothing is solved.
 
-        view = sonarcal.residual_view("river", "river.gltf", "params.json", frames=[0])
-        at = view.at(view.initial, 0, ["material.floor.gsab.C"])
-        at.expected.value, at.residual, at.jacobian[:, :, 0]
+    Parameters
+    ----------
+    recording : Recording or path
+        The recording, with a pose for each frame.
+    scene : Scene or path
+        The scene that was recorded: glTF, OBJ or STL.
+    params : Parameters, dict or path
+        The parameters, which name the image model.
+    options : RayOptions or dict, optional
+        Options. The keywords below override them.
+    frames : sequence of int, optional
+        Frames to trace. Default: all.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
 
-    frames: those of the recording to trace (default: all). With the acoustic model, every pixel counts in full: the
-    weights that a fit gives to unexplained pixels and repeated poses are not applied.
+    Returns
+    -------
+    ResidualView
+
+    Notes
+    -----
+    With the acoustic model, every pixel counts in full. The weights that a fit gives to pixels that do not match the
+    scene, and to repeated poses, are not applied.
+
+    Examples
+    --------
+    >>> view = sonarcal.residual_view("river", "river.gltf", "params.json", frames=[0])
+    >>> at = view.at(view.initial, 0, ["material.floor.gsab.C"])
+    >>> at.expected.value, at.residual, at.jacobian[:, :, 0]
     """
     settings = RayOptions(options, **keywords)
     return _sonarcal._residual_view(
@@ -423,17 +643,39 @@ def residual_view(
 def reproduce_tank(
     *, quick: bool = False, seed: int = 1, threads: int = 0, progress: Optional[_Progress] = None
 ) -> TankReproduction:
-    """Park 2024, Section 6, start to end on a SYNTHETIC recording, as `sonarcal reproduce` does.
+    """Reproduces Park 2024, Section 6, on a SYNTHETIC recording, as `sonarcal reproduce` does.
 
-    quick: few rays, one start and no search for other curves, to try the way, not for figures. seed: of the recording's noise.
+    Parameters
+    ----------
+    quick : bool, optional
+        Few rays, one start and no search for other curves: to try the way, not for figures.
+    seed : int, optional
+        Seed of the noise of the recording.
+    threads : int, optional
+        Number of threads, 0 for all.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    TankReproduction
     """
     return TankReproduction(*_sonarcal._reproduce_tank(quick, seed, threads, progress, _say))
 
 
 def known_bomb(folder: _Path) -> tuple[Recording, Scene, dict[str, Any]]:
-    """Two frames of a bomb that an ARIS 3000 recorded, with the pose and outline found beforehand (docs/studies/bomb.md).
+    """Two frames of a bomb that an ARIS 3000 recorded, with pose and outline (docs/studies/bomb.md).
 
-    folder: aris3000_uxo of the real recordings. Returns the recording, the scene, and the acoustic model's
-    parameters to start a fit from.
+    Parameters
+    ----------
+    folder : path
+        aris3000_uxo of the real recordings.
+
+    Returns
+    -------
+    Recording
+    Scene
+    dict
+        Parameters of the acoustic model to start a fit from.
     """
     return _sonarcal._known_bomb(folder)

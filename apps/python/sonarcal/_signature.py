@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import textwrap
 from typing import Any, Callable, TypeVar
 
@@ -16,11 +17,18 @@ def option_parameters(options_class: Any) -> list[inspect.Parameter]:
 
 
 def _explained(options_class: Any) -> str:
-    lines = [f"Options, as keywords or in `options` (a {options_class.__name__} or a dict; keywords win):"]
+    lines = ["Other Parameters", "----------------"]
     for option in options_class.describe():
-        lines.append(textwrap.fill(f"{option['name']}: {option['text']}", 110, initial_indent="    ",
-                                   subsequent_indent="        ", break_on_hyphens=False, break_long_words=False))
+        lines.append(f"{option['name']} : optional")
+        lines.append(textwrap.fill(option["text"], 110, initial_indent="    ", subsequent_indent="    ",
+                                   break_on_hyphens=False, break_long_words=False))
     return "\n".join(lines)
+
+
+def _with_options(doc: str, options_class: Any) -> str:
+    """The docstring with the options after its section "Returns"."""
+    sections = re.split(r"\n\n(?=(?:Raises|Notes|Examples)\n-)", doc, maxsplit=1)
+    return "\n\n".join([sections[0], _explained(options_class), *sections[1:]])
 
 
 def takes(options_class: Any) -> Callable[[_Function], _Function]:
@@ -31,7 +39,7 @@ def takes(options_class: Any) -> Callable[[_Function], _Function]:
         own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
         setattr(function, "__signature__",
                 signature.replace(parameters=own + option_parameters(options_class)))
-        function.__doc__ = inspect.cleandoc(function.__doc__ or "") + "\n\n" + _explained(options_class)
+        function.__doc__ = _with_options(inspect.cleandoc(function.__doc__ or ""), options_class)
         return function
 
     return decorate
