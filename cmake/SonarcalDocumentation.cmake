@@ -4,13 +4,14 @@ set(documentation_dir ${PROJECT_BINARY_DIR}/documentation)
 add_custom_command(OUTPUT ${documentation_dir}/sonarcal.1
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${documentation_dir}
   COMMAND sonarcal documentation --quiet --out ${documentation_dir}
+  COMMAND sh -c "gzip -9nk ${documentation_dir}/*.1"
   DEPENDS sonarcal
   COMMENT "Writing manual pages and completion"
   VERBATIM)
 add_custom_target(manual_pages ALL DEPENDS ${documentation_dir}/sonarcal.1)
 
 install(DIRECTORY ${documentation_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
-  FILES_MATCHING PATTERN "*.1")
+  FILES_MATCHING PATTERN "*.1.gz")
 install(FILES ${documentation_dir}/sonarcal.bash
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME sonarcal COMPONENT program)
 install(FILES ${documentation_dir}/_sonarcal
@@ -20,10 +21,20 @@ install(FILES ${documentation_dir}/sonarcal.fish
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/sonarcal COMPONENT program)
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/apps/batch/dask_batch.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/sonarcal COMPONENT program)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
-  FILES_MATCHING PATTERN "*.md" PATTERN images EXCLUDE)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright
-  COMPONENT program)
+
+# The pages with their pictures, in the folders that they have in the sources, so that links between them hold.
+set(SONARCAL_PAGES ${PROJECT_BINARY_DIR}/pages)
+find_package(Python REQUIRED COMPONENTS Interpreter)
+file(GLOB_RECURSE pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/*)
+add_custom_command(OUTPUT ${SONARCAL_PAGES}.done
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${SONARCAL_PAGES}
+  COMMAND ${Python_EXECUTABLE} -I ${PROJECT_SOURCE_DIR}/cmake/install_pages.py ${PROJECT_SOURCE_DIR} ${SONARCAL_PAGES}
+  COMMAND ${CMAKE_COMMAND} -E touch ${SONARCAL_PAGES}.done
+  DEPENDS ${pages} ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/data_io/README.md
+    ${PROJECT_SOURCE_DIR}/cmake/install_pages.py
+  VERBATIM)
+add_custom_target(installed_pages ALL DEPENDS ${SONARCAL_PAGES}.done)
+install(DIRECTORY ${SONARCAL_PAGES}/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 find_program(SONARCAL_DOXYGEN doxygen)
 if(SONARCAL_DOXYGEN)
