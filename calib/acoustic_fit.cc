@@ -38,6 +38,10 @@ constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 // per step.
 constexpr int kOutlineFactor = 3;
 
+// Min predicted fall of the cost of a joint step, as a fraction of the effect of noise on one parameter: the
+// search ends within a third of a standard error of the lowest cost.
+constexpr double kLeastGain = 0.1;
+
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
 constexpr double kHeld = 0.02;
 
@@ -317,7 +321,7 @@ class AcousticFitter {
     ParameterValues values = fit_.values;
     settled_ = TakeJointSteps(*model_, catalog_, active,
                               {.steps = steps,
-                               .least = NoiseOfCost(),
+                               .least = kLeastGain * NoiseOfCost(),
                                .cost = [&](const ParameterValues& at) { return model_->TracedCost(at, fan); },
                                .roughness = [&](const ParameterValues& at) { return RoughnessOfCost(at); },
                                .settle =

@@ -169,10 +169,14 @@ bool TakeJointSteps(AcousticFrameModel& model, const std::vector<CatalogEntry>& 
   for (int step = 0; step < options.steps && !ended; ++step) {
     stepper.Linearise(values);
     if (step > 0 && options.settle) {
-      const double before = stepper.CostAtPoint(values);
-      options.settle(values);
-      reached.back() = {values, reached.back().cost + stepper.CostAtPoint(values) - before};
-      lowest = std::min(lowest, reached.back().cost);
+      ParameterValues settled = values;
+      options.settle(settled);
+      const double gain = stepper.CostAtPoint(values) - stepper.CostAtPoint(settled);
+      if (gain > 0.0) {
+        values = std::move(settled);
+        reached.back() = {values, reached.back().cost - gain};
+        lowest = std::min(lowest, reached.back().cost);
+      }
     }
     // The first one is taken for any gain: directions that the frames do not determine go to their priors.
     const auto found = stepper.Step(values, step == 0 ? 0.0 : options.least, lowest + roughness);

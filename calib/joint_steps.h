@@ -27,7 +27,8 @@ struct JointStepOptions {
   // steps in a flat valley.
   std::function<double(const ParameterValues&)> roughness;
   // Refits the parameters that need no tracing, about the point at which the model is linearised. Called
-  // after each step, if given: curves are less linear than poses.
+  // after each step, if given: curves are less linear than poses. The result is taken only if it lowers the
+  // cost, because the refit may use blocks of pixels.
   std::function<void(ParameterValues&)> settle = {};
 };
 

@@ -22,7 +22,7 @@ struct FitOptions {
   int block_beams = 16;              // eight of their widths
   bool search_level = true;          // searches a start level and dB range before the first solve
   bool test_others = true;  // tests if other curves (calib/curve_alternatives.h) or poses fit equally well
-  int joint_steps = 6;      // max number of steps of placements and curves together, each traced
+  int joint_steps = 20;     // max number of steps of placements and curves together, each traced
   bool near_start = false;  // placements start near their best values: leaves out searches
   bool rough = false;       // ends after the starts, with values but no sigmas, for a fit in rounds
   // Weights of frames of one pose, per frame and pixel, from an earlier fit to the same pixels. Costs of two

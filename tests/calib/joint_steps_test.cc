@@ -66,5 +66,43 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
   EXPECT_NEAR(mean_deg, 0.0, 0.2);
 }
 
+TEST(JointSteps, LeaveOutARefitThatRaisesTheCost) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
+  const testing::SyntheticTank tank(folder);
+  std::vector<AcousticFrame> frames = tank.Frames({0});
+  PoseStep low = PoseStep::Zero();
+  low(4) = -0.5;
+  frames[0].world_from_sonar = MovePose(tank.TruePose(0), low);
+  AcousticFrameModel model(tank.simulator, frames, tank.TrueParameters());
+  FitConfig config{.free = std::vector<std::string>{"noise", "pose"}};
+  std::vector<CatalogEntry> catalog = model.catalog();
+  const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
+  std::vector<int> active;
+  std::size_t noise = catalog.size();
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (free[i]) active.push_back(static_cast<int>(i));
+    if (catalog[i].name == "receiver.noise_db") noise = i;
+  }
+  ASSERT_LT(noise, catalog.size());
+
+  const auto traced = [&](const ParameterValues& at) {
+    return model.TracedCost(at, tank.simulator.options().fan);
+  };
+  int refits = 0;
+  const auto spoil = [&](ParameterValues& at) {
+    ++refits;
+    at[noise] += 12.0;
+  };
+  const auto roughness = [](const ParameterValues&) { return 17.0; };
+  // The search ends with the refit after its first step, because no other step gains so much.
+  constexpr double kLeast = 1e9;
+  ParameterValues values = model.initial_values();
+  TakeJointSteps(model, catalog, active,
+                 {.steps = 2, .least = kLeast, .cost = traced, .roughness = roughness, .settle = spoil},
+                 values);
+  EXPECT_EQ(refits, 1);
+  EXPECT_LT(traced(values), traced(model.initial_values()) - 50.0);
+}
+
 }  // namespace
 }  // namespace sonarcal::calib
