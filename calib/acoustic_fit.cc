@@ -34,12 +34,8 @@ constexpr int kRounds = 10;
 constexpr double kSettled = 0.05;
 constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 
-// Joint steps with outlines, as a multiple of those without: their many values move a surface by a bin or so
-// per step.
-constexpr int kOutlineFactor = 3;
-
 // Min predicted fall of the cost of a joint step, as a fraction of the effect of noise on one parameter: the
-// search ends within a third of a standard error of the lowest cost.
+// search ends about a third of a standard error from the best values.
 constexpr double kLeastGain = 0.1;
 
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
@@ -307,7 +303,7 @@ class AcousticFitter {
     if (poses_.empty()) {
       FitInRounds();
     } else {
-      FitJointly(JointSteps());
+      FitJointly(options_.joint_steps);
     }
   }
 
@@ -334,10 +330,6 @@ class AcousticFitter {
                               values, options_.progress);
     fit_.values = values;
     near_ = Near(config_, *model_, geometric_, values, kHeld);
-  }
-
-  int JointSteps() const {
-    return options_.joint_steps * (rigid_.size() < poses_.size() ? kOutlineFactor : 1);
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
@@ -393,7 +385,7 @@ class AcousticFitter {
       Say("reducing the weight of pixels that do not match the scene");
       model_->DownWeight(fit_.values);
       if (!poses_.empty()) {
-        FitJointly(JointSteps());
+        FitJointly(options_.joint_steps);
         model_->Linearise(fit_.values, geometric_);
       }
       again_.test_others = options_.test_others && round + 1 == kWeightRounds;
@@ -422,7 +414,7 @@ class AcousticFitter {
       std::erase_if(searched, [&](int entry) { return stays(catalog_[entry].frame); });
       model_->Linearise(fit_.values, {});
       RefineStage(PoseStages(model_->speckle_cell()).back(), searched);
-      FitJointly(std::min(kStepsAfterMove, JointSteps()));
+      FitJointly(std::min(kStepsAfterMove, options_.joint_steps));
     }
   }
 
@@ -477,7 +469,7 @@ class AcousticFitter {
     report.iterations = iterations_;
     if (!settled_) {
       report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
-                                        poses_.empty() ? kRounds : JointSteps());
+                                        poses_.empty() ? kRounds : options_.joint_steps);
     }
     return result;
   }

@@ -26,12 +26,15 @@ install(PROGRAMS ${PROJECT_SOURCE_DIR}/apps/batch/dask_batch.py
 set(SONARCAL_PAGES ${PROJECT_BINARY_DIR}/pages)
 find_package(Python REQUIRED COMPONENTS Interpreter)
 file(GLOB_RECURSE pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/*)
+# Pages outside docs/ to which pages of docs/ lead.
+set(other_pages README.md CHANGELOG.md THIRD_PARTY_NOTICES.md data_io/README.md notebooks/README.md)
+list(TRANSFORM other_pages PREPEND ${PROJECT_SOURCE_DIR}/ OUTPUT_VARIABLE other_page_files)
 add_custom_command(OUTPUT ${SONARCAL_PAGES}.done
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${SONARCAL_PAGES}
   COMMAND ${Python_EXECUTABLE} -I ${PROJECT_SOURCE_DIR}/cmake/install_pages.py ${PROJECT_SOURCE_DIR} ${SONARCAL_PAGES}
+    ${other_pages}
   COMMAND ${CMAKE_COMMAND} -E touch ${SONARCAL_PAGES}.done
-  DEPENDS ${pages} ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/data_io/README.md
-    ${PROJECT_SOURCE_DIR}/cmake/install_pages.py
+  DEPENDS ${pages} ${other_page_files} ${PROJECT_SOURCE_DIR}/cmake/install_pages.py
   VERBATIM)
 add_custom_target(installed_pages ALL DEPENDS ${SONARCAL_PAGES}.done)
 install(DIRECTORY ${SONARCAL_PAGES}/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)

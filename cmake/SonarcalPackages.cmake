@@ -24,7 +24,7 @@ if(NOT SONARCAL_BUILD_APPS)
   list(REMOVE_ITEM packages program)
 endif()
 
-# What Debian wants in the folder of every package: copyright, notices and a compressed changelog.
+# Files that Debian requires in the folder of every package: copyright, notices and a compressed changelog.
 set(debian_dir ${PROJECT_BINARY_DIR}/debian)
 string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 set(CPACK_PACKAGE_CONTACT "The sonarcal authors <sonarcal@users.noreply.github.com>")
@@ -84,11 +84,13 @@ if(SONARCAL_WITH_PYTHON)
   set(CPACK_DEBIAN_PYTHON_MODULE_PACKAGE_SUGGESTS python3-matplotlib)
 endif()
 
-# Packages with the headers and CMake files that cmake/SonarcalDependencies.cmake asks for.
-set(development_packages libarchive-dev libceres-dev libeigen3-dev libembree-dev libfmt-dev libopencv-dev libpng-dev
-  libpugixml-dev libssl-dev libtbb-dev libtiff-dev libtinygltf-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev)
-if(SONARCAL_WITH_ROS)
-  list(APPEND development_packages librosbag-storage-dev libsqlite3-dev)
+# Packages with the headers and CMake files that cmake/SonarcalDependencies.cmake asks for: those of the list that
+# the libraries need, without those of the command line, the live view and the Python module.
+file(STRINGS ${PROJECT_SOURCE_DIR}/scripts/packages.txt development_packages REGEX "^build .*-dev$")
+list(TRANSFORM development_packages REPLACE "^build " "")
+list(REMOVE_ITEM development_packages libcli11-dev libcpp-httplib-dev pybind11-dev python3-dev)
+if(NOT SONARCAL_WITH_ROS)
+  list(REMOVE_ITEM development_packages librosbag-storage-dev libsqlite3-dev)
 endif()
 string(JOIN ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ${development_packages})
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS cmake)

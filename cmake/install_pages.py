@@ -1,8 +1,8 @@
 """Copies the pages of the documentation with their pictures, for the installation.
 
-    install_pages.py SOURCES OUT
+    install_pages.py SOURCES OUT PAGE...
 
-The pages keep their folders. A link to a file that is not installed becomes its text, so that no link is dead.
+Copies docs/ and the other pages that are named. The pages keep their folders. A link to a file that is not installed becomes its text, so that no link is dead.
 """
 
 import pathlib
@@ -10,8 +10,6 @@ import re
 import shutil
 import sys
 
-# Pages outside docs/ that pages of docs/ lead to.
-MORE = ("README.md", "CHANGELOG.md", "THIRD_PARTY_NOTICES.md", "data_io/README.md", "notebooks/README.md")
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 
 
@@ -19,7 +17,7 @@ def main():
     """Copies all of them."""
     sources, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     files = [path for path in sorted((sources / "docs").rglob("*")) if path.is_file()]
-    files += [sources / page for page in MORE]
+    files += [sources / page for page in sys.argv[3:]]
     installed = {place for path in files for place in (path, path.parent)}
 
     def kept(page, link):

@@ -50,7 +50,7 @@ as_root() {
   fi
 }
 
-# Whether apt can install a package. A name that others merely provide does not count.
+# Succeeds if apt can install a package of this name. A name that other packages provide does not count.
 is_offered() {
   [[ "$(apt-cache policy "$1" 2>/dev/null)" == *"Candidate: "[^\(]* ]]
 }

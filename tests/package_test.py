@@ -43,7 +43,7 @@ def check_development(root, depends):
     """Headers, libraries and CMake files, and the packages that these ask for."""
     assert (root / "usr/include/sonarcal/sim/rays/trace.h").is_file()
     assert list(root.rglob("libsonarcal_sim.a")) and list(root.rglob("sonarcalConfig.cmake"))
-    assert {"libeigen3-dev", "libceres-dev", "libopencv-dev"} <= depends, depends
+    assert {"libeigen3-dev", "libceres-dev", "libopencv-dev", "liblz4-dev", "libzstd-dev"} <= depends, depends
 
 
 def check_python(root, depends):
@@ -99,12 +99,12 @@ def main():
                 subprocess.run(["dpkg-deb", "-x", str(package), str(target)], check=True)
             for path in ("copyright", "changelog.gz", "THIRD_PARTY_NOTICES.md"):
                 assert (alone / "usr/share/doc" / name / path).is_file(), (name, path)
-        # By what the programs themselves ask for: a second way than dpkg-shlibdeps.
+        # Compares with the libraries that the programs name, independently of dpkg-shlibdeps.
         module = next(root.rglob("_sonarcal.*.so"))
         for name, program in (("sonarcal", root / "usr/bin/sonarcal"), ("python3-sonarcal", module)):
             missing = needed_packages(str(program)) - depends[name]
             assert not missing, f"{missing} are needed, {name} depends on {depends[name]}"
-        # What belongs to building against the libraries is in its own package only.
+        # Files for building against the libraries are in their own package only.
         alone = pathlib.Path(folder, "sonarcal")
         assert not (alone / "usr/include").exists() and not list(alone.rglob("*.a"))
         check_program(root, folder)

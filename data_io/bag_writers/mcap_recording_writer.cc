@@ -237,7 +237,8 @@ class SonarInfoWriter {
     constexpr std::int64_t kHeartbeatNs = 10 * kNsPerS;
     SonarInfo sonar = SonarInfoOf(info_, frame.settings, calibration_);
     sonar.stamp_ns = logged_ns;
-    if (last_ && SaysTheSame(sonar, *last_) && std::abs(logged_ns - last_->stamp_ns) < kHeartbeatNs) return;
+    if (last_ && HasSameContent(sonar, *last_) && std::abs(logged_ns - last_->stamp_ns) < kHeartbeatNs)
+      return;
     topics.Write(kSonarInfoTopic, kSonarInfoType, logged_ns, SonarInfoMessage(kCdr, sonar));
     last_ = std::move(sonar);
   }

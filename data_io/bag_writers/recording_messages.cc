@@ -100,8 +100,9 @@ SampleType SampleTypeOf(const ImageScale& scale) {
   if (scale.quantity == Quantity::kPower) return SampleType::kFloat;
   if (scale.quantity != Quantity::kGrey) {
     throw DataError(
-        "the recording's values are {}, expected grey or power: a ProjectedSonarImage says not "
-        "what its numbers are",
+        "the recording's values are {}, expected grey or power: a ProjectedSonarImage does not state the "
+        "unit "
+        "of its samples",
         ToString(scale.quantity));
   }
   return scale.full_scale > 255.0 ? SampleType::kShort : SampleType::kByte;

@@ -31,7 +31,7 @@ struct SonarCalibration {
 //   source level    of the calibration, otherwise of the recording
 //   beam pattern    sensitivity of each beam of the calibration over its azimuth
 //
-// Whatever is unknown is left out.
+// Unknown values are left out.
 SonarInfo SonarInfoOf(const RecordingInfo& info, const SonarSettings& settings,
                       const std::optional<SonarCalibration>& calibration);
 

@@ -1,7 +1,7 @@
 // Compressed blocks of bytes: LZ4 frames and Zstandard frames, as MCAP and ROS 2 use them.
 //
-// Output grows with what really comes out, up to a limit that the caller gives. A size that the bytes claim
-// is never allocated on trust.
+// The output grows with the inflated bytes, up to the limit of the caller. A claimed size is never allocated
+// unchecked.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Messages of an MCAP file, read one at a time. The layout is that of data_io/mcap/mcap_records.h.
 //
 // The file is read from its start, so an index is used but not required, and a file that was cut off is read
-// as far as it goes. A message that is there in part, and a message in a damaged chunk, are listed, and
+// as far as it goes. An incomplete message, and a message in a damaged chunk, are listed, and
 // refused when they are read.
 #pragma once
 

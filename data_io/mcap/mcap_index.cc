@@ -1,7 +1,5 @@
 #include "data_io/mcap/mcap_index.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -21,16 +19,12 @@ constexpr std::uint64_t kMaxDefinitionBytes = 16 << 20;  // schemas and channels
 constexpr std::uint64_t kIndexEntryBytes = 16;
 constexpr std::size_t kMaxNotes = 20;
 
-std::uint32_t Crc(std::span<const std::byte> bytes, std::uint32_t crc = 0) {
-  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
 // CRC of the bytes of a file from `begin` to `end`.
 std::uint32_t FileCrc(const fs::path& file, std::uint64_t begin, std::uint64_t end) {
   constexpr std::uint64_t kPieceBytes = 1 << 20;
   std::uint32_t crc = 0;
   for (std::uint64_t at = begin; at < end; at += kPieceBytes)
-    crc = Crc(ReadFileRange(file, at, std::min(kPieceBytes, end - at), "content"), crc);
+    crc = McapCrc(ReadFileRange(file, at, std::min(kPieceBytes, end - at), "content"), crc);
   return crc;
 }
 
@@ -95,7 +89,7 @@ class Scan {
     CheckMagic();
     WalkFile();
     for (std::size_t i = 0; i < index_.chunks.size(); ++i) {
-      // The indices behind the last chunk may be missing in part if the file was cut off.
+      // The indices behind the last chunk may be incomplete if the file was cut off.
       const bool may_lack_indices = !data_end_ && i + 1 == index_.chunks.size();
       if (!index_.chunks[i].has_index || may_lack_indices) ListMessagesOf(i);
     }
@@ -340,7 +334,7 @@ class Scan {
         const RecordHead head = ParseHead({rest.first(kMcapRecordHeadBytes), where, at}, at, size);
         take(head, ByteReader(rest.subspan(kMcapRecordHeadBytes, head.bytes_there), where,
                               at + kMcapRecordHeadBytes));
-        if (head.is_cut()) return fmt::format("{}: byte {}: a record in part", where, at);
+        if (head.is_cut()) return fmt::format("{}: byte {}: an incomplete record", where, at);
         at = head.content_at + head.content_bytes;
       } catch (const DataError& error) {
         return error.what();
@@ -349,14 +343,13 @@ class Scan {
     return {};
   }
 
-  // False, with a note, if more comes out of the chunks that are looked into than a recording plausibly
-  // holds.
+  // Returns false and adds a note if the chunks inflate to more than a plausible recording.
   bool MayInflate(const McapChunk& chunk) {
     inflated_ += std::min(chunk.inflated_bytes, max_chunk_bytes_);
     if (inflated_ <= std::max(kMinInflationLimit, file_bytes_ * kMaxInflationRatio)) return true;
     Note(
-        fmt::format("{}: more than {} times as many bytes as the file has would come out, and the chunk was "
-                    "left out.",
+        fmt::format("{}: the chunks inflate to more than {} times the size of the file: this chunk was left "
+                    "out.",
                     McapChunkName(name_, chunk), kMaxInflationRatio));
     return false;
   }
@@ -479,7 +472,7 @@ McapContent ReadMcapChunk(const fs::path& file, const std::string& name, const M
                                 content.bytes.size(), chunk.inflated_bytes);
     return content;
   }
-  const std::uint32_t crc = Crc(content.bytes);
+  const std::uint32_t crc = McapCrc(content.bytes);
   if (chunk.crc != 0 && crc != chunk.crc)
     content.fault =
         fmt::format("{}: the CRC is {:08x}, expected {:08x}: the chunk is damaged", where, crc, chunk.crc);

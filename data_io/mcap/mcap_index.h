@@ -1,8 +1,8 @@
 // Index of an MCAP file: channels, and the positions of their messages. The layout is that of
 // data_io/mcap/mcap_records.h.
 //
-// No size is trusted: content is compared with the file, inflated content grows with what comes out, and a
-// file has at most one message per byte.
+// No size is trusted: content is compared with the file, inflated content is allocated as it is produced,
+// and a file has at most one message per byte.
 #pragma once
 
 #include <cstddef>

@@ -23,6 +23,8 @@
 // Readers skip other kinds and unknown fields at the end of a record. A CRC of 0 means that there is none.
 #pragma once
 
+#include <zlib.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -52,6 +54,14 @@ enum class McapKind : std::uint8_t {
   kSummaryOffset = 14,
   kDataEnd = 15,
 };
+
+// CRC of bytes that follow those with the CRC `crc`.
+inline std::uint32_t McapCrc(std::string_view bytes, std::uint32_t crc = 0) {
+  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+inline std::uint32_t McapCrc(std::span<const std::byte> bytes, std::uint32_t crc = 0) {
+  return McapCrc(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), crc);
+}
 
 // Fields of a record in sequence. Throws DataError, naming byte and field, for one that does not fit.
 class McapFields {

@@ -1,7 +1,5 @@
 #include "data_io/mcap/mcap_writer.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <limits>
 #include <span>
@@ -49,10 +47,6 @@ std::string Record(McapKind kind, const Content& content) {
   Content record;
   record.U8(static_cast<std::uint8_t>(kind)).U64(content.bytes().size()).Raw(content.bytes());
   return record.bytes();
-}
-
-std::uint32_t Crc(std::string_view bytes, std::uint32_t crc = 0) {
-  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace
@@ -143,7 +137,7 @@ void McapWriter::Put(std::string_view bytes) {
   stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!stream_) throw DataError("{}: cannot be written", name_);
   offset_ += bytes.size();
-  crc_ = Crc(bytes, crc_);
+  crc_ = McapCrc(bytes, crc_);
 }
 
 void McapWriter::FlushChunk() {
@@ -154,7 +148,7 @@ void McapWriter::FlushChunk() {
       Record(McapKind::kChunk, Content()
                                    .Raw(times)
                                    .U64(chunk_.size())
-                                   .U32(Crc(chunk_))
+                                   .U32(McapCrc(chunk_))
                                    .Text(kCompression)
                                    .U64(packed.size())
                                    .Raw({reinterpret_cast<const char*>(packed.data()), packed.size()}));

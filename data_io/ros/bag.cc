@@ -40,7 +40,7 @@ std::vector<std::byte> InflatedMessage(std::vector<std::byte> stored, std::uint6
       return std::move(inflated.bytes);
     case Inflated::End::kMore:
       if (max_bytes == wanted_bytes) return std::move(inflated.bytes);
-      throw DataError("{}: it inflates to more than {} bytes, expected at most as many", where, max_bytes);
+      throw DataError("{}: the message inflates to more than the max of {} bytes", where, max_bytes);
     case Inflated::End::kCut:
       throw DataError("{}: the compressed message is not whole: {} bytes come out", where,
                       inflated.bytes.size());

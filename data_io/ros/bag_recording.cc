@@ -45,7 +45,7 @@ std::string AlmostSonars(const Bag& bag) {
   }
   std::string text;
   if (!points.empty()) text += fmt::format("; {} has points, {}", DescribeTopics(points), kPoints);
-  if (!empty.empty()) text += fmt::format("; {} is a sonar's, without messages", DescribeTopics(empty));
+  if (!empty.empty()) text += fmt::format("; {} is a sonar's topic without messages", DescribeTopics(empty));
   return text;
 }
 
@@ -160,7 +160,7 @@ class BagRecording final : public RecordingSource {
     if (beside.size() == 1) return beside.front();
     if (!all.empty()) {
       info_.notes.push_back(fmt::format(
-          "{} topics of SonarInfo are in the bag, none of them alone beside the sonar's: they were ignored.",
+          "{} topics of SonarInfo were ignored: expected one, or exactly one beside the topic of the sonar.",
           all.size()));
     }
     return std::nullopt;
@@ -180,7 +180,7 @@ class BagRecording final : public RecordingSource {
       try {
         SonarInfo sonar = ReadSonarInfo(bag_->Read(messages[i]), topic.encoding, where);
         if (sonar.stamp_ns == 0) sonar.stamp_ns = messages[i].log_time_ns;
-        if (sonar_infos_.empty() || !SaysTheSame(sonar, sonar_infos_.back()))
+        if (sonar_infos_.empty() || !HasSameContent(sonar, sonar_infos_.back()))
           sonar_infos_.push_back(std::move(sonar));
       } catch (const DataError& error) {
         if (++damaged == 1) info_.notes.push_back(fmt::format("SonarInfo was left out: {}.", error.what()));
@@ -219,7 +219,7 @@ class BagRecording final : public RecordingSource {
     throw DataError("{}", of_first);
   }
 
-  // A simulation stays one, whatever file it is in.
+  // A simulated recording is marked as synthetic in every format.
   void ReadOrigin() {
     const std::string text = bag_->recording_json();
     if (text.empty()) return;

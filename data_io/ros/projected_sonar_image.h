@@ -9,7 +9,7 @@
 
 namespace sonarcal::data_io {
 
-// Notes that a message with more knowledge (data_io/ros/sonar_info.h) removes.
+// Notes that SonarInfo (data_io/ros/sonar_info.h) removes.
 inline constexpr const char* kNoSettingsRecorded = "Neither gain, TVG, dB scale nor water is recorded.";
 inline constexpr const char* kFloatsAreTakenAsPower =
     "The quantity of the samples is not recorded; floats are read as linear power.";

@@ -72,7 +72,7 @@ SonarInfo ReadAs(MessageStream stream, Layout layout) {
 
 void CheckParallel(std::size_t a, std::size_t b, const char* names, const std::string& where) {
   if (a != 0 && b != 0 && a != b) {
-    throw DataError("{}: {} have {} and {} elements, expected as many of both", where, names, a, b);
+    throw DataError("{}: {} have {} and {} elements, expected equal numbers", where, names, a, b);
   }
 }
 
@@ -131,7 +131,7 @@ SonarInfo ReadSonarInfo(std::span<const std::byte> bytes, MessageEncoding encodi
   throw DataError("{}", of_first);
 }
 
-bool SaysTheSame(const SonarInfo& a, const SonarInfo& b) {
+bool HasSameContent(const SonarInfo& a, const SonarInfo& b) {
   // NaN, which means "unknown", equals itself here.
   const auto same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
   return a.frame_id == b.frame_id && a.sonar_model == b.sonar_model &&

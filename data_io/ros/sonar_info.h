@@ -53,8 +53,8 @@ struct SonarInfo {
   std::vector<float> beam_pattern_gain_db;
 };
 
-// True if both state the same, whatever their times are.
-bool SaysTheSame(const SonarInfo& a, const SonarInfo& b);
+// True if both are equal except for their times.
+bool HasSameContent(const SonarInfo& a, const SonarInfo& b);
 
 inline constexpr const char* kSonarInfoType = "marine_interfaces/SonarInfo";
 

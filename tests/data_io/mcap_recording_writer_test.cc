@@ -121,7 +121,7 @@ TEST_F(McapRecordingWriterTest, OurReaderFindsTheSame) {
   }
 }
 
-// As Foxglove reads it: every message by the definition in the file, to the last byte.
+// Decodes every message by the definition in the file, to its last byte, as Foxglove does.
 TEST_F(McapRecordingWriterTest, AReaderOfDefinitionsFindsImageFanPoseAndScene) {
   const MemoryRecording recording = Recording(GreyUpTo(255.0));
   const Scene scene = TwoTriangles();

@@ -264,7 +264,7 @@ def simulate(
     Returns
     -------
     Recording
-        A recording in memory. Its frames are images of 2^bits - 1 grey levels.
+        A recording in memory, with grey values 0 .. 2^bits - 1.
     """
     settings = SimulateOptions(options, **keywords)
     mesh, scene_path = _scene(scene)

@@ -262,7 +262,7 @@ TEST_F(BagRecordingTest, SonarsOfPointsAndTopicsWithoutMessagesAreNamed) {
   testing::WriteRos2Bag(dir_ / "empty.db3", {{"/sonar", kProjectedType, 1, "?"}}, "DELETE FROM messages");
   EXPECT_THAT(
       testing::RefusalOf(dir_ / "empty.db3"),
-      HasSubstr("/sonar (marine_acoustic_msgs/ProjectedSonarImage, 0 messages) is a sonar's, without"));
+      HasSubstr("/sonar (marine_acoustic_msgs/ProjectedSonarImage, 0 messages) is a sonar's topic without"));
 }
 
 // A real bag of a mechanically scanning sonar.

@@ -136,7 +136,7 @@ TEST_F(CompressedBagTest, ABombIsRefused) {
   messages[1].bytes = testing::PackedBytes(std::string(300 << 20, '\0'), "zstd");
   messages[1].log_time_ns = 5;
   EXPECT_THAT(testing::RefusalOf(Write("bomb.db3", BagBytes("db3", messages))),
-              HasSubstr("it inflates to more than 268435456 bytes"));
+              HasSubstr("the message inflates to more than the max of 268435456 bytes"));
 }
 
 }  // namespace

@@ -144,7 +144,7 @@ TEST_F(McapBagTest, UnknownRecordsAndFieldsAreSkipped) {
   EXPECT_EQ(OpenRecording(dir_ / "test.mcap")->frame_count(), 4);
 }
 
-// A file that was cut off is read as far as it goes. The message that is there in part ends a run, and is
+// A file that was cut off is read as far as it goes. The incomplete message ends a run, and is
 // left out when the file is salvaged.
 TEST_F(McapBagTest, ATruncatedFileIsReadAsFarAsItGoes) {
   for (const std::string compression : kCompressions) {
@@ -179,7 +179,7 @@ TEST_F(McapBagTest, AMessageThatIsThereInPartEndsARunAndIsSalvaged) {
   }
 }
 
-// Of a compressed chunk at the end of a truncated file, whatever can be inflated is read.
+// Reads all that can be inflated of a compressed chunk at the end of a truncated file.
 TEST_F(McapBagTest, TheStartOfACutCompressedChunkIsRead) {
   std::vector<MadeUpMessage> messages = Messages(60);
   for (std::size_t i = 0; i < messages.size(); ++i) {
@@ -259,7 +259,7 @@ TEST_F(McapBagTest, StatisticsThatDisagreeAreNoted) {
               ::testing::ElementsAre("The file's statistics count 11 messages, but 8 were found."));
 }
 
-// Sizes that are lies: none is allocated, and each gives one sentence.
+// False sizes: none is allocated, and each gives one sentence.
 TEST_F(McapBagTest, SizesAreComparedWithWhatIsThere) {
   MadeUpMcapPlaces places;
   const std::string zstd = Bytes({.compression = "zstd", .messages_a_chunk = 100}, 4, &places);
@@ -322,8 +322,9 @@ TEST_F(McapBagTest, AMissingChannelIsNotSearchedInBombs) {
         6, U64(0) + U64(0) + U64(kInflated) + U32(0) + U32(4) + "zstd" + U64(packed.size()) + packed);
     bytes += testing::McapRecord(7, std::string("\1\0", 2) + U32(16) + U64(0) + U64(0));
   }
-  EXPECT_THAT(Notes(bytes), AllOf(Contains(HasSubstr("would come out, and the chunk was left out")),
-                                  Contains(HasSubstr("20 messages are of no known channel"))));
+  EXPECT_THAT(Notes(bytes),
+              AllOf(Contains(HasSubstr("1000 times the size of the file: this chunk was left out")),
+                    Contains(HasSubstr("20 messages are of no known channel"))));
 }
 
 TEST_F(McapBagTest, UnknownCompressionIsNamed) {

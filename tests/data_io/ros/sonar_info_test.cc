@@ -146,7 +146,7 @@ TEST_F(SonarInfoBagTest, TheLastMessageBeforeAFrameHoldsForIt) {
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("SonarInfo has 3 versions")));
 }
 
-TEST_F(SonarInfoBagTest, OfSeveralTopicsTheOneBesideTheSonarIsTaken) {
+TEST_F(SonarInfoBagTest, TakesTheTopicBesideTheSonar) {
   EXPECT_EQ(Open({{"/m3/sonar_info", {.model = "beside"}}, {"/other/sonar_info", {.model = "far"}}})
                 ->info()
                 .sonar.name,
@@ -154,7 +154,10 @@ TEST_F(SonarInfoBagTest, OfSeveralTopicsTheOneBesideTheSonarIsTaken) {
   EXPECT_EQ(Open({{"/other/sonar_info", {.model = "the only one"}}})->info().sonar.name, "the only one");
   const auto none = Open({{"/a/sonar_info", {.model = "a"}}, {"/b/sonar_info", {.model = "b"}}});
   EXPECT_EQ(none->info().sonar.name, "sonar of a ProjectedSonarImage");
-  EXPECT_THAT(none->info().notes, Contains(HasSubstr("2 topics of SonarInfo are in the bag")));
+  EXPECT_THAT(
+      none->info().notes,
+      Contains(HasSubstr(
+          "2 topics of SonarInfo were ignored: expected one, or exactly one beside the topic of the sonar")));
 }
 
 TEST_F(SonarInfoBagTest, ADamagedMessageIsNotedAndLeftOut) {
