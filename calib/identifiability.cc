@@ -130,7 +130,7 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
     covariance += change * change.transpose();
   }
   const double count = static_cast<double>(equations.blocks.size());
-  covariance *= (count - 1.0) / count;
+  covariance *= equations.variance_factor * (count - 1.0) / count;
   if (equations.prior.size() > 0) {
     const Eigen::MatrixXd of_prior =
         solve(information, Eigen::MatrixXd(equations.prior.cwiseSqrt().asDiagonal()));

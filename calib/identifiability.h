@@ -20,6 +20,8 @@ struct NormalEquations {
   Eigen::MatrixXd information;  // J^T J
   Eigen::VectorXd prior;        // 1 / variance of the prior; empty: no priors
   std::vector<Block> blocks;    // blocks in which a residual depends on a parameter
+  // Factor of the variance for what blocks share with their neighbours (BlockPixels).
+  double variance_factor = 1.0;
   // Independent numerical errors of the summed score, as vectors: the sum of their outer products is its
   // covariance. Empty: the model is exact.
   std::vector<Eigen::VectorXd> numerical;
@@ -43,7 +45,7 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
                                              const std::vector<std::string>& names);
 
 // Covariance by leaving out one block at a time: with the change that block b makes to the solution, d_b =
-// (J^T J - J_b^T J_b)^-1 J_b^T r_b, it is (B - 1) / B sum d_b d_b^T. This is the cluster-robust sandwich with
+// (J^T J - J_b^T J_b)^-1 J_b^T r_b, it is (B - 1) / B sum d_b d_b^T, times the variance factor. This is the cluster-robust sandwich with
 // its small-sample correction CR3 (Cameron & Miller, J. Human Resources 50(2), 2015, section VI.B). A
 // parameter that few blocks determine gets a correctly large sigma. Not finite if one block alone determines
 // a parameter. A prior P adds its information to J^T J, and (J^T J + P)^-1 P (J^T J + P)^-1 to the

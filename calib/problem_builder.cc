@@ -258,14 +258,32 @@ BlockPixels BlockSize(const FrameModel& model, const FitOptions& options) {
     const int wanted = static_cast<int>(std::ceil(kWidths * width - 1e-6));
     return std::max(given, std::min(wanted, extent / fewest));
   };
-  return {.bins = along(options.block_bins, model.speckle_cell().bins, model.range_bins(), 4),
-          .beams = along(options.block_beams, model.speckle_cell().beams, model.beams(), 2)};
+  const FrameModel::SpeckleCell cell = model.speckle_cell();
+  BlockPixels block{.bins = along(options.block_bins, cell.bins, model.range_bins(), 4),
+                    .beams = along(options.block_beams, cell.beams, model.beams(), 2)};
+  block.variance_factor = 1.0 / ((1.0 - SharedAtEdges(cell.bins, block.bins, model.range_bins())) *
+                                 (1.0 - SharedAtEdges(cell.beams, block.beams, model.beams())));
+  return block;
+}
+
+double SharedAtEdges(double width, int block, int extent) {
+  constexpr double kWidths = 3.0;  // beyond it, the correlation is below 4e-6
+  const int inner_edges = (extent - 1) / block;
+  const int farthest = std::min(block, static_cast<int>(std::ceil(kWidths * width)));
+  double cut = 0.0;
+  double all = 1.0;
+  for (int k = 1; k <= farthest; ++k) {
+    const double correlation = std::exp(-2.0 * std::numbers::ln2 * k * k / (width * width));
+    cut += 2.0 * k * correlation;
+    all += 2.0 * correlation;
+  }
+  return inner_edges * cut / (all * extent);
 }
 
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options, ResidualSummary* residuals) {
   const int beams = model.beams();
-  const auto [block_bins, block_beams] = BlockSize(model, options);
+  const auto [block_bins, block_beams, variance_factor] = BlockSize(model, options);
   const auto n = static_cast<Eigen::Index>(state.active.size());
   const Eigen::VectorXd value_slope = ValueSlopes(catalog, state);
   struct Band {
@@ -276,6 +294,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   };
 
   NormalEquations equations;
+  equations.variance_factor = variance_factor;
   equations.information = Eigen::MatrixXd::Zero(n, n);
   equations.prior = Eigen::VectorXd::Zero(n);
   for (Eigen::Index k = 0; k < n; ++k) {

@@ -29,14 +29,22 @@ std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
                                              const std::vector<CatalogEntry>& catalog, const FitState& state,
                                              std::vector<double>& coordinates);
 
-// Size of a block that counts as independent of the others. A sandwich misses the speckle that two blocks
-// share at their edge: for a Gaussian response of width w and blocks of length n, a fraction 0.48 w / n of
-// the variance. So blocks are at least eight widths long, as far as a frame still has a few blocks.
+// Size of a block that counts as nearly independent of the others: at least eight widths of pulse and beam,
+// as far as a frame still has a few blocks.
 struct BlockPixels {
   int bins = 1;
   int beams = 1;
+  // Variance of a sum over a frame, over the variance that blocks give which count as independent. The
+  // difference is the speckle that two blocks share at their edge (SharedAtEdges).
+  double variance_factor = 1.0;
 };
 BlockPixels BlockSize(const FrameModel& model, const FitOptions& options);
+
+// Fraction of the variance of a sum over `extent` pixels in a row that blocks of `block` pixels miss if they
+// count as independent. Speckle of a Gaussian response of this half-power width (pixels) has the correlation
+// c(k) = exp(-2 ln 2 k^2 / width^2) between powers k pixels apart, so an inner edge cuts sum |k| c(k) of
+// the sum c(k) that each pixel adds. For wide responses that is 0.48 width / block per edge.
+double SharedAtEdges(double width, int block, int extent);
 
 // Returns scores and expected information at a state, by the coordinates of its active entries, summed over
 // blocks of pixels. Sets mean and spread in `residuals` if it is given.

@@ -199,7 +199,7 @@ LikelihoodDifference Difference(const BlockedLikelihood& a, const BlockedLikelih
     square += deviation * deviation;
     ++blocks;
   }
-  if (blocks > 1) difference.sigma = std::sqrt(square * blocks / (blocks - 1.0)) / pixels;
+  if (blocks > 1) difference.sigma = std::sqrt(a.variance_factor * square * blocks / (blocks - 1.0)) / pixels;
   return difference;
 }
 

@@ -37,8 +37,9 @@ std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
 std::vector<std::vector<double>> MeanPowers(const AcousticFrameModel& model);
 
 struct BlockedLikelihood {
-  std::vector<double> nats;    // log-likelihood per block
-  std::vector<double> pixels;  // per block
+  std::vector<double> nats;      // log-likelihood per block
+  std::vector<double> pixels;    // per block
+  double variance_factor = 1.0;  // for what blocks share with their neighbours (BlockPixels)
 
   double Pixels() const;
   double PerPixel() const;  // mean over all pixels

@@ -126,6 +126,7 @@ class Chooser {
     if (!block_) block_ = BlockSize(model, options_.fit);
     candidate.likelihood =
         GreyLikelihood(held_out_, MeanPowers(model), candidate.fitted, block_->bins, block_->beams);
+    candidate.likelihood.variance_factor = block_->variance_factor;
     return candidate;
   }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "calib/problem_builder.h"
@@ -99,6 +100,31 @@ TEST(CovarianceBlocksTest, AreEightBeamsAndPulsesLongWhereAFrameHasRoom) {
   EXPECT_EQ(Blocks(1.0, 2.0), 10 * 3) << "16 bins";
   EXPECT_EQ(Blocks(1.8, 1.0), 20 * 2) << "24 beams";
   EXPECT_EQ(Blocks(6.0, 30.0), 4 * 2) << "a few blocks are left";
+}
+
+// Adds the covariances of all pairs of pixels, one by one.
+double SharedByPairs(double width, int block, int extent) {
+  double all = 0.0;
+  double within = 0.0;
+  for (int i = 0; i < extent; ++i) {
+    for (int j = 0; j < extent; ++j) {
+      const double covariance = std::exp(-2.0 * std::numbers::ln2 * (i - j) * (i - j) / (width * width));
+      all += covariance;
+      if (i / block == j / block) within += covariance;
+    }
+  }
+  return 1.0 - within / all;
+}
+
+TEST(CovarianceBlocksTest, ShareAtTheirEdgesWhatPairsOfPixelsDo) {
+  // The sum over pairs also has the two ends of the row, where pixels have fewer neighbours.
+  for (const double width : {0.5, 1.0, 2.3, 4.0}) {
+    const int block = static_cast<int>(std::ceil(8.0 * width));
+    EXPECT_NEAR(calib::SharedAtEdges(width, block, 40 * block), SharedByPairs(width, block, 40 * block), 1e-3)
+        << width;
+  }
+  EXPECT_NEAR(calib::SharedAtEdges(20.0, 160, 160 * 1000), 0.479 * 20.0 / 160.0, 1e-4) << "a wide response";
+  EXPECT_EQ(calib::SharedAtEdges(3.0, 24, 24), 0.0) << "one block has no inner edge";
 }
 
 }  // namespace

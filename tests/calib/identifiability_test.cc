@@ -56,6 +56,16 @@ TEST(JackknifeCovarianceTest, IsTheDeleteOneJackknifeOfAStraightLine) {
   EXPECT_TRUE(JackknifeCovariance(Line(x, residual)).isApprox(by_hand, 1e-9));
 }
 
+TEST(JackknifeCovarianceTest, WidensWhatComesFromBlocksAndNotThePrior) {
+  NormalEquations equations = Line({0.0, 1.0, 2.0, 3.0}, {0.1, -0.2, 0.1, 0.3});
+  const Eigen::MatrixXd independent = JackknifeCovariance(equations);
+  equations.variance_factor = 1.25;
+  EXPECT_TRUE(JackknifeCovariance(equations).isApprox(1.25 * independent, 1e-12));
+  equations.prior = Eigen::Vector2d(1e9, 1e9);
+  EXPECT_TRUE(JackknifeCovariance(equations).isApprox(
+      Eigen::MatrixXd(Eigen::Vector2d(1e-9, 1e-9).asDiagonal()), 1e-6));
+}
+
 TEST(JackknifeCovarianceTest, AddsTheMovesThatNumericalErrorsOfTheScoreMake) {
   NormalEquations equations = Line({0.0, 1.0, 2.0, 3.0}, {0.1, -0.2, 0.1, 0.3});
   equations.prior = Eigen::Vector2d(0.0, 4.0);

@@ -58,6 +58,7 @@ Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig&
   if (!block_) block_ = calib::BlockSize(model, options);
   trial.likelihood = calib::GreyLikelihood(held_out_, calib::MeanPowers(model), trial.fit.parameters,
                                            block_->bins, block_->beams);
+  trial.likelihood.variance_factor = block_->variance_factor;
   return trial;
 }
 
