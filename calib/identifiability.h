@@ -18,8 +18,11 @@ struct NormalEquations {
     Eigen::VectorXd score;        // J_b^T r_b
   };
   Eigen::MatrixXd information;  // J^T J
-  Eigen::VectorXd prior;        // 1 / variance of the prior; empty: no priors
-  std::vector<Block> blocks;    // blocks in which a residual depends on a parameter
+  // The same from slopes by two sets of rays, the symmetric part of J_1^T J_2. Errors of the slopes add to
+  // J^T J, but not to this. Empty: the slopes are exact.
+  Eigen::MatrixXd information_across;
+  Eigen::VectorXd prior;      // 1 / variance of the prior; empty: no priors
+  std::vector<Block> blocks;  // blocks in which a residual depends on a parameter
   // Factor of the variance for what blocks share with their neighbours (BlockPixels).
   double variance_factor = 1.0;
   // Independent numerical errors of the summed score, as vectors: the sum of their outer products is its
@@ -50,7 +53,8 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // parameter that few blocks determine gets a correctly large sigma. Not finite if one block alone determines
 // a parameter. A prior P adds its information to J^T J, and (J^T J + P)^-1 P (J^T J + P)^-1 to the
 // covariance. So directions that the data do not determine keep the variance of the prior. A numerical error
-// s of the score adds the outer product of the change that it makes, (J^T J + P)^-1 s.
+// s of the score adds the outer product of the change that it makes, (J^T J + P)^-1 s. Where errors of the
+// slopes make J^T J too large, all changes grow by (J_1^T J_2 + P)^-1 (J^T J + P), at most tenfold.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
 // Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over
