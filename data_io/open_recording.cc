@@ -8,6 +8,7 @@
 #include "data_io/sonars/ddf_io.h"
 #include "data_io/sonars/dfki_uxo_io.h"
 #include "data_io/sonars/didson_io.h"
+#include "data_io/sonars/neusis_io.h"
 #include "data_io/sonars/oculus_io.h"
 
 namespace sonarcal::data_io {
@@ -30,6 +31,7 @@ constexpr Format kFormats[] = {
     {"Oculus simple ping results", IsOculus, OpenOculus},
     {"DIDSON pings (<microseconds>.png and .json)", IsDidson, OpenDidson},
     {"a recording of the DFKI UXO data set (aris_frame_meta.csv, aris_raw)", IsDfkiUxo, OpenDfkiUxo},
+    {"pickles of NeuSIS (Config.json, .pkl)", IsNeusis, OpenNeusis},
     {"a ROS bag with a sonar's topic (.bag, .mcap, .db3)", IsBag, OpenBag},
     // Last, because it accepts any picture, also those of the formats above.
     {"pictures or a video of a viewer (PNG, JPEG, AVI, MP4)", IsPictures, OpenPictureRecording},
