@@ -16,8 +16,8 @@ namespace sonarcal::data_io {
 // several.
 std::filesystem::path LocateRecording(const std::filesystem::path& path);
 
-// Opens LocateRecording(path), with a note if that is not `path`. Throws DataError if `path` does not exist, has no known format (the
-// message lists the known ones), or its reader refuses it.
+// Opens LocateRecording(path), with a note if that is not `path`. Throws DataError if `path` does not exist,
+// has no known format (the message lists the known ones), or its reader refuses it.
 std::unique_ptr<RecordingSource> OpenRecording(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

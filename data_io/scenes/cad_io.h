@@ -46,8 +46,8 @@ inline constexpr std::size_t kMaxCadBytes = std::size_t{1} << 30;
 bool NeedsConventions(const std::filesystem::path& file);
 
 // Scene of any format, detected by the file's name: .obj, .stl and .ply (in upper or lower case) as above,
-// all others as glTF. Throws DataError as the readers do, and for conventions given with a glTF, which defines
-// its own.
+// all others as glTF. Throws DataError as the readers do, and for conventions given with a glTF, which
+// defines its own.
 Scene ReadScene(const std::filesystem::path& file, const SceneConventions& conventions = {});
 
 // Reads bytes in memory; `file` is the name used in error messages.

@@ -1,4 +1,4 @@
-// What OBJ, STL and PLY readers owe a hostile file: a scene that is valid, or a DataError that names the file.
+// What OBJ, STL and PLY readers owe a hostile file: a scene that is valid, or a DataError that names it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
