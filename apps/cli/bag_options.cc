@@ -29,9 +29,12 @@ std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path&
   if (arguments == BagArguments{}) return data_io::OpenRecording(named);
   BagArguments picture_only;
   picture_only.picture_geometry = arguments.picture_geometry;
-  if (arguments == picture_only && data_io::IsPictures(named))
-    return data_io::OpenPictureRecording(named, data_io::ReadPictureGeometry(arguments.picture_geometry));
-  const std::filesystem::path path = data_io::LocateRecording(named);
+  const bool for_pictures = arguments == picture_only;
+  // A folder of pictures stands for itself, whatever else it holds.
+  const std::filesystem::path path =
+      for_pictures && data_io::IsPictures(named) ? named : data_io::LocateRecording(named);
+  if (for_pictures && data_io::IsPictures(path))
+    return data_io::OpenPictureRecording(path, data_io::ReadPictureGeometry(arguments.picture_geometry));
   std::error_code error;
   if (std::filesystem::exists(path, error) && !data_io::IsBag(path)) {
     throw UsageError(
