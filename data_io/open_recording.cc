@@ -49,7 +49,7 @@ constexpr Format kPictures = {"pictures or a video of a viewer (PNG, JPEG, AVI, 
                               OpenPictureRecording};
 
 const Format* FormatOf(const fs::path& path) {
-  const auto format =
+  const auto* const format =
       std::ranges::find_if(kFormats, [&](const Format& candidate) { return candidate.is(path); });
   return format == std::end(kFormats) ? nullptr : format;
 }

@@ -130,7 +130,7 @@ std::optional<std::string> FromRawUnicodeEscape(std::string_view line) {
 
 class Unpickler {
  public:
-  Unpickler(const std::string& bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  Unpickler(const std::string& bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
 
   PickledDict Read() {
     for (std::size_t count = 0; !stopped_; ++count) {
@@ -314,7 +314,7 @@ class Unpickler {
         {0x95, [](Unpickler& p) { p.CheckFrame(p.Unsigned(8)); }},
         {'.', [](Unpickler& p) { p.stopped_ = true; }},
     };
-    const auto found = std::ranges::find(kOperations, code, &Operation::code);
+    const auto* const found = std::ranges::find(kOperations, code, &Operation::code);
     if (found == std::end(kOperations)) Fail("operation 0x{:02x}, which no pickle of arrays has", code);
     found->execute(*this);
   }
@@ -352,7 +352,7 @@ class Unpickler {
   void PushBytes(std::uint64_t count) { Push(std::make_shared<const std::string>(Take(count))); }
 
   void Append(const std::vector<Index>& items) {
-    Sequence& list = Expect<Sequence>(Top(), "a list");
+    auto& list = Expect<Sequence>(Top(), "a list");
     if (list.is_tuple) Fail("items are appended to a tuple, expected a list");
     list.items.insert(list.items.end(), items.begin(), items.end());
   }
@@ -388,7 +388,7 @@ class Unpickler {
   }
 
   void PushGlobal(std::string_view module, std::string_view name) {
-    const auto found = std::ranges::find_if(
+    const auto* const found = std::ranges::find_if(
         kFunctions, [&](const KnownFunction& known) { return known.module == module && known.name == name; });
     if (found == kFunctions.end()) {
       Fail("the pickle calls {}.{}, which is not executed: expected a dict of NumPy arrays",
@@ -490,7 +490,7 @@ class Unpickler {
       nodes_[target] = ArrayOf(state[1], state[2], column_major, state[4]);
       return;
     }
-    Dtype& dtype = Expect<Dtype>(target, "an array or its type");
+    auto& dtype = Expect<Dtype>(target, "an array or its type");
     if (state.size() != 8 && state.size() != 9)  // the ninth holds remarks
       Fail("a state of {} values, expected the 8 of a type", state.size());
     const std::string order = Expect<Text>(state[1], "a byte order").utf8;
@@ -537,8 +537,8 @@ PickledDict ReadPickledArrays(const std::string& bytes, const std::string& file)
 }
 
 double NumpyArray::At(std::size_t row, std::size_t col) const {
-  SONARCAL_CHECK(shape.size() == 2 && row < shape[0] && col < shape[1], "({}, {}) of {}", row, col,
-                 ShapeText());
+  SONARCAL_CHECK(item_bytes > 0 && shape.size() == 2 && row < shape[0] && col < shape[1], "({}, {}) of {}",
+                 row, col, ShapeText());
   const std::size_t item = column_major ? col * shape[0] + row : row * shape[1] + col;
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < item_bytes; ++i) {

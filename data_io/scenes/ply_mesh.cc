@@ -50,7 +50,7 @@ enum class Storage { kText, kLittleEndian, kBigEndian };
 
 class PlyReader {
  public:
-  PlyReader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  PlyReader(std::string_view bytes, std::string file) : bytes_(bytes), file_(std::move(file)) {}
 
   CadMesh Read() {
     ReadHeader();
@@ -147,7 +147,7 @@ class PlyReader {
   }
 
   const Type& TypeOf(std::string_view name) const {
-    const auto found = std::ranges::find_if(
+    const auto* const found = std::ranges::find_if(
         kTypes, [&](const Type& type) { return type.name == name || type.sized_name == name; });
     if (found == kTypes.end()) Refuse("type '{}', expected one of PLY", Printable(name, 30));
     return *found;
@@ -313,7 +313,7 @@ class PlyReader {
         if (corner[i] >= vertices_.size())
           throw DataError("{}: face {} has vertex {}, but there are {}", file_, face, corner[i],
                           vertices_.size());
-        polygon.push_back(vertices_[corner[i]].cast<double>());
+        polygon.emplace_back(vertices_[corner[i]].cast<double>());
       }
       const auto divided = DividePolygon(polygon);
       if (!divided) throw DataError("{}: face {} has {} corners whose sides cross", file_, face, size);
