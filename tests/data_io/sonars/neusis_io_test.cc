@@ -310,6 +310,7 @@ TEST(NeusisSample, TheObjectMovesInTheImagesAsThePosesSay) {
   const auto recording = OpenRecording(folder);
   std::vector<double> predicted_rad;
   std::vector<double> measured_rad;
+  std::vector<double> of_inverse_rad;  // predicted if the file held sonar from world
   for (int i = 0; i < recording->frame_count(); ++i) {
     for (int j = i + 1; j < recording->frame_count(); ++j) {
       const Frame a = recording->ReadFrame(i);
@@ -318,6 +319,13 @@ TEST(NeusisSample, TheObjectMovesInTheImagesAsThePosesSay) {
       const Vector3d seen_m = b.info.world_from_sonar->Inverse() * (*a.info.world_from_sonar * echo_m);
       predicted_rad.push_back(std::atan2(seen_m.x(), seen_m.y()));
       measured_rad.push_back(AzimuthShiftRad(a.image, b.image));
+      // Axes of the file: X ahead, Y left, Z up.
+      const Eigen::Quaterniond file_from_sonar(Eigen::AngleAxisd(kPi / 2.0, Vector3d::UnitZ()));
+      const auto in_file = [&](const Frame& frame) {
+        return *frame.info.world_from_sonar * Pose{file_from_sonar.conjugate(), Vector3d::Zero()};
+      };
+      const Vector3d otherwise_m = in_file(b) * (in_file(a).Inverse() * (file_from_sonar * echo_m));
+      of_inverse_rad.push_back(-std::atan2(otherwise_m.y(), otherwise_m.x()));
     }
   }
   const auto product = [](const std::vector<double>& x, const std::vector<double>& y) {
@@ -326,7 +334,14 @@ TEST(NeusisSample, TheObjectMovesInTheImagesAsThePosesSay) {
   const double correlation =
       product(predicted_rad, measured_rad) /
       std::sqrt(product(predicted_rad, predicted_rad) * product(measured_rad, measured_rad));
+  const auto largest_deg = [](const std::vector<double>& values_rad) {
+    const auto [low, high] = std::ranges::minmax(values_rad);
+    return DegFromRad(std::max(-low, high));
+  };
   EXPECT_GT(correlation, 0.9);  // 0.92; the mirror image has the opposite sign
+  EXPECT_LT(largest_deg(predicted_rad), 0.5);
+  EXPECT_LT(largest_deg(measured_rad), 1.0);
+  EXPECT_GT(largest_deg(of_inverse_rad), 8.0);
 }
 
 // The nearest row is row 0: water up to a sharp edge, the object behind it. The edge is nearest while the
