@@ -11,8 +11,13 @@
 
 namespace sonarcal::data_io {
 
-// Throws DataError if `path` does not exist, has no known format (the message lists the known ones), or its
-// reader refuses it.
+// Path of the recording that `path` names: `path` itself or, for a folder that is no recording but holds
+// exactly one, as a file or a subfolder, the path of that one. Throws DataError, naming them, if it holds
+// several.
+std::filesystem::path LocateRecording(const std::filesystem::path& path);
+
+// Opens LocateRecording(path), with a note if that is not `path`. Throws DataError if `path` does not exist,
+// has no known format (the message lists the known ones), or its reader refuses it.
 std::unique_ptr<RecordingSource> OpenRecording(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

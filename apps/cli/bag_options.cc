@@ -24,12 +24,16 @@ void AddBagOptions(CLI::App& command, BagArguments& arguments) {
       ->type_name("FILE");
 }
 
-std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
+std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& named,
                                                     const BagArguments& arguments) {
-  if (arguments == BagArguments{}) return data_io::OpenRecording(path);
+  if (arguments == BagArguments{}) return data_io::OpenRecording(named);
   BagArguments picture_only;
   picture_only.picture_geometry = arguments.picture_geometry;
-  if (arguments == picture_only && data_io::IsPictures(path))
+  const bool for_pictures = arguments == picture_only;
+  // A folder of pictures stands for itself, whatever else it holds.
+  const std::filesystem::path path =
+      for_pictures && data_io::IsPictures(named) ? named : data_io::LocateRecording(named);
+  if (for_pictures && data_io::IsPictures(path))
     return data_io::OpenPictureRecording(path, data_io::ReadPictureGeometry(arguments.picture_geometry));
   std::error_code error;
   if (std::filesystem::exists(path, error) && !data_io::IsBag(path)) {

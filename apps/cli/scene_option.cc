@@ -31,10 +31,10 @@ double MetresPerUnit(LengthUnit unit) {
 
 void AddSceneOptions(CLI::App& command, std::filesystem::path& scene, SceneFormat& format,
                      const std::string& description, bool required, const std::string& name) {
-  command.add_option(name, scene, description)->type_name("GLTF|OBJ|STL")->required(required);
-  AddChoice(command, "--scene-unit", format.unit, "Unit of an OBJ or STL scene (default: m)");
+  command.add_option(name, scene, description)->type_name("GLTF|OBJ|STL|PLY")->required(required);
+  AddChoice(command, "--scene-unit", format.unit, "Unit of an OBJ, STL or PLY scene (default: m)");
   AddChoice(command, "--scene-up", format.up,
-            "Upward axis of an OBJ or STL scene (default: y for OBJ, z for STL)");
+            "Upward axis of an OBJ, STL or PLY scene (default: y for OBJ, z for STL and PLY)");
 }
 
 Scene ReadSceneFile(const std::filesystem::path& scene, const SceneFormat& format,
@@ -42,7 +42,8 @@ Scene ReadSceneFile(const std::filesystem::path& scene, const SceneFormat& forma
   if (!data_io::NeedsConventions(scene)) {
     if (format.unit || format.up) {
       throw UsageError(
-          "--scene-unit and --scene-up are for OBJ and STL; {} is read as glTF, which is in metres and Y up",
+          "--scene-unit and --scene-up are for OBJ, STL and PLY; {} is read as glTF, which is in metres and "
+          "Y up",
           scene.string());
     }
     return data_io::ReadScene(scene);

@@ -1,5 +1,5 @@
-// --scene, for every command that takes one: glTF, or OBJ or STL with unit and up axis, which these formats
-// do not state (data_io/scenes/cad_io.h).
+// --scene, for every command that takes one: glTF, or OBJ, STL or PLY with unit and up axis, which these
+// formats do not state (data_io/scenes/cad_io.h).
 #pragma once
 
 #include <filesystem>
@@ -24,7 +24,7 @@ constexpr auto WordsOf(std::type_identity<LengthUnit>) {
                                {"ft", LengthUnit::kFoot}}};
 }
 
-// Unit and up axis of an OBJ or STL file. Default: the conventions of data_io/scenes/cad_io.h.
+// Unit and up axis of an OBJ, STL or PLY file. Default: the conventions of data_io/scenes/cad_io.h.
 struct SceneFormat {
   std::optional<LengthUnit> unit;
   std::optional<data_io::UpAxis> up;
@@ -36,8 +36,8 @@ double MetresPerUnit(LengthUnit unit);
 void AddSceneOptions(CLI::App& command, std::filesystem::path& scene, SceneFormat& format,
                      const std::string& description, bool required, const std::string& name = "--scene");
 
-// Reads the scene. For OBJ or STL prints its size, which shows a wrong unit or axis. Throws UsageError if a
-// format is given for a glTF, DataError as ReadScene does.
+// Reads the scene. For OBJ, STL or PLY prints its size, which shows a wrong unit or axis. Throws UsageError
+// if a format is given for a glTF, DataError as ReadScene does.
 Scene ReadSceneFile(const std::filesystem::path& scene, const SceneFormat& format,
                     const CommonOptions& common);
 

@@ -61,7 +61,7 @@ cli::ExitStatus ListScenes(const ScenesOptions& options) {
 // Each material has its own name, so that a file can change one of them.
 ParameterSet EnvironmentParameters() {
   std::vector<std::string> names = sim::EnvironmentMaterials();
-  names.emplace_back("default");  // for other materials of a user's scene, and for STL, which has no names
+  names.emplace_back("default");  // for other materials of a scene, and for STL and PLY, which name none
   return sim::PaperValues(sim::FindSonarPreset("p900-45").sonar, names);
 }
 

@@ -113,11 +113,12 @@ void BindScene(py::module_& module) {
         for (const std::string& name : scene.material_names) names += (names.empty() ? "" : ", ") + name;
         return fmt::format("Scene({} triangles, materials {})", scene.triangles.size(), names);
       });
-  module.def("read_scene", &ReadSceneOf, py::arg("file"), py::kw_only(), py::arg("scene_unit") = py::none(),
-             py::arg("scene_up") = py::none(),
-             "A scene from glTF, OBJ or STL. For OBJ and STL: scene_unit 'm', 'cm', 'mm', 'in' or 'ft', "
-             "scene_up 'y' or\n"
-             "'z'.");
+  module.def(
+      "read_scene", &ReadSceneOf, py::arg("file"), py::kw_only(), py::arg("scene_unit") = py::none(),
+      py::arg("scene_up") = py::none(),
+      "A scene from glTF, OBJ, STL or PLY. For the last three: scene_unit 'm', 'cm', 'mm', 'in' or 'ft', "
+      "scene_up 'y' or\n"
+      "'z'.");
   module.def(
       "environments",
       [] {

@@ -1,6 +1,6 @@
 // Scenes of a case study (apps/reproduce/case_plan.h), as one of
 //
-//   {"file": "scene.gltf"}                                 in the folder of the case; glTF, OBJ or STL
+//   {"file": "scene.gltf"}                                 in the folder of the case; glTF, OBJ, STL or PLY
 //   {"environment": "tank", "max_edge_m": 0.2, "size": "standard" | "alternative", "surface": false,
 //    "seed": 1, "bed": false}
 //   {"turned_solid": {"length_m", "max_edge_m", "material", "radii_mm": [[x, radius], ...]}}

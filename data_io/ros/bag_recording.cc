@@ -216,7 +216,9 @@ class BagRecording final : public RecordingSource {
         if (index == 0) of_first = error.what();
       }
     }
-    throw DataError("{}", of_first);
+    const int tried = std::min(frame_count(), kMaxTries);
+    throw DataError("{}{}", of_first,
+                    tried == 1 ? "" : fmt::format("; none of the first {} messages can be read", tried));
   }
 
   // A simulated recording is marked as synthetic in every format.

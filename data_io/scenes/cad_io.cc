@@ -90,7 +90,7 @@ std::string LowerExtension(const std::filesystem::path& file) {
 
 bool NeedsConventions(const std::filesystem::path& file) {
   const std::string extension = LowerExtension(file);
-  return extension == ".obj" || extension == ".stl";
+  return extension == ".obj" || extension == ".stl" || extension == ".ply";
 }
 
 Scene ReadScene(const std::filesystem::path& file, const SceneConventions& conventions) {
@@ -102,7 +102,8 @@ Scene ReadScene(const std::filesystem::path& file, const SceneConventions& conve
     return ReadGltf(file);
   }
   const std::string bytes = ReadFileBytes(file, kMaxCadBytes);
-  const auto parse = LowerExtension(file) == ".obj" ? ParseObj : ParseStl;
+  const std::string extension = LowerExtension(file);
+  const auto parse = extension == ".obj" ? ParseObj : extension == ".stl" ? ParseStl : ParsePly;
   return parse(bytes, file.string(), conventions);
 }
 
@@ -114,6 +115,11 @@ Scene ParseObj(std::string_view bytes, const std::string& file, const SceneConve
 Scene ParseStl(std::string_view bytes, const std::string& file, const SceneConventions& conventions) {
   const Eigen::Matrix3d world_from_file = WorldFromFile(conventions, UpAxis::kZ, file);
   return SceneOf(ReadStlMesh(bytes, file), world_from_file, file);
+}
+
+Scene ParsePly(std::string_view bytes, const std::string& file, const SceneConventions& conventions) {
+  const Eigen::Matrix3d world_from_file = WorldFromFile(conventions, UpAxis::kZ, file);
+  return SceneOf(ReadPlyMesh(bytes, file), world_from_file, file);
 }
 
 }  // namespace sonarcal::data_io

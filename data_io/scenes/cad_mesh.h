@@ -1,8 +1,8 @@
-// Meshes of Wavefront OBJ and STL files, in the unit and the axes of the file.
+// Meshes of Wavefront OBJ, STL and PLY files, in the unit and the axes of the file.
 //
 // No library reads these files here. assimp (5.2) skips an OBJ vertex that it cannot parse, which shifts all
 // later indices, divides some concave polygons into overlapping triangles, and reads an STL text that breaks
-// off as a shorter mesh. These readers refuse such files and name the line.
+// off as a shorter mesh. These readers refuse such files and name the line or byte.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,10 @@ namespace sonarcal::data_io {
 inline constexpr std::size_t kMaxObjTriangles = 5'000'000;  // use glTF for larger meshes
 inline constexpr std::size_t kMaxObjVertices = 10'000'000;
 inline constexpr std::size_t kMaxObjMaterials = 4096;
-inline constexpr std::size_t kMaxObjFaceCorners = 1000;  // the time to divide a polygon grows with the square
+inline constexpr std::size_t kMaxFaceCorners = 1000;  // the time to divide a polygon grows with the square
 inline constexpr std::size_t kMaxStlSolids = 4096;
+inline constexpr std::size_t kMaxPlyHeaderLines = 1000;
+inline constexpr std::size_t kMaxPlyHeaderLine = 4096;  // bytes
 
 struct CadMesh {
   std::vector<std::string> materials;                 // names; "default" for faces without one
@@ -35,5 +37,14 @@ CadMesh ReadObjMesh(std::string_view bytes, const std::string& file);
 // count. Throws DataError for a file that is cut short or longer than its count, for text of another form
 // (with the line), and for more than kMaxSceneTriangles triangles. Coordinates may be NaN or infinite.
 CadMesh ReadStlMesh(std::string_view bytes, const std::string& file);
+
+// Reads a PLY file, version 1.0, of one material, "default": ascii, binary_little_endian or
+// binary_big_endian. Vertices are the element "vertex" with the properties x, y and z of any type. Faces are
+// the element "face" with a list "vertex_indices" or "vertex_index" of any integer types; polygons are
+// divided. Other elements and properties are skipped. Throws DataError, with line or byte, for a header of
+// another form, counts that the file cannot hold, data behind the last element, coordinates that are not
+// finite, faces of fewer than three corners or of missing vertices, polygons whose sides cross, and more than
+// kMaxSceneVertices vertices, kMaxSceneTriangles triangles or kMaxFaceCorners corners per face.
+CadMesh ReadPlyMesh(std::string_view bytes, const std::string& file);
 
 }  // namespace sonarcal::data_io

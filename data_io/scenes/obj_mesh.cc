@@ -131,7 +131,7 @@ class ObjReader {
     std::vector<Eigen::Vector3f> vertices;
     std::vector<Eigen::Vector3d> corners;
     for (std::string_view word = TakeWord(rest); !word.empty(); word = TakeWord(rest)) {
-      if (corners.size() == kMaxObjFaceCorners) Refuse("a face of more than {} corners", kMaxObjFaceCorners);
+      if (corners.size() == kMaxFaceCorners) Refuse("a face of more than {} corners", kMaxFaceCorners);
       vertices.push_back(Corner(word));
       corners.push_back(vertices.back().cast<double>());
     }

@@ -1,8 +1,9 @@
-// Small OBJ and STL files put together by hand: a box of 1 x 2 x 3 with a corner in the origin.
+// Small OBJ, STL and PLY files put together by hand: a box of 1 x 2 x 3 with a corner in the origin.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -69,6 +70,67 @@ inline std::string BinaryStl(const std::vector<Facet>& facets, const std::string
     append(std::uint16_t{0x8FFF});  // a colour, as some programs have it
   }
   return bytes;
+}
+
+// Quads, with a colour per vertex, an element that no reader knows, and the faces before the vertices.
+inline std::string TextPly() {
+  std::string ply =
+      "ply\nformat ascii 1.0\ncomment a box\nobj_info of quads\nelement face 6\n"
+      "property list uchar int vertex_indices\nelement camera 2\nproperty list uchar float place\n"
+      "property uchar kind\nelement vertex 8\nproperty float x\nproperty uchar red\nproperty float y\n"
+      "property double z\nend_header\n";
+  for (const auto& f : kCubeFaces) ply += fmt::format("4 {} {} {} {}\n", f[0], f[1], f[2], f[3]);
+  ply += "3 0.5 1e3 -2 7\n0 8\n";
+  for (int i = 0; i < 8; ++i) {
+    const Corner corner = CubeCorner(i);
+    ply += fmt::format("{} 200 {} {}\n", corner[0], corner[1], corner[2]);
+  }
+  return ply;
+}
+
+// Appends a value in the byte order of the file.
+template <typename T>
+void AppendBytes(T value, bool big_endian, std::string& bytes) {
+  std::array<char, sizeof(T)> own{};  // little-endian, as this machine
+  std::memcpy(own.data(), &value, sizeof(T));
+  if (big_endian) std::reverse(own.begin(), own.end());
+  bytes.append(own.data(), own.size());
+}
+
+// The same content as TextPly, with the integer types of the counts and indices of faces.
+template <typename Count, typename Index>
+std::string BinaryPly(const std::string& count_type, const std::string& index_type, bool big_endian) {
+  std::string ply = fmt::format(
+      "ply\r\nformat binary_{}_endian 1.0\r\nelement vertex 8\r\nproperty float32 x\r\nproperty short "
+      "nothing\r\n"
+      "property float y\r\nproperty float64 z\r\nelement edge 1\r\nproperty list uint8 uint16 ends\r\n"
+      "element face 6\r\nproperty uchar flags\r\nproperty list {} {} vertex_index\r\n"
+      "property list uchar float texcoord\r\nend_header\r\n",
+      big_endian ? "big" : "little", count_type, index_type);
+  const auto append = [&](auto value) { AppendBytes(value, big_endian, ply); };
+  for (int i = 0; i < 8; ++i) {
+    const Corner corner = CubeCorner(i);
+    append(corner[0]);
+    append(std::int16_t{-7});
+    append(corner[1]);
+    append(double{corner[2]});
+  }
+  append(std::uint8_t{2});
+  append(std::uint16_t{0});
+  append(std::uint16_t{1});
+  for (const auto& face : kCubeFaces) {
+    append(std::uint8_t{1});
+    append(static_cast<Count>(4));
+    for (const int corner : face) append(static_cast<Index>(corner));
+    append(std::uint8_t{2});
+    append(0.25F);
+    append(0.75F);
+  }
+  return ply;
+}
+
+inline std::string BinaryPly(bool big_endian = false) {
+  return BinaryPly<std::uint8_t, std::int32_t>("uchar", "int", big_endian);
 }
 
 }  // namespace sonarcal::testing

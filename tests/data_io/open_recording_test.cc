@@ -1,9 +1,15 @@
 #include "data_io/open_recording.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+
 #include "core/types/error.h"
+#include "data_io/images/image_io.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
@@ -47,10 +53,70 @@ TEST(OpenRecording, OpensEveryRealRecording) {
   for (const char* name :
        {"aris1200_telephoto/sample.aris", "oculus_m1200d/one_ping_8bit.raw", "didson_hull/background",
         "didson_hull/test", "synthetic_tank", "synthetic_tank/recording.json", "synthetic_tank_ghosts",
-        "synthetic_tank_static", "synthetic_tank_poses"}) {
+        "synthetic_tank_static", "synthetic_tank_poses", "neusis_pickles", "aris1200_telephoto"}) {
     SONARCAL_NEEDS_RECORDING(path, name);
     EXPECT_TRUE(testing::OpensWholly(path)) << name;
   }
+}
+
+// A file with the magic number of ARIS and nothing else.
+void WriteBrokenAris(const std::filesystem::path& file) {
+  testing::WriteFile(file, "DDF\x05xx");
+}
+
+TEST(LocateRecording, AFolderThatHoldsOneRecordingStandsForIt) {
+  const testing::TempDir dir;
+  testing::WriteFile(dir / "LICENSE", "free");
+  testing::WriteFile(dir / "table.csv", "a,b");
+  testing::WriteFile(dir / ".hidden.aris", "DDF\x05xx");
+  EXPECT_EQ(LocateRecording(dir.path()), dir.path());  // none
+  WriteBrokenAris(dir / "dive.aris");
+  EXPECT_EQ(LocateRecording(dir.path()), dir / "dive.aris");
+  EXPECT_EQ(LocateRecording(dir / "dive.aris"), dir / "dive.aris");
+  EXPECT_EQ(LocateRecording(dir / "absent"), dir / "absent");
+  // Its own reader refuses it, by its own name.
+  EXPECT_THAT([&] { OpenRecording(dir.path()); }, ThrowsMessage<DataError>(HasSubstr("dive.aris")));
+  // Photographs beside it are no recordings.
+  WritePng(dir / "photo.png", Grid<std::uint8_t>(4, 4, 9));
+  EXPECT_EQ(LocateRecording(dir.path()), dir / "dive.aris");
+  // A folder with its own format is that recording, whatever else it holds.
+  testing::WriteFile(dir / "recording.json", "{}");
+  EXPECT_EQ(LocateRecording(dir.path()), dir.path());
+}
+
+TEST(LocateRecording, ASubfolderCountsAndSeveralAreListed) {
+  const testing::TempDir dir;
+  std::filesystem::create_directory(dir / "b");
+  testing::WriteFile(dir / "b/recording.json", "{}");
+  std::filesystem::create_directory(dir / "pictures");
+  WritePng(dir / "pictures/photo.png", Grid<std::uint8_t>(4, 4, 9));
+  EXPECT_EQ(LocateRecording(dir.path()), dir / "b");
+  WriteBrokenAris(dir / "a.aris");
+  EXPECT_THAT([&] { OpenRecording(dir.path()); },
+              ThrowsMessage<DataError>(
+                  HasSubstr("the folder holds 2 recordings, expected the path of one of them: a.aris, b")));
+  for (int i = 0; i < 30; ++i) WriteBrokenAris(dir / fmt::format("c{:02}.aris", i));
+  EXPECT_THAT([&] { OpenRecording(dir.path()); },
+              ThrowsMessage<DataError>(AllOf(HasSubstr("holds 32 recordings"), HasSubstr("c17.aris, ..."))));
+}
+
+TEST(LocateRecording, RealFoldersOpenWithANote) {
+  for (const auto& [folder, file] :
+       {std::pair("aris1200_telephoto", "sample.aris"), std::pair("oculus_m1200d", "one_ping_8bit.raw"),
+        std::pair("aris3000_broken", "output.aris")}) {
+    SONARCAL_NEEDS_RECORDING(path, folder);
+    const auto recording = OpenRecording(path);
+    EXPECT_EQ(recording->info().notes.at(0),
+              fmt::format("The folder holds one recording, {}, which was opened.", file));
+    EXPECT_EQ(recording->info().source, (path / file).string());
+    EXPECT_EQ(recording->frame_count(), OpenRecording(path / file)->frame_count());
+  }
+}
+
+TEST(LocateRecording, ARealFolderOfSeveralIsRefusedWithTheirNames) {
+  SONARCAL_NEEDS_RECORDING(folder, "didson_hull");
+  EXPECT_THAT(testing::RefusalOf(folder),
+              HasSubstr("holds 2 recordings, expected the path of one of them: background, test"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/types/error.h"
+#include "data_io/files/pickle.h"
 #include "data_io/images/image_io.h"
 #include "data_io/mcap/mcap_file.h"
 #include "data_io/open_recording.h"
@@ -139,12 +140,27 @@ void Mcap(std::string_view bytes) {
   }
 }
 
+// A frame beside a configuration that fits.
+void Neusis(std::string_view bytes) {
+  static const fs::path config =
+      TheFolder().Write("Config.json", R"({"RangeMin": 0, "RangeMax": 3, "Azimuth": 60, "Elevation": 12})");
+  ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("000.pkl", bytes)));
+}
+
+void Pickle(std::string_view bytes) {
+  data_io::ReadPickledArrays(std::string(bytes), "file.pkl");
+}
+
 void Gltf(std::string_view bytes) {
   data_io::ParseGltf(bytes, TheFolder().Write("scene.gltf", bytes));
 }
 
 void Obj(std::string_view bytes) {
   data_io::ParseObj(std::string(bytes), "scene.obj");
+}
+
+void Ply(std::string_view bytes) {
+  data_io::ParsePly(std::string(bytes), "scene.ply");
 }
 
 void Stl(std::string_view bytes) {
@@ -190,7 +206,10 @@ constexpr NamedParser kParsers[] = {
     {"picture_geometry", PictureGeometry},
     {"gltf", Gltf},
     {"mcap", Mcap},
+    {"neusis", Neusis},
     {"obj", Obj},
+    {"pickle", Pickle},
+    {"ply", Ply},
     {"stl", Stl},
     {"parameters", Parameters},
     {"poses", Poses},

@@ -304,6 +304,34 @@ def glb():
     return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
 
 
+def pickled(protocol, arrays):
+    """A pickled dict from names to (shape, type, bytes), as NumPy has it with protocol 2, 4 or 5."""
+    def text(value):
+        raw = value.encode()
+        return b"X" + struct.pack("<I", len(raw)) + raw if protocol == 2 else b"\x8c" + bytes([len(raw)]) + raw
+
+    def function(module, name):
+        return f"c{module}\n{name}\n".encode() if protocol == 2 else text(module) + text(name) + b"\x93"
+
+    def raw_bytes(raw):
+        if protocol == 2:
+            return function("_codecs", "encode") + text(raw.decode("latin1")) + text("latin1") + b"\x86R"
+        return b"B" + struct.pack("<I", len(raw)) + raw
+
+    def array(shape, kind, raw):
+        lengths = b"(" + b"".join(b"M" + struct.pack("<H", length) for length in shape) + b"t"
+        dtype = (function("numpy", "dtype") + text(kind) + b"\x89\x88\x87R(K\x03" + text("<") + b"NNN" +
+                 b"J\xff\xff\xff\xff" * 2 + b"K\0tb")
+        if protocol == 5:
+            return (function("numpy.core.numeric", "_frombuffer") + b"(\x96" + struct.pack("<Q", len(raw)) + raw +
+                    dtype + lengths + text("C") + b"tR")
+        return (function("numpy.core.multiarray", "_reconstruct") + function("numpy", "ndarray") + b"K\0\x85" +
+                raw_bytes(b"b") + b"\x87R(K\x01" + lengths + dtype + b"\x89" + raw_bytes(raw) + b"tb")
+
+    items = b"".join(text(name) + array(*value) for name, value in arrays.items())
+    return b"\x80" + bytes([protocol]) + b"}(" + items + b"u."
+
+
 def main():
     put("recording_file", "aris", aris(2))
     put("recording_file", "aris_cut_short", aris(2)[:-1])
@@ -375,6 +403,22 @@ def main():
     put("gltf", "refused_nodes_in_a_circle.gltf", gltf(nodes=[{"children": [1]}, {"children": [0], "mesh": 0}])[0])
     put("obj", "square.obj", "o square\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nusemtl floor\nf 1 2 3 4\nf -4//1 -3//1 -2//1\n")
     put("obj", "concave.obj", "v 0 0 0\nv 2 0 0\nv 1 0 0.5\nv 2 0 2\nv 0 0 2\nf 1/1 2/1 3/1 4/1 5/1\n")
+    square = [(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)]
+    vertex_head = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    face_head = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    frame = {"PoseSensor": ((4, 4), "f4", struct.pack("<16f", 0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1)),
+             "ImagingSonar": ((3, 2), "u1", bytes(range(6)))}
+    for protocol in (2, 4, 5):
+        put("pickle", f"protocol_{protocol}.pkl", pickled(protocol, frame))
+        put("neusis", f"protocol_{protocol}.pkl", pickled(protocol, frame))
+    put("neusis", "floats.pkl", pickled(4, {"ImagingSonar": ((2, 2), "f8", struct.pack("<4d", 0, 0.5, 1, 2))}))
+    put("pickle", "refused_call.pkl", b"cos\nsystem\n(Vtrue\ntR.")
+    put("pickle", "refused_deep.pkl", b"N" + b"\x85" * 300 + b".")
+    put("ply", "text.ply", "ply\nformat ascii 1.0\ncomment made by hand\n" + vertex_head + face_head +
+        "".join(f"{x} {y} {z}\n" for x, y, z in square) + "4 0 1 2 3\n")
+    for order, mark in (("little", "<"), ("big", ">")):
+        put("ply", order + ".ply", f"ply\nformat binary_{order}_endian 1.0\n{vertex_head}{face_head}".encode() +
+            b"".join(struct.pack(mark + "3f", *vertex) for vertex in square) + struct.pack(mark + "B4i", 4, 0, 1, 2, 3))
     put("stl", "text.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
         "endloop\nendfacet\nendsolid s\n")
     put("stl", "binary.stl", bytes(80) + struct.pack("<I", 1) + struct.pack("<12fH", 0, 0, 1, *range(9), 0))

@@ -249,7 +249,7 @@ def simulate(
     Parameters
     ----------
     scene : Scene or path
-        The scene: glTF, OBJ or STL.
+        The scene: glTF, OBJ, STL or PLY.
     sonar : Sonar, Recording, path or str
         The sonar, that of a recording, a file, or the name of a preset.
     params : Parameters, dict or path
@@ -315,7 +315,7 @@ def compare(
         For residuals by incidence angle and material, and for `object`. Default for `object`: the scene that a
         recording names.
     scene_unit, scene_up : str, optional
-        Unit and upward axis of an OBJ or STL file, as for read_scene.
+        Unit and upward axis of an OBJ, STL or PLY file, as for read_scene.
     progress : callable, optional
         Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
 
@@ -421,7 +421,7 @@ def fit(
     recording : Recording or path
         The recording, with a pose for each frame.
     scene : Scene or path
-        The scene that was recorded: glTF, OBJ or STL.
+        The scene that was recorded: glTF, OBJ, STL or PLY.
     params : Parameters, dict or path
         Parameters to start from, which name the model.
     options : FitOptions or dict, optional
@@ -456,7 +456,7 @@ def calibrate(
     recording : Recording or path
         The recording, with rough poses.
     scene : Scene or path
-        The scene that was recorded: glTF, OBJ or STL.
+        The scene that was recorded: glTF, OBJ, STL or PLY.
     options : CalibrateOptions or dict, optional
         Options. The keywords below override them.
     background : Recording or path, optional
@@ -574,7 +574,7 @@ def explain(
     recording : Recording or path
         The recording: two frames or more, each with a pose.
     scene : Scene or path
-        The scene that was recorded: glTF, OBJ or STL.
+        The scene that was recorded: glTF, OBJ, STL or PLY.
     params : Parameters, dict or path
         Parameters of the acoustic model to start from.
     options : ExplainOptions or dict, optional
@@ -610,7 +610,7 @@ def residual_view(
     recording : Recording or path
         The recording, with a pose for each frame.
     scene : Scene or path
-        The scene that was recorded: glTF, OBJ or STL.
+        The scene that was recorded: glTF, OBJ, STL or PLY.
     params : Parameters, dict or path
         The parameters, which name the image model.
     options : RayOptions or dict, optional

@@ -265,10 +265,27 @@ TEST_F(BagRecordingTest, SonarsOfPointsAndTopicsWithoutMessagesAreNamed) {
       HasSubstr("/sonar (marine_acoustic_msgs/ProjectedSonarImage, 0 messages) is a sonar's topic without"));
 }
 
-// A real bag of a mechanically scanning sonar.
+// A real bag of a mechanically scanning sonar, and the folder that holds it.
 TEST_F(BagRecordingTest, ARealScanningSonarIsNamed) {
-  SONARCAL_NEEDS_RECORDING(path, "ros1_micron_bag/static_sonar.bag");
-  EXPECT_THAT(testing::RefusalOf(path), HasSubstr("/tritech_micron/scan (sensor_msgs/PointCloud, "));
+  SONARCAL_NEEDS_RECORDING(folder, "ros1_micron_bag");
+  for (const auto& path : {folder, folder / "static_sonar.bag"}) {
+    EXPECT_THAT(testing::RefusalOf(path),
+                AllOf(HasSubstr("static_sonar.bag: no topic of a sonar; /tritech_micron/scan "
+                                "(sensor_msgs/PointCloud, 553 messages) has points"),
+                      HasSubstr("/tritech_micron/heading (geometry_msgs/PoseStamped, 554 messages)"),
+                      Not(HasSubstr("\n"))));
+  }
+}
+
+TEST_F(BagRecordingTest, RealBagsWithoutImagesSayWhatTheyHold) {
+  SONARCAL_NEEDS_RECORDING(folder, "ros2_oculus_db3");
+  EXPECT_THAT(testing::RefusalOf(folder / "my_bag_0.db3"),
+              AllOf(HasSubstr("no topic of a sonar"),
+                    HasSubstr("the bag has chatter (std_msgs/String, 0 messages)")));
+  // The driver published 17 pings without the sonar's own data.
+  EXPECT_THAT(testing::RefusalOf(folder / "rosbag2_2022_11_18-23_20_16_0.db3"),
+              HasSubstr("/topic: message 0: data has 0 bytes, expected the sonar's own message; none of the "
+                        "first 17 messages can be read"));
 }
 
 TEST_F(BagRecordingTest, CompressedChunksAreInflated) {

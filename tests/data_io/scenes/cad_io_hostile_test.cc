@@ -1,4 +1,4 @@
-// What OBJ and STL readers owe a hostile file: a scene that is valid, or a DataError that names the file.
+// What OBJ, STL and PLY readers owe a hostile file: a scene that is valid, or a DataError that names it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,10 +16,12 @@
 namespace sonarcal::data_io {
 namespace {
 
+using testing::BinaryPly;
 using testing::BinaryStl;
 using testing::CubeFacets;
 using testing::CubeObj;
 using ::testing::HasSubstr;
+using testing::TextPly;
 using testing::TextStl;
 
 // What the refusal of a file says; empty where it is read.
@@ -44,6 +46,10 @@ std::string ObjRefusal(const std::string& bytes) {
 
 std::string StlRefusal(const std::string& bytes) {
   return RefusalOf(ParseStl, bytes, "scene.stl");
+}
+
+std::string PlyRefusal(const std::string& bytes) {
+  return RefusalOf(ParsePly, bytes, "scene.ply");
 }
 
 constexpr const char* kThree = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -85,7 +91,7 @@ TEST(ObjHostileTest, InvalidLinesAreRefusedWithTheirNumber) {
 TEST(ObjHostileTest, FacesAndMaterialsBeyondTheLimitsAreRefused) {
   std::string polygon = kThree;
   polygon += "f";
-  for (std::size_t i = 0; i <= kMaxObjFaceCorners; ++i) polygon += " 1";
+  for (std::size_t i = 0; i <= kMaxFaceCorners; ++i) polygon += " 1";
   EXPECT_THAT(ObjRefusal(polygon), HasSubstr("more than 1000 corners"));
   std::string materials = kThree;
   for (std::size_t i = 0; i <= kMaxObjMaterials; ++i) materials += fmt::format("usemtl m{}\nf 1 2 3\n", i);
@@ -169,12 +175,87 @@ TEST(StlHostileTest, FilesCutShortAreRefused) {
   }
 }
 
+// A PLY of three vertices and one face, with one text in place of another.
+std::string PlyWith(const std::string& from, const std::string& to) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  text.replace(text.find(from), from.size(), to);
+  return PlyRefusal(text);
+}
+
+TEST(PlyHostileTest, HeadersOfAnotherFormAreRefusedWithTheirLine) {
+  EXPECT_EQ(PlyWith("ascii", "ascii"), "");
+  EXPECT_THAT(PlyRefusal(""), HasSubstr("the header does not end"));
+  EXPECT_THAT(PlyRefusal("plyx\n"), HasSubstr("does not begin with 'ply'"));
+  EXPECT_THAT(PlyRefusal("ply\nend_header\n"), HasSubstr("no format"));
+  EXPECT_THAT(PlyWith("ascii 1.0", "ascii 2.0"), HasSubstr("scene.ply:2: version '2.0', expected 1.0"));
+  EXPECT_THAT(PlyWith("ascii", "binary"), HasSubstr("format 'binary'"));
+  EXPECT_THAT(PlyWith("element vertex 3", "element vertex -3"), HasSubstr(":3: '-3', expected the number"));
+  EXPECT_THAT(PlyWith("element vertex 3", "element vertex 99999999999999999999"),
+              HasSubstr("expected the number"));
+  EXPECT_THAT(PlyWith("element vertex", "elements vertex"), HasSubstr("'elements', which is no line"));
+  EXPECT_THAT(PlyWith("float y", "real y"), HasSubstr(":5: type 'real'"));
+  EXPECT_THAT(PlyWith("float y", "float t"), HasSubstr("no property 'y'"));
+  EXPECT_THAT(PlyWith("float y", "list uchar float y"), HasSubstr("no property 'y'"));
+  EXPECT_THAT(PlyWith("float y", "float"), HasSubstr("without a name"));
+  EXPECT_THAT(PlyWith("element vertex 3\n", ""), HasSubstr("before the first element"));
+  EXPECT_THAT(PlyWith("element face 1", "element vertex 1"), HasSubstr("a second element 'vertex'"));
+  EXPECT_THAT(PlyWith("element face 1", "element strip 1"), HasSubstr("no faces"));
+  EXPECT_THAT(PlyWith("vertex_indices", "corners"), HasSubstr("no list 'vertex_indices'"));
+  EXPECT_THAT(PlyWith("uchar int", "float int"), HasSubstr("counted in floating-point"));
+  EXPECT_THAT(PlyWith("uchar int", "uchar float"), HasSubstr("expected integers"));
+  EXPECT_THAT(PlyWith("end_header\n", ""), HasSubstr("is no line of a PLY header"));
+  EXPECT_THAT(PlyWith("float z\n", "float z\n" + std::string(5000, 'c') + "\n"), HasSubstr("does not end"));
+  std::string lines;
+  for (std::size_t i = 0; i <= kMaxPlyHeaderLines; ++i) lines += "comment\n";
+  EXPECT_THAT(PlyWith("end_header", lines + "end_header"), HasSubstr("more than 1000 lines"));
+}
+
+TEST(PlyHostileTest, NumbersAndFacesThatDoNotFitAreRefused) {
+  EXPECT_THAT(PlyWith("1 0 0", "1 O 0"), HasSubstr("scene.ply:11: 'O', expected a number"));
+  EXPECT_THAT(PlyWith("1 0 0", "1 nan 0"), HasSubstr("vertex 1 is not finite"));
+  EXPECT_THAT(PlyWith("1 0 0", "1 1e39 0"), HasSubstr("vertex 1 is not finite"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "3 0 1 3"), HasSubstr("face 0 has vertex 3, but there are 3"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "3 0 1 -1"), HasSubstr("face 0 has vertex -1"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "3 0 1 2147483648"), HasSubstr("expected a number of type int"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "3 0 1 1.5"), HasSubstr(":13: '1.5', expected an integer"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "2 0 1"), HasSubstr("face 0 has 2 corners"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "300 0 1"), HasSubstr("expected a number of type uchar"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "3 0 1"), HasSubstr("the text ends, expected a number"));
+  EXPECT_THAT(PlyWith("3 0 1 2", "3 0 1 2 9"), HasSubstr("data follow the last element"));
+  EXPECT_THAT(PlyWith("uchar int", "uint int"), "");
+}
+
+TEST(PlyHostileTest, CountsBeyondTheFileAreRefused) {
+  EXPECT_THAT(PlyWith("element vertex 3", "element vertex 18446744073709551615"),
+              HasSubstr("18446744073709551615 elements 'vertex' take at least 6 bytes each"));
+  EXPECT_THAT(PlyWith("element face 1", "element face 4000000000"), HasSubstr("4000000000 elements 'face'"));
+  EXPECT_THAT(PlyWith("element face 1", "element nothing 18446744073709551615\nelement face 1"), "");
+  std::string list = BinaryPly();
+  const std::size_t edge = list.find("end_header") + 12 + 8 * 18;  // the count of the list to skip
+  list[edge] = '\xff';
+  EXPECT_NE(PlyRefusal(list), "");
+  for (const std::string& whole : {BinaryPly(false), BinaryPly(true)}) {
+    for (std::size_t length = 0; length < whole.size(); ++length)
+      EXPECT_NE(PlyRefusal(whole.substr(0, length)), "") << length;
+    EXPECT_THAT(PlyRefusal(whole + "x"), HasSubstr("data follow the last element"));
+  }
+  const std::string text = TextPly();
+  for (std::size_t length = 0; length + 1 < text.size(); ++length)
+    EXPECT_NE(PlyRefusal(text.substr(0, length)), "") << length;
+}
+
 TEST(CadHostileTest, DamagedBytesMakeAValidSceneOrADataError) {
   const auto read_obj = [](const std::string& bytes) { ParseObj(bytes, "damaged.obj").Validate("read"); };
   const auto read_stl = [](const std::string& bytes) { ParseStl(bytes, "damaged.stl").Validate("read"); };
   testing::ExpectSurvivesDamage(CubeObj(), 400, 2000, read_obj);
   testing::ExpectSurvivesDamage(TextStl(CubeFacets()), 400, 2000, read_stl);
   testing::ExpectSurvivesDamage(BinaryStl(CubeFacets()), 400, 2000, read_stl);
+  const auto read_ply = [](const std::string& bytes) { ParsePly(bytes, "damaged.ply").Validate("read"); };
+  testing::ExpectSurvivesDamage(TextPly(), 400, 2000, read_ply);
+  testing::ExpectSurvivesDamage(BinaryPly(false), 400, 2000, read_ply);
+  testing::ExpectSurvivesDamage(BinaryPly(true), 400, 2000, read_ply);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Scenes from OBJ and STL: what is read, and what becomes of units and axes.
+// Scenes from OBJ, STL and PLY: what is read, and what becomes of units and axes.
 #include "data_io/scenes/cad_io.h"
 
 #include <gmock/gmock.h>
@@ -19,6 +19,7 @@ namespace sonarcal::data_io {
 namespace {
 
 using Eigen::Vector3d;
+using testing::BinaryPly;
 using testing::BinaryStl;
 using testing::Bounds;
 using testing::CubeFacets;
@@ -26,6 +27,7 @@ using testing::CubeObj;
 using testing::IsClosed;
 using testing::SignedVolumeM3;
 using testing::TempDir;
+using testing::TextPly;
 using testing::TextStl;
 using testing::WriteFile;
 
@@ -40,6 +42,18 @@ void ExpectBox(const Scene& scene, const Vector3d& size_m) {
   EXPECT_EQ(scene.vertices_m.size(), 8u);  // shared, whatever the file repeats
   EXPECT_TRUE(IsClosed(scene));
   EXPECT_NEAR(SignedVolumeM3(scene), size_m.prod(), 1e-5);
+}
+
+// The area of a scene in one plane, all of whose triangles must turn as `up` says.
+double AreaM2(const Scene& scene, const Vector3d& up) {
+  double area_m2 = 0.0;
+  for (const Eigen::Vector3i& triangle : scene.triangles) {
+    const auto [a, b, c] = testing::Corners(scene, triangle);
+    const Vector3d normal = 0.5 * (b - a).cross(c - a);
+    EXPECT_GE(normal.dot(up), -1e-6);
+    area_m2 += normal.norm();
+  }
+  return area_m2;
 }
 
 TEST(CadIoTest, ABoxOfQuadsAndMaterialsByName) {
@@ -90,6 +104,49 @@ TEST(CadIoTest, TextAndBinaryStlAreTheSame) {
   ExpectBox(ParseStl(two, "box.stl"), {1.0, 2.0, 3.0});
 }
 
+TEST(CadIoTest, TextAndBothByteOrdersOfPlyAreTheSame) {
+  const Scene text = ParsePly(TextPly(), "box.ply");
+  ExpectBox(text, {1.0, 2.0, 3.0});
+  EXPECT_EQ(text.material_names, std::vector<std::string>{"default"});
+  for (const bool big_endian : {false, true}) {
+    const Scene binary = ParsePly(BinaryPly(big_endian), "box.ply");
+    EXPECT_EQ(text.vertices_m, binary.vertices_m);
+    EXPECT_EQ(text.triangles, binary.triangles);
+  }
+  // Lines may end as on any system, and blank lines may follow.
+  std::string dos = TextPly();
+  for (std::size_t at = dos.find('\n'); at != std::string::npos; at = dos.find('\n', at + 2))
+    dos.insert(at, "\r");
+  EXPECT_EQ(ParsePly(dos + "\r\n\r\n", "box.ply").triangles, text.triangles);
+  ExpectBox(ParsePly(TextPly(), "box.ply", {.metres_per_unit = 0.001}), {0.001, 0.002, 0.003});
+  const Scene turned = ParsePly(TextPly(), "box.ply", {.up = kY});
+  EXPECT_EQ(Bounds(turned).max(), Bounds(ParseObj(CubeObj(), "box.obj")).max());
+}
+
+TEST(CadIoTest, ListsOfPlyMayHaveAnyIntegerType) {
+  for (const bool big_endian : {false, true}) {
+    for (const std::string& ply : {BinaryPly<std::int8_t, std::uint8_t>("char", "uint8", big_endian),
+                                   BinaryPly<std::uint8_t, std::int8_t>("uint8", "char", big_endian),
+                                   BinaryPly<std::int16_t, std::uint16_t>("short", "ushort", big_endian),
+                                   BinaryPly<std::uint16_t, std::int16_t>("uint16", "int16", big_endian),
+                                   BinaryPly<std::int32_t, std::uint32_t>("int", "uint32", big_endian),
+                                   BinaryPly<std::uint32_t, std::int32_t>("uint", "int32", big_endian)}) {
+      ExpectBox(ParsePly(ply, "box.ply"), {1.0, 2.0, 3.0});
+    }
+  }
+}
+
+TEST(CadIoTest, ConcavePolygonsOfPlyAreDivided) {
+  // An L of 3 unit squares.
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n2 0 0\n2 1 0\n1 1 0\n1 2 0\n0 2 0\n6 0 1 2 3 4 5";
+  const Scene scene = ParsePly(ply, "l.ply");
+  EXPECT_EQ(scene.triangles.size(), 4u);
+  EXPECT_NEAR(AreaM2(scene, Vector3d::UnitZ()), 3.0, 1e-6);
+}
+
 TEST(CadIoTest, NegativeIndicesCountBackwards) {
   const std::string obj =
       "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -4 -1 -3\nf 2 4 5\nf -3 -1 -2\n";
@@ -98,18 +155,6 @@ TEST(CadIoTest, NegativeIndicesCountBackwards) {
   EXPECT_EQ(scene.vertices_m.size(), 4u);  // that of no face is left out
   EXPECT_TRUE(IsClosed(scene));
   EXPECT_NEAR(std::abs(SignedVolumeM3(scene)), 1.0 / 6.0, 1e-6);
-}
-
-// The area of a scene in one plane, all of whose triangles must turn as `up` says.
-double AreaM2(const Scene& scene, const Vector3d& up) {
-  double area_m2 = 0.0;
-  for (const Eigen::Vector3i& triangle : scene.triangles) {
-    const auto [a, b, c] = testing::Corners(scene, triangle);
-    const Vector3d normal = 0.5 * (b - a).cross(c - a);
-    EXPECT_GE(normal.dot(up), -1e-6);
-    area_m2 += normal.norm();
-  }
-  return area_m2;
 }
 
 TEST(CadIoTest, PolygonsAreDividedEvenWhereTheyAreHollow) {
@@ -185,12 +230,15 @@ TEST(CadIoTest, TheFileNameDecidesTheFormat) {
   const TempDir dir;
   WriteFile(dir / "box.OBJ", CubeObj());
   WriteFile(dir / "box.Stl", TextStl(CubeFacets()));
+  WriteFile(dir / "box.PLY", BinaryPly());
   const Scene obj = ReadScene(dir / "box.OBJ", {.up = kZ});
   ExpectBox(obj, {1.0, 2.0, 3.0});
   ExpectBox(ReadScene(dir / "box.Stl"), {1.0, 2.0, 3.0});
+  ExpectBox(ReadScene(dir / "box.PLY"), {1.0, 2.0, 3.0});
   WriteGltf(obj, dir / "box.glb");
   ExpectBox(ReadScene(dir / "box.glb"), {1.0, 2.0, 3.0});
   EXPECT_TRUE(NeedsConventions("a/b.STL"));
+  EXPECT_TRUE(NeedsConventions("a/b.ply"));
   EXPECT_FALSE(NeedsConventions("a/b.gltf"));
   EXPECT_THROW(ReadScene(dir / "box.glb", {.up = kZ}), DataError);
   EXPECT_THROW(ReadScene(dir / "absent.obj"), DataError);
