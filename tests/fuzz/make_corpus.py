@@ -361,6 +361,11 @@ def main():
     fan = bytes(200 if abs(x - 35) * 7 < (60 - y) * 4 and (x - 35) ** 2 + (60 - y) ** 2 < 3000 else 0
                 for y in range(60) for x in range(70))
     put("fan_picture", "fan.png", png(60, 70, fan))
+    text = list(fan)
+    for row in (8, 20, 32):
+        for col in (3, 5, 64, 66):
+            text[70 * row + col] = 200
+    put("fan_picture", "fan_with_text.png", png(60, 70, type(fan)(text)))
     put("fan_picture", "fan.jpg", JPEG)
     shown = {"format": "sonar-picture-geometry/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6,
              "sound_speed_m_per_s": 1480, "db_span": 80}
