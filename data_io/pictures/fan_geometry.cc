@@ -89,11 +89,12 @@ bool IsInclined(const Edge& edge, int direction) {
   return std::abs(step.y()) >= 1.0 && step.x() / -step.y() * direction >= kSteepest;
 }
 
-// Edge of the hull that most of the outline touches. An edge between two distant lit pixels may be longer,
-// but the outline does not touch it between them.
+// Longest edge of the hull, or a shorter one that the outline touches clearly more. An edge between two
+// distant lit pixels may be long, but the outline does not touch it between them.
 std::optional<Edge> TouchedEdge(const std::vector<Point>& hull, const std::vector<Point>& outline,
                                 int direction) {
   constexpr std::size_t kMaxEdges = 32;  // longest edges that are compared
+  constexpr double kClearlyMore = 1.5;
   std::vector<Edge> edges;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Edge edge{hull[i], hull[(i + 1) % hull.size()]};
@@ -105,11 +106,11 @@ std::optional<Edge> TouchedEdge(const std::vector<Point>& hull, const std::vecto
                            [](const Edge& edge) { return (edge.b - edge.a).norm(); });
   if (edges.size() > kMaxEdges) edges.resize(kMaxEdges);
   std::optional<Edge> best;
-  std::ptrdiff_t most = 0;
+  double most = 0.0;
   for (const Edge& edge : edges) {
-    const auto touching = std::ranges::count_if(
-        outline, [&](const Point& point) { return edge.DistanceTo(point) < kNearSidePx; });
-    if (touching <= most) continue;
+    const auto touching = static_cast<double>(std::ranges::count_if(
+        outline, [&](const Point& point) { return edge.DistanceTo(point) < kNearSidePx; }));
+    if (best && touching <= kClearlyMore * most) continue;
     most = touching;
     best = edge;
   }
@@ -260,7 +261,8 @@ double NearRadius(const Mask& lit, const FanGeometry& fan) {
   std::vector<double> radii;
   for (int ray = 0; ray < kRays; ++ray) {
     const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
-    for (double radius = RadiusAtRow(fan, azimuth_rad, lit.rows()); radius < fan.radius_max_px;
+    // In steps of a quarter pixel from the apex.
+    for (double radius = std::floor(RadiusAtRow(fan, azimuth_rad, lit.rows())); radius < fan.radius_max_px;
          radius += 0.25) {
       if (IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
                 fan.apex_y_px - radius * std::cos(azimuth_rad))) {

@@ -269,6 +269,22 @@ TEST(FanSearchOfVideos, FindsTheFanOfEachCodec) {
   }
 }
 
+// Here the labels cannot be known by what stays. Only the part up to 3 m is lit.
+TEST(FanSearchOfVideos, ASingleFrameOfTheDarkVideoIsEnoughForTheSides) {
+  const Video& video = kVideos[2];
+  SONARCAL_NEEDS_RECORDING(path, video.file);
+  const std::unique_ptr<PictureFrames> frames = OpenPictures(path);
+  for (const int index : {0, 13, 25}) {
+    const PicturesInMemory still({frames->ReadColors(index)}, false);
+    const FanSearch search(still);
+    ASSERT_TRUE(search.fan()) << index;
+    EXPECT_NEAR(search.fan()->apex_x_px, video.fan.apex_x_px, 1.0) << index;
+    EXPECT_NEAR(search.fan()->apex_y_px, video.fan.apex_y_px, 3.0) << index;
+    EXPECT_NEAR(search.fan()->radius_min_px, video.fan.radius_min_px, 2.0) << index;
+    EXPECT_NEAR(search.fan()->half_angle_deg, video.fan.half_angle_deg, 0.2) << index;
+  }
+}
+
 TEST(FanSearchOfVideos, AreOpenedWithAGeometryAndDescribedWithoutOne) {
   for (const Video& video : kVideos) {
     SONARCAL_NEEDS_RECORDING(path, video.file);
