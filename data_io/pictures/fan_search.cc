@@ -106,6 +106,20 @@ bool LiesBeside(const FanGeometry& fan, bool arc_is_visible, int row, int col) {
          (arc_is_visible && radius > fan.radius_max_px + kMarginPx);
 }
 
+// Parts of which most pixels lie beside the fan. `size` holds the lit pixels of each part.
+std::vector<bool> PartsBeside(const FanGeometry& fan, bool arc_is_visible, const Mask& lit,
+                              const Parts& parts, const std::vector<std::int64_t>& size) {
+  std::vector<std::int64_t> beside(parts.count);
+  for (int row = 0; row < lit.rows(); ++row) {
+    for (int col = 0; col < lit.cols(); ++col) {
+      if (lit(row, col) != 0 && LiesBeside(fan, arc_is_visible, row, col)) ++beside[parts.LabelAt(row, col)];
+    }
+  }
+  std::vector<bool> chosen(parts.count);
+  for (int part = 1; part < parts.count; ++part) chosen[part] = 2 * beside[part] > size[part];
+  return chosen;
+}
+
 // Largest letter that is expected in a picture.
 int MaxLetterPx(const Mask& picture) {
   return std::max(24, std::max(picture.rows(), picture.cols()) / 20);
@@ -176,16 +190,7 @@ Mask WhatLiesBeside(const Mask& lit) {
     const Mask body = PixelsIn(lit, parts, chosen);
     const std::optional<FanGeometry> own = FindFanGeometry(body);
     if (!own) continue;
-    const bool arc_is_visible = VisibilityOf(*own, body).far_arc > kClear;
-    std::vector<std::int64_t> beside(parts.count);
-    for (int row = 0; row < lit.rows(); ++row) {
-      for (int col = 0; col < lit.cols(); ++col) {
-        if (lit(row, col) != 0 && LiesBeside(*own, arc_is_visible, row, col))
-          ++beside[parts.LabelAt(row, col)];
-      }
-    }
-    for (int other = 1; other < parts.count; ++other)
-      chosen[other] = other != part && 2 * beside[other] > size[other];
+    chosen = PartsBeside(*own, VisibilityOf(*own, body).far_arc > kClear, lit, parts, size);
     chosen[part] = false;
     const Mask others = PixelsIn(lit, parts, chosen);
     Mask rest = lit;
