@@ -45,7 +45,7 @@ std::string PresenceText(const data_io::PublicRecording& recording, data_io::Rec
                          (folder / recording.name).string(), recording.witness);
     case data_io::RecordingPresence::kAbsent:
       return recording.commit.empty()
-                 ? "not here; download it from its page"
+                 ? "not here; address only: download it by hand"
                  : fmt::format("not here; get it with scripts/fetch_recording.sh {}", recording.name);
   }
   return {};
@@ -58,8 +58,10 @@ Json ToJson(const data_io::PublicRecording& recording, data_io::RecordingPresenc
   return {{"name", recording.name},
           {"sensor", recording.sensor},
           {"shows", recording.shows},
+          {"truth", recording.truth},
           {"licence", recording.licence},
           {"source", recording.source},
+          {"data", recording.data},
           {"commit", recording.commit},
           {"paths", paths},
           {"witness", recording.witness},
@@ -83,9 +85,11 @@ cli::ExitStatus RunRecordings(const RecordingsOptions& options) {
     };
     add("sensor", recording.sensor);
     add("shows", recording.shows);
+    if (!recording.truth.empty()) add("truth", recording.truth);
     add("licence", recording.licence);
     add("source",
         recording.source + (recording.commit.empty() ? "" : " at " + recording.commit.substr(0, 12)));
+    if (!recording.data.empty()) add("data", recording.data);
     add("status", PresenceText(recording, presence, folder));
   }
   if (options.common.json) {

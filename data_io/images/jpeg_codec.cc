@@ -10,6 +10,29 @@
 #include "data_io/files/byte_reader.h"
 
 namespace sonarcal::data_io {
+namespace {
+
+// Decodes to `type`, CV_8UC1 or CV_8UC3.
+cv::Mat Decode(std::string_view bytes, const std::string& name, int type) {
+  const ImageHeader header = ReadJpegHeader(bytes, name);
+  // The decoder fills missing data without an error. A complete file ends with the end marker, possibly
+  // padded.
+  if (bytes.rfind("\xff\xd9") == std::string_view::npos)
+    throw DataError("{}: truncated JPEG, expected an end marker", name);
+  cv::Mat image;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    const int flags = type == CV_8UC1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+    image = cv::imdecode(encoded, flags | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    throw DataError("{}: damaged JPEG: {}", name, error.err);
+  }
+  if (image.rows != header.rows || image.cols != header.cols || image.type() != type)
+    throw DataError("{}: damaged JPEG, expected {} x {} pixels", name, header.rows, header.cols);
+  return image;
+}
+
+}  // namespace
 
 bool IsJpeg(std::string_view bytes) {
   return bytes.starts_with("\xff\xd8\xff");
@@ -47,24 +70,23 @@ ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
 }
 
 Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& name) {
-  const ImageHeader header = ReadJpegHeader(bytes, name);
-  // The decoder fills missing data without an error. A complete file ends with the end marker, possibly
-  // padded.
-  if (bytes.rfind("\xff\xd9") == std::string_view::npos)
-    throw DataError("{}: truncated JPEG, expected an end marker", name);
-  cv::Mat image;
-  try {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    image = cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& error) {
-    throw DataError("{}: damaged JPEG: {}", name, error.err);
-  }
-  if (image.rows != header.rows || image.cols != header.cols || image.type() != CV_8UC1)
-    throw DataError("{}: damaged JPEG, expected {} x {} pixels", name, header.rows, header.cols);
+  const cv::Mat image = Decode(bytes, name, CV_8UC1);
   Grid<std::uint8_t> grey(image.rows, image.cols);
   for (int row = 0; row < image.rows; ++row)
     std::copy_n(image.ptr<std::uint8_t>(row), image.cols, grey.row(row).begin());
   return grey;
+}
+
+RgbImage DecodeJpegRgb(std::string_view bytes, const std::string& name) {
+  const cv::Mat image = Decode(bytes, name, CV_8UC3);
+  RgbImage rgb(image.rows, image.cols);
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* pixels = image.ptr<cv::Vec3b>(row);
+    // OpenCV's channels begin with blue.
+    for (int col = 0; col < image.cols; ++col)
+      rgb(row, col) = {pixels[col][2], pixels[col][1], pixels[col][0]};
+  }
+  return rgb;
 }
 
 }  // namespace sonarcal::data_io

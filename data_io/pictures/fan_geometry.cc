@@ -3,6 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "core/math/statistics.h"
@@ -18,19 +21,24 @@ double Cross(const Point& a, const Point& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// Leftmost and rightmost lit pixel of each row: the candidates for the hull.
-std::vector<Point> Outline(const Mask& lit) {
-  std::vector<Point> points;
+// Outermost lit pixels of each row, from the top: the candidates for the hull.
+struct Outline {
+  std::vector<Point> left;
+  std::vector<Point> right;
+};
+
+Outline OutlineOf(const Mask& lit) {
+  Outline outline;
   for (int row = 0; row < lit.rows(); ++row) {
     const auto pixels = lit.row(row);
     const auto is_lit = [](std::uint8_t value) { return value != 0; };
     const auto first = std::find_if(pixels.begin(), pixels.end(), is_lit);
     if (first == pixels.end()) continue;
     const auto last = std::find_if(pixels.rbegin(), pixels.rend(), is_lit);
-    points.emplace_back(first - pixels.begin(), row);
-    points.emplace_back(pixels.rend() - last - 1, row);
+    outline.left.emplace_back(first - pixels.begin(), row);
+    outline.right.emplace_back(pixels.rend() - last - 1, row);
   }
-  return points;
+  return outline;
 }
 
 // Andrew's monotone chain. Counter-clockwise with y up, so clockwise in the picture.
@@ -64,49 +72,129 @@ struct Side {
   double bottom_px = 0.0;
 };
 
-// Side through the longest edges of the hull with the right inclination: `direction` -1 is the left side.
-std::optional<Side> FindSide(const std::vector<Point>& hull, int direction) {
-  constexpr double kNearPx = 1.5;
+struct Edge {
+  Point a;
+  Point b;
+
+  Point Along() const { return (b - a).normalized(); }
+  double DistanceTo(const Point& point) const { return std::abs(Cross(Along(), point - a)); }
+};
+
+constexpr double kNearSidePx = 1.5;
+
+// True if the edge has the inclination of a side: it runs outwards in the upward direction (smaller y).
+bool IsInclined(const Edge& edge, int direction) {
   constexpr double kSteepest = 0.03;  // min slope of a side, 1 in 33: no fan is narrower
-  struct Edge {
-    Point a;
-    Point b;
-  };
-  std::optional<Edge> longest;
+  const Point step = edge.b - edge.a;
+  return std::abs(step.y()) >= 1.0 && step.x() / -step.y() * direction >= kSteepest;
+}
+
+// Longest edge of the hull, or a shorter one that the outline touches clearly more. An edge between two
+// distant lit pixels may be long, but the outline does not touch it between them.
+std::optional<Edge> TouchedEdge(const std::vector<Point>& hull, const std::vector<Point>& outline,
+                                int direction) {
+  constexpr std::size_t kMaxEdges = 32;  // longest edges that are compared
+  constexpr double kClearlyMore = 1.5;
+  std::vector<Edge> edges;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Edge edge{hull[i], hull[(i + 1) % hull.size()]};
-    const Point step = edge.b - edge.a;
-    // A side runs outwards in the upward direction (smaller y).
-    if (std::abs(step.y()) < 1.0 || step.x() / -step.y() * direction < kSteepest) continue;
+    if (!IsInclined(edge, direction)) continue;
     // Edges of the far arc are flatter than 45 degrees, except in fans wider than that.
-    if (!longest || step.norm() > (longest->b - longest->a).norm()) longest = edge;
+    edges.push_back(edge);
   }
-  if (!longest) return std::nullopt;
-  const Point along = (longest->b - longest->a).normalized();
-  // All corners of the hull near that edge, with equal weights: the side is straight, its pixels are steps.
-  std::vector<Point> beside;
-  for (const Point& corner : hull) {
-    if (std::abs(Cross(along, corner - longest->a)) < kNearPx) beside.push_back(corner);
+  std::ranges::stable_sort(edges, std::greater<>(),
+                           [](const Edge& edge) { return (edge.b - edge.a).norm(); });
+  if (edges.size() > kMaxEdges) edges.resize(kMaxEdges);
+  std::optional<Edge> best;
+  double most = 0.0;
+  for (const Edge& edge : edges) {
+    const auto touching = static_cast<double>(std::ranges::count_if(
+        outline, [&](const Point& point) { return edge.DistanceTo(point) < kNearSidePx; }));
+    if (best && touching <= kClearlyMore * most) continue;
+    most = touching;
+    best = edge;
   }
-  double sum_y = 0.0;
-  double sum_x = 0.0;
-  for (const Point& point : beside) {
-    sum_y += point.y();
-    sum_x += point.x();
-  }
-  const double mean_y = sum_y / static_cast<double>(beside.size());
-  const double mean_x = sum_x / static_cast<double>(beside.size());
+  return best;
+}
+
+// Least-squares line x(y) through points; absent if they lie in one row.
+std::optional<Side> LineThrough(const std::vector<Point>& points) {
+  if (points.empty()) return std::nullopt;
+  Point mean = Point::Zero();
+  for (const Point& point : points) mean += point / static_cast<double>(points.size());
   double square = 0.0;
   double product = 0.0;
-  for (const Point& point : beside) {
-    square += (point.y() - mean_y) * (point.y() - mean_y);
-    product += (point.y() - mean_y) * (point.x() - mean_x);
+  for (const Point& point : points) {
+    square += (point.y() - mean.y()) * (point.y() - mean.y());
+    product += (point.y() - mean.y()) * (point.x() - mean.x());
   }
   if (square < 1.0) return std::nullopt;
-  const auto [lowest, highest] = std::minmax_element(
-      beside.begin(), beside.end(), [](const Point& a, const Point& b) { return a.y() < b.y(); });
+  const auto [highest, lowest] =
+      std::ranges::minmax(points, {}, [](const Point& point) { return point.y(); });
   const double slope = product / square;
-  return Side{mean_x - slope * mean_y, slope, lowest->y(), highest->y()};
+  return Side{mean.x() - slope * mean.y(), slope, highest.y(), lowest.y()};
+}
+
+std::vector<Point> PointsNear(const std::vector<Point>& points, const Edge& edge) {
+  std::vector<Point> near;
+  std::ranges::copy_if(points, std::back_inserter(near),
+                       [&](const Point& point) { return edge.DistanceTo(point) < kNearSidePx; });
+  return near;
+}
+
+// Distance of a point from a line, positive to the outside: `direction` -1 is to the left.
+double DistanceBeyond(const Edge& line, const Point& point, int direction) {
+  const Point along = line.Along();
+  return (along.y() > 0.0 ? -direction : direction) * Cross(along, point - line.a);
+}
+
+// Number of points that touch the line, less twice the number of points beyond it.
+std::ptrdiff_t ScoreOf(const Edge& line, const std::vector<Point>& outline, int direction) {
+  std::ptrdiff_t score = 0;
+  for (const Point& point : outline) {
+    const double distance = DistanceBeyond(line, point, direction);
+    if (std::abs(distance) < kNearSidePx) ++score;
+    if (distance >= kNearSidePx) score -= 2;
+  }
+  return score;
+}
+
+// Line of the best score among lines through two points of the outline of one side.
+std::optional<Edge> MostTouchedLine(const std::vector<Point>& outline, int direction) {
+  constexpr std::size_t kMaxPairs = 500;  // of each distance between the two points
+  std::optional<Edge> best;
+  std::ptrdiff_t most = 0;
+  for (const std::size_t part : {2, 3, 5, 8}) {
+    const std::size_t apart = outline.size() / part;
+    if (apart < 2) continue;
+    const std::size_t pairs = outline.size() - apart;
+    for (std::size_t i = 0; i < pairs; i += 1 + pairs / kMaxPairs) {
+      const Edge line{outline[i], outline[i + apart]};
+      if (!IsInclined(line, direction)) continue;
+      const std::ptrdiff_t score = ScoreOf(line, outline, direction);
+      if (score <= most) continue;
+      most = score;
+      best = line;
+    }
+  }
+  return best;
+}
+
+// Side of the fan from the outermost lit pixels on that side, row by row, and from the hull of all lit
+// pixels. `direction` -1 is the left side.
+std::optional<Side> FindSide(const std::vector<Point>& outline, const std::vector<Point>& hull,
+                             int direction) {
+  constexpr double kMuchMore = 2.0;
+  const std::optional<Edge> edge = TouchedEdge(hull, outline, direction);
+  const std::optional<Edge> line = MostTouchedLine(outline, direction);
+  const std::ptrdiff_t score_of_edge = edge ? ScoreOf(*edge, outline, direction) : 0;
+  const std::ptrdiff_t score_of_line = line ? ScoreOf(*line, outline, direction) : 0;
+  // Text, or spikes of a compressed picture, push the hull off the side: they lie beyond the line.
+  if (static_cast<double>(score_of_line) > kMuchMore * static_cast<double>(score_of_edge))
+    return LineThrough(PointsNear(outline, *line));
+  if (!edge) return std::nullopt;
+  // All corners of the hull near that edge, with equal weights: the side is straight, its pixels are steps.
+  return LineThrough(PointsNear(hull, *edge));
 }
 
 // Radius and x_scale of the arc about `apex`: dx^2 / (x_scale r)^2 + dy^2 / r^2 = 1, a least-squares fit to
@@ -160,6 +248,11 @@ bool IsLit(const Mask& lit, double x, double y) {
   return row >= 0 && row < lit.rows() && col >= 0 && col < lit.cols() && lit(row, col) != 0;
 }
 
+// Radius at which a ray from the apex crosses a row; at least 0.
+double RadiusAtRow(const FanGeometry& fan, double azimuth_rad, double row) {
+  return std::max(0.0, (fan.apex_y_px - row) / std::cos(azimuth_rad));
+}
+
 // Radius of the near arc: distance from the apex to the first lit pixel along many rays. Dark places increase
 // it and nothing decreases it: a low quantile.
 double NearRadius(const Mask& lit, const FanGeometry& fan) {
@@ -168,7 +261,9 @@ double NearRadius(const Mask& lit, const FanGeometry& fan) {
   std::vector<double> radii;
   for (int ray = 0; ray < kRays; ++ray) {
     const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
-    for (double radius = 0.0; radius < fan.radius_max_px; radius += 0.25) {
+    // In steps of a quarter pixel from the apex.
+    for (double radius = std::floor(RadiusAtRow(fan, azimuth_rad, lit.rows())); radius < fan.radius_max_px;
+         radius += 0.25) {
       if (IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
                 fan.apex_y_px - radius * std::cos(azimuth_rad))) {
         radii.push_back(radius);
@@ -222,6 +317,43 @@ double LitShareOfFarArc(const Mask& lit, const FanGeometry& fan) {
   return static_cast<double>(near) / kRays;
 }
 
+// Distance from the apex to the farthest lit pixel of each direction between the sides; 0 for a dark
+// direction.
+std::vector<double> FarthestLit(const Mask& lit, const FanGeometry& fan) {
+  constexpr int kRays = 400;
+  std::vector<double> radii;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * (2.0 * (ray + 0.5) / kRays - 1.0);
+    double farthest = 0.0;
+    for (double radius = (fan.apex_y_px + 1.0) / std::cos(azimuth_rad);
+         radius > RadiusAtRow(fan, azimuth_rad, lit.rows()); radius -= 0.5) {
+      if (!IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
+                 fan.apex_y_px - radius * std::cos(azimuth_rad)))
+        continue;
+      farthest = radius;
+      break;
+    }
+    radii.push_back(farthest);
+  }
+  return radii;
+}
+
+// Circle through the farthest lit pixels: the largest radius that some directions share.
+FanGeometry WithFarthestCircle(const Mask& lit, FanGeometry fan) {
+  constexpr std::size_t kMinDirections = 8;  // of 400: one bright pixel is no arc
+  constexpr double kBandPx = 3.0;
+  fan.half_angle_deg = DegFromRad(std::atan(fan.x_scale * std::tan(RadFromDeg(fan.half_angle_deg))));
+  fan.x_scale = 1.0;
+  std::vector<double> radii = FarthestLit(lit, fan);
+  std::ranges::sort(radii, std::greater<>());
+  for (std::size_t first = 0; first + kMinDirections <= radii.size(); ++first) {
+    if (radii[first] - radii[first + kMinDirections - 1] > kBandPx) continue;
+    fan.radius_max_px = radii[first];
+    break;
+  }
+  return fan;
+}
+
 }  // namespace
 
 void FanGeometry::Validate(const std::string& what) const {
@@ -241,9 +373,12 @@ void FanGeometry::Validate(const std::string& what) const {
 std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
   constexpr std::int64_t kMinLitPixels = 100;
   if (CountSet(lit) < kMinLitPixels) return std::nullopt;
-  const std::vector<Point> hull = ConvexHull(Outline(lit));
-  const std::optional<Side> left = FindSide(hull, -1);
-  const std::optional<Side> right = FindSide(hull, +1);
+  const Outline outline = OutlineOf(lit);
+  std::vector<Point> both = outline.left;
+  both.insert(both.end(), outline.right.begin(), outline.right.end());
+  const std::vector<Point> hull = ConvexHull(std::move(both));
+  const std::optional<Side> left = FindSide(outline.left, hull, -1);
+  const std::optional<Side> right = FindSide(outline.right, hull, +1);
   if (!left || !right || left->slope <= right->slope) return std::nullopt;
   const double apex_y = (right->at - left->at) / (left->slope - right->slope);
   const Point apex(left->at + left->slope * apex_y, apex_y);
@@ -259,19 +394,31 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
       break;
     }
   }
-  const std::optional<Arc> arc = FitArc(far_arc, apex);
-  if (!arc) return std::nullopt;
+  const Arc arc = FitArc(far_arc, apex).value_or(Arc{});
   FanGeometry fan{.apex_x_px = apex.x(),
                   .apex_y_px = apex.y(),
                   .radius_min_px = 0.0,
-                  .radius_max_px = arc->radius_px,
-                  .half_angle_deg = DegFromRad(std::atan(0.5 * (left->slope - right->slope) / arc->x_scale)),
-                  .x_scale = arc->x_scale};
+                  .radius_max_px = arc.radius_px,
+                  .half_angle_deg = DegFromRad(std::atan(0.5 * (left->slope - right->slope) / arc.x_scale)),
+                  .x_scale = arc.x_scale};
+  constexpr double kMinVisibleArc = 0.5;
+  constexpr double kMaxLoss = 0.2;
+  const double visible_arc = LitShareOfFarArc(lit, fan);
+  if (visible_arc < kMinVisibleArc) {
+    const FanGeometry circle = WithFarthestCircle(lit, fan);
+    if (LitShareOfFarArc(lit, circle) + kMaxLoss >= visible_arc) fan = circle;
+  }
   fan.radius_min_px = NearRadius(lit, fan);
   if (!(fan.radius_max_px > fan.radius_min_px + 1.0 && fan.half_angle_deg > 0.5 && fan.x_scale > 0.1 &&
         fan.x_scale < 10.0))
     return std::nullopt;
   return fan;
+}
+
+FanVisibility VisibilityOf(const FanGeometry& fan, const Mask& lit) {
+  return {.left_side = LitShareOfSide(lit, fan, -1),
+          .right_side = LitShareOfSide(lit, fan, +1),
+          .far_arc = LitShareOfFarArc(lit, fan)};
 }
 
 bool ShowsAnotherFan(const Mask& lit, const FanGeometry& fan) {

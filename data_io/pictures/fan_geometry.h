@@ -9,6 +9,7 @@
 // x and y refer to pixel centres: the centre of the first pixel is at 0.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -35,8 +36,21 @@ struct FanGeometry {
 // sides that do not meet below, or no arcs.
 //
 // The outline is that of the convex hull, so dark places inside have no effect. Accurate to about a pixel for
-// radii and the forward position of the apex, and to 0.5 % of x_scale for a fan of +-15 degrees.
+// radii and the forward position of the apex, and to 0.5 % of x_scale for a fan of +-15 degrees. If the far
+// arc is lit in few directions only, it is taken as a circle through the farthest lit pixels.
 std::optional<FanGeometry> FindFanGeometry(const Mask& lit);
+
+// Fractions of the outline that lit pixels reach, 0..1.
+struct FanVisibility {
+  double left_side = 0.0;
+  double right_side = 0.0;
+  double far_arc = 0.0;
+
+  double sum() const { return left_side + right_side + far_arc; }
+  double min() const { return std::min({left_side, right_side, far_arc}); }
+};
+
+FanVisibility VisibilityOf(const FanGeometry& fan, const Mask& lit);
 
 // True if the lit pixels of a single picture show another fan than `fan`: its sides or far arc are lit along
 // most of their length and differ from those of `fan` by more than 5 pixels and 2 % of the picture's width.

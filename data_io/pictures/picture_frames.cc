@@ -74,10 +74,33 @@ class PictureFiles final : public PictureFrames {
     return Floats(GreyOf(ImageFile(std::move(bytes), file.string()).DecodeRgb()));
   }
 
+  RgbImage ReadColors(int index) const override {
+    const fs::path& file = files_.at(index);
+    std::string bytes = ReadFileBytes(file, kMaxPictureBytes);
+    if (IsJpeg(bytes)) return DecodeJpegRgb(bytes, file.string());
+    return ImageFile(std::move(bytes), file.string()).DecodeRgb();
+  }
+
  private:
   std::vector<fs::path> files_;
   bool is_lossy_ = false;
 };
+
+// Four letters of the codec in the header of an AVI file; empty if there are none.
+std::string CodecOfAvi(const fs::path& file) {
+  constexpr std::size_t kMaxHeaderBytes = 4096;
+  constexpr std::size_t kCodecOffset = 24;  // behind "strf", its size and 16 bytes of BITMAPINFOHEADER
+  std::string bytes(kMaxHeaderBytes, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), kMaxHeaderBytes);
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::size_t format = bytes.find("strf");
+  if (!bytes.starts_with("RIFF") || format == std::string::npos || format + kCodecOffset + 4 > bytes.size())
+    return {};
+  const std::string codec = bytes.substr(format + kCodecOffset, 4);
+  const auto is_printable = [](char letter) { return letter > ' ' && letter <= '~'; };
+  return std::ranges::all_of(codec, is_printable) ? codec : std::string();
+}
 
 class Video final : public PictureFrames {
  public:
@@ -88,7 +111,11 @@ class Video final : public PictureFrames {
     } catch (const cv::Exception&) {
       capture_.release();
     }
-    if (!capture_.isOpened()) throw DataError("{}: a video that cannot be decoded", name_);
+    if (!capture_.isOpened()) {
+      const std::string codec = CodecOfAvi(file);
+      throw DataError("{}: a video that OpenCV and FFmpeg on this machine cannot decode{}", name_,
+                      codec.empty() ? "" : " (codec " + codec + ")");
+    }
     const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);
     const double pixels = capture_.get(cv::CAP_PROP_FRAME_WIDTH) * capture_.get(cv::CAP_PROP_FRAME_HEIGHT);
     constexpr double kMaxFrames = 1e8;
@@ -109,8 +136,10 @@ class Video final : public PictureFrames {
     return index / frame_rate_hz_;
   }
 
+  Grid<float> Read(int index) const override { return Floats(GreyOf(ReadColors(index))); }
+
   // Sequential frames need no seek.
-  Grid<float> Read(int index) const override {
+  RgbImage ReadColors(int index) const override {
     const std::scoped_lock lock(mutex_);
     cv::Mat picture;
     try {
@@ -122,7 +151,7 @@ class Video final : public PictureFrames {
     next_ = index + 1;
     if (picture.empty() || picture.type() != CV_8UC3)
       throw DataError("{}: frame {} of {} cannot be decoded", name_, index, count_);
-    return Floats(GreyOf(RgbOf(picture)));
+    return RgbOf(picture);
   }
 
  private:

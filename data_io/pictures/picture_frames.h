@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/types/image.h"
+#include "core/types/rgb_image.h"
 
 namespace sonarcal::data_io {
 
@@ -27,12 +28,15 @@ class PictureFrames {
   // than kMaxImagePixels.
   virtual Grid<float> Read(int index) const = 0;
 
+  // Colours of the same picture. Throws DataError like Read.
+  virtual RgbImage ReadColors(int index) const = 0;
+
   // True if pixels were compressed with losses, so black is only nearly black.
   virtual bool is_lossy() const = 0;
 };
 
 // Opens one picture, the pictures of a folder in the order of their names, or a video. Throws DataError if
-// there is none, or a video has no size or number of frames.
+// there is none, if a video has no size or number of frames, or if its codec cannot be decoded.
 std::unique_ptr<PictureFrames> OpenPictures(const std::filesystem::path& path);
 
 // Pictures directly in `folder`, in natural order of their names; empty if it is no folder.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/types/error.h"
+#include "data_io/pictures/fan_search.h"
 #include "data_io/pictures/picture_frames.h"
 #include "data_io/pictures/picture_geometry.h"
 
@@ -22,59 +23,19 @@ fs::path GeometryFileOf(const fs::path& path) {
   return fs::path(path).concat(".geometry.json");
 }
 
-[[noreturn]] void FailOfSize(int rows, int cols, int first_rows, int first_cols, const std::string& name) {
-  throw DataError("{}: {} x {} pixels, expected those of the first picture, {} x {}", name, rows, cols,
-                  first_rows, first_cols);
-}
-
 void CheckSize(const Grid<float>& picture, int rows, int cols, const std::string& name) {
   if (picture.rows() != rows || picture.cols() != cols)
-    FailOfSize(picture.rows(), picture.cols(), rows, cols, name);
-}
-
-// Pixels of a frame that are not black.
-Mask LitPixels(const PictureFrames& pictures, int index) {
-  constexpr float kLossyBlack = 24.0F;  // limit for ringing at edges in a compressed picture
-  const float black = pictures.is_lossy() ? kLossyBlack : 0.0F;
-  const Grid<float> grey = pictures.Read(index);
-  Mask lit(grey.rows(), grey.cols());
-  std::transform(grey.values().begin(), grey.values().end(), lit.values().begin(),
-                 [black](float value) { return std::uint8_t{value > black}; });
-  return lit;
-}
-
-constexpr int kMaxFrames = 32;  // frames in which the fan is searched
-
-// Up to `max_count` frames, evenly spread.
-std::vector<int> FramesToLookAt(const PictureFrames& pictures, int max_count = kMaxFrames) {
-  const int count = std::min(pictures.count(), max_count);
-  std::vector<int> indices;
-  for (int i = 0; i < count; ++i)
-    indices.push_back(static_cast<int>(static_cast<std::int64_t>(i) * pictures.count() / count));
-  return indices;
-}
-
-// Pixels that are not black in any of the examined frames.
-Mask LitInAny(const PictureFrames& pictures) {
-  Mask lit;
-  for (const int index : FramesToLookAt(pictures)) {
-    const Mask own = LitPixels(pictures, index);
-    if (lit.empty()) lit = Mask(own.rows(), own.cols());
-    if (own.rows() != lit.rows() || own.cols() != lit.cols())
-      FailOfSize(own.rows(), own.cols(), lit.rows(), lit.cols(), pictures.name(index));
-    std::transform(own.values().begin(), own.values().end(), lit.values().begin(), lit.values().begin(),
-                   [](std::uint8_t a, std::uint8_t b) { return std::uint8_t{a != 0 || b != 0}; });
-  }
-  return lit;
+    FailOfPictureSize(picture.rows(), picture.cols(), rows, cols, name);
 }
 
 // One fan is read for all pictures. Throws DataError if some pictures show another fan.
-void RefuseAnotherFan(const PictureFrames& pictures, const FanGeometry& fan, const fs::path& path) {
+void RefuseAnotherFan(const PictureFrames& pictures, const FanSearch& search, const fs::path& path) {
   constexpr int kMaxPictures = 512;  // files are read quickly, video frames slowly
+  constexpr int kMaxFrames = 32;
   std::vector<int> others;
-  const std::vector<int> looked_at = FramesToLookAt(pictures, IsVideo(path) ? kMaxFrames : kMaxPictures);
+  const std::vector<int> looked_at = EvenlySpreadFrames(pictures, IsVideo(path) ? kMaxFrames : kMaxPictures);
   for (const int index : looked_at) {
-    if (ShowsAnotherFan(LitPixels(pictures, index), fan)) others.push_back(index);
+    if (ShowsAnotherFan(search.LitPixels(index), *search.fan())) others.push_back(index);
   }
   if (others.empty()) return;
   constexpr std::size_t kMaxNamed = 5;
@@ -91,17 +52,33 @@ void RefuseAnotherFan(const PictureFrames& pictures, const FanGeometry& fan, con
       GeometryFileOf(path).string());
 }
 
-FanGeometry FoundIn(const PictureFrames& pictures, const fs::path& path) {
-  const std::optional<FanGeometry> fan = FindFanGeometry(LitInAny(pictures));
-  if (!fan) {
+struct FoundFan {
+  FanGeometry geometry;
+  std::string doubt;  // sentence on an outline that is dark; empty if it is clear
+};
+
+// A sentence if less than half of a side or of the far arc is lit.
+std::string DoubtOf(const FanVisibility& visible) {
+  constexpr double kClear = 0.5;
+  if (visible.min() >= kClear) return {};
+  return fmt::format(
+      "The outline of the fan is dark in places, so check its position: {:.0f} % of the left side, {:.0f} % "
+      "of "
+      "the right side and {:.0f} % of the far arc are lit.",
+      100.0 * visible.left_side, 100.0 * visible.right_side, 100.0 * visible.far_arc);
+}
+
+FoundFan FoundIn(const PictureFrames& pictures, const fs::path& path) {
+  const FanSearch search(pictures);
+  if (!search.fan()) {
     throw DataError(
         "{}: no fan could be made out in the picture; give its apex_px, radius_px and half_angle_deg, or "
         "'polar', in "
         "{}",
         path.string(), GeometryFileOf(path).string());
   }
-  RefuseAnotherFan(pictures, *fan, path);
-  return *fan;
+  RefuseAnotherFan(pictures, search, path);
+  return {*search.fan(), DoubtOf(search.visibility())};
 }
 
 class PictureRecording final : public RecordingSource {
@@ -109,7 +86,11 @@ class PictureRecording final : public RecordingSource {
   PictureRecording(const fs::path& path, std::unique_ptr<PictureFrames> pictures, PictureGeometry geometry)
       : pictures_(std::move(pictures)) {
     const bool found = !geometry.polar && !geometry.fan;
-    if (found) geometry.TakeFound(FoundIn(*pictures_, path));
+    if (found) {
+      const FoundFan fan = FoundIn(*pictures_, path);
+      geometry.TakeFound(fan.geometry);
+      if (!fan.doubt.empty()) info_.notes.push_back(fan.doubt);
+    }
     const Grid<float> first = pictures_->Read(0);
     sampler_.emplace(geometry, first.rows(), first.cols(), path.string());
     geometry.Describe(info_);
@@ -180,10 +161,11 @@ std::unique_ptr<RecordingSource> OpenPictureRecording(const fs::path& path) {
   const fs::path file = GeometryFileOf(path);
   std::error_code error;
   if (!fs::exists(file, error)) {
+    const FoundFan found = FoundIn(*pictures, path);
     throw DataError(
         "{}: a picture does not contain its range; write it into {}: {{\"format\": "
-        "\"sonar-picture-geometry/1\", \"range_m\": [farthest], \"fan\": {{{}}}}}",
-        path.string(), file.string(), JsonOf(FoundIn(*pictures, path)));
+        "\"sonar-picture-geometry/1\", \"range_m\": [farthest], \"fan\": {{{}}}}}{}",
+        path.string(), file.string(), JsonOf(found.geometry), found.doubt.empty() ? "" : ". " + found.doubt);
   }
   return std::make_unique<PictureRecording>(path, std::move(pictures), ReadPictureGeometry(file));
 }

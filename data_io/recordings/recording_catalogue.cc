@@ -8,6 +8,24 @@ namespace sonarcal::data_io {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+std::vector<PublicRecording::Path> ArisSdkPaths() {
+  std::vector<PublicRecording::Path> paths = {
+      {"LICENSE", "LICENSE"},
+      {"sample-code/reorder-frame/input.dat", "reorder_frame_input.dat"},
+      {"sample-code/reorder-frame/result.exp", "reorder_frame_result.dat"}};
+  for (const char* mode : {"1_1200", "1_1800", "3", "9"}) {
+    for (const char* what : {"input", "expected"}) {
+      const std::string name = std::string(what) + "_pingmode_" + mode + ".dat";
+      paths.push_back({"common/code/Reordering/UnitTests/data/" + name, name});
+    }
+  }
+  return paths;
+}
+
+}  // namespace
+
 const std::vector<PublicRecording>& RecordingCatalogue() {
   static const std::vector<PublicRecording> catalogue = {
       {.name = "aris1200_telephoto",
@@ -57,13 +75,78 @@ const std::vector<PublicRecording>& RecordingCatalogue() {
        .paths = {},
        .witness = "Images/marine-debris-aris3k-0.png",
        .witness_sha256 = "bd48b6601147c37b1c06489fa1bfbf9c363f4d10e6720eaa27648bcdba55363b"},
+      {.name = "aris_sdk_frames",
+       .sensor = "Sound Metrics ARIS, 48, 96 and 128 beams",
+       .shows = "a slab with its shadow: samples in the order of sending, and sorted by beam; no headers",
+       .licence = "MIT",
+       .source = "https://github.com/SoundMetrics/aris-integration-sdk",
+       .commit = "61cffa6753f8c8abf19b094398dbbb167f1634df",
+       .paths = ArisSdkPaths(),
+       .witness = "input_pingmode_9.dat",
+       .witness_sha256 = "aa46386acf2635f2ee6a839411aa0d59e3d341a4e01767236946d1bc323549f1"},
+      {.name = "aris3000_broken",
+       .sensor = "Sound Metrics ARIS 3000, 128 beams",
+       .shows = "a broken recording, 27 frames: only one of eight pings has samples",
+       .licence = "MIT",
+       .source = "https://github.com/SoundMetrics/aris-integration-sdk",
+       .commit = "d04053523855e5a82ff118caf3599f192edac105",
+       .paths = {{"sample-code/vc-using-framestream/vc-using-framestream/output.aris", "output.aris"},
+                 {"LICENSE", "LICENSE"}},
+       .witness = "output.aris",
+       .witness_sha256 = "e2781f4f253af146e883fe881597b23d897d73ec0acced665fff081fc19d133f"},
+      {.name = "didson_videos",
+       .sensor = "Sound Metrics DIDSON",
+       .shows = "lampreys and a pike, fan videos of its viewer; ranges are printed in one of them",
+       .licence = "Apache-2.0",
+       .source = "https://github.com/safnuk/DIDSON.jl",
+       .commit = "7ebbe8866152d4606651e2857c11f4d4638ea78c",
+       .paths = {{"data/lamprey1.avi", "lamprey1.avi"},
+                 {"data/lamprey2.avi", "lamprey2.avi"},
+                 {"data/pike1.avi", "pike1.avi"},
+                 {"LICENSE.md", "LICENSE.md"}},
+       .witness = "pike1.avi",
+       .witness_sha256 = "719e25cc556b34a14dd5489bc3a54947c2fa8c64a52527c95ffd660c148ef928"},
       {.name = "uxo_dataset2024",
        .sensor = "Sound Metrics ARIS Explorer 3000, 3 MHz, on a gantry",
-       .shows =
-           "dummies of ammunition in a test basin: 74,000 raw frames with the poses of sonar and targets, "
-           "and models of them",
-       .licence = "see its page",
-       .source = "https://zenodo.org/records/11068046",
+       .shows = "ammunition and a cylinder in a test basin: 74,000 raw frames",
+       .truth = "poses of sonar and targets; models of the targets",
+       .licence = "see its page; BSD-3-Clause according to others",
+       .source = "https://github.com/dfki-ric/uxo-dataset2024",
+       .data = "https://zenodo.org/records/13778485",
+       .commit = {},
+       .paths = {},
+       .witness = {},
+       .witness_sha256 = {}},
+      {.name = "opti_acoustic_2025",
+       .sensor = "Blueprint Oculus M750d, with a camera",
+       .shows = "piers and sea walls in a tank and in a marina: ROS 1 bags (sonar_oculus/OculusPing) and ROS "
+                "2 bags",
+       .truth = "odometry; STL models of the structures in the tank",
+       .licence = "MIT (code); of the data none stated, a citation is asked for",
+       .source = "https://github.com/ivanacollg/sonar_camera_reconstruction",
+       .data = "https://drive.google.com/drive/folders/1P7bbY_ikMIOyv38ZTB3Xp3M5JepqIdYG",
+       .commit = {},
+       .paths = {},
+       .witness = {},
+       .witness_sha256 = {}},
+      {.name = "sonarsplat",
+       .sensor = "imaging sonar of a robot (see its paper)",
+       .shows = "a test tank, empty and with structures, and a shipwreck in a lake: one pickle per frame",
+       .truth = "pose of each frame; point clouds of the 3-D scenes",
+       .licence = "CC BY-NC-SA 4.0 (stated for the project)",
+       .source = "https://umfieldrobotics.github.io/sonarsplat3D/",
+       .data = "https://drive.google.com/file/d/1sDGprDT-kS-Eunt5XjXAFMkMe1t3GIbd",
+       .commit = {},
+       .paths = {},
+       .witness = {},
+       .witness_sha256 = {}},
+      {.name = "neusis",
+       .sensor = "imaging sonar with 14 and 28 degrees of elevation (see its paper)",
+       .shows = "SYNTHETIC objects, and according to its configurations a real one: one pickle per view",
+       .truth = "pose of each view",
+       .licence = "MIT (code); of the data none stated",
+       .source = "https://github.com/rpl-cmu/neusis",
+       .data = "https://drive.google.com/drive/folders/161PNPuIfsIwAsRjOc2PXQUkjO4F0P5Nr",
        .commit = {},
        .paths = {},
        .witness = {},

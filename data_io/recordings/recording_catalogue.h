@@ -14,9 +14,11 @@ struct PublicRecording {
   std::string name;  // name of its folder among the recordings
   std::string sensor;
   std::string shows;
-  std::string licence;  // as its source states it; with "none stated" all rights remain with its authors
-  std::string source;   // address of a git repository or of a page
-  std::string commit;   // 40 digits, which identify every byte; empty: not in git, to be downloaded by hand
+  std::string truth = {};  // what is known besides the images: poses, models; empty: nothing
+  std::string licence;     // as its source states it; with "none stated" all rights remain with its authors
+  std::string source;      // address of a git repository or of a page
+  std::string data = {};   // address of the data if the source only describes them
+  std::string commit;  // 40 digits, which identify every byte; empty: not in git, to be downloaded by hand
   // Files to take: path in the repository, and name in the folder.
   struct Path {
     std::string from;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/sonars/aris_pings.h"
 #include "core/types/error.h"
 #include "data_io/files/byte_reader.h"
+#include "data_io/sonars/aris_empty_pings.h"
 #include "data_io/sonars/aris_model.h"
 #include "data_io/sonars/frames_by_size.h"
 
@@ -34,6 +36,7 @@ ArisHeader ParseFrameHeader(const ByteReader& reader) {
   header.ping_mode = reader.U32Within(436, "PingMode", 1, 12);
   header.high_frequency = reader.U32(440, "FrequencyHiLow") != 0;
   header.pulse_width_us = reader.U32(444, "PulseWidth");
+  header.cycle_period_us = reader.U32(448, "CyclePeriod");
   header.sample_period_us = reader.U32Within(452, "SamplePeriod", 1, 1000);
   header.frame_rate_hz = reader.F32(460, "FrameRate");
   header.sound_speed_m_per_s = reader.F32(464, "SoundSpeed");
@@ -45,9 +48,13 @@ ArisHeader ParseFrameHeader(const ByteReader& reader) {
   header.sample_start_delay_us = reader.U32Within(476, "SampleStartDelay", 0, 1'000'000);
   header.lens = reader.U32(480, "LargeLens") != 0 ? ArisLens::kTelephoto : ArisLens::kStandard;
   header.system = static_cast<ArisSystem>(reader.U32Within(484, "TheSystemType", 0, 2));
-  if (reader.U32(516, "ReorderedSamples") == 0) {
-    throw DataError("{}: 0, expected samples that are sorted by beam already",
-                    reader.Where(516, "ReorderedSamples"));
+  header.by_beam = reader.U32(516, "ReorderedSamples") != 0;
+  if (!header.by_beam && ArisPingsPerFrame(static_cast<int>(header.ping_mode)) == 0) {
+    throw DataError(
+        "{}: 0 with PingMode {}, expected 1 (samples sorted by beam) or PingMode 1, 3, 6 or 9, whose sending "
+        "order is "
+        "known",
+        reader.Where(516, "ReorderedSamples"), header.ping_mode);
   }
   header.salinity_ppt = reader.U32(520, "Salinity");
   return header;
@@ -77,6 +84,9 @@ class ArisRecording final : public RecordingSource {
     DescribeAris(first_, FrameName(0), info_);
     NoteFrameCount(frames, reader.U32(4, "FrameCount"), info_.notes);
     NoteArisWindow(first_, info_);
+    if (!first_.by_beam)
+      info_.notes.emplace_back("Samples are in the order of sending and were sorted by beam.");
+    FindEmptyPings();
   }
 
   const RecordingInfo& info() const override { return info_; }
@@ -90,8 +100,7 @@ class ArisRecording final : public RecordingSource {
     Frame frame{InfoOf(index, header),
                 {ArisAxes(header, FrameName(index)), info_.scale,
                  Grid<float>(static_cast<int>(header.samples_per_beam), beams)}};
-    const std::vector<std::byte> grey =
-        ReadFileRange(file_, Offset(index) + kHeaderBytes, frame.image.value.size(), "samples");
+    const std::vector<std::byte> grey = SamplesByBeam(index, header);
     const std::byte* next = grey.data();
     for (int bin = 0; bin < frame.image.value.rows(); ++bin) {
       // ARIS beams are numbered from the right, columns from the left.
@@ -120,6 +129,35 @@ class ArisRecording final : public RecordingSource {
                       first_.samples_per_beam);
     }
     return header;
+  }
+
+  // By sample and ARIS beam number.
+  std::vector<std::byte> SamplesByBeam(int index, const ArisHeader& header) const {
+    const std::size_t count = static_cast<std::size_t>(header.beam_count()) * header.samples_per_beam;
+    std::vector<std::byte> samples = ReadFileRange(file_, Offset(index) + kHeaderBytes, count, "samples");
+    return header.by_beam ? samples : ArisSamplesByBeam(samples, static_cast<int>(header.ping_mode));
+  }
+
+  // Looks at some frames, and at all frames if any of those lacks a ping.
+  void FindEmptyPings() {
+    constexpr int kMaxFrames = 32;
+    const int some = std::min(frame_count_, kMaxFrames);
+    if (!EmptyPingsOf(some).any()) return;
+    EmptyPingsOf(frame_count_).Describe(info_);
+  }
+
+  // Examines `count` frames, evenly spread. Frames that cannot be read are left out.
+  ArisEmptyPings EmptyPingsOf(int count) const {
+    ArisEmptyPings empty(static_cast<int>(first_.ping_mode));
+    for (int i = 0; i < count; ++i) {
+      const auto index = static_cast<int>(static_cast<std::int64_t>(i) * frame_count_ / count);
+      try {
+        empty.Add(index, SamplesByBeam(index, ReadHeader(index)));
+      } catch (const DataError&) {
+        continue;
+      }
+    }
+    return empty;
   }
 
   static FrameInfo InfoOf(int index, const ArisHeader& header) {

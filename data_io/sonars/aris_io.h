@@ -8,11 +8,14 @@
 // Frame header fields used (offset, type): FrameIndex 0 u32; FrameTime 4 u64, microseconds since 1970;
 // Version 12 u32, the magic again; WindowStart 52 f32 m; WindowLength 56 f32 m; ReceiverGain 68 u32 dB;
 // WaterTemp 224 f32 degrees C; PingMode 436 u32; FrequencyHiLow 440 u32, 1 = high; PulseWidth 444 u32 us;
-// SamplePeriod 452 u32 us; FrameRate 460 f32 Hz; SoundSpeed 464 f32 m/s; SamplesPerBeam 468 u32;
-// SampleStartDelay 476 u32 us; LargeLens 480 u32; TheSystemType 484 u32; ReorderedSamples 516 u32; Salinity
-// 520 u32 ppt.
+// CyclePeriod 448 u32 us between two pings; SamplePeriod 452 u32 us; FrameRate 460 f32 Hz; SoundSpeed 464
+// f32 m/s; SamplesPerBeam 468 u32; SampleStartDelay 476 u32 us; LargeLens 480 u32; TheSystemType 484 u32;
+// ReorderedSamples 516 u32; Salinity 520 u32 ppt.
 //
-// Source: the manufacturer's ARIS File SDK, docs/understanding-aris-data.md.
+// ReorderedSamples 0 means that the samples are in the order of sending, ping by ping: they are sorted by
+// beam (core/sonars/aris_pings.h).
+//
+// Source: the manufacturer's ARIS File SDK, docs/understanding-aris-data.md and FrameHeader.h.
 //
 // Conversion: range edges (SampleStartDelay + i SamplePeriod) 1e-6 SoundSpeed / 2; beams by the
 // manufacturer's table, reversed so that column 0 is the leftmost (aris_beam_tables.h); grey 0..255 over 80
@@ -20,6 +23,9 @@
 //
 // The file's size replaces the frame count of the file header, and the sample timing replaces
 // WindowStart/WindowLength; a note states a disagreement. A truncated last frame is omitted with a note.
+// Up to 32 frames are read when a file is opened, to find pings without samples
+// (data_io/sonars/aris_empty_pings.h). If there are any, all frames are read.
+//
 // Every frame must have the first one's ping mode and number of samples, because the positions of the frames
 // depend on them. Window and sound speed may change between frames.
 #pragma once

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/sonars/aris_pings.h"
 #include "core/types/error.h"
 
 namespace sonarcal::data_io {
@@ -25,6 +26,17 @@ double FrequencyHz(const ArisHeader& header) {
       return header.high_frequency ? 1.2e6 : 0.7e6;
   }
   return 0.0;
+}
+
+// Timing of the pings that make a frame. The ping mode must be one whose pings are known.
+std::string PingsText(const ArisHeader& header) {
+  constexpr std::uint32_t kMinCycleUs = 1802;  // limits of the manufacturer
+  constexpr std::uint32_t kMaxCycleUs = 65535;
+  const int pings = ArisPingsPerFrame(static_cast<int>(header.ping_mode));
+  const bool known = header.cycle_period_us >= kMinCycleUs && header.cycle_period_us <= kMaxCycleUs;
+  return fmt::format("{} pings make a frame{}: beam k, counted from 0 at the right, belongs to ping k mod {}",
+                     pings, known ? fmt::format(", {:.4g} ms apart", header.cycle_period_us * 1e-3) : "",
+                     pings);
 }
 
 }  // namespace
@@ -84,6 +96,8 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
                   {"lens", header.lens == ArisLens::kTelephoto ? "telephoto" : "standard"},
                   {"water temperature", fmt::format("{:.1f} C", header.water_temperature_c)},
                   {"salinity", fmt::format("{} ppt", header.salinity_ppt)}};
+  if (ArisPingsPerFrame(static_cast<int>(header.ping_mode)) > 0)
+    info.details.emplace_back("pings", PingsText(header));
 }
 
 void NoteArisWindow(const ArisHeader& header, RecordingInfo& info) {

@@ -21,6 +21,7 @@ struct ArisHeader {
   std::uint32_t ping_mode = 0;
   bool high_frequency = false;
   std::uint32_t pulse_width_us = 0;
+  std::uint32_t cycle_period_us = 0;  // time between two pings; 0 = unknown
   std::uint32_t sample_period_us = 0;
   float frame_rate_hz = 0.0f;
   float sound_speed_m_per_s = 0.0f;
@@ -28,6 +29,7 @@ struct ArisHeader {
   std::uint32_t sample_start_delay_us = 0;
   ArisLens lens = ArisLens::kStandard;
   ArisSystem system = ArisSystem::kAris1800;
+  bool by_beam = true;  // samples are sorted by beam, not in the order of sending
   std::uint32_t salinity_ppt = 0;
 
   int beam_count() const {

@@ -51,9 +51,10 @@ TEST(OpenRecording, NoFileIsTakenForARecordingByItsFirstLettersAlone) {
 
 TEST(OpenRecording, OpensEveryRealRecording) {
   for (const char* name :
-       {"aris1200_telephoto/sample.aris", "oculus_m1200d/one_ping_8bit.raw", "didson_hull/background",
-        "didson_hull/test", "synthetic_tank", "synthetic_tank/recording.json", "synthetic_tank_ghosts",
-        "synthetic_tank_static", "synthetic_tank_poses", "neusis_pickles", "aris1200_telephoto"}) {
+       {"aris1200_telephoto/sample.aris", "aris3000_broken/output.aris", "oculus_m1200d/one_ping_8bit.raw",
+        "didson_hull/background", "didson_hull/test", "synthetic_tank", "synthetic_tank/recording.json",
+        "synthetic_tank_ghosts", "synthetic_tank_static", "synthetic_tank_poses", "neusis_pickles",
+        "aris1200_telephoto"}) {
     SONARCAL_NEEDS_RECORDING(path, name);
     EXPECT_TRUE(testing::OpensWholly(path)) << name;
   }

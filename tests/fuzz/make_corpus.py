@@ -51,15 +51,15 @@ def tiff(rows, cols, bits, is_float):
             bytes(4))
 
 
-def aris(frames, samples=3, beams=64):
+def aris(frames, samples=3, beams=64, sorted_by_beam=1, dark_ping=None):
     magic = 0x05464444
     data = fields(1024, (0, "I", magic), (4, "I", frames))
     for k in range(frames):
         data += fields(1024, (0, "I", k), (4, "Q", 1371198079122519 + k), (12, "I", magic), (52, "f", 0.75),
                        (56, "f", 0.15), (68, "I", 18), (224, "f", 12.5), (436, "I", 6), (444, "I", 15),
                        (452, "I", 10), (460, "f", 6.5), (464, "f", 1500.0), (468, "I", samples), (476, "I", 1000),
-                       (484, "I", 1), (516, "I", 1), (520, "I", 35))
-        data += bytes(i % 256 for i in range(samples * beams))
+                       (484, "I", 1), (516, "I", sorted_by_beam), (520, "I", 35))
+        data += bytes(0 if i % 4 == dark_ping else i % 256 for i in range(samples * beams))
     return data
 
 
@@ -335,6 +335,8 @@ def pickled(protocol, arrays):
 def main():
     put("recording_file", "aris", aris(2))
     put("recording_file", "aris_cut_short", aris(2)[:-1])
+    put("recording_file", "aris_empty_ping", aris(2, dark_ping=1))
+    put("recording_file", "aris_unsorted", aris(2, sorted_by_beam=0))
     put("recording_file", "ddf3", ddf(3))
     put("recording_file", "ddf4", ddf(4))
     for version in (1, 2):
@@ -387,6 +389,11 @@ def main():
     fan = bytes(200 if abs(x - 35) * 7 < (60 - y) * 4 and (x - 35) ** 2 + (60 - y) ** 2 < 3000 else 0
                 for y in range(60) for x in range(70))
     put("fan_picture", "fan.png", png(60, 70, fan))
+    text = list(fan)
+    for row in (8, 20, 32):
+        for col in (3, 5, 64, 66):
+            text[70 * row + col] = 200
+    put("fan_picture", "fan_with_text.png", png(60, 70, type(fan)(text)))
     put("fan_picture", "fan.jpg", JPEG)
     shown = {"format": "sonar-picture-geometry/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6,
              "sound_speed_m_per_s": 1480, "db_span": 80}

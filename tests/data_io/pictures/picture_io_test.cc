@@ -258,6 +258,44 @@ TEST(Pictures, JpegsAndVideosAreReadWithTheirLosses) {
   for (const int k : {0, 1, 3, 2}) EXPECT_LT(WorstDifference(video->ReadFrame(k), 10 * k), 6.0) << k;
 }
 
+TEST(Pictures, AVideoThatCannotBeDecodedIsRefusedWithItsCodec) {
+  const TempDir dir;
+  Grid<std::uint8_t> picture = Picture();
+  {
+    cv::VideoWriter writer((dir / "fan.avi").string(), cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 5.0,
+                           cv::Size(picture.cols(), picture.rows()), false);
+    ASSERT_TRUE(writer.isOpened());
+    writer.write(cv::Mat(picture.rows(), picture.cols(), CV_8UC1, picture.values().data()));
+  }
+  std::string bytes = testing::ReadFile(dir / "fan.avi");
+  for (std::size_t at = bytes.find("MJPG"); at != std::string::npos; at = bytes.find("MJPG", at))
+    bytes.replace(at, 4, "ZZ9Z");
+  testing::WriteFile(dir / "fan.avi", bytes);
+  EXPECT_THAT(
+      RefusalOf(dir / "fan.avi"),
+      HasSubstr("fan.avi: a video that OpenCV and FFmpeg on this machine cannot decode (codec ZZ9Z)"));
+  testing::WriteFile(dir / "fan.avi", bytes.substr(0, 60));
+  EXPECT_THAT(RefusalOf(dir / "fan.avi"), HasSubstr("cannot decode"));
+}
+
+TEST(Pictures, HostileVideosAreRefused) {
+  const TempDir dir;
+  {
+    cv::VideoWriter writer((dir / "fan.avi").string(), cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 5.0, cv::Size(48, 48), false);
+    ASSERT_TRUE(writer.isOpened());
+    cv::Mat fan(48, 48, CV_8UC1, cv::Scalar(0));
+    for (int row = 4; row < 44; ++row) fan.row(row).colRange(4 + row / 3, 44 - row / 3).setTo(200);
+    for (int k = 0; k < 3; ++k) writer.write(fan);
+  }
+  testing::WriteFile(
+      dir / "fan.avi.geometry.json",
+      R"({"format": "sonar-picture-geometry/1", "range_m": [4], "fan": {"beams": 6, "range_bins": 9}})");
+  const std::string bytes = testing::ReadFile(dir / "fan.avi");
+  testing::ExpectOnlyDataErrors(dir / "fan.avi", dir / "fan.avi", bytes, 300);
+}
+
 TEST(Pictures, WithoutADescriptionTheSentenceHoldsOne) {
   const TempDir dir;
   WritePng(dir / "fan.png", Picture());

@@ -19,6 +19,8 @@ TEST(RecordingCatalogue, EveryEntrySaysWhoseItIs) {
     for (const std::string* field : {&recording.sensor, &recording.shows, &recording.licence})
       EXPECT_FALSE(field->empty()) << recording.name;
     EXPECT_TRUE(recording.source.starts_with("https://")) << recording.name;
+    EXPECT_TRUE(recording.data.empty() || recording.data.starts_with("https://")) << recording.name;
+    EXPECT_TRUE(recording.commit.empty() || recording.data.empty()) << recording.name << ": git has the data";
     EXPECT_TRUE(recording.commit.empty() || recording.commit.size() == 40) << recording.name;
     EXPECT_EQ(recording.commit.empty(), recording.paths.empty()) << recording.name;
     EXPECT_EQ(recording.witness_sha256.size(), recording.witness.empty() ? 0U : 64U) << recording.name;
@@ -28,6 +30,16 @@ TEST(RecordingCatalogue, EveryEntrySaysWhoseItIs) {
       EXPECT_EQ(path.from.find(".."), std::string::npos) << path.from;
     }
   }
+}
+
+TEST(RecordingCatalogue, NamesTheRecordingsWithPoses) {
+  std::set<std::string> posed;
+  for (const PublicRecording& recording : RecordingCatalogue()) {
+    if (recording.truth.find("pose") != std::string::npos ||
+        recording.truth.find("odometry") != std::string::npos)
+      posed.insert(recording.name);
+  }
+  EXPECT_EQ(posed, (std::set<std::string>{"neusis", "opti_acoustic_2025", "sonarsplat", "uxo_dataset2024"}));
 }
 
 TEST(RecordingCatalogue, KnowsARecordingByItsWitness) {

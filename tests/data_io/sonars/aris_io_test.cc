@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "core/types/units.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/data_io/byte_writer.h"
 #include "tests/data_io/recording_file_test.h"
 #include "tests/support/recordings.h"
@@ -16,6 +19,7 @@ namespace {
 
 using testing::ByteWriter;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -32,6 +36,7 @@ struct SyntheticAris {
   std::uint32_t large_lens = 0;
   std::uint32_t samples = kSamples;
   std::uint32_t sample_period_us = 10;
+  std::uint32_t cycle_period_us = 0;
   std::uint32_t reordered = 1;
   float sound_speed_m_per_s = 1500.0f;
   float water_temperature_c = 12.5f;
@@ -61,6 +66,7 @@ struct SyntheticAris {
       file.U32(at + 436, ping_mode);
       file.U32(at + 440, high_frequency);
       file.U32(at + 444, 15);
+      file.U32(at + 448, cycle_period_us);
       file.U32(at + 452, sample_period_us);
       file.F32(at + 460, 6.5f);
       file.F32(at + 464, sound_speed_m_per_s);
@@ -197,7 +203,8 @@ TEST_F(ArisTest, RefusesFieldsOutsideTheirDomain) {
   EXPECT_THAT(Refusal({.samples = 0xffffffff}), HasSubstr("SamplesPerBeam"));
   EXPECT_THAT(Refusal({.samples = 60000}), HasSubstr("the file ends at byte"));
   EXPECT_THAT(Refusal({.sample_period_us = 0}), HasSubstr("SamplePeriod"));
-  EXPECT_THAT(Refusal({.reordered = 0}), HasSubstr("ReorderedSamples"));
+  EXPECT_THAT(Refusal({.ping_mode = 7, .reordered = 0}),
+              HasSubstr("byte 1540: ReorderedSamples: 0 with PingMode 7, expected 1"));
   for (const float c : {0.0f, -1500.0f, 1e9f, std::numeric_limits<float>::quiet_NaN(),
                         std::numeric_limits<float>::infinity()}) {
     EXPECT_THAT(Refusal({.sound_speed_m_per_s = c}), HasSubstr("SoundSpeed"));
@@ -215,6 +222,182 @@ TEST_F(ArisTest, RefusesAFrameOfAnotherShapeOrNoFrame) {
   file.U32(aris.FrameOffset(1) + 12, 0);
   EXPECT_THAT(RecordingFileTest::Refusal(file.bytes()),
               HasSubstr("byte 3340: Version: 0x00000000, expected 0x05464444"));
+}
+
+TEST_F(ArisTest, SamplesInTheOrderOfSendingAreSortedByBeam) {
+  // Channels of a ping in the order of sending, as beams of the ping.
+  constexpr std::array kBeamOfChannel = {10, 2, 14, 6, 8, 0, 12, 4, 11, 3, 15, 7, 9, 1, 13, 5};
+  SyntheticAris aris;
+  const auto sorted = Open(aris.Write().bytes());
+  const Grid<float> expected = sorted->ReadFrame(1).image.value;
+  EXPECT_THAT(sorted->info().notes, Not(Contains(HasSubstr("order of sending"))));
+  aris.reordered = 0;
+  ByteWriter file = aris.Write();
+  for (int k = 0; k < aris.frames; ++k) {
+    std::size_t at = aris.FrameOffset(k) + 1024;
+    for (int ping = 0; ping < 4; ++ping) {
+      for (int i = 0; i < kSamples; ++i) {
+        for (const int beam : kBeamOfChannel)
+          file.U8(at++, static_cast<std::uint8_t>(7 * i + 4 * beam + ping + 100 * k));
+      }
+    }
+  }
+  const auto sent = Open(file.bytes());
+  EXPECT_EQ(sent->ReadFrame(1).image.value, expected);
+  EXPECT_THAT(sent->info().notes, Contains(HasSubstr("order of sending")));
+  testing::ExpectOnlyDataErrors(path_, path_, file.bytes(), 2048);
+}
+
+// The manufacturer's frame has only three fields in its header; the others are given here.
+TEST_F(ArisTest, TheMakersFrameIsSortedLikeItsResult) {
+  SONARCAL_NEEDS_RECORDING(input, "aris_sdk_frames/reorder_frame_input.dat");
+  SONARCAL_NEEDS_RECORDING(result, "aris_sdk_frames/reorder_frame_result.dat");
+  const auto file_of = [](const std::filesystem::path& frame) {
+    ByteWriter file;
+    file.U32(0, kMagic);
+    std::string bytes = file.bytes();
+    bytes.resize(1024);
+    bytes += testing::ReadFile(frame);
+    ByteWriter header;
+    header.Grow(1024);
+    header.U64(4, 1'371'198'079'122'519);
+    header.U32(12, kMagic);
+    header.F32(224, 10.0F);
+    header.U32(452, 10);
+    header.F32(464, 1450.0F);
+    header.U32(476, 1000);
+    for (const auto& [at, count] : {std::pair{4, 12}, {224, 4}, {452, 4}, {464, 4}, {476, 12}, {520, 4}})
+      bytes.replace(1024 + at, count, header.bytes(), at, count);
+    return bytes;
+  };
+  const Grid<float> sorted = Open(file_of(result))->ReadFrame(0).image.value;
+  EXPECT_EQ(sorted.rows(), 512);
+  EXPECT_EQ(sorted.cols(), 48);
+  const auto recording = Open(file_of(input));
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("order of sending")));
+  EXPECT_EQ(recording->ReadFrame(0).image.value, sorted);
+}
+
+std::string Detail(const RecordingInfo& info, const std::string& name) {
+  for (const auto& [key, value] : info.details) {
+    if (key == name) return value;
+  }
+  return {};
+}
+
+TEST_F(ArisTest, SaysWhichPingABeamBelongsTo) {
+  SyntheticAris aris{.cycle_period_us = 7120};
+  EXPECT_EQ(
+      Detail(Open(aris.Write().bytes())->info(), "pings"),
+      "4 pings make a frame, 7.12 ms apart: beam k, counted from 0 at the right, belongs to ping k mod 4");
+  aris.cycle_period_us = 0xaaaaaaaa;
+  EXPECT_EQ(Detail(Open(aris.Write().bytes())->info(), "pings"),
+            "4 pings make a frame: beam k, counted from 0 at the right, belongs to ping k mod 4");
+  aris.ping_mode = 7;
+  EXPECT_EQ(Detail(Open(aris.Write().bytes())->info(), "pings"), "");
+}
+
+// Columns that info.valid excludes in all bins.
+std::set<int> EmptyColumns(const RecordingInfo& info) {
+  std::set<int> columns;
+  if (!info.valid) return columns;
+  for (int column = 0; column < info.valid->cols(); ++column) {
+    bool any = false;
+    for (int bin = 0; bin < info.valid->rows(); ++bin) any = any || (*info.valid)(bin, column) != 0;
+    if (!any) columns.insert(column);
+  }
+  return columns;
+}
+
+// Sets the samples of `frame` to 0 for which `dark(sample, beam)` is true.
+template <typename Dark>
+void Darken(const SyntheticAris& aris, ByteWriter& file, int frame, const Dark& dark) {
+  for (int i = 0; i < kSamples; ++i) {
+    for (int b = 0; b < aris.beams; ++b) {
+      if (dark(i, b)) file.U8(aris.FrameOffset(frame) + 1024 + std::size_t(i) * aris.beams + b, 0);
+    }
+  }
+}
+
+TEST_F(ArisTest, PingsThatNoFrameHoldsAreMarkedAsNotMeasured) {
+  const SyntheticAris aris{.frames = 3};
+  ByteWriter file = aris.Write();
+  for (int k = 0; k < 3; ++k)
+    Darken(aris, file, k, [](int i, int b) { return b % 4 == 1 || b % 4 == 3 || i >= 15; });
+  const auto recording = Open(file.bytes());
+  const RecordingInfo& info = recording->info();
+  EXPECT_THAT(info.notes,
+              Contains("The beams of 2 of 4 pings are empty (only zeros) in 3 of 3 frames: 32 of 64 beams "
+                       "are marked as not measured."));
+  EXPECT_THAT(info.notes,
+              Contains("No beam of any frame has a sample other than 0 beyond the first 15 of 20 range "
+                       "bins: the other bins are marked as not measured."));
+  const std::set<int> empty = EmptyColumns(info);
+  EXPECT_EQ(empty.size(), 32U);
+  // Column 0 is beam 63, which belongs to ping 3.
+  EXPECT_TRUE(empty.contains(0) && !empty.contains(1) && empty.contains(2) && !empty.contains(63));
+  EXPECT_EQ(CountSet(*info.valid), 32 * 15);
+  testing::ExpectOnlyDataErrors(path_, path_, file.bytes(), 2048);
+}
+
+TEST_F(ArisTest, PingsThatSomeFramesLackAreOnlyNoted) {
+  const SyntheticAris aris{.frames = 40};
+  ByteWriter file = aris.Write();
+  for (const int k : {6, 7, 20}) Darken(aris, file, k, [](int, int b) { return b % 4 == 2; });
+  const auto recording = Open(file.bytes());
+  EXPECT_FALSE(recording->info().valid);
+  EXPECT_THAT(
+      recording->info().notes,
+      Contains(
+          "The beams of 1 of 4 pings are empty (only zeros) in 3 of 40 frames, the first of which is frame "
+          "6; they are not marked, because other frames hold these beams."));
+}
+
+// Zeros of a sonar that works.
+TEST_F(ArisTest, DarkFramesAreNotCalledBroken) {
+  const SyntheticAris aris;
+  const auto expect_whole = [&](const char* what, const auto& dark) {
+    ByteWriter file = aris.Write();
+    for (int k = 0; k < 2; ++k) Darken(aris, file, k, dark);
+    const auto recording = Open(file.bytes());
+    EXPECT_FALSE(recording->info().valid) << what;
+    EXPECT_THAT(recording->info().notes, Not(Contains(HasSubstr("empty")))) << what;
+  };
+  expect_whole("nothing at all", [](int, int) { return true; });
+  expect_whole("one sample", [](int i, int b) { return i != 9 || b != 21; });
+  expect_whole("a target in three beams", [](int, int b) { return b < 20 || b > 22; });
+  expect_whole("two targets in the same ping", [](int, int b) { return b != 20 && b != 44; });
+  expect_whole("half of the fan", [](int, int b) { return b < 32; });
+  expect_whole("one sample in each beam", [](int i, int) { return i != 3; });
+  expect_whole("a shadow to the end of the window", [](int i, int) { return i > 5; });
+}
+
+// 27 frames with good headers. An independent decoding with NumPy found samples in beams 0, 8, 16, ...
+// only, and there in the first 205 of 946 bins only.
+TEST(ArisBroken, EmptyPingsAreNoticedAndNotMeasured) {
+  SONARCAL_NEEDS_RECORDING(path, "aris3000_broken/output.aris");
+  const auto recording = OpenRecording(path);
+  const RecordingInfo& info = recording->info();
+  EXPECT_EQ(recording->frame_count(), 27);
+  EXPECT_EQ(
+      Detail(info, "pings"),
+      "8 pings make a frame, 7.12 ms apart: beam k, counted from 0 at the right, belongs to ping k mod 8");
+  EXPECT_THAT(info.notes,
+              Contains("The beams of 7 of 8 pings are empty (only zeros) in 27 of 27 frames: 112 of 128 "
+                       "beams are marked as not measured."));
+  EXPECT_THAT(info.notes,
+              Contains("No beam of any frame has a sample other than 0 beyond the first 205 of 946 range "
+                       "bins: the other bins are marked as not measured."));
+  ASSERT_TRUE(info.valid);
+  EXPECT_EQ(CountSet(*info.valid), 16 * 205);
+  EXPECT_EQ((*info.valid)(0, 127), 1);
+  EXPECT_EQ((*info.valid)(0, 126), 0);
+  EXPECT_EQ((*info.valid)(204, 119), 1);
+  EXPECT_EQ((*info.valid)(205, 119), 0);
+  // A copy keeps the mask.
+  const testing::TempDir dir;
+  WriteRecording(*recording, dir / "copy");
+  EXPECT_EQ(OpenRecording(dir / "copy")->info().valid, info.valid);
 }
 
 TEST_F(ArisTest, HostileFilesEndInDataError) {
