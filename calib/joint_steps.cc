@@ -14,9 +14,11 @@
 namespace sonarcal::calib {
 namespace {
 
-// Damping, from a full Gauss-Newton step to a short step downhill. Strong damping is needed because nothing
-// is linear if edges move by more than the width of pulse and beam.
-constexpr double kLeastDamping = 1e-3;
+// Damping (Levenberg), in units of the information of the priors: a step goes hardly farther than a prior's
+// standard deviation over the root of the damping. It shortens steps along directions that the frames
+// determine weakly, where nothing is linear if edges move by more than the width of pulse and beam. Strongly
+// determined directions keep their whole step.
+constexpr double kLeastDamping = 1.0;
 constexpr int kTries = 7;
 constexpr double kHarder = 8.0;
 
@@ -60,7 +62,7 @@ class Stepper {
   std::optional<Found> Step(const ParameterValues& values, double least, double limit) {
     const Directions along = DirectionsAt(values);
     for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
-      const Eigen::ArrayXd step = -along.slope / ((1.0 + damping_) * along.curvature);
+      const Eigen::ArrayXd step = -along.slope / (along.curvature + damping_ * along.told);
       const double promised = -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
       if (promised < least) return std::nullopt;
       Found trial{.values = Moved(values, Scales().cwiseProduct(along.vectors * step.matrix())), .cost = 0.0};
@@ -104,6 +106,7 @@ class Stepper {
     Eigen::MatrixXd vectors;  // columns
     Eigen::ArrayXd slope;     // of the cost
     Eigen::ArrayXd curvature;
+    Eigen::ArrayXd told;  // 1 where the frames determine the direction, 0 where priors alone count
   };
 
   // Priors alone count along directions that the frames do not determine (kOpenShare): there the slopes of
@@ -122,7 +125,8 @@ class Stepper {
     return {.vectors = vectors,
             .slope = told * (vectors.transpose() * sigma.cwiseProduct(slopes.gradient)).array() +
                      (vectors.transpose() * off).array(),
-            .curvature = told * solver.eigenvalues().array() + 1.0};
+            .curvature = told * solver.eigenvalues().array() + 1.0,
+            .told = told};
   }
 
   Eigen::VectorXd Scales() const {

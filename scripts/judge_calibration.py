@@ -5,13 +5,16 @@
 
 RECORDING: folder with truth.json. CALIBRATED: output folder of `sonarcal calibrate` or `sonarcal fit`. Prints what
 the calibration found beside the truth: noise, pulse, mirrors, geometry, objects, poses, and curves where at least
-90 pixels show them.
+90 pixels show them. Last comes the chi-square of the errors of all placements together (geometry, objects, poses),
+with their standard errors and correlations: it is about their number if the standard errors are right.
 """
 
 import json
 import math
 import pathlib
 import sys
+
+import numpy
 
 POSE = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
 LEAST_PIXELS = 90
@@ -103,6 +106,21 @@ def judge_curves(fit, truth):
             print(f"curve of {material:10} off by up to {worst[0]:.2f} dB, at {worst[1]:.1f} deg")
 
 
+def judge_standard_errors(fit, values):
+    found = {p["name"]: p for p in fit["parameters"] if p["sigma"] is not None}
+    names = fit["correlation"]["names"]
+    kept = [k for k, name in enumerate(names)
+            if name in found and (name in values or name.startswith("object."))
+            and name.startswith(("geometry.", "object.", "pose."))]
+    if not kept:
+        return
+    placements = [found[names[k]] for k in kept]
+    errors = numpy.array([off(p, values.get(p["name"], 0.0)) / p["sigma"] for p in placements])
+    correlation = numpy.array(fit["correlation"]["matrix"])[numpy.ix_(kept, kept)]
+    print(f"errors of {len(kept)} placements over their standard errors: rms {rms(errors):.2f}, "
+          f"chi-square {errors @ numpy.linalg.solve(correlation, errors):.0f}")
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__.strip())
@@ -113,6 +131,7 @@ def main():
     judge_values(fit["parameters"], values)
     judge_poses(fit["parameters"], values)
     judge_curves(fit, truth)
+    judge_standard_errors(fit, values)
 
 
 if __name__ == "__main__":

@@ -40,9 +40,6 @@ constexpr double kLargestKs = 0.05;
 // Max number of steps of the search of the placement. It ends earlier if the likelihood no longer rises.
 constexpr int kSearchSteps = 40;
 
-// As above for fits that start at the end of a search.
-constexpr int kLastSteps = 6;
-
 // As above for other patterns of the beam, from where the search ended.
 constexpr int kPatternSteps = 3;
 
@@ -793,7 +790,6 @@ class Calibrator {
   calib::FitOptions Near() const {
     calib::FitOptions near = solver_;
     near.near_start = true;
-    near.joint_steps = kLastSteps;
     near.starts = 1;
     return near;
   }
