@@ -18,8 +18,8 @@ struct NormalEquations {
     Eigen::VectorXd score;        // J_b^T r_b
   };
   Eigen::MatrixXd information;  // J^T J
-  // The same from slopes by two sets of rays, the symmetric part of J_1^T J_2. Errors of the slopes add to
-  // J^T J, but not to this. Empty: the slopes are exact.
+  // Symmetric part of J_1^T J_2, from slopes by two sets of rays. Errors of the slopes add to J^T J, but not
+  // to this. Empty: the slopes are exact.
   Eigen::MatrixXd information_across;
   Eigen::VectorXd prior;      // 1 / variance of the prior; empty: no priors
   std::vector<Block> blocks;  // blocks in which a residual depends on a parameter
@@ -48,13 +48,14 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
                                              const std::vector<std::string>& names);
 
 // Covariance by leaving out one block at a time: with the change that block b makes to the solution, d_b =
-// (J^T J - J_b^T J_b)^-1 J_b^T r_b, it is (B - 1) / B sum d_b d_b^T, times the variance factor. This is the cluster-robust sandwich with
-// its small-sample correction CR3 (Cameron & Miller, J. Human Resources 50(2), 2015, section VI.B). A
-// parameter that few blocks determine gets a correctly large sigma. Not finite if one block alone determines
-// a parameter. A prior P adds its information to J^T J, and (J^T J + P)^-1 P (J^T J + P)^-1 to the
-// covariance. So directions that the data do not determine keep the variance of the prior. A numerical error
-// s of the score adds the outer product of the change that it makes, (J^T J + P)^-1 s. Where errors of the
-// slopes make J^T J too large, all changes grow by (J_1^T J_2 + P)^-1 (J^T J + P), at most tenfold.
+// (J^T J - J_b^T J_b)^-1 J_b^T r_b, it is (B - 1) / B sum d_b d_b^T, times the variance factor.
+// This is the cluster-robust sandwich with its small-sample correction CR3 (Cameron & Miller, J. Human
+// Resources 50(2), 2015, section VI.B). A parameter that few blocks determine gets a correctly large sigma.
+// Not finite if one block alone determines a parameter. A prior P adds its information to J^T J, and
+// (J^T J + P)^-1 P (J^T J + P)^-1 to the covariance. So directions that the data do not determine keep the
+// variance of the prior. A numerical error s of the score adds the outer product of the change that it makes,
+// (J^T J + P)^-1 s. Where errors of the slopes make J^T J too large, all changes grow by
+// (J_1^T J_2 + P)^-1 (J^T J + P), at most tenfold.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
 // Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over
