@@ -19,7 +19,7 @@ namespace {
 // determine weakly, where nothing is linear if edges move by more than the width of pulse and beam. Strongly
 // determined directions keep their whole step.
 constexpr double kLeastDamping = 1.0;
-constexpr int kTries = 7;
+constexpr int kTries = 8;
 constexpr double kHarder = 8.0;
 
 // Number of steps that end the search if they lower the cost by less than its roughness together. Points of a
@@ -61,15 +61,26 @@ class Stepper {
   // or if none promises a gain of `least`.
   std::optional<Found> Step(const ParameterValues& values, double least, double limit) {
     const Directions along = DirectionsAt(values);
-    for (int i = 0; i < kTries; ++i, damping_ *= kHarder) {
-      const Eigen::ArrayXd step = -along.slope / (along.curvature + damping_ * along.told);
-      const double promised = -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
-      if (promised < least) return std::nullopt;
+    const auto step_with = [&](double pull) {
+      const Eigen::ArrayXd share = along.told + pull * (1.0 - along.told);
+      return Eigen::ArrayXd(-share * along.slope / (along.curvature + damping_ * along.told));
+    };
+    const auto promised = [&](const Eigen::ArrayXd& step) {
+      return -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
+    };
+    bool pulls = true;  // goes towards the priors too
+    for (int i = 0; i < kTries; ++i) {
+      const Eigen::ArrayXd step = step_with(pulls ? pull_ : 0.0);
+      if (promised(step) < least) return std::nullopt;
       Found trial{.values = Moved(values, Scales().cwiseProduct(along.vectors * step.matrix())), .cost = 0.0};
       trial.cost = TracedCost(trial.values);
-      if (!(trial.cost < limit)) continue;
-      damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
-      return trial;
+      if (trial.cost < limit) {
+        if (pulls) pull_ = std::min(1.0, 2.0 * pull_);
+        damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
+        return trial;
+      }
+      (pulls ? pull_ : damping_) *= pulls ? 1.0 / kHarder : kHarder;
+      pulls = promised(step_with(0.0)) < least;
     }
     return std::nullopt;
   }
@@ -109,22 +120,30 @@ class Stepper {
     Eigen::ArrayXd told;  // 1 where the frames determine the direction, 0 where priors alone count
   };
 
-  // Priors alone count along directions that the frames do not determine (kOpenShare): there the slopes of
-  // images are mostly errors, from rays that appear and disappear at edges.
+  // Placements follow priors alone along directions that the frames do not determine (kOpenShare): there the
+  // slopes of images are mostly errors, from rays that appear and disappear at edges. Curves stay there. The
+  // way to their priors is far from linear, such as that of a term that contributes nothing.
   Directions DirectionsAt(const ParameterValues& values) const {
     const CostSlopes slopes = SlopesOfCost(model_, catalog_, {.active = active_, .values = values});
-    Eigen::VectorXd off(slopes.gradient.size());
-    for (std::size_t k = 0; k < active_.size(); ++k)
-      off(static_cast<Eigen::Index>(k)) = catalog_[active_[k]].FromPrior(values[active_[k]]);
+    Eigen::VectorXd off = Eigen::VectorXd::Zero(slopes.gradient.size());
+    Eigen::VectorXd placements_off = off;
+    for (std::size_t k = 0; k < active_.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      off(i) = catalog_[active_[k]].FromPrior(values[active_[k]]);
+      if (IsGeometric(catalog_[active_[k]])) placements_off(i) = off(i);
+    }
     const Eigen::VectorXd sigma = Scales();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * slopes.information *
                                                                 sigma.asDiagonal());
     const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
     const Eigen::ArrayXd told = (solver.eigenvalues().array() >= pixels_per_cell / kOpenShare).cast<double>();
     const Eigen::MatrixXd& vectors = solver.eigenvectors();
+    const auto along = [&](const Eigen::VectorXd& slope) {
+      return (vectors.transpose() * slope).array().eval();
+    };
     return {.vectors = vectors,
-            .slope = told * (vectors.transpose() * sigma.cwiseProduct(slopes.gradient)).array() +
-                     (vectors.transpose() * off).array(),
+            .slope = told * along(sigma.cwiseProduct(slopes.gradient) + off) +
+                     (1.0 - told) * along(placements_off),
             .curvature = told * solver.eigenvalues().array() + 1.0,
             .told = told};
   }
@@ -155,6 +174,7 @@ class Stepper {
   const JointStepOptions& options_;
   std::vector<int> geometric_;
   double damping_ = kLeastDamping;
+  double pull_ = 1.0;  // share of the way to the priors that the last step could go
 };
 
 }  // namespace
