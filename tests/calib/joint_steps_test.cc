@@ -66,6 +66,35 @@ TEST(JointSteps, GoDownTheValleyOfPitchAndCurves) {
   EXPECT_NEAR(mean_deg, 0.0, 0.2);
 }
 
+// The prior of a term that contributes nothing lies orders of magnitude away. A step all the way there would
+// raise the cost, and the pose would stay where it is.
+TEST(JointSteps, MoveThePoseBesideATermThatContributesNothing) {
+  SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
+  const testing::SyntheticTank tank(folder);
+  std::vector<AcousticFrame> frames = tank.Frames({0});
+  PoseStep low = PoseStep::Zero();
+  low(4) = -0.5;
+  frames[0].world_from_sonar = MovePose(tank.TruePose(0), low);
+  AcousticFrameModel model(tank.simulator, frames, tank.TrueParameters());
+  FitConfig config{.free = std::vector<std::string>{"pose", "material.floor.gsab.A"},
+                   .priors = {{"material.floor.gsab.A", std::pair{5.0, 5.0}}},
+                   .start = {{"material.floor.gsab.A", 1e-5}}};
+  std::vector<CatalogEntry> catalog = model.catalog();
+  const std::vector<bool> free = ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
+  ParameterValues values = StartValues(config, catalog, model.initial_values());
+  std::vector<int> active;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (free[i]) active.push_back(static_cast<int>(i));
+  }
+  const auto traced = [&](const ParameterValues& at) {
+    return model.TracedCost(at, tank.simulator.options().fan);
+  };
+  const auto roughness = [](const ParameterValues&) { return 17.0; };
+  TakeJointSteps(model, catalog, active, {.steps = 3, .least = 1.0, .cost = traced, .roughness = roughness},
+                 values);
+  EXPECT_NEAR(StepBetween(tank.TruePose(0), model.PoseOf(0, values))(4), 0.0, 0.2) << "degrees";
+}
+
 TEST(JointSteps, LeaveOutARefitThatRaisesTheCost) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_poses");
   const testing::SyntheticTank tank(folder);
