@@ -79,9 +79,10 @@ void AccountForFan(const EvenFan& fan, int rows, ExportAccount& account) {
   }
   AccountForElevation(
       "scan/vertical/rays, scan/vertical/max_angle, spec/verticalFOV",
-      fmt::format("{} rows of rays between hard edges; the angles are half of ours, because the plugin doubles "
-                  "them",
-                  rows),
+      fmt::format(
+          "{} rows of rays between hard edges; the angles are half of ours, because the plugin doubles "
+          "them",
+          rows),
       account);
 }
 
@@ -114,9 +115,10 @@ ExportedConfig ExportToDaveRos2(const ExportSource& source, const std::string& n
   account.Exported("sonar.range_max_m", "spec/maxDistance, range/max");
   account.Approximated("sonar.range_min_m", "range/min",
                        "bins begin at range 0; what is nearer than the window is not seen");
-  account.Approximated("sonar.range_bins", "spec/bandwidth",
-                       fmt::format("bins are c / (2 bandwidth) = {:.6g} m long, as ours, and begin at range 0",
-                                   axes.range_bin_m()));
+  account.Approximated(
+      "sonar.range_bins", "spec/bandwidth",
+      fmt::format("bins are c / (2 bandwidth) = {:.6g} m long, as ours, and begin at range 0",
+                  axes.range_bin_m()));
   account.Exported("source_level_db", "spec/sourceLevel",
                    "the plugin lets the area of a patch grow with range, not its square");
   account.NotExpressed("material.", "all surfaces have the reflectivity 0.001 in this version of DAVE");
@@ -138,10 +140,12 @@ ExportedConfig ExportToDaveRos2(const ExportSource& source, const std::string& n
   AccountForTheRest("DAVE", account);
 
   config.files.push_back(
-      {"", XmlText(document, config.schema,
-                   "X looks ahead, Y to the left. The world needs the plugin multibeam_sonar_system of DAVE: see\n"
-                   "  the world beside this file.",
-                   account)});
+      {"",
+       XmlText(
+           document, config.schema,
+           "X looks ahead, Y to the left. The world needs the plugin multibeam_sonar_system of DAVE: see\n"
+           "  the world beside this file.",
+           account)});
   const pugi::xml_node model = document.document_element().child("model");
   const std::vector<WorldPlugin> plugins = {{"multibeam_sonar_system", "custom::MultibeamSonarSystem"}};
   for (ExportedFile& file : SdfWorld(model, source, name, config.schema, plugins))

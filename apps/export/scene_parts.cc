@@ -46,8 +46,9 @@ std::string ObjText(const Scene& scene, std::size_t material) {
     const Eigen::Vector3f unit = normal.normalized();
     ++normal_count;
     fmt::format_to(std::back_inserter(normals), "vn {:.6g} {:.6g} {:.6g}\n", unit.x(), unit.y(), unit.z());
-    fmt::format_to(std::back_inserter(faces), "f {0}//{3} {1}//{3} {2}//{3}\n", numbers[scene.triangles[i][0]],
-                   numbers[scene.triangles[i][1]], numbers[scene.triangles[i][2]], normal_count);
+    fmt::format_to(std::back_inserter(faces), "f {0}//{3} {1}//{3} {2}//{3}\n",
+                   numbers[scene.triangles[i][0]], numbers[scene.triangles[i][1]],
+                   numbers[scene.triangles[i][2]], normal_count);
   }
   if (faces.empty()) return "";
   return "# Written by sonarcal export: metres, Z up\n" + vertices + normals + faces;
